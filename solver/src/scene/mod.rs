@@ -1,0 +1,167 @@
+//! What a scene says: the TOML file as typed data, in SI units, with every range checked.
+//!
+//! [`Scene::load`] is the door. A file that is wrong yields a [`SceneError`] that names the file, the
+//! line, what is wrong and what would be right. [`populate`](populate()) turns a scene and a seed into the grains
+//! that every code starts from.
+
+mod check;
+mod error;
+mod populate;
+mod settings;
+mod types;
+
+pub use error::SceneError;
+pub use populate::{Grain, populate};
+pub use settings::{NormalLaw, SolverSettings, Stop};
+pub use types::{
+    Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population, Prepare,
+    RadiusDistribution, Region, Shape, Wall,
+};
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A scene: materials, walls, grains, gravity, duration, solver settings and what to measure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Short name, used in tables and file names.
+    pub name: String,
+    /// One sentence that says what the scene tests.
+    pub description: String,
+    /// Simulated time, seconds.
+    pub duration: f64,
+    /// Acceleration of gravity, m/s2.
+    #[serde(default = "types::earth_gravity")]
+    pub gravity: [f64; 3],
+    /// Seed used where none is asked for.
+    #[serde(default = "types::first_seed")]
+    pub seed: u64,
+    /// Box that no grain may leave, metres.
+    pub domain: Domain,
+    /// Materials by name.
+    pub material: BTreeMap<String, Material>,
+    /// Friction and restitution of particular pairs of materials.
+    #[serde(default)]
+    pub pair: Vec<PairRule>,
+    /// Walls, in the order in which contacts number them.
+    #[serde(default)]
+    pub wall: Vec<Wall>,
+    /// Groups of grains placed by rule.
+    #[serde(default)]
+    pub population: Vec<Population>,
+    /// Grains placed one by one.
+    #[serde(default)]
+    pub grain: Vec<GrainEntry>,
+    /// What is simulated before the run begins, where a run starts from a flowing state.
+    #[serde(default)]
+    pub prepare: Option<Prepare>,
+    /// How Makadam solves it.
+    #[serde(default)]
+    pub solver: SolverSettings,
+    /// What is measured and when.
+    #[serde(default)]
+    pub measure: Measure,
+    /// Observables that are compared between codes, with their margins of equivalence.
+    #[serde(default)]
+    pub compare: Vec<Expectation>,
+}
+
+impl Scene {
+    /// Reads and checks a scene file.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the file is missing, is not TOML, has an unknown key, or holds a value out of range.
+    pub fn load(path: &Path) -> Result<Scene, SceneError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| SceneError::Missing { file: path.to_path_buf(), source })?;
+        Scene::parse(&text, path)
+    }
+
+    /// Parses and checks the text of a scene; `file` is named in errors.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
+        let scene: Scene =
+            toml::from_str(text).map_err(|error| SceneError::from_toml(file, text, &error))?;
+        check::check(&scene).map_err(|fault| fault.locate(file, text))?;
+        Ok(scene)
+    }
+
+    /// Finds the file of a scene named by a path, or by its folder under `reference-scenes/` in `roots`.
+    ///
+    /// # Errors
+    /// [`SceneError::Unknown`] if no such file exists.
+    pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
+        let as_path = PathBuf::from(name);
+        if as_path.is_file() {
+            return Ok(as_path);
+        }
+        let candidates = std::iter::once(as_path.join("scene.toml"))
+            .chain(roots.iter().map(|root| root.join("reference-scenes").join(name).join("scene.toml")));
+        candidates
+            .into_iter()
+            .find(|path| path.is_file())
+            .ok_or_else(|| SceneError::Unknown { name: name.to_string(), known: known_scenes(roots) })
+    }
+
+    /// The same scene with every Young's modulus multiplied by `factor` (for the bias of soft grains).
+    pub fn with_stiffness_factor(&self, factor: f64) -> Scene {
+        let mut scene = self.clone();
+        for material in scene.material.values_mut() {
+            material.youngs_modulus *= factor;
+        }
+        scene
+    }
+
+    /// Friction and restitution of a contact between two materials; `wall` if the second one is a wall's.
+    ///
+    /// A `[[pair]]` rule decides where there is one. Otherwise a wall contact takes the wall's values, and two
+    /// grains take the smaller friction and the smaller restitution of the two.
+    pub fn contact_coefficients(&self, first: &str, second: &str, wall: bool) -> (f64, f64) {
+        let rule = self.pair.iter().find(|rule| {
+            let [a, b] = &rule.between;
+            (a == first && b == second) || (a == second && b == first)
+        });
+        let (a, b) = (&self.material[first], &self.material[second]);
+        let (friction, restitution) = if wall {
+            (b.friction, b.restitution)
+        } else {
+            (a.friction.min(b.friction), a.restitution.min(b.restitution))
+        };
+        match rule {
+            Some(rule) => (rule.friction.unwrap_or(friction), rule.restitution.unwrap_or(restitution)),
+            None => (friction, restitution),
+        }
+    }
+
+    /// Rayleigh time step of explicit codes, seconds: the smallest over `grains` of
+    /// `pi r sqrt(rho/G) / (0.1631 nu + 0.8766)`, with `G = E / (2 (1 + nu))`.
+    pub fn rayleigh_step(&self, grains: &[Grain]) -> f64 {
+        grains
+            .iter()
+            .map(|grain| {
+                let material = &self.material[&grain.material];
+                let shear = material.youngs_modulus / (2.0 * (1.0 + material.poisson_ratio));
+                std::f64::consts::PI * grain.radius * (material.density / shear).sqrt()
+                    / (0.1631 * material.poisson_ratio + 0.8766)
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Names of the folders under `reference-scenes/` that hold a scene, sorted.
+pub fn known_scenes(roots: &[PathBuf]) -> Vec<String> {
+    let mut names: Vec<String> = roots
+        .iter()
+        .filter_map(|root| std::fs::read_dir(root.join("reference-scenes")).ok())
+        .flat_map(|entries| entries.flatten())
+        .filter(|entry| entry.path().join("scene.toml").is_file())
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .collect();
+    names.sort();
+    names.dedup();
+    names
+}

@@ -1,0 +1,90 @@
+//! How a scene is solved: one typed setting a knob, with one default.
+
+use serde::{Deserialize, Serialize};
+
+/// Settings of the time step and of the contact solver.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverSettings {
+    /// Time step, s.
+    pub step: f64,
+    /// When a solve stops.
+    pub stop: Stop,
+    /// Over-relaxation factor of the sweeps; falls back to 1 within a solve whose residual grows.
+    pub over_relaxation: f64,
+    /// Law of the normal contact.
+    pub normal_law: NormalLaw,
+    /// Damping time of the stabilisation over the time step (tau / h).
+    pub damping_steps: f64,
+    /// Contacts that approach slower than this are inelastic, m/s.
+    pub restitution_threshold: f64,
+    /// Extra reach of the candidate list over the mean radius; larger lists live longer.
+    pub skin: f64,
+    /// Share of the last step's impulses that a solve starts from.
+    pub warm_start: f64,
+}
+
+impl Default for SolverSettings {
+    fn default() -> Self {
+        Self {
+            step: 5e-4,
+            stop: Stop::Sweeps { sweeps: 10 },
+            over_relaxation: 1.3,
+            normal_law: NormalLaw::Hertz,
+            damping_steps: 2.0,
+            restitution_threshold: 0.05,
+            skin: 0.4,
+            warm_start: 1.0,
+        }
+    }
+}
+
+/// Law of the normal contact.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum NormalLaw {
+    /// No compliance.
+    Rigid,
+    /// A linear spring.
+    Linear {
+        /// Stiffness, N/m.
+        stiffness: f64,
+    },
+    /// Hertz's law, from the materials.
+    Hertz,
+}
+
+/// When a solve stops.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Stop {
+    /// After a fixed number of sweeps.
+    Sweeps {
+        /// Number of sweeps.
+        sweeps: u32,
+    },
+    /// When the root mean square residual is below a bound, or after `max_sweeps`.
+    Residual {
+        /// Bound, in units of `g h` (or m/s where there is no gravity).
+        tolerance: f64,
+        /// Most sweeps.
+        max_sweeps: u32,
+    },
+    /// When the wall time of a solve is spent, or after `max_sweeps`. Not reproducible bit for bit.
+    TimeBudget {
+        /// Wall time a solve, s.
+        seconds: f64,
+        /// Most sweeps.
+        max_sweeps: u32,
+    },
+}
+
+impl Stop {
+    /// Most sweeps that a solve may take.
+    pub fn max_sweeps(&self) -> u32 {
+        match *self {
+            Stop::Sweeps { sweeps } => sweeps,
+            Stop::Residual { max_sweeps, .. } | Stop::TimeBudget { max_sweeps, .. } => max_sweeps,
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! The tables of a scene file. Units are SI throughout: metres, seconds, kilograms, pascals, radians a second.
+
+use serde::{Deserialize, Serialize};
+
+pub(super) fn earth_gravity() -> [f64; 3] {
+    [0.0, 0.0, -9.81]
+}
+
+pub(super) fn first_seed() -> u64 {
+    1
+}
+
+/// An axis-aligned box that no grain may leave, metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Domain {
+    /// Lower corner.
+    pub min: [f64; 3],
+    /// Upper corner.
+    pub max: [f64; 3],
+}
+
+/// A material of grains or walls.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Mass density, kg/m3.
+    pub density: f64,
+    /// Young's modulus, Pa.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Coefficient of restitution, 0 to 1.
+    pub restitution: f64,
+}
+
+/// Friction and restitution of one pair of materials, where they differ from the rule.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairRule {
+    /// Names of the two materials, in any order.
+    pub between: [String; 2],
+    /// Coulomb friction coefficient of the pair.
+    pub friction: Option<f64>,
+    /// Coefficient of restitution of the pair.
+    pub restitution: Option<f64>,
+}
+
+/// A rigid wall with a material and a prescribed motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    /// Name, used in tables and errors.
+    pub name: String,
+    /// Name of its material.
+    pub material: String,
+    /// Its surface.
+    pub shape: Shape,
+    /// How it moves.
+    #[serde(default)]
+    pub motion: Motion,
+}
+
+/// Surface of a wall.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Shape {
+    /// An infinite plane; grains live on the side that the normal points to.
+    Plane {
+        /// A point of the plane, metres.
+        point: [f64; 3],
+        /// Normal towards the grains; need not be of unit length.
+        normal: [f64; 3],
+    },
+    /// A box seen from inside; its open faces are left out, its side faces have no edge.
+    Box {
+        /// Lower corner, metres.
+        min: [f64; 3],
+        /// Upper corner, metres.
+        max: [f64; 3],
+        /// Faces that are not there: any of "-x", "+x", "-y", "+y", "-z", "+z".
+        #[serde(default)]
+        open: Vec<String>,
+    },
+    /// A finite, thin cylindrical shell without ends; grains live inside, or outside once they have left by an end.
+    Cylinder {
+        /// Centre of the first end, metres.
+        base: [f64; 3],
+        /// Direction of the axis; need not be of unit length.
+        axis: [f64; 3],
+        /// Inner radius, metres.
+        radius: f64,
+        /// Length along the axis, metres.
+        length: f64,
+    },
+    /// A flat disc, such as a drum's end cap; grains live on the side that the normal points to.
+    Disc {
+        /// Centre, metres.
+        centre: [f64; 3],
+        /// Normal towards the grains; need not be of unit length.
+        normal: [f64; 3],
+        /// Radius, metres.
+        radius: f64,
+    },
+}
+
+/// Prescribed motion of a wall.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Motion {
+    /// At rest.
+    #[default]
+    Fixed,
+    /// Constant velocity between two times.
+    Translating {
+        /// Velocity, m/s.
+        velocity: [f64; 3],
+        /// Time at which it begins, s.
+        #[serde(default)]
+        start: f64,
+        /// Time at which it ends, s; never, if absent.
+        stop: Option<f64>,
+    },
+    /// Constant rotation about an axis between two times.
+    Rotating {
+        /// A point of the axis, metres.
+        point: [f64; 3],
+        /// Direction of the axis; need not be of unit length.
+        axis: [f64; 3],
+        /// Angular velocity about the axis by the right-hand rule, rad/s.
+        rate: f64,
+        /// Time at which it begins, s.
+        #[serde(default)]
+        start: f64,
+        /// Time at which it ends, s; never, if absent.
+        stop: Option<f64>,
+    },
+}
+
+/// A group of grains placed on the sites of a jittered lattice, the lowest sites first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Population {
+    /// Number of grains.
+    pub count: usize,
+    /// Name of their material.
+    pub material: String,
+    /// Distribution of their radii.
+    pub radius: RadiusDistribution,
+    /// Where they are placed.
+    pub region: Region,
+    /// Lattice spacing over the largest diameter; the jitter fills what it leaves free. At least 1.
+    #[serde(default = "default_spacing")]
+    pub spacing: f64,
+    /// Each component of the starting velocity is uniform between minus and plus this, m/s.
+    #[serde(default)]
+    pub agitation: f64,
+}
+
+fn default_spacing() -> f64 {
+    1.1
+}
+
+/// Distribution of grain radii, metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum RadiusDistribution {
+    /// All equal.
+    Fixed {
+        /// Radius, metres.
+        value: f64,
+    },
+    /// Uniform between `mean (1 - spread)` and `mean (1 + spread)`.
+    Uniform {
+        /// Mean radius, metres.
+        mean: f64,
+        /// Half width over the mean.
+        spread: f64,
+    },
+    /// Normal, redrawn outside `min` to `max`.
+    Normal {
+        /// Mean radius, metres.
+        mean: f64,
+        /// Standard deviation, metres.
+        deviation: f64,
+        /// Smallest radius, metres.
+        min: f64,
+        /// Largest radius, metres.
+        max: f64,
+    },
+    /// Listed radii with their shares by number.
+    Discrete {
+        /// Radii, metres.
+        radii: Vec<f64>,
+        /// Shares, one a radius; need not sum to 1.
+        shares: Vec<f64>,
+    },
+}
+
+impl RadiusDistribution {
+    /// Smallest and largest radius that it can yield, metres.
+    pub fn bounds(&self) -> (f64, f64) {
+        match self {
+            Self::Fixed { value } => (*value, *value),
+            Self::Uniform { mean, spread } => (mean * (1.0 - spread), mean * (1.0 + spread)),
+            Self::Normal { min, max, .. } => (*min, *max),
+            Self::Discrete { radii, .. } => radii
+                .iter()
+                .fold((f64::INFINITY, 0.0), |(low, high), &r| (low.min(r), high.max(r))),
+        }
+    }
+}
+
+/// Where a population is placed; grains lie inside it whole.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Region {
+    /// An axis-aligned box.
+    Box {
+        /// Lower corner, metres.
+        min: [f64; 3],
+        /// Upper corner, metres.
+        max: [f64; 3],
+    },
+    /// A cylinder.
+    Cylinder {
+        /// Centre of the first end, metres.
+        base: [f64; 3],
+        /// Direction of the axis; need not be of unit length.
+        axis: [f64; 3],
+        /// Radius, metres.
+        radius: f64,
+        /// Length along the axis, metres.
+        length: f64,
+    },
+}
+
+/// One grain, placed by hand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GrainEntry {
+    /// Name of its material.
+    pub material: String,
+    /// Radius, metres.
+    pub radius: f64,
+    /// Centre, metres.
+    pub position: [f64; 3],
+    /// Velocity, m/s.
+    #[serde(default)]
+    pub velocity: [f64; 3],
+    /// Angular velocity, rad/s.
+    #[serde(default)]
+    pub spin: [f64; 3],
+}
+
+/// When frames are taken and over which of them observables are averaged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Measure {
+    /// Time between frames, s.
+    pub interval: f64,
+    /// Frames from this time on are measured, s. If absent, only the last frame is.
+    pub from: Option<f64>,
+    /// What is measured.
+    pub observables: Vec<Observable>,
+}
+
+impl Default for Measure {
+    fn default() -> Self {
+        Self { interval: 0.05, from: None, observables: Vec::new() }
+    }
+}
+
+/// A group of quantities that the measurement code can take from frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Observable {
+    /// Angle of the flowing surface in a rotating drum.
+    DynamicAngleOfRepose,
+    /// Angle of a heap at rest.
+    StaticAngleOfRepose,
+    /// Solid volume over volume in the bulk.
+    PackingFraction,
+    /// Contacts a grain in the bulk.
+    CoordinationNumber,
+    /// Shape of the distribution of normal forces.
+    ContactForces,
+    /// Wall forces over weight, energy, overlap, Coulomb excess.
+    Balances,
+    /// Velocity profile, layer thickness, shell slip, wall torque.
+    DrumFlow,
+}
+
+/// An observable that is compared, and how far two codes may differ.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Expectation {
+    /// Name of the measured quantity, for example `packing_fraction`.
+    pub observable: String,
+    /// Margin of equivalence, in the quantity's unit; absent where the quantity is reported without a verdict.
+    pub margin: Option<f64>,
+}
+
+/// A state that a run starts from, in place of the lattice gas: the scene simulated for a while beforehand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Prepare {
+    /// Time simulated beforehand, s.
+    pub duration: f64,
+    /// Time step used for it, s.
+    pub step: f64,
+}
