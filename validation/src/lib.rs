@@ -1,1 +1,13 @@
+//! The judge of Makadam: the same scene in Makadam, YADE and LIGGGHTS, one measurement code, a verdict, a report.
+//!
+//! ```text
+//! peers (Makadam, YADE, LIGGGHTS) ─> Recording ─> observables ─> statistics ─> compare ─> report
+//! ```
 
+pub mod commands;
+pub mod compare;
+pub mod observables;
+pub mod peers;
+pub mod recording;
+pub mod report;
+pub mod statistics;

@@ -1,0 +1,1 @@
+//! The same scene in several codes: runs, recorded references, rows with verdicts.

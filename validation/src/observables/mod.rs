@@ -1,0 +1,1 @@
+//! What is measured from frames, whichever code they came from.

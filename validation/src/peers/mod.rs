@@ -1,0 +1,103 @@
+//! The codes that are compared: one trait, one file a code.
+
+use crate::recording::Recording;
+use makadam::scene::Scene;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// One run that is asked of a code.
+pub struct Job<'a> {
+    /// The scene, its stiffness already scaled by `stiffness_factor`.
+    pub scene: &'a Scene,
+    /// File that the scene came from, named in errors.
+    pub scene_file: &'a Path,
+    /// Seed of the initial positions.
+    pub seed: u64,
+    /// Factor that has been applied to every Young's modulus of the scene; recorded.
+    pub stiffness_factor: f64,
+    /// Time step of explicit codes over the Rayleigh step.
+    pub rayleigh_fraction: f64,
+    /// Folder for scripts, decks, logs and raw output; kept after a failure.
+    pub work_folder: &'a Path,
+    /// Wall time after which the run is stopped.
+    pub time_limit: Duration,
+    /// Told the share of the run that is done, 0 to 1, now and then.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+/// A code that can simulate a scene.
+pub trait Code: Sync {
+    /// Its name: "Makadam", "YADE" or "LIGGGHTS".
+    fn name(&self) -> &'static str;
+    /// Its version, or `None` if it is not installed.
+    fn version(&self) -> Option<String>;
+    /// Runs the scene on one core and returns its frames.
+    ///
+    /// # Errors
+    /// [`CodeError`]; what the code wrote stays in the job's folder.
+    fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError>;
+}
+
+/// Why a code gave no recording.
+#[derive(Debug, thiserror::Error)]
+pub enum CodeError {
+    /// It is not on this machine.
+    #[error("{code} is not installed; run scripts/install-peers, or leave out --live to use the recorded references")]
+    Missing {
+        /// The code.
+        code: &'static str,
+    },
+    /// It cannot express the scene.
+    #[error("{code} cannot express this scene: {reason}; leave it out with --codes")]
+    Unsupported {
+        /// The code.
+        code: &'static str,
+        /// What it lacks.
+        reason: String,
+    },
+    /// It ended with an error.
+    #[error("{code} failed ({status}); its log is {}; its last words: {tail}", log.display())]
+    Crashed {
+        /// The code.
+        code: &'static str,
+        /// Exit status or signal.
+        status: String,
+        /// Log file, kept.
+        log: PathBuf,
+        /// End of the log.
+        tail: String,
+    },
+    /// It ran past its time limit and was stopped.
+    #[error("{code} was stopped after {seconds:.0} s of wall time; its log is {}; raise --time-limit", log.display())]
+    TimedOut {
+        /// The code.
+        code: &'static str,
+        /// Limit, s.
+        seconds: f64,
+        /// Log file, kept.
+        log: PathBuf,
+    },
+    /// Its output is not what was expected.
+    #[error("{code}: {}: line {line}: {problem}; the run folder is kept for a look", file.display())]
+    Output {
+        /// The code.
+        code: &'static str,
+        /// File that was read.
+        file: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The scene cannot be populated.
+    #[error(transparent)]
+    Scene(#[from] makadam::scene::SceneError),
+    /// The system refused.
+    #[error("{path}: {source}; check that the path is writable and the disk has room")]
+    Io {
+        /// What was being written or read.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
