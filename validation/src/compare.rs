@@ -1,1 +1,0 @@
-//! The same scene in several codes: runs, recorded references, rows with verdicts.

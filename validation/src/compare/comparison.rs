@@ -1,0 +1,147 @@
+//! What a comparison of one scene yields: the data that tables, JSON, CSV and the report are made from.
+
+use makadam::scene::Scene;
+use makadam::snapshot::Particle;
+use serde::{Deserialize, Serialize};
+
+/// Where a code's numbers came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Source {
+    /// Run here and now.
+    Live,
+    /// Read from `reference-scenes/*/reference/`.
+    Recorded,
+}
+
+/// Verdict of the equivalence test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// The interval of the difference lies inside the margin.
+    Agree,
+    /// The interval of the difference lies outside the margin.
+    Disagree,
+    /// The interval straddles the margin: too few seeds to tell.
+    Undecided,
+}
+
+/// One observable of one code, and its difference from a reference code.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the observable, for example `packing_fraction`.
+    pub observable: String,
+    /// Its unit; empty where it has none.
+    pub unit: String,
+    /// The code.
+    pub code: String,
+    /// Mean over seeds.
+    pub mean: f64,
+    /// Standard deviation over seeds.
+    pub standard_deviation: f64,
+    /// Number of seeds.
+    pub seeds: usize,
+    /// The code that this one is compared with; absent on rows that stand alone.
+    pub reference_code: Option<String>,
+    /// Mean minus the reference code's mean.
+    pub difference: Option<f64>,
+    /// 90% interval of the difference (Welch).
+    pub interval90: Option<[f64; 2]>,
+    /// Interval that the verdict rests on: two one-sided tests at 5% over the number of reference codes.
+    pub interval_of_verdict: Option<[f64; 2]>,
+    /// Margin of equivalence, from the scene; absent where the observable is reported without a verdict.
+    pub margin: Option<f64>,
+    /// Verdict; absent where there is no margin or no reference code.
+    pub outcome: Option<Outcome>,
+    /// Seeds that would decide, where the outcome is undecided.
+    pub seeds_needed: Option<usize>,
+}
+
+/// How a code was run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CodeSummary {
+    /// The code.
+    pub code: String,
+    /// Its version.
+    pub version: String,
+    /// Live or recorded.
+    pub source: Source,
+    /// Seeds that were run.
+    pub seeds: Vec<u64>,
+    /// Time step, s.
+    pub time_step: f64,
+    /// Time step over the Rayleigh step, for explicit codes.
+    pub rayleigh_fraction: Option<f64>,
+    /// Factor on Young's modulus.
+    pub stiffness_factor: f64,
+    /// Median over runs of wall time over simulated time, one core.
+    pub wall_seconds_per_simulated_second: f64,
+    /// Processor on which these runs were timed.
+    pub processor: String,
+    /// In a word or a sentence, where the numbers came from.
+    pub provenance: String,
+}
+
+/// An observable over time in one run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Series {
+    /// The code.
+    pub code: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Name of the observable.
+    pub observable: String,
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// Values at these times.
+    pub value: Vec<f64>,
+}
+
+/// Distribution of normal forces over their mean, all seeds of a code pooled.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ForceDistribution {
+    /// The code.
+    pub code: String,
+    /// Centres of the bins, in mean forces.
+    pub force: Vec<f64>,
+    /// Probability density in the bins.
+    pub density: Vec<f64>,
+    /// Number of forces.
+    pub samples: usize,
+}
+
+/// The grains of one code at the end of a run, for pictures.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FinalState {
+    /// The code.
+    pub code: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Grains.
+    pub particles: Vec<Particle>,
+}
+
+/// Everything that a comparison of one scene yields.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// The scene.
+    pub scene: Scene,
+    /// Makadam against each peer, then the first peer against the second, an observable after the other.
+    pub rows: Vec<Row>,
+    /// How each code was run.
+    pub codes: Vec<CodeSummary>,
+    /// Observables over time, one run a code.
+    pub series: Vec<Series>,
+    /// Distributions of normal forces.
+    pub forces: Vec<ForceDistribution>,
+    /// Final states, one a code, of the same seed.
+    pub final_states: Vec<FinalState>,
+    /// Bias of soft grains: per code and observable, the value at ten times the stiffness minus the value at the scene's.
+    pub soft_bias: Vec<Row>,
+    /// What a reader must know: recorded numbers used, runs that failed, live runs outside the recorded spread.
+    pub notes: Vec<String>,
+}
