@@ -57,5 +57,15 @@ fn main() {
         .filter(|c| matches!(c.second, makadam::snapshot::Partner::Wall(_)))
         .map(|c| -(c.normal[2] * c.normal_force + c.tangential_force[2]))
         .sum();
+    for ring in 0..16 {
+        let (inner, outer) = (f64::from(ring) * 0.01, f64::from(ring + 1) * 0.01);
+        let heights = snapshot.particles.iter().filter(|p| {
+            let r = p.position[0].hypot(p.position[1]);
+            r >= inner && r < outer
+        });
+        let (count, top) = heights.fold((0, 0.0_f64), |(n, top), p| (n + 1, top.max(p.position[2])));
+        print!("[{count} {top:.3}] ");
+    }
+    println!();
     println!("top {top:.4}, walls / weight {:.6}, contacts {}", up / weight, snapshot.contacts.len());
 }
