@@ -1,5 +1,6 @@
 //! The time step, and a simulation as a caller sees it.
 
+use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::{Candidates, Impulse};
 use crate::effects::compliance::NormalContact;
@@ -70,10 +71,13 @@ impl Simulation {
     /// [`SceneError`] if the grains do not fit their container or overlap.
     pub fn new(scene: &Scene, seed: u64, file: &Path) -> Result<Simulation, SceneError> {
         let grains = populate(scene, seed, file)?;
-        let world = World::new(scene, &grains);
+        Ok(Simulation::of_world(scene, World::new(scene, &grains)))
+    }
+
+    pub(crate) fn of_world(scene: &Scene, world: World) -> Simulation {
         let (largest, mean) = world.largest_and_mean_radius();
         let skin = scene.solver.skin * mean;
-        Ok(Simulation {
+        Simulation {
             boxes: BoxGrid::new(&world.domain, largest, skin),
             skin,
             relaxation: Relaxation {
@@ -88,7 +92,7 @@ impl Simulation {
             steps: 0,
             contact_sweeps: 0,
             phases: PhaseSeconds::default(),
-        })
+        }
     }
 
     /// Advances by one time step.
@@ -203,17 +207,26 @@ impl Simulation {
 
     /// Hash of the state (time, positions, velocities, spins): FNV-1a, 64 bits, over their bits.
     pub fn state_hash(&self) -> u64 {
-        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-        let mut add = |value: f64| {
-            for byte in value.to_bits().to_le_bytes() {
-                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-            }
-        };
-        add(self.world.time);
+        let mut bytes = self.world.time.to_bits().to_le_bytes().to_vec();
         for (position, body) in self.world.positions.iter().zip(&self.world.bodies) {
-            position.iter().chain(&body.velocity).chain(&body.surface_speed).for_each(|&value| add(value));
+            let values = position.iter().chain(&body.velocity).chain(&body.surface_speed);
+            bytes.extend(values.flat_map(|value| value.to_bits().to_le_bytes()));
         }
-        hash
+        checksum(&bytes)
+    }
+
+    /// Bytes that the simulation holds for its bodies, candidates and contacts.
+    pub fn memory_bytes(&self) -> usize {
+        self.world.memory_bytes() + self.candidates.memory_bytes() + self.layout.memory_bytes()
+    }
+
+    /// Sweeps on another instruction set than the one found at start; all give the same bits.
+    ///
+    /// Ignored where the processor lacks it.
+    pub fn use_instruction_set(&mut self, instruction_set: InstructionSet) {
+        if instruction_set.is_available() {
+            self.relaxation.instruction_set = instruction_set;
+        }
     }
 
     /// Grains as they are now, and the contacts of the last step with their forces (impulse over time step).

@@ -117,6 +117,20 @@ impl Candidates {
         self.remembered.recall(&self.walls, &mut self.wall_impulses, wall_key);
     }
 
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.pairs.capacity() * size_of::<PairCandidate>()
+            + self.walls.capacity() * size_of::<WallCandidate>()
+            + (self.pair_impulses.capacity() + self.wall_impulses.capacity()) * size_of::<Impulse>()
+            + self.found.capacity() * size_of::<(u32, PairCandidate)>()
+            + self.found_walls.capacity() * size_of::<(u32, WallCandidate)>()
+            + self.reference.capacity() * size_of::<Vector3<f64>>()
+            + self.box_of.capacity() * size_of::<[u16; 3]>()
+            + self.remembered.entries.capacity() * size_of::<(u32, Impulse)>()
+            + (self.remembered.start.capacity() + self.pair_tasks.capacity() + self.wall_tasks.capacity())
+                * size_of::<u32>()
+            + self.grid.memory_bytes()
+    }
+
     fn find_walls(&mut self, world: &World, boxes: &BoxGrid, skin: f64) {
         self.found_walls.clear();
         for (number, surface) in world.surfaces.iter().enumerate() {

@@ -67,6 +67,10 @@ impl CellGrid {
         self.start[0] = 0;
     }
 
+    pub(super) fn memory_bytes(&self) -> usize {
+        (self.start.capacity() + self.order.capacity() + self.cell_of.capacity()) * size_of::<u32>()
+    }
+
     fn cell(&self, position: &Vector3<f64>) -> usize {
         let mut cell = [0; 3];
         for axis in 0..3 {

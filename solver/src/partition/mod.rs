@@ -48,6 +48,12 @@ impl Layout {
         self.contacts as f64 / (crate::world::LANES * (self.pairs.len() + self.walls.len())).max(1) as f64
     }
 
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.pairs.capacity() * size_of::<PairGroup>()
+            + self.walls.capacity() * size_of::<WallGroup>()
+            + self.tasks.capacity() * size_of::<Task>()
+    }
+
     pub(crate) fn clear(&mut self) {
         self.pairs.clear();
         self.walls.clear();

@@ -30,16 +30,23 @@ pub enum InstructionSet {
 impl InstructionSet {
     /// The widest that this processor has.
     pub fn detect() -> InstructionSet {
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx512f") {
-                return InstructionSet::Avx512;
-            }
-            if is_x86_feature_detected!("avx2") {
-                return InstructionSet::Avx2;
-            }
+        [InstructionSet::Avx512, InstructionSet::Avx2]
+            .into_iter()
+            .find(|set| set.is_available())
+            .unwrap_or(InstructionSet::Generic)
+    }
+
+    /// Whether this processor has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            InstructionSet::Generic => true,
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 => is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 => is_x86_feature_detected!("avx512f"),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
         }
-        InstructionSet::Generic
     }
 }
 
@@ -101,7 +108,7 @@ impl Relaxation {
         residual: &mut GroupResidual,
     ) {
         match self.instruction_set {
-            // SAFETY: `InstructionSet::detect` has found the feature on this processor.
+            // SAFETY: the set was found on this processor before it was chosen.
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx512 => unsafe {
                 sweep_avx512::<FRICTION, MEASURE>(bodies, pairs, walls, factor, residual);

@@ -93,6 +93,12 @@ impl World {
         self.positions.len()
     }
 
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.bodies.capacity() * size_of::<Body>()
+            + self.positions.capacity() * size_of::<Vector3<f64>>()
+            + self.materials.capacity()
+    }
+
     /// Largest and mean radius, m; (0, 0) in an empty world.
     pub fn largest_and_mean_radius(&self) -> (f64, f64) {
         let radii = || self.bodies[..self.grains()].iter().map(|body| body.radius);
