@@ -1,7 +1,11 @@
 //! The codes that are compared: one trait, one file a code.
 
+mod makadam;
+
+pub use makadam::{Makadam, frame_is_due};
+
 use crate::recording::Recording;
-use makadam::scene::Scene;
+use ::makadam::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -77,6 +81,12 @@ pub enum CodeError {
         /// Log file, kept.
         log: PathBuf,
     },
+    /// The user asked to stop.
+    #[error("{code} was interrupted")]
+    Interrupted {
+        /// The code.
+        code: &'static str,
+    },
     /// Its output is not what was expected.
     #[error("{code}: {}: line {line}: {problem}; the run folder is kept for a look", file.display())]
     Output {
@@ -91,7 +101,10 @@ pub enum CodeError {
     },
     /// The scene cannot be populated.
     #[error(transparent)]
-    Scene(#[from] makadam::scene::SceneError),
+    Scene(#[from] ::makadam::scene::SceneError),
+    /// The state that the scene starts from cannot be kept.
+    #[error(transparent)]
+    State(#[from] ::makadam::checkpoint::CheckpointError),
     /// The system refused.
     #[error("{path}: {source}; check that the path is writable and the disk has room")]
     Io {
