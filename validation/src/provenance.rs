@@ -94,7 +94,12 @@ impl Provenance {
 /// Hash of everything that a scene says (64-bit FNV-1a over its JSON form), the same on every machine.
 pub fn scene_hash(scene: &Scene) -> u64 {
     let text = serde_json::to_vec(scene).expect("a checked scene holds only finite numbers and plain text");
-    text.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+    fnv1a(&text)
+}
+
+/// 64-bit FNV-1a hash.
+pub fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
 }
 
 /// The command line of this process, with the program's name in place of its path.
