@@ -12,6 +12,7 @@ pub mod output;
 pub mod peers;
 pub mod prepared;
 pub mod provenance;
+pub mod qualify;
 pub mod recording;
 pub mod report;
 pub mod statistics;

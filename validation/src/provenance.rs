@@ -3,6 +3,7 @@
 use makadam::scene::{Scene, SolverSettings};
 use makadam::sweep::InstructionSet;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -89,6 +90,34 @@ impl Provenance {
             command: command_line(),
         }
     }
+}
+
+/// Where a comparison's numbers came from, by name, for tables.
+pub fn account(threads: usize, scenes: &[&Scene]) -> BTreeMap<String, String> {
+    let build = Build::here();
+    let modified = match build.dirty {
+        Some(true) => ", with changes",
+        Some(false) => "",
+        None => ", changes unknown",
+    };
+    let mut account = BTreeMap::from(
+        [
+            ("version", build.version),
+            ("commit", format!("{}{modified}", build.commit)),
+            ("compiler", build.compiler),
+            ("target", format!("{}, {}", build.target, build.profile)),
+            ("instruction_set", build.instruction_set),
+            ("processor", build.processor),
+            ("threads", threads.to_string()),
+            ("date", utc(SystemTime::now())),
+            ("command", command_line()),
+        ]
+        .map(|(name, value)| (name.to_string(), value)),
+    );
+    for scene in scenes {
+        account.insert(format!("scene_hash_of_{}", scene.name), format!("{:016x}", scene_hash(scene)));
+    }
+    account
 }
 
 /// Hash of everything that a scene says (64-bit FNV-1a over its JSON form), the same on every machine.

@@ -76,6 +76,11 @@ impl Console {
         Bar { bar }
     }
 
+    /// Whether standard output wants colours.
+    pub fn colour(&self) -> bool {
+        self.colour
+    }
+
     /// A word in green (good) or red (bad) where colours are wanted.
     pub fn paint(&self, word: &str, good: bool) -> String {
         match (self.colour, good) {

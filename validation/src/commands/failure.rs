@@ -1,8 +1,10 @@
 //! Why a command failed, and the exit code that says so.
 
+use crate::compare::ReferenceError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::recording::RecordingError;
+use crate::report::ReportError;
 use makadam::scene::SceneError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
@@ -24,7 +26,7 @@ pub enum Failure {
     #[error("{0}")]
     Running(String),
     /// The user asked to stop.
-    #[error("interrupted; what was computed until then is {0}")]
+    #[error("interrupted; what was computed so far is {0}")]
     Interrupted(String),
     /// The reader of standard output went away: nobody is left to tell.
     #[error("standard output was closed")]
@@ -59,8 +61,21 @@ impl From<CodeError> for Failure {
     fn from(error: CodeError) -> Failure {
         match error {
             CodeError::Scene(error) => Failure::Scene(error),
+            CodeError::Interrupted { .. } => Failure::Interrupted("not kept".into()),
             CodeError::Missing { .. } => Failure::MissingCode(error.to_string()),
             other => Failure::Running(other.to_string()),
         }
+    }
+}
+
+impl From<ReferenceError> for Failure {
+    fn from(error: ReferenceError) -> Failure {
+        Failure::Running(error.to_string())
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Failure {
+        Failure::Running(error.to_string())
     }
 }

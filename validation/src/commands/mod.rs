@@ -10,6 +10,7 @@ mod run;
 pub use console::Console;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
+use crate::compare::Share;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use makadam::scene::Scene;
@@ -53,4 +54,21 @@ fn load(name: &str) -> Result<(PathBuf, Scene), Failure> {
 /// A value as indented JSON.
 fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).expect("results hold only numbers, plain text and lists")
+}
+
+/// Limits the runs side by side to a number of threads.
+fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build_global()
+        .map_err(|error| Failure::Running(format!("cannot start {threads} threads: {error}")))
+}
+
+/// Opens progress bars on the console.
+fn announce(console: &Console) -> impl Fn(&str) -> Share + Sync {
+    |label| {
+        let bar = console.bar(label);
+        Box::new(move |share| bar.set(share))
+    }
 }

@@ -18,6 +18,18 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+/// First columns of `observables.csv`; what is measured of each frame follows.
+const COLUMNS: [&str; 8] = [
+    "time",
+    "step",
+    "contacts",
+    "kinetic_energy",
+    "potential_energy",
+    "elastic_energy",
+    "sweeps",
+    "residual_normal_rms",
+];
+
 /// Simulates a scene.
 pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.scene)?;
@@ -51,7 +63,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         last: None,
         worst_normal_rms: 0.0,
         frames: FrameWriter::create(&output)?,
-        table: TimeTable::new(&output.join("observables.csv")),
+        table: TimeTable::new(&output.join("observables.csv"), &COLUMNS),
         kept: Vec::new(),
         scene: &scene,
         seed,
@@ -126,19 +138,22 @@ impl Session<'_> {
         }
         self.frames.write(&frame)?;
         let energy = self.simulation.energy();
-        let mut row = vec![
-            ("time".to_string(), frame.time),
-            ("step".to_string(), self.steps as f64),
-            ("contacts".to_string(), frame.contacts.len() as f64),
-            ("kinetic_energy".to_string(), energy.kinetic),
-            ("potential_energy".to_string(), energy.potential),
-            ("elastic_energy".to_string(), energy.elastic),
+        let (sweeps, residual) = self
+            .last
+            .map_or((f64::NAN, f64::NAN), |last| (f64::from(last.solve.sweeps), last.solve.residuals.normal.rms));
+        let values = [
+            frame.time,
+            self.steps as f64,
+            frame.contacts.len() as f64,
+            energy.kinetic,
+            energy.potential,
+            energy.elastic,
+            sweeps,
+            residual,
         ];
-        if let Some(report) = &self.last {
-            row.push(("sweeps".to_string(), f64::from(report.solve.sweeps)));
-            row.push(("residual_normal_rms".to_string(), report.solve.residuals.normal.rms));
-        }
-        row.extend(instant(self.scene, &frame));
+        let known = COLUMNS.iter().map(ToString::to_string).zip(values).filter(|(_, value)| value.is_finite());
+        let measured = instant(self.scene, &frame).into_iter().filter(|(name, _)| !COLUMNS.contains(&name.as_str()));
+        let row: Vec<(String, f64)> = known.chain(measured).collect();
         self.table.push(row)?;
         let measured = self.scene.measure.from.is_some_and(|from| frame.time - self.started >= from - 1e-9);
         if !measured {
@@ -249,6 +264,12 @@ fn phases(simulation: &Simulation) -> [f64; 4] {
     [phases.detect, phases.constrain, phases.sweep, phases.integrate]
 }
 
+/// A value to six significant digits.
+fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
 /// The summary for people.
 fn describe(summary: &RunSummary) -> String {
     let ended = if summary.complete { "" } else { " (not complete)" };
@@ -284,7 +305,7 @@ fn describe(summary: &RunSummary) -> String {
     }
     for (name, measured) in &summary.observables {
         let error = measured.standard_error.map_or(String::new(), |error| format!(" +- {error:.2}"));
-        text += &format!("{name:<32} {:.6}{error} {}\n", measured.value, measured.unit);
+        text += &format!("{name:<36} {}{error} {}\n", significant(measured.value), measured.unit);
     }
     text + &format!("frames, observables.csv and run.json: {}", summary.output)
 }

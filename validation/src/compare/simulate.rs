@@ -59,7 +59,11 @@ impl Runs<'_> {
         simulated
     }
 
-    fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
+    /// Runs the code on one seed of `scene`, whose stiffness is already scaled.
+    ///
+    /// # Errors
+    /// [`CodeError`]; what the code wrote is kept then.
+    pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
         let name = self.file_stem(code.name(), seed);
         let kept = self.recordings.as_ref().map(|folder| folder.join(format!("{name}.rec")));
         if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {

@@ -12,9 +12,10 @@ pub struct TimeTable {
 }
 
 impl TimeTable {
-    /// A table that will be written to `path`.
-    pub fn new(path: &Path) -> TimeTable {
-        TimeTable { path: path.to_path_buf(), columns: Vec::new(), rows: Vec::new() }
+    /// A table that will be written to `path`, with these columns first.
+    pub fn new(path: &Path, columns: &[&str]) -> TimeTable {
+        let columns = columns.iter().map(ToString::to_string).collect();
+        TimeTable { path: path.to_path_buf(), columns, rows: Vec::new() }
     }
 
     /// Adds a row of named values and writes the file. What a row does not name stays empty.
@@ -54,7 +55,7 @@ mod tests {
     fn late_columns_leave_earlier_rows_empty() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.csv");
-        let mut table = TimeTable::new(&path);
+        let mut table = TimeTable::new(&path, &["time"]);
         table.push([("time".to_string(), 0.0)]).unwrap();
         table.push([("time".to_string(), 0.5), ("angle".to_string(), 31.0)]).unwrap();
         assert_eq!(std::fs::read_to_string(path).unwrap(), "time,angle\n0.0,\n0.5,31.0\n");

@@ -178,6 +178,42 @@ struct GrainLine {
     wz: f64,
 }
 
+/// Names of the columns of `runs.csv`.
+const RUN_COLUMNS: [&str; 11] = [
+    "code",
+    "version",
+    "seed",
+    "time_step",
+    "rayleigh_fraction",
+    "stiffness_factor",
+    "wall_seconds",
+    "simulated_seconds",
+    "processor",
+    "date",
+    "scene_hash",
+];
+
+/// Names of the columns of `measurements.csv`.
+const MEASUREMENT_COLUMNS: [&str; 11] = [
+    "code",
+    "version",
+    "seed",
+    "time_step",
+    "rayleigh_fraction",
+    "stiffness_factor",
+    "observable",
+    "unit",
+    "value",
+    "standard_error",
+    "frames",
+];
+
+/// Names of the columns of `forces.csv`.
+const FORCE_COLUMNS: [&str; 4] = ["code", "force_over_mean", "density", "samples"];
+
+/// Names of the columns of `series.csv`.
+const SERIES_COLUMNS: [&str; 5] = ["code", "seed", "observable", "time", "value"];
+
 /// Names of the columns of `final-state-CODE.csv`.
 const GRAIN_COLUMNS: [&str; 11] = ["id", "radius", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz"];
 

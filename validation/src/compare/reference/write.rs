@@ -1,6 +1,9 @@
 //! Writing recorded references.
 
-use super::{GRAIN_COLUMNS, ForceLine, MeasuredRun, MeasurementLine, Reference, RunLine, SeriesLine, final_state_file};
+use super::{
+    FORCE_COLUMNS, ForceLine, GRAIN_COLUMNS, MEASUREMENT_COLUMNS, MeasuredRun, MeasurementLine, RUN_COLUMNS, Reference,
+    RunLine, SERIES_COLUMNS, SeriesLine, final_state_file,
+};
 use crate::compare::CodeRuns;
 use crate::output::{WriteError, create_folder, write_whole};
 use makadam::scene::Scene;
@@ -39,9 +42,9 @@ impl Reference {
         create_folder(folder)?;
         let hash = |code: &str| self.physics.iter().find(|(known, _)| known == code).map_or("", |(_, hash)| hash.as_str());
         let runs = self.runs.iter().map(|run| run_line(run, hash(&run.code)));
-        write_whole(&folder.join("runs.csv"), &to_csv(runs))?;
+        write_whole(&folder.join("runs.csv"), &to_csv(&RUN_COLUMNS, runs))?;
         let measurements = self.runs.iter().flat_map(measurement_lines);
-        write_whole(&folder.join("measurements.csv"), &to_csv(measurements))?;
+        write_whole(&folder.join("measurements.csv"), &to_csv(&MEASUREMENT_COLUMNS, measurements))?;
         let forces = self.forces.iter().flat_map(|forces| {
             forces.force.iter().zip(&forces.density).map(|(&force_over_mean, &density)| ForceLine {
                 code: forces.code.clone(),
@@ -50,7 +53,7 @@ impl Reference {
                 samples: forces.samples,
             })
         });
-        write_whole(&folder.join("forces.csv"), &to_csv(forces))?;
+        write_whole(&folder.join("forces.csv"), &to_csv(&FORCE_COLUMNS, forces))?;
         let series = self.series.iter().flat_map(|series| {
             series.time.iter().zip(&series.value).map(|(&time, &value)| SeriesLine {
                 code: series.code.clone(),
@@ -60,7 +63,7 @@ impl Reference {
                 value: rounded(value),
             })
         });
-        write_whole(&folder.join("series.csv"), &to_csv(series))?;
+        write_whole(&folder.join("series.csv"), &to_csv(&SERIES_COLUMNS, series))?;
         for state in &self.final_states {
             let mut text = GRAIN_COLUMNS.join(",") + "\n";
             for grain in &state.particles {
@@ -154,8 +157,10 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-fn to_csv<T: Serialize>(lines: impl Iterator<Item = T>) -> Vec<u8> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
+/// Lines below their head, which stands there even if there is no line.
+fn to_csv<T: Serialize>(columns: &[&str], lines: impl Iterator<Item = T>) -> Vec<u8> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.write_record(columns).expect("text can be written to memory");
     for line in lines {
         writer.serialize(line).expect("numbers and text can be written to memory");
     }
