@@ -90,6 +90,8 @@ impl Constrainer {
                 velocity,
                 effective_modulus: material.effective_modulus,
                 effective_radius: a.radius * b.radius / (a.radius + b.radius),
+                inverse_mass: a.inverse_mass + b.inverse_mass,
+                damping_ratio: material.damping_ratio,
             };
             if let Some(constraint) = normal_constraint(&contact, material, constants) {
                 let constraint = assemble(constraint, normal, material, remembered, constants.warm_start, source);
@@ -119,6 +121,8 @@ impl Constrainer {
                 velocity,
                 effective_modulus: material.effective_modulus,
                 effective_radius: body.radius,
+                inverse_mass: body.inverse_mass,
+                damping_ratio: material.damping_ratio,
             };
             if let Some(constraint) = normal_constraint(&contact, material, constants) {
                 let constraint = assemble(constraint, normal, material, remembered, constants.warm_start, source);

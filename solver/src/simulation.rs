@@ -78,7 +78,7 @@ impl Simulation {
         let (largest, mean) = world.largest_and_mean_radius();
         let skin = scene.solver.skin * mean;
         Simulation {
-            boxes: BoxGrid::new(&world.domain, largest, skin),
+            boxes: BoxGrid::new(&world.domain, world.grains(), largest, skin),
             skin,
             relaxation: Relaxation {
                 instruction_set: InstructionSet::detect(),
@@ -313,6 +313,8 @@ impl Simulation {
                     .between_grains(world.materials[i], world.materials[j])
                     .effective_modulus,
                 effective_radius: a * b / (a + b),
+                inverse_mass: 0.0,
+                damping_ratio: 0.0,
             }
         });
         let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
@@ -328,6 +330,8 @@ impl Simulation {
                     .with_wall(world.materials[grain], world.surfaces[surface].material)
                     .effective_modulus,
                 effective_radius: radius,
+                inverse_mass: 0.0,
+                damping_ratio: 0.0,
             }
         });
         pairs.chain(walls).filter(|contact| contact.overlap > 0.0)

@@ -21,6 +21,8 @@ pub struct NormalConstraint {
     pub regularisation: f64,
     /// q, m/s.
     pub bias: f64,
+    /// Whether the step resolves an impact, so that compliance and damping give the restitution by themselves.
+    pub resolves_impact: bool,
 }
 
 /// Constraint of one contact.
@@ -34,6 +36,45 @@ pub struct NormalContact {
     pub effective_modulus: f64,
     /// Effective radius R*, m.
     pub effective_radius: f64,
+    /// Inverse of the effective mass, `1/m_a + 1/m_b`, 1/kg.
+    pub inverse_mass: f64,
+    /// Damping of an impact as a share of critical damping: see [`damping_ratio`].
+    pub damping_ratio: f64,
+}
+
+/// Share of critical damping, in [0, 50], with which an impact that never attracts has the restitution `e`.
+///
+/// For a linear spring and dashpot whose contact ends when the force vanishes (Schwager & Pöschel, Granular Matter 9, 2007),
+/// `ln e = -z/w (pi - atan2(2 z w, 1 - 2 z^2))` with `w = sqrt(1 - z^2)`, continued beyond z = 1. Hertz's law with damping
+/// in proportion to `d^(1/4)` has the same restitution at any speed: with `x = d^(5/4)` and the time `ds = d^(1/4) dt` it is
+/// a linear oscillator of `w0^2 = 5/4 k_H/m` (after Antypov & Elliott, EPL 94, 2011).
+pub fn damping_ratio(restitution: f64) -> f64 {
+    const LARGEST: f64 = 50.0;
+    let target = libm::log(restitution.max(1e-300));
+    let (mut low, mut high) = (0.0, LARGEST);
+    // The logarithm of e falls with z: bisect down to rounding.
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        if log_restitution(middle) > target {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    if restitution >= 1.0 { 0.0 } else { 0.5 * (low + high) }
+}
+
+fn log_restitution(z: f64) -> f64 {
+    let square = 1.0 - z * z;
+    if square > 1e-12 {
+        let w = square.sqrt();
+        -z / w * (std::f64::consts::PI - libm::atan2(2.0 * z * w, 1.0 - 2.0 * z * z))
+    } else if square < -1e-12 {
+        let w = (-square).sqrt();
+        -z / w * libm::log((z + w) / (z - w))
+    } else {
+        -2.0
+    }
 }
 
 impl NormalContact {
@@ -42,22 +83,39 @@ impl NormalContact {
         4.0 / 3.0 * self.effective_modulus * self.effective_radius.sqrt()
     }
 
-    /// Regularisation and bias by the scene's law, for a step `h` (s) and a damping time of `damping_steps` steps.
+    /// Regularisation and bias by the scene's law, for a step `h` (s) and a stabilisation time of `damping_steps` steps.
+    ///
+    /// The damping time is that of the impact law, `c/k`, wherever the step resolves it, and `damping_steps h` where it does
+    /// not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay stable.
     #[inline]
     pub fn constraint(&self, law: NormalLaw, h: f64, damping_steps: f64) -> NormalConstraint {
-        let damping = 1.0 / (1.0 + 4.0 * damping_steps);
-        let (compliance, overlap) = match law {
-            NormalLaw::Rigid => (0.0, self.overlap),
-            NormalLaw::Linear { stiffness } => (1.0 / stiffness, self.overlap),
+        // Compliance, overlap in the constraint's measure, damping time now and at the depth that the approach will reach.
+        let ahead = self.overlap.max(-self.velocity * h);
+        let (compliance, overlap, damping_time, time_ahead) = match law {
+            NormalLaw::Rigid => (0.0, self.overlap, 0.0, 0.0),
+            NormalLaw::Linear { stiffness } => {
+                let time = self.damping_time(stiffness);
+                (1.0 / stiffness, self.overlap, time, time)
+            }
             NormalLaw::Hertz => {
-                let depth = self.overlap.max(SMALLEST_RELATIVE_OVERLAP * self.effective_radius);
-                (1.0 / (1.25 * self.hertz_stiffness() * depth.sqrt()), 0.8 * self.overlap)
+                let smallest = SMALLEST_RELATIVE_OVERLAP * self.effective_radius;
+                let stiffness = |depth: f64| 1.25 * self.hertz_stiffness() * depth.max(smallest).sqrt();
+                let now = stiffness(self.overlap);
+                (1.0 / now, 0.8 * self.overlap, self.damping_time(now), self.damping_time(stiffness(ahead)))
             }
         };
+        let damping = 1.0 / (1.0 + 4.0 * (damping_time / h).max(damping_steps));
         NormalConstraint {
             regularisation: 4.0 * damping * compliance / (h * h),
             bias: 4.0 / h * damping * overlap + damping * self.velocity,
+            resolves_impact: time_ahead > damping_steps * h,
         }
+    }
+
+    /// `c/k` of a spring of the given stiffness (N/m), s.
+    #[inline]
+    fn damping_time(&self, stiffness: f64) -> f64 {
+        2.0 * self.damping_ratio / (stiffness * self.inverse_mass).sqrt()
     }
 
     /// Elastic energy stored, J: `1/2 k d^2` or `2/5 k_H d^(5/2)`.

@@ -226,26 +226,26 @@ pub(super) fn sweep_walls<const FRICTION: bool, const MEASURE: bool>(
 }
 
 /// Gives the bodies of pairs the impulses that their contacts start from.
-pub(super) fn apply_pairs(bodies: &mut [Body], groups: &[PairGroup]) {
+pub(super) fn apply_pairs<const FRICTION: bool>(bodies: &mut [Body], groups: &[PairGroup]) {
     for group in groups {
-        let mut first = load::<true>(bodies, &group.first);
-        let mut second = load::<true>(bodies, &group.second);
+        let mut first = load::<FRICTION>(bodies, &group.first);
+        let mut second = load::<FRICTION>(bodies, &group.second);
         let impulse = total_impulse(&group.normal, group.impulse_normal, &group.impulse_tangential);
         let lever = cross(group.normal, impulse);
-        push::<true>(&mut first, -1.0, impulse, lever);
-        push::<true>(&mut second, 1.0, impulse, lever);
-        store::<true>(bodies, &group.first, &first);
-        store::<true>(bodies, &group.second, &second);
+        push::<FRICTION>(&mut first, -1.0, impulse, lever);
+        push::<FRICTION>(&mut second, 1.0, impulse, lever);
+        store::<FRICTION>(bodies, &group.first, &first);
+        store::<FRICTION>(bodies, &group.second, &second);
     }
 }
 
 /// Gives the bodies at walls the impulses that their contacts start from.
-pub(super) fn apply_walls(bodies: &mut [Body], groups: &[WallGroup]) {
+pub(super) fn apply_walls<const FRICTION: bool>(bodies: &mut [Body], groups: &[WallGroup]) {
     for group in groups {
-        let mut grain = load::<true>(bodies, &group.body);
+        let mut grain = load::<FRICTION>(bodies, &group.body);
         let impulse = total_impulse(&group.normal, group.impulse_normal, &group.impulse_tangential);
-        push::<true>(&mut grain, -1.0, impulse, cross(group.normal, impulse));
-        store::<true>(bodies, &group.body, &grain);
+        push::<FRICTION>(&mut grain, -1.0, impulse, cross(group.normal, impulse));
+        store::<FRICTION>(bodies, &group.body, &grain);
     }
 }
 

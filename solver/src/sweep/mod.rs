@@ -124,7 +124,12 @@ impl Relaxation {
 
     /// Gives bodies the impulses that their contacts start from.
     pub(crate) fn warm_start(&self, bodies: &mut [Body], pairs: &[PairGroup], walls: &[WallGroup]) {
-        kernel::apply_pairs(bodies, pairs);
-        kernel::apply_walls(bodies, walls);
+        if self.friction {
+            kernel::apply_pairs::<true>(bodies, pairs);
+            kernel::apply_walls::<true>(bodies, walls);
+        } else {
+            kernel::apply_pairs::<false>(bodies, pairs);
+            kernel::apply_walls::<false>(bodies, walls);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Properties of pairs of materials, looked up by small numbers.
 
+use crate::effects::compliance::damping_ratio;
 use crate::scene::Scene;
 
 /// What a contact takes from its two materials.
@@ -9,6 +10,8 @@ pub struct ContactMaterial {
     pub friction: f64,
     /// Coefficient of restitution.
     pub restitution: f64,
+    /// Share of critical damping that gives this restitution.
+    pub damping_ratio: f64,
     /// Effective modulus E*, Pa: `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2` (Johnson, Contact Mechanics, 1985, 4.2).
     pub effective_modulus: f64,
 }
@@ -34,7 +37,8 @@ impl MaterialTable {
                         (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus
                     };
                     let effective_modulus = 1.0 / (softness(first) + softness(second));
-                    table.push(ContactMaterial { friction, restitution, effective_modulus });
+                    let damping_ratio = damping_ratio(restitution);
+                    table.push(ContactMaterial { friction, restitution, damping_ratio, effective_modulus });
                 }
             }
             table
