@@ -1,1 +1,19 @@
-//! From measurements to verdicts: blocks, ensembles, equivalence.
+//! From measurements to verdicts: blocks, ensembles, equivalence, distances between distributions.
+//!
+//! The seed is the unit of replication. Frames of one run are put into blocks first ([`blocks`]); runs of one code
+//! form an [`Ensemble`]; two ensembles are judged by [`equivalence`](equivalence()); a live run is held against recorded ones by a
+//! [`prediction`].
+
+pub mod blocks;
+pub mod distances;
+pub mod ensemble;
+pub mod equivalence;
+pub mod inequality;
+pub mod prediction;
+
+pub use blocks::{Average, block_average, block_count};
+pub use distances::{kolmogorov_smirnov, wasserstein};
+pub use ensemble::{Ensemble, mean, standard_deviation, standard_error, student_quantile};
+pub use equivalence::{Equivalence, equivalence, seeds_needed};
+pub use inequality::{gini, second_moment, share_below_mean, weak_load_share};
+pub use prediction::{Spread, inside_recorded_spread, prediction_interval};

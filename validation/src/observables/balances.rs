@@ -1,0 +1,65 @@
+//! Balances: what must add up whatever the code.
+
+use super::measurement::{Quantity, Readings};
+use super::setting::Setting;
+use super::view::View;
+use makadam::snapshot::{Contact, Particle, Partner};
+use nalgebra::Vector3;
+
+const WALL_FORCE: Quantity = Quantity::mean("wall_force_over_weight", "");
+const LARGEST_OVERLAP: Quantity = Quantity::largest("largest_overlap", "radius");
+const MEAN_OVERLAP: Quantity = Quantity::mean("mean_overlap", "radius");
+const COULOMB_EXCESS: Quantity = Quantity::largest("coulomb_excess", "");
+const KINETIC_ENERGY: Quantity = Quantity::mean("kinetic_energy", "J");
+
+/// Contacts below this part of the mean normal force are too weak for a ratio: a code's output is rounded.
+const TOO_WEAK: f64 = 1e-6;
+
+/// Adds the balances of a frame.
+///
+/// - `wall_force_over_weight`: the grains' push on all walls along gravity, tangential forces included, over their
+///   weight; 1 in balance.
+/// - `largest_overlap`, `mean_overlap`: of grain pairs that overlap, over the smaller radius. Walls are left out, as
+///   a code that makes a round wall of facets has overlaps of its own there.
+/// - `coulomb_excess`: largest ft/(mu fn) - 1 over all contacts with friction.
+/// - `kinetic_energy`: translation and spin of solid spheres.
+pub fn read(view: &View<'_>, readings: &mut Readings) {
+    let setting = view.setting;
+    let grains = &view.frame.particles;
+    if let Some(up) = setting.up.filter(|_| !view.frame.contacts.is_empty()) {
+        let walls = view.frame.contacts.iter().filter(|contact| matches!(contact.second, Partner::Wall(_)));
+        let push: f64 = walls.map(|contact| -force_on_partner(contact).dot(&up)).sum();
+        let weight: f64 = grains.iter().map(|grain| setting.mass(grain) * setting.gravity).sum();
+        readings.add(WALL_FORCE, push / weight);
+    }
+
+    let overlaps: Vec<f64> = (view.pairs().iter())
+        .filter(|pair| pair.gap < 0.0)
+        .map(|pair| -pair.gap / grains[pair.first].radius.min(grains[pair.second].radius))
+        .collect();
+    readings.add(LARGEST_OVERLAP, overlaps.iter().copied().fold(0.0, f64::max));
+    readings.add(MEAN_OVERLAP, overlaps.iter().sum::<f64>() / overlaps.len().max(1) as f64);
+
+    let pushing = || view.frame.contacts.iter().filter(|contact| contact.normal_force > 0.0);
+    let mean_force = pushing().map(|contact| contact.normal_force).sum::<f64>() / pushing().count().max(1) as f64;
+    let excess = pushing()
+        .filter(|contact| contact.normal_force > TOO_WEAK * mean_force)
+        .map(|contact| (setting.friction(contact) * contact.normal_force, contact))
+        .filter(|(bound, _)| *bound > 0.0)
+        .map(|(bound, contact)| Vector3::from(contact.tangential_force).norm() / bound - 1.0)
+        .fold(f64::NEG_INFINITY, f64::max);
+    readings.add(COULOMB_EXCESS, excess);
+
+    readings.add(KINETIC_ENERGY, grains.iter().map(|grain| kinetic_energy(setting, grain)).sum());
+}
+
+/// Force of the first grain on its partner, N.
+pub fn force_on_partner(contact: &Contact) -> Vector3<f64> {
+    Vector3::from(contact.normal) * contact.normal_force + Vector3::from(contact.tangential_force)
+}
+
+/// Kinetic energy of a solid sphere, J.
+pub fn kinetic_energy(setting: &Setting<'_>, grain: &Particle) -> f64 {
+    let spin = 0.4 * grain.radius.powi(2) * Vector3::from(grain.spin).norm_squared();
+    0.5 * setting.mass(grain) * (Vector3::from(grain.velocity).norm_squared() + spin)
+}

@@ -1,0 +1,147 @@
+//! Which part of a bed is its bulk: away from walls and from the free surface.
+
+use super::contour::{self, Loop, Segment};
+use super::dynamic_angle;
+use super::setting::Setting;
+use super::sphere_volume::half_space;
+use super::static_angle::{self, HeapFrame};
+use super::walls::PlacedWalls;
+use super::drum::Drum;
+use makadam::scene::Observable;
+use makadam::snapshot::Snapshot;
+use nalgebra::Vector3;
+
+/// Fewest grains a frame, on average, for a bulk two diameters inside; with fewer, one diameter is taken.
+const FEWEST: usize = 50;
+
+/// The bulk of a recording's measured frames: one free surface, averaged over them.
+pub struct Bulk {
+    /// Distance kept from walls and from the free surface, m.
+    pub inset: f64,
+    surface: FreeSurface,
+}
+
+/// The free surface of a bed.
+enum FreeSurface {
+    /// There is none: no gravity, or no bed yet.
+    None,
+    /// A level one: the direction up, and the height along it, m.
+    Level(Vector3<f64>, f64),
+    /// In a drum: outline of the bed in the cross-section, and its free pieces.
+    Drum(Drum, Loop, Vec<Segment>),
+    /// Of a heap: outline in (r, z), and its free pieces.
+    Heap(HeapFrame, Loop, Vec<Segment>),
+}
+
+impl Bulk {
+    /// Finds the free surface of the measured frames, and how far inside it the bulk begins.
+    pub fn new(setting: &Setting<'_>, frames: &[&Snapshot]) -> Self {
+        let surface = FreeSurface::find(setting, frames);
+        let deep = Bulk { inset: 2.0 * setting.diameter, surface };
+        let inside: usize = frames.iter().map(|frame| deep.grains(setting, frame)).sum();
+        match inside >= FEWEST * frames.len() {
+            true => deep,
+            false => Bulk { inset: setting.diameter, ..deep },
+        }
+    }
+
+    fn grains(&self, setting: &Setting<'_>, frame: &Snapshot) -> usize {
+        let walls = PlacedWalls::at(setting.scene, frame.time);
+        frame.particles.iter().filter(|grain| self.contains(&walls, &grain.position.into())).count()
+    }
+
+    /// Whether a point lies in the bulk.
+    pub fn contains(&self, walls: &PlacedWalls, point: &Vector3<f64>) -> bool {
+        walls.distance(point) >= self.inset && self.surface.covers(point, self.inset)
+    }
+
+    /// Height of the free surface along the direction up, m, where it is level.
+    pub fn level(&self) -> Option<f64> {
+        match self.surface {
+            FreeSurface::Level(_, height) => Some(height),
+            _ => None,
+        }
+    }
+}
+
+impl FreeSurface {
+    fn find(setting: &Setting<'_>, frames: &[&Snapshot]) -> FreeSurface {
+        let Some(up) = setting.up else {
+            return FreeSurface::None;
+        };
+        let diameter = setting.diameter;
+        if let Some(drum) = &setting.drum {
+            let field = dynamic_angle::mean_field(setting, drum, frames.iter().copied());
+            let Some(outline) = contour::outline(&field, 0.5 * field.largest()) else {
+                return FreeSurface::None;
+            };
+            let free = pieces(&outline, |point| point[0].hypot(point[1]) < drum.radius - diameter);
+            return FreeSurface::Drum(drum.clone(), outline, free);
+        }
+        if setting.scene.measure.observables.contains(&Observable::StaticAngleOfRepose) {
+            let heap = HeapFrame::new(setting, frames[frames.len() - 1]);
+            let outline = heap.as_ref().and_then(|heap| static_angle::heap_outline(setting, heap, frames));
+            if let (Some(heap), Some(outline)) = (heap, outline) {
+                let free = pieces(&outline, |point| point[1] > diameter);
+                return FreeSurface::Heap(heap, outline, free);
+            }
+        }
+        match level(setting, &up, frames) {
+            Some(height) => FreeSurface::Level(up, height),
+            None => FreeSurface::None,
+        }
+    }
+
+    /// Whether a point lies at least `inset` (m) below the surface.
+    fn covers(&self, point: &Vector3<f64>, inset: f64) -> bool {
+        let deep = |outline: &Loop, free: &[Segment], point: [f64; 2]| {
+            contour::encloses(outline, point) && free.iter().all(|piece| contour::distance(piece, point) >= inset)
+        };
+        match self {
+            FreeSurface::None => true,
+            FreeSurface::Level(up, height) => point.dot(up) <= height - inset,
+            FreeSurface::Drum(drum, outline, free) => deep(outline, free, drum.section(point)),
+            FreeSurface::Heap(heap, outline, free) => deep(outline, free, heap.meridian(point)),
+        }
+    }
+}
+
+fn pieces(outline: &Loop, free: impl Fn([f64; 2]) -> bool) -> Vec<Segment> {
+    contour::segments(outline).filter(|[a, b]| free(*a) && free(*b)).collect()
+}
+
+/// Height (m, along `up`) at which the solid volume a layer falls to half of what it is within the bed.
+///
+/// Layers are one mean radius thick, volumes exact. Only ratios of volumes enter, so the container's area does not.
+fn level(setting: &Setting<'_>, up: &Vector3<f64>, frames: &[&Snapshot]) -> Option<f64> {
+    let grains = || frames.iter().flat_map(|frame| &frame.particles);
+    let height = |position: &[f64; 3]| Vector3::from(*position).dot(up);
+    let (low, high) = grains().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), grain| {
+        let at = height(&grain.position);
+        (low.min(at - grain.radius), high.max(at + grain.radius))
+    });
+    let layer = 0.5 * setting.diameter;
+    let count = ((high - low) / layer).ceil().clamp(1.0, 1e6) as usize;
+    let mut volume = vec![0.0; count];
+    for grain in grains() {
+        let bottom = (height(&grain.position) - low) / layer;
+        let reach = grain.radius / layer;
+        let beyond = |plane: f64| half_space((plane - bottom) / reach) * grain.radius.powi(3);
+        for index in (bottom - reach).floor().max(0.0) as usize..count.min((bottom + reach).ceil() as usize) {
+            volume[index] += beyond(index as f64) - beyond(index as f64 + 1.0);
+        }
+    }
+    let mean_above = |floor: f64| {
+        let full: Vec<f64> = volume.iter().copied().filter(|volume| *volume > floor).collect();
+        full.iter().sum::<f64>() / full.len().max(1) as f64
+    };
+    let mut bulk = mean_above(0.0);
+    for _ in 0..20 {
+        bulk = mean_above(0.5 * bulk);
+    }
+    let last = volume.iter().rposition(|volume| *volume >= 0.5 * bulk)?;
+    let above = volume.get(last + 1).copied().unwrap_or(0.0);
+    // Linear between the middles of the two layers.
+    let share = (volume[last] - 0.5 * bulk) / (volume[last] - above).max(f64::MIN_POSITIVE);
+    Some(low + (last as f64 + 0.5 + share) * layer)
+}

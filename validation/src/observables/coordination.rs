@@ -1,0 +1,91 @@
+//! Coordination: contacts a grain in the bulk.
+//!
+//! The geometric number counts neighbours whose gap is below 1% of the mean diameter, from positions alone; it
+//! needs no force, so that rigid and soft codes are measured alike. The mechanical number counts contacts that push.
+//! A rattler has too few contacts to be held: fewer than four without friction, fewer than two with it (Shundyak,
+//! van Hecke & van Saarloos, Phys. Rev. E 75, 010301, 2007; Silbert, Soft Matter 6, 2918, 2010). Rattlers are removed
+//! repeatedly, with their contacts, until none is left; contacts with walls help to hold a grain.
+
+use super::measurement::{Quantity, Readings};
+use super::view::{TOUCHING, View};
+use makadam::snapshot::Partner;
+
+const GEOMETRIC: Quantity = Quantity::mean("coordination_number", "");
+const WITHOUT_RATTLERS: Quantity = Quantity::mean("coordination_number_without_rattlers", "");
+const RATTLER_SHARE: Quantity = Quantity::mean("rattler_share", "");
+const MECHANICAL: Quantity = Quantity::mean("mechanical_coordination_number", "");
+const BULK_GRAINS: Quantity = Quantity::mean("bulk_grains", "");
+
+/// Adds the coordination numbers of a frame; nothing where no grain lies in the bulk.
+pub fn read(view: &View<'_>, readings: &mut Readings) {
+    let in_bulk = view.in_bulk();
+    let bulk = in_bulk.iter().filter(|inside| **inside).count();
+    if bulk == 0 {
+        return;
+    }
+    readings.add(BULK_GRAINS, bulk as f64);
+    let mean_over = |counts: &[usize], chosen: &dyn Fn(usize) -> bool| {
+        let picked: Vec<usize> = (0..counts.len()).filter(|&grain| in_bulk[grain] && chosen(grain)).collect();
+        picked.iter().map(|&grain| counts[grain]).sum::<usize>() as f64 / picked.len() as f64
+    };
+
+    let mut neighbours = vec![0; in_bulk.len()];
+    for pair in view.pairs() {
+        neighbours[pair.first] += 1;
+        neighbours[pair.second] += 1;
+    }
+    readings.add(GEOMETRIC, mean_over(&neighbours, &|_| true));
+
+    let held = held_grains(view);
+    let mut among_held = vec![0; in_bulk.len()];
+    for pair in view.pairs().iter().filter(|pair| held[pair.first] && held[pair.second]) {
+        among_held[pair.first] += 1;
+        among_held[pair.second] += 1;
+    }
+    readings.add(WITHOUT_RATTLERS, mean_over(&among_held, &|grain| held[grain]));
+    let rattlers = (0..in_bulk.len()).filter(|&grain| in_bulk[grain] && !held[grain]).count();
+    readings.add(RATTLER_SHARE, rattlers as f64 / bulk as f64);
+
+    let mut pushed = vec![0; in_bulk.len()];
+    for contact in view.frame.contacts.iter().filter(|contact| contact.normal_force > 0.0) {
+        let second = match contact.second {
+            Partner::Grain(id) => view.place(id),
+            Partner::Wall(_) => None,
+        };
+        for grain in [view.place(contact.first), second].into_iter().flatten() {
+            pushed[grain] += 1;
+        }
+    }
+    if !view.frame.contacts.is_empty() {
+        readings.add(MECHANICAL, mean_over(&pushed, &|_| true));
+    }
+}
+
+/// Which grains are left when rattlers have been removed repeatedly.
+fn held_grains(view: &View<'_>) -> Vec<bool> {
+    let grains = &view.frame.particles;
+    let needed = if view.setting.frictional() { 2 } else { 4 };
+    let reach = TOUCHING * view.setting.diameter;
+    let mut supports: Vec<usize> =
+        grains.iter().map(|grain| view.walls.within(&grain.position.into(), grain.radius + reach)).collect();
+    let mut touching = vec![Vec::new(); grains.len()];
+    for pair in view.pairs() {
+        supports[pair.first] += 1;
+        supports[pair.second] += 1;
+        touching[pair.first].push(pair.second);
+        touching[pair.second].push(pair.first);
+    }
+    let mut held = vec![true; grains.len()];
+    let mut loose: Vec<usize> = (0..grains.len()).filter(|&grain| supports[grain] < needed).collect();
+    loose.iter().for_each(|&grain| held[grain] = false);
+    while let Some(rattler) = loose.pop() {
+        for &neighbour in touching[rattler].iter() {
+            supports[neighbour] -= 1;
+            if held[neighbour] && supports[neighbour] < needed {
+                held[neighbour] = false;
+                loose.push(neighbour);
+            }
+        }
+    }
+    held
+}

@@ -1,0 +1,174 @@
+//! Flow in a rotating drum: slip at the shell, the flowing layer, torque, mixing.
+
+use super::balances::force_on_partner;
+use super::drum::Drum;
+use super::dynamic_angle::{BedSurface, mean_field, surface};
+use super::measurement::{Measurement, Quantity, Readings};
+use super::setting::Setting;
+use super::view::View;
+use crate::statistics::{block_count, mean, standard_error};
+use makadam::snapshot::{Partner, Snapshot};
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, HashMap};
+
+const SPEED_RATIO: Quantity = Quantity::mean("shell_layer_speed_ratio", "");
+const TORQUE: Quantity = Quantity::mean("wall_torque", "N m");
+const THICKNESS: Quantity = Quantity::mean("flowing_layer_thickness", "diameter");
+const SURFACE_SPEED: Quantity = Quantity::mean("surface_speed", "m/s");
+const LACEY: Quantity = Quantity::mean("lacey_mixing_index", "");
+
+/// A grain belongs to the layer at the shell if its centre is no farther from it than this many radii.
+const SHELL_LAYER: f64 = 1.1;
+
+/// Half of the arc of shell, about the middle of the bed, over which the layer is measured, degrees.
+const HALF_ARC: f64 = 30.0;
+
+/// Half width of the strip across the surface in which the velocity profile is taken, diameters.
+const HALF_STRIP: f64 = 2.0;
+
+/// Cells of the mixing index, diameters wide.
+const MIXING_CELL: f64 = 3.0;
+
+/// Adds a frame's readings: nothing where there is no drum.
+///
+/// - `shell_layer_speed_ratio`: angular speed about the drum's axis of the grains at the shell over the drum's, both
+///   at the grains' centres: 1 where they turn with the shell. Grains count whose centres lie within 1.1 radii of the
+///   shell, within 30 degrees of the bed's middle, and two diameters from the ends.
+/// - `wall_torque`: torque (N m) of the turning walls on the grains about the axis, positive in the sense of rotation.
+pub fn read(view: &View<'_>, readings: &mut Readings) {
+    let Some(drum) = &view.setting.drum else {
+        return;
+    };
+    if let Some(ratio) = speed_ratio(view, drum) {
+        readings.add(SPEED_RATIO, ratio);
+    }
+    let turning = (view.frame.contacts.iter())
+        .filter(|contact| matches!(contact.second, Partner::Wall(wall) if drum.walls.contains(&wall)));
+    let torque: f64 = turning
+        .map(|contact| (Vector3::from(contact.point) - drum.centre).cross(&force_on_partner(contact)).dot(&drum.axis))
+        .sum();
+    if !view.frame.contacts.is_empty() {
+        readings.add(TORQUE, -torque * sense(drum));
+    }
+}
+
+/// Sense of rotation about the axis.
+fn sense(drum: &Drum) -> f64 {
+    if drum.rate < 0.0 { -1.0 } else { 1.0 }
+}
+
+fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
+    let grains = &view.frame.particles;
+    let middle = grains.iter().map(|grain| Vector3::from(grain.position)).sum::<Vector3<f64>>() / grains.len() as f64;
+    let [across, up] = drum.section(&middle);
+    let ends = 2.0 * view.setting.diameter;
+    let mut ratios = Vec::new();
+    for grain in grains {
+        let place = Vector3::from(grain.position);
+        let [x, y] = drum.section(&place);
+        let distance = x.hypot(y);
+        let beside = (x * across + y * up) / (distance * across.hypot(up));
+        if drum.radius - distance <= SHELL_LAYER * grain.radius
+            && beside >= HALF_ARC.to_radians().cos()
+            && drum.from_ends(&place) >= ends
+        {
+            let tangent = drum.axis.cross(&(place - drum.centre));
+            ratios.push(Vector3::from(grain.velocity).dot(&tangent) / (distance * distance * drum.rate));
+        }
+    }
+    (!ratios.is_empty() && drum.rate != 0.0).then(|| mean(&ratios))
+}
+
+/// Measures what rests on an average over the whole span; nothing where there is no drum.
+///
+/// - `flowing_layer_thickness` (mean diameters): depth below the surface, on the line across it through its middle,
+///   at which the velocity along the surface changes sign.
+/// - `surface_speed` (m/s): velocity down the slope of the uppermost half diameter there.
+/// - `lacey_mixing_index`: of the grains on either side of their median across the drum at the first measured frame,
+///   at the last: (s0^2 - s^2)/(s0^2 - sr^2), 0 for unmixed and 1 for random (Lacey, J. Appl. Chem. 4, 257, 1954).
+pub fn measure_span(setting: &Setting<'_>, frames: &[&Snapshot]) -> Vec<Measurement> {
+    let Some(drum) = &setting.drum else {
+        return Vec::new();
+    };
+    let layer = |part: &[&Snapshot]| {
+        let surface = surface(setting, drum, &mean_field(setting, drum, part.iter().copied()))?;
+        flowing_layer(setting, drum, &surface, part)
+    };
+    let mut measurements = Vec::new();
+    if let Some((thickness, speed)) = layer(frames) {
+        let blocks = block_count(frames.len()).unwrap_or(1);
+        let parts: Vec<(f64, f64)> = (0..blocks)
+            .filter_map(|block| layer(&frames[block * frames.len() / blocks..(block + 1) * frames.len() / blocks]))
+            .collect();
+        let error = |pick: fn(&(f64, f64)) -> f64| standard_error(&parts.iter().map(pick).collect::<Vec<_>>());
+        measurements.push(THICKNESS.measured(thickness, error(|part| part.0), frames.len()));
+        measurements.push(SURFACE_SPEED.measured(speed, error(|part| part.1), frames.len()));
+    }
+    if let Some(index) = lacey_index(setting, drum, frames[0], frames[frames.len() - 1]) {
+        measurements.push(LACEY.measured(index, None, frames.len()));
+    }
+    measurements
+}
+
+/// Thickness of the flowing layer (diameters) and speed at the surface (m/s).
+fn flowing_layer(
+    setting: &Setting<'_>,
+    drum: &Drum,
+    surface: &BedSurface,
+    frames: &[&Snapshot],
+) -> Option<(f64, f64)> {
+    let line = surface.line;
+    let middle = line.foot([0.0; 2]);
+    let bin = 0.5 * setting.diameter;
+    let bins = (drum.radius / bin).ceil() as usize;
+    let (mut sums, mut counts) = (vec![0.0; bins], vec![0_usize; bins]);
+    let downhill = -(drum.across * line.direction[0] + drum.up * line.direction[1]);
+    for grain in frames.iter().flat_map(|frame| &frame.particles) {
+        let place = drum.section(&grain.position.into());
+        let along = line.along(place) - line.along(middle);
+        let depth = -line.above(place);
+        if along.abs() < HALF_STRIP * setting.diameter && depth > -bin {
+            let index = (depth.max(0.0) / bin) as usize;
+            if index < bins {
+                sums[index] += Vector3::from(grain.velocity).dot(&downhill);
+                counts[index] += 1;
+            }
+        }
+    }
+    let profile: Vec<(f64, f64)> = (0..bins)
+        .filter(|&index| counts[index] > 0)
+        .map(|index| ((index as f64 + 0.5) * bin, sums[index] / counts[index] as f64))
+        .collect();
+    let turn = profile.windows(2).find(|pair| pair[0].1 > 0.0 && pair[1].1 <= 0.0)?;
+    let [(shallow, fast), (deep, slow)] = [turn[0], turn[1]];
+    let depth = shallow + (deep - shallow) * fast / (fast - slow);
+    Some((depth / setting.diameter, profile[0].1))
+}
+
+fn lacey_index(setting: &Setting<'_>, drum: &Drum, first: &Snapshot, last: &Snapshot) -> Option<f64> {
+    let across: HashMap<u32, f64> =
+        first.particles.iter().map(|grain| (grain.id, drum.section(&grain.position.into())[0])).collect();
+    let mut sorted: Vec<f64> = across.values().copied().collect();
+    sorted.sort_by(f64::total_cmp);
+    let median = *sorted.get(sorted.len() / 2)?;
+    // Sorted, so that sums are taken in the same order in every run.
+    let mut cells: BTreeMap<[i64; 3], (f64, f64)> = BTreeMap::new();
+    for grain in &last.particles {
+        let point = Vector3::from(grain.position);
+        let [x, y] = drum.section(&point);
+        let along = (point - drum.centre).dot(&drum.axis);
+        let cell = [x, y, along].map(|c| (c / (MIXING_CELL * setting.diameter)).floor() as i64);
+        let (dyed, all) = cells.entry(cell).or_default();
+        *dyed += f64::from(u8::from(across.get(&grain.id).is_some_and(|place| *place < median)));
+        *all += 1.0;
+    }
+    // Cells at the rim of the bed hold too few grains to say anything.
+    let full: Vec<(f64, f64)> = cells.into_values().filter(|(_, all)| *all >= 5.0).collect();
+    let total: f64 = full.iter().map(|(_, all)| all).sum();
+    let share = full.iter().map(|(dyed, _)| dyed).sum::<f64>() / total;
+    let variance = full.iter().map(|(dyed, all)| all * (dyed / all - share).powi(2)).sum::<f64>() / total;
+    let unmixed = share * (1.0 - share);
+    let random = unmixed * full.len() as f64 / total;
+    let index = (unmixed - variance) / (unmixed - random);
+    (full.len() >= 5 && index.is_finite()).then_some(index)
+}

@@ -1,0 +1,90 @@
+//! Solid fraction on a grid of square cells in a plane.
+
+use super::sphere_volume::quadrant;
+
+/// A field on square cells, row after row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Lower corner of the first cell, m.
+    pub origin: [f64; 2],
+    /// Width of a cell, m.
+    pub cell: f64,
+    /// Cells along the first coordinate.
+    pub columns: usize,
+    /// Cells along the second coordinate.
+    pub rows: usize,
+    /// Values, `rows` times `columns`.
+    pub values: Vec<f64>,
+}
+
+impl Field {
+    /// A field of zeros that covers `min` to `max` (m) with cells of width `cell` (m), centred.
+    pub fn new(min: [f64; 2], max: [f64; 2], cell: f64) -> Self {
+        let count = |axis: usize| ((max[axis] - min[axis]) / cell).ceil().clamp(1.0, 1e4) as usize;
+        let (columns, rows) = (count(0), count(1));
+        let start = |axis: usize, count: usize| 0.5 * (min[axis] + max[axis] - count as f64 * cell);
+        Self { origin: [start(0, columns), start(1, rows)], cell, columns, rows, values: vec![0.0; columns * rows] }
+    }
+
+    /// Value of a cell; zero outside the grid.
+    pub fn get(&self, column: isize, row: isize) -> f64 {
+        match (0..self.columns as isize).contains(&column) && (0..self.rows as isize).contains(&row) {
+            true => self.values[row as usize * self.columns + column as usize],
+            false => 0.0,
+        }
+    }
+
+    /// Centre of a cell, m; also of cells outside the grid.
+    pub fn centre(&self, column: isize, row: isize) -> [f64; 2] {
+        [
+            self.origin[0] + (column as f64 + 0.5) * self.cell,
+            self.origin[1] + (row as f64 + 0.5) * self.cell,
+        ]
+    }
+
+    /// Adds a sphere's exact volume, divided by `volume` (m3), to the cells that it reaches, each cell being a
+    /// prism without ends. `centre` is the sphere's centre in the plane, m.
+    pub fn add_sphere(&mut self, centre: [f64; 2], radius: f64, volume: f64) {
+        let first = |axis: usize| ((centre[axis] - radius - self.origin[axis]) / self.cell).floor() as isize;
+        let last = |axis: usize| ((centre[axis] + radius - self.origin[axis]) / self.cell).floor() as isize;
+        let (left, right, bottom, top) = (first(0), last(0), first(1), last(1));
+        let line = |axis: usize, index: isize| {
+            (self.origin[axis] + index as f64 * self.cell - centre[axis]) / radius
+        };
+        // A cell is a difference of quadrants whose corners are the grid's nodes; nodes are shared by four cells.
+        let node = |column: isize, row: isize| quadrant(line(0, column), line(1, row));
+        let share = radius.powi(3) / volume;
+        let mut below: Vec<f64> = (left..=right + 1).map(|column| node(column, bottom)).collect();
+        for row in bottom..=top {
+            let mut here = node(left, row + 1);
+            let mut under = below[0];
+            below[0] = here;
+            for column in left..=right {
+                let next = node(column + 1, row + 1);
+                let slot = &mut below[(column + 1 - left) as usize];
+                let inside = under - *slot - here + next;
+                (under, here, *slot) = (*slot, next, next);
+                if (0..self.columns as isize).contains(&column) && (0..self.rows as isize).contains(&row) {
+                    self.values[row as usize * self.columns + column as usize] += share * inside;
+                }
+            }
+        }
+    }
+
+    /// Adds another field of the same grid, cell by cell.
+    pub fn add(&mut self, other: &Field) {
+        for (value, more) in self.values.iter_mut().zip(&other.values) {
+            *value += more;
+        }
+    }
+
+    /// Multiplies every value.
+    pub fn scale(&mut self, factor: f64) {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+    }
+
+    /// Largest value.
+    pub fn largest(&self) -> f64 {
+        self.values.iter().copied().fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,115 @@
+//! Packing fraction: solid volume over volume in the bulk, with exact volumes of spheres cut by its border.
+//!
+//! In a fixed box with a level bed the region is a box, two mean diameters inside its faces and below the free
+//! surface. In any other container it is made of cubes of half a diameter whose eight corners all lie in the bulk.
+
+use super::measurement::{Quantity, Readings};
+use super::sphere_volume::{sphere, sphere_in_box};
+use super::view::View;
+use makadam::scene::{Motion, Shape};
+use makadam::snapshot::Particle;
+use nalgebra::Vector3;
+use std::collections::HashSet;
+
+const PACKING_FRACTION: Quantity = Quantity::mean("packing_fraction", "");
+
+/// Adds the packing fraction of a frame, if its bed has a bulk.
+pub fn read(view: &View<'_>, readings: &mut Readings) {
+    let fraction = match box_region(view) {
+        Some((min, max)) => fraction_in_box(&view.frame.particles, min, max),
+        None => fraction_in_cubes(view),
+    };
+    if let Some(fraction) = fraction {
+        readings.add(PACKING_FRACTION, fraction);
+    }
+}
+
+/// Solid volume over volume in a box; absent for an empty box.
+pub fn fraction_in_box(grains: &[Particle], min: [f64; 3], max: [f64; 3]) -> Option<f64> {
+    if (0..3).any(|axis| max[axis] <= min[axis]) {
+        return None;
+    }
+    let volume: f64 = (0..3).map(|axis| max[axis] - min[axis]).product();
+    let solid: f64 = grains.iter().map(|grain| sphere_in_box(grain.position, grain.radius, min, max)).sum();
+    Some(solid / volume)
+}
+
+/// The box of the bulk, where the container is one fixed box and the free surface is level along an axis of it.
+fn box_region(view: &View<'_>) -> Option<([f64; 3], [f64; 3])> {
+    let [wall] = view.setting.scene.wall.as_slice() else {
+        return None;
+    };
+    let (Shape::Box { min, max, .. }, Motion::Fixed) = (&wall.shape, &wall.motion) else {
+        return None;
+    };
+    let (up, level) = (view.setting.up?, view.bulk.level()?);
+    let axis = up.iamax();
+    if up[axis].abs() < 1.0 - 1e-9 {
+        return None;
+    }
+    let inset = view.bulk.inset;
+    let (mut low, mut high) = (min.map(|x| x + inset), max.map(|x| x - inset));
+    match up[axis] > 0.0 {
+        true => high[axis] = high[axis].min(level - inset),
+        false => low[axis] = low[axis].max(-level + inset),
+    }
+    Some((low, high))
+}
+
+fn fraction_in_cubes(view: &View<'_>) -> Option<f64> {
+    let size = 0.5 * view.setting.diameter;
+    let corner = |cube: [i64; 3]| Vector3::from(cube.map(|index| index as f64 * size));
+    let grains = &view.frame.particles;
+    let index = |x: f64| (x / size).floor() as i64;
+
+    // Cubes near grains of the bulk, whose corners all lie in it.
+    let mut nodes = std::collections::HashMap::new();
+    let mut inside = |node: [i64; 3]| {
+        *nodes.entry(node).or_insert_with(|| view.bulk.contains(&view.walls, &corner(node)))
+    };
+    let (mut cubes, mut seen) = (HashSet::new(), HashSet::new());
+    let reach = 2;
+    for grain in grains.iter().zip(view.in_bulk()).filter(|(_, bulk)| **bulk).map(|(grain, _)| grain) {
+        let home = grain.position.map(index);
+        for n in 0..(2 * reach + 1_i64).pow(3) {
+            let side = 2 * reach + 1;
+            let cube =
+                [home[0] + n % side - reach, home[1] + n / side % side - reach, home[2] + n / side / side - reach];
+            if seen.insert(cube)
+                && (0..8).all(|c| inside([cube[0] + (c & 1), cube[1] + (c >> 1 & 1), cube[2] + (c >> 2 & 1)]))
+            {
+                cubes.insert(cube);
+            }
+        }
+    }
+    if cubes.is_empty() {
+        return None;
+    }
+    let mut solid = 0.0;
+    for grain in grains {
+        let (low, high) =
+            (grain.position.map(|x| index(x - grain.radius)), grain.position.map(|x| index(x + grain.radius)));
+        let mut reached = Vec::new();
+        let mut all = true;
+        for z in low[2]..=high[2] {
+            for y in low[1]..=high[1] {
+                for x in low[0]..=high[0] {
+                    match cubes.contains(&[x, y, z]) {
+                        true => reached.push([x, y, z]),
+                        false => all = false,
+                    }
+                }
+            }
+        }
+        solid += match all {
+            true => sphere(grain.radius),
+            false => (reached.into_iter())
+                .map(|cube| {
+                    let min = corner(cube);
+                    sphere_in_box(grain.position, grain.radius, min.into(), min.add_scalar(size).into())
+                })
+                .sum(),
+        };
+    }
+    Some(solid / (cubes.len() as f64 * size.powi(3)))
+}

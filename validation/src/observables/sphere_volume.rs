@@ -1,0 +1,96 @@
+//! Exact volume of the part of a sphere that lies in an axis-aligned box.
+//!
+//! The box is a signed sum of octants {X > a, Y > b, Z > c}, so one formula for an octant carries it all. Take the
+//! unit ball centred at the origin with the corner (a, b, c) inside it. By the divergence theorem the volume is
+//!
+//! ```text
+//! V = (S - a A_a - b A_b - c A_c) / 3
+//! ```
+//!
+//! where A_a is the flat face in X = a and S the curved face. A_a is a disc of radius sqrt(1 - a^2) cut by Y > b,
+//! Z > c; the same theorem in the plane gives A_a = (r_a^2 phi_a - b L_b - c L_c) / 2, with phi_a the angle of its arc
+//! and L the lengths of its straight sides. S follows from Gauss and Bonnet: 2 pi less the turning at its three
+//! corners, less the geodesic curvature of its three arcs, which is a phi_a for the circle in X = a. Two circles cross
+//! at the angle whose cosine is -a b / (r_a r_b). Negative coordinates are mirrored: V(a,b,c) = V(b,c) - V(-a,b,c).
+//! The angles are taken with atan2, which keeps full accuracy where arccosine would lose half the digits.
+
+use std::f64::consts::{PI, TAU};
+
+/// Volume of a sphere, m3.
+pub fn sphere(radius: f64) -> f64 {
+    4.0 / 3.0 * PI * radius.powi(3)
+}
+
+/// Volume (m3) of the part of a sphere that lies in the box between the corners `min` and `max`; bounds may be infinite.
+/// Absolute error: some 1e-15 of the sphere's volume.
+pub fn sphere_in_box(centre: [f64; 3], radius: f64, min: [f64; 3], max: [f64; 3]) -> f64 {
+    let low: [f64; 3] = std::array::from_fn(|axis| (min[axis] - centre[axis]) / radius);
+    let high: [f64; 3] = std::array::from_fn(|axis| (max[axis] - centre[axis]) / radius);
+    if (0..3).any(|axis| low[axis] >= 1.0 || high[axis] <= -1.0 || low[axis] >= high[axis]) {
+        return 0.0;
+    }
+    if (0..3).all(|axis| low[axis] <= -1.0 && high[axis] >= 1.0) {
+        return sphere(radius);
+    }
+    let mut volume = 0.0;
+    for corner in 0..8_usize {
+        let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+        let sign = if corner.count_ones() % 2 == 0 { 1.0 } else { -1.0 };
+        volume += sign * octant(pick(0), pick(1), pick(2));
+    }
+    volume.max(0.0) * radius.powi(3)
+}
+
+/// Volume of the unit ball beyond the plane X = a.
+pub fn half_space(a: f64) -> f64 {
+    let a = a.clamp(-1.0, 1.0);
+    PI / 3.0 * (1.0 - a).powi(2) * (2.0 + a)
+}
+
+/// Volume of the unit ball in the quadrant X > a, Y > b.
+pub fn quadrant(a: f64, b: f64) -> f64 {
+    if a < 0.0 {
+        return half_space(b) - quadrant(-a, b);
+    }
+    if b < 0.0 {
+        return half_space(a) - quadrant(a, -b);
+    }
+    let square = 1.0 - a * a - b * b;
+    if square <= 0.0 {
+        return 0.0;
+    }
+    let w = square.sqrt();
+    let (arc_a, arc_b) = (2.0 * w.atan2(b), 2.0 * w.atan2(a));
+    let curved = TAU - 2.0 * w.atan2(-a * b) - a * arc_a - b * arc_b;
+    let face_a = 0.5 * (1.0 - a * a) * arc_a - b * w;
+    let face_b = 0.5 * (1.0 - b * b) * arc_b - a * w;
+    (curved - a * face_a - b * face_b) / 3.0
+}
+
+/// Volume of the unit ball in the octant X > a, Y > b, Z > c.
+pub fn octant(a: f64, b: f64, c: f64) -> f64 {
+    if a < 0.0 {
+        return quadrant(b, c) - octant(-a, b, c);
+    }
+    if b < 0.0 {
+        return quadrant(a, c) - octant(a, -b, c);
+    }
+    if c < 0.0 {
+        return quadrant(a, b) - octant(a, b, -c);
+    }
+    if 1.0 - a * a - b * b - c * c <= 0.0 {
+        return 0.0;
+    }
+    // Where the edge of two faces pierces the sphere: the third coordinate there.
+    let on_edge = |x: f64, y: f64| (1.0 - x * x - y * y).sqrt();
+    let (ab, bc, ca) = (on_edge(a, b), on_edge(b, c), on_edge(c, a));
+    let arc_a = ab.atan2(b) - c.atan2(ca);
+    let arc_b = bc.atan2(c) - a.atan2(ab);
+    let arc_c = ca.atan2(a) - b.atan2(bc);
+    let turning = ab.atan2(-a * b) + bc.atan2(-b * c) + ca.atan2(-c * a);
+    let curved = TAU - turning - a * arc_a - b * arc_b - c * arc_c;
+    let face_a = 0.5 * ((1.0 - a * a) * arc_a - b * (ab - c) - c * (ca - b));
+    let face_b = 0.5 * ((1.0 - b * b) * arc_b - c * (bc - a) - a * (ab - c));
+    let face_c = 0.5 * ((1.0 - c * c) * arc_c - a * (ca - b) - b * (bc - a));
+    (curved - a * face_a - b * face_b - c * face_c) / 3.0
+}

@@ -1,0 +1,205 @@
+//! Static angle of repose: the inclination of a heap's flank.
+//!
+//! The solid fraction is averaged over azimuth, in cells of one mean radius by one mean radius in (r, z) about the
+//! heap's axis (that of the tube it ran out of, else the median of the grains). The outline is the contour at half
+//! the heap's mean solid fraction; a grain that rolled away fills so little of its ring that it stays outside. The
+//! line is fitted by total least squares to the outline between 20% and 80% of the heap's height. The standard error
+//! is over six sectors of azimuth, measured one by one: unlike a flow, a heap at rest has no blocks of time.
+
+use super::contour::{self, Loop, Segment};
+use super::field::Field;
+use super::line::{Line, clip};
+use super::measurement::{Measurement, Quantity};
+use super::setting::Setting;
+use crate::statistics::standard_error;
+use makadam::scene::Shape;
+use makadam::snapshot::Snapshot;
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+
+const ANGLE: Quantity = Quantity::mean("static_angle_of_repose", "degree");
+const HEIGHT: Quantity = Quantity::mean("heap_height", "m");
+
+/// Sectors of azimuth for the standard error.
+const SECTORS: usize = 6;
+
+/// Points a diameter by which a grain's volume is spread over rings.
+const POINTS: usize = 8;
+
+/// The axis of a heap and its foot.
+pub struct HeapFrame {
+    origin: Vector3<f64>,
+    across: [Vector3<f64>; 2],
+    up: Vector3<f64>,
+}
+
+impl HeapFrame {
+    /// Finds the axis; absent without gravity.
+    pub fn new(setting: &Setting<'_>, frame: &Snapshot) -> Option<Self> {
+        let up = setting.up?;
+        let helper = Vector3::ith(up.iamin(), 1.0);
+        let first = up.cross(&helper).normalize();
+        let across = [first, up.cross(&first)];
+        let tube = setting.scene.wall.iter().find_map(|wall| match &wall.shape {
+            Shape::Cylinder { base, axis, .. } if Vector3::from(*axis).normalize().dot(&up).abs() > 0.999 => {
+                Some(Vector3::from(*base))
+            }
+            _ => None,
+        });
+        let middle = tube.unwrap_or_else(|| across.iter().map(|axis| axis * median_along(frame, axis)).sum());
+        let floor = setting.scene.wall.iter().find_map(|wall| match &wall.shape {
+            Shape::Plane { point, normal } if Vector3::from(*normal).normalize().dot(&up) > 0.999 => {
+                Some(Vector3::from(*point).dot(&up))
+            }
+            _ => None,
+        });
+        let lowest = || {
+            let bottoms = frame.particles.iter().map(|grain| Vector3::from(grain.position).dot(&up) - grain.radius);
+            bottoms.fold(f64::INFINITY, f64::min)
+        };
+        let origin = middle - up * middle.dot(&up) + up * floor.unwrap_or_else(lowest);
+        Some(Self { origin, across, up })
+    }
+
+    /// Distance from the axis and height above the floor, m.
+    pub fn meridian(&self, point: &Vector3<f64>) -> [f64; 2] {
+        let arm = point - self.origin;
+        [arm.dot(&self.across[0]).hypot(arm.dot(&self.across[1])), arm.dot(&self.up)]
+    }
+
+    fn sector(&self, point: &Vector3<f64>) -> usize {
+        let arm = point - self.origin;
+        let turn = arm.dot(&self.across[1]).atan2(arm.dot(&self.across[0])) / TAU + 0.5;
+        ((turn * SECTORS as f64) as usize).min(SECTORS - 1)
+    }
+}
+
+fn median_along(frame: &Snapshot, axis: &Vector3<f64>) -> f64 {
+    let mut places: Vec<f64> = frame.particles.iter().map(|grain| Vector3::from(grain.position).dot(axis)).collect();
+    places.sort_by(f64::total_cmp);
+    places.get(places.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Angle (degrees) and height (m) of a heap; nothing where there is none.
+pub fn measure(setting: &Setting<'_>, frames: &[&Snapshot]) -> Vec<Measurement> {
+    let Some(heap) = HeapFrame::new(setting, frames[frames.len() - 1]) else {
+        return Vec::new();
+    };
+    let fields = sector_fields(setting, &heap, frames);
+    let Some(outline) = outline(&average(&fields)) else {
+        return Vec::new();
+    };
+    let Some(angle) = flank_angle(&outline, setting.diameter) else {
+        return Vec::new();
+    };
+    let of_sector = |field: &Field| flank_angle(&self::outline(field)?, setting.diameter);
+    let sectors: Vec<f64> = fields.iter().filter_map(of_sector).collect();
+    vec![
+        ANGLE.measured(angle, standard_error(&sectors), frames.len()),
+        HEIGHT.measured(top(&outline), None, frames.len()),
+    ]
+}
+
+/// The outline of a heap in (r, z), mirrored at the axis, m; averaged over azimuth and frames.
+pub fn heap_outline(setting: &Setting<'_>, heap: &HeapFrame, frames: &[&Snapshot]) -> Option<Loop> {
+    outline(&average(&sector_fields(setting, heap, frames)))
+}
+
+fn average(fields: &[Field]) -> Field {
+    let mut sum = fields[0].clone();
+    fields[1..].iter().for_each(|field| sum.add(field));
+    sum.scale(1.0 / fields.len() as f64);
+    sum
+}
+
+/// Solid fraction in (r, z) in each sector of azimuth.
+fn sector_fields(setting: &Setting<'_>, heap: &HeapFrame, frames: &[&Snapshot]) -> Vec<Field> {
+    let cell = 0.5 * setting.diameter;
+    let places = || frames.iter().flat_map(|frame| &frame.particles).map(|grain| Vector3::from(grain.position));
+    // Nine tenths of the grains set the width; what rolled farther is no part of the heap.
+    let mut radii: Vec<f64> = places().map(|place| heap.meridian(&place)[0]).collect();
+    radii.sort_by(f64::total_cmp);
+    let width = 2.0 * radii[radii.len() * 9 / 10] + 4.0 * cell;
+    let height = places().map(|place| heap.meridian(&place)[1]).fold(0.0, f64::max) + 4.0 * cell;
+    // Mirrored at the axis, so that the axis is not taken for a surface. An even number of columns keeps it a border.
+    let half_width = (width / cell).ceil() * cell;
+    let mut fields = vec![Field::new([-half_width, 0.0], [half_width, (height / cell).ceil() * cell], cell); SECTORS];
+    let ball = unit_ball();
+    for grain in frames.iter().flat_map(|frame| &frame.particles) {
+        let share = super::sphere_volume::sphere(grain.radius) / ball.len() as f64;
+        for offset in &ball {
+            let point = Vector3::from(grain.position) + offset * grain.radius;
+            let [distance, up] = heap.meridian(&point);
+            let field = &mut fields[heap.sector(&point)];
+            let (column, row) = ((distance / cell) as usize, ((up - field.origin[1]) / cell).floor());
+            if column < field.columns / 2 && row >= 0.0 && (row as usize) < field.rows {
+                let ring = TAU / SECTORS as f64 * (column as f64 + 0.5) * cell * cell * cell;
+                let (middle, start) = (field.columns / 2, row as usize * field.columns);
+                let value = share / (ring * frames.len() as f64);
+                field.values[start + middle + column] += value;
+                field.values[start + middle - 1 - column] += value;
+            }
+        }
+    }
+    fields
+}
+
+/// Points evenly spread in the unit ball.
+fn unit_ball() -> Vec<Vector3<f64>> {
+    let place = |index: usize| (2 * index + 1) as f64 / POINTS as f64 - 1.0;
+    (0..POINTS.pow(3))
+        .map(|n| Vector3::new(place(n % POINTS), place(n / POINTS % POINTS), place(n / POINTS / POINTS)))
+        .filter(|point| point.norm() < 1.0)
+        .collect()
+}
+
+/// The contour at half the mean solid fraction of the heap.
+fn outline(field: &Field) -> Option<Loop> {
+    // Rings near the axis are small, and so noisy: weighted by their volume they count for little.
+    let weight = |column: usize| (column as f64 + 0.5 - 0.5 * field.columns as f64).abs();
+    let mean_above = |level: f64| {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (index, &value) in field.values.iter().enumerate().filter(|(_, value)| **value > level) {
+            sum += value * weight(index % field.columns);
+            weights += weight(index % field.columns);
+        }
+        if weights > 0.0 { sum / weights } else { 0.0 }
+    };
+    let mut bulk = mean_above(0.0);
+    for _ in 0..20 {
+        bulk = mean_above(0.5 * bulk);
+    }
+    (bulk > 0.0).then(|| contour::outline(field, 0.5 * bulk))?
+}
+
+fn top(outline: &Loop) -> f64 {
+    outline.iter().map(|point| point[1]).fold(0.0, f64::max)
+}
+
+/// Inclination of the flank, degrees; absent for a heap lower or narrower than two diameters.
+fn flank_angle(outline: &Loop, diameter: f64) -> Option<f64> {
+    let height = top(outline);
+    let width = outline.iter().map(|point| point[0]).fold(0.0, f64::max);
+    if height < 2.0 * diameter || width < 2.0 * diameter {
+        return None;
+    }
+    let right = contour::segments(outline).filter_map(|piece| clip(piece, |point| point[0], 0.0, f64::INFINITY));
+    let flank: Vec<Segment> =
+        right.filter_map(|piece| clip(piece, |point| point[1], 0.2 * height, 0.8 * height)).collect();
+    Some(-Line::fit(flank.into_iter())?.degrees())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::mean;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn ball_of_points_has_the_moments_of_a_ball() {
+        let ball = unit_ball();
+        assert_relative_eq!(mean(&ball.iter().map(|p| p.x).collect::<Vec<_>>()), 0.0, epsilon = 1e-12);
+        let square = mean(&ball.iter().map(|p| p.norm_squared()).collect::<Vec<_>>());
+        assert_relative_eq!(square, 0.6, epsilon = 0.02);
+    }
+}

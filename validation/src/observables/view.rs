@@ -1,0 +1,82 @@
+//! One frame, with what several measures need of it worked out once.
+
+use super::bulk::Bulk;
+use super::neighbours::{Pair, close_pairs};
+use super::setting::Setting;
+use super::walls::PlacedWalls;
+use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use nalgebra::Vector3;
+use std::cell::OnceCell;
+
+/// Grains count as touching if their gap is below this part of the mean diameter.
+pub const TOUCHING: f64 = 0.01;
+
+/// A frame in its setting.
+pub struct View<'a> {
+    /// The scene.
+    pub setting: &'a Setting<'a>,
+    /// The bulk of the recording.
+    pub bulk: &'a Bulk,
+    /// The frame.
+    pub frame: &'a Snapshot,
+    /// The walls, where they are at the frame's time.
+    pub walls: PlacedWalls,
+    pairs: OnceCell<Vec<Pair>>,
+    in_bulk: OnceCell<Vec<bool>>,
+}
+
+impl<'a> View<'a> {
+    /// A view of a frame.
+    pub fn new(setting: &'a Setting<'a>, bulk: &'a Bulk, frame: &'a Snapshot) -> Self {
+        let walls = PlacedWalls::at(setting.scene, frame.time);
+        Self { setting, bulk, frame, walls, pairs: OnceCell::new(), in_bulk: OnceCell::new() }
+    }
+
+    /// Pairs of grains whose gap is below 1% of the mean diameter.
+    pub fn pairs(&self) -> &[Pair] {
+        self.pairs.get_or_init(|| close_pairs(&self.frame.particles, TOUCHING * self.setting.diameter))
+    }
+
+    /// Which grains lie in the bulk, in the order of the frame's table.
+    pub fn in_bulk(&self) -> &[bool] {
+        self.in_bulk.get_or_init(|| {
+            let inside = |grain: &Particle| self.bulk.contains(&self.walls, &grain.position.into());
+            self.frame.particles.iter().map(inside).collect()
+        })
+    }
+
+    /// Contacts between grains that push (a soft code may also pull) and whose point lies in the bulk.
+    pub fn bulk_contacts(&self) -> Vec<&'a Contact> {
+        let inside = |contact: &&Contact| match contact.second {
+            Partner::Wall(_) => false,
+            Partner::Grain(second) => contact.normal_force > 0.0 && self.midpoint_in_bulk(contact.first, second),
+        };
+        self.frame.contacts.iter().filter(inside).collect()
+    }
+
+    /// Place of a grain in the frame's table, by its id.
+    pub fn place(&self, id: u32) -> Option<usize> {
+        let grains = &self.frame.particles;
+        // Ids have no holes unless a code lost a grain.
+        match grains.get(id as usize) {
+            Some(grain) if grain.id == id => Some(id as usize),
+            _ => grains.iter().position(|grain| grain.id == id),
+        }
+    }
+
+    /// The contact point follows from the grains rather than from the code's own table, whose meaning may vary.
+    fn midpoint_in_bulk(&self, first: u32, second: u32) -> bool {
+        let (Some(first), Some(second)) = (self.place(first), self.place(second)) else {
+            return false;
+        };
+        match (self.in_bulk()[first], self.in_bulk()[second]) {
+            (true, true) => true,
+            _ => {
+                let (a, b) = (&self.frame.particles[first], &self.frame.particles[second]);
+                let share = a.radius / (a.radius + b.radius);
+                let point = Vector3::from(a.position).lerp(&Vector3::from(b.position), share);
+                self.bulk.contains(&self.walls, &point)
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Distance of a point from the walls, wherever their motion has brought them.
+
+use makadam::scene::{Motion, Scene, Shape, Wall};
+use nalgebra::{Rotation3, Unit, Vector3};
+
+/// The walls of a scene at one time, as flat and round primitives.
+pub struct PlacedWalls(Vec<Placed>);
+
+/// A primitive and the motion that takes a point of the world back to where the scene placed the wall.
+struct Placed {
+    primitive: Primitive,
+    shift: Vector3<f64>,
+    turn: Option<(Vector3<f64>, Rotation3<f64>)>,
+}
+
+enum Primitive {
+    Plane { point: Vector3<f64>, normal: Vector3<f64> },
+    Shell { base: Vector3<f64>, axis: Vector3<f64>, radius: f64, length: f64 },
+    Disc { centre: Vector3<f64>, normal: Vector3<f64>, radius: f64 },
+}
+
+impl PlacedWalls {
+    /// The walls of a scene at `time` (s).
+    pub fn at(scene: &Scene, time: f64) -> Self {
+        Self(scene.wall.iter().flat_map(|wall| place(wall, time)).collect())
+    }
+
+    /// Distance of a point from the nearest wall, m; infinite where there is no wall.
+    ///
+    /// It is negative behind a plane or a box's face. Thin shells and discs have no behind.
+    pub fn distance(&self, point: &Vector3<f64>) -> f64 {
+        self.0.iter().map(|wall| wall.distance(point)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Number of walls nearer than `reach` (m) to a point; a box counts once a face.
+    pub fn within(&self, point: &Vector3<f64>, reach: f64) -> usize {
+        self.0.iter().filter(|wall| wall.distance(point) < reach).count()
+    }
+}
+
+fn place(wall: &Wall, time: f64) -> Vec<Placed> {
+    let elapsed = |start: f64, stop: Option<f64>| (time.min(stop.unwrap_or(f64::INFINITY)) - start).max(0.0);
+    let (mut shift, mut turn) = (Vector3::zeros(), None);
+    match &wall.motion {
+        Motion::Fixed => {}
+        Motion::Translating { velocity, start, stop } => shift = Vector3::from(*velocity) * elapsed(*start, *stop),
+        Motion::Rotating { point, axis, rate, start, stop } => {
+            let axis = Unit::new_normalize(Vector3::from(*axis));
+            let back = Rotation3::from_axis_angle(&axis, -rate * elapsed(*start, *stop));
+            turn = Some((Vector3::from(*point), back));
+        }
+    }
+    primitives(&wall.shape).into_iter().map(|primitive| Placed { primitive, shift, turn }).collect()
+}
+
+fn primitives(shape: &Shape) -> Vec<Primitive> {
+    match shape {
+        Shape::Plane { point, normal } => {
+            vec![Primitive::Plane { point: (*point).into(), normal: Vector3::from(*normal).normalize() }]
+        }
+        Shape::Box { min, max, open } => (["x", "y", "z"].iter().enumerate())
+            .flat_map(|(axis, name)| [(format!("-{name}"), min, axis, 1.0), (format!("+{name}"), max, axis, -1.0)])
+            .filter(|(face, ..)| !open.contains(face))
+            .map(|(_, corner, axis, sign)| Primitive::Plane {
+                point: (*corner).into(),
+                normal: Vector3::ith(axis, sign),
+            })
+            .collect(),
+        Shape::Cylinder { base, axis, radius, length } => vec![Primitive::Shell {
+            base: (*base).into(),
+            axis: Vector3::from(*axis).normalize(),
+            radius: *radius,
+            length: *length,
+        }],
+        Shape::Disc { centre, normal, radius } => vec![Primitive::Disc {
+            centre: (*centre).into(),
+            normal: Vector3::from(*normal).normalize(),
+            radius: *radius,
+        }],
+    }
+}
+
+impl Placed {
+    fn distance(&self, point: &Vector3<f64>) -> f64 {
+        let mut point = point - self.shift;
+        if let Some((pivot, back)) = &self.turn {
+            point = pivot + back * (point - pivot);
+        }
+        match &self.primitive {
+            Primitive::Plane { point: origin, normal } => normal.dot(&(point - origin)),
+            Primitive::Shell { base, axis, radius, length } => {
+                let arm = point - base;
+                let along = arm.dot(axis);
+                let past_end = (-along).max(along - length).max(0.0);
+                ((arm - axis * along).norm() - radius).hypot(past_end)
+            }
+            Primitive::Disc { centre, normal, radius } => {
+                let arm = point - centre;
+                let height = arm.dot(normal);
+                let past_rim = ((arm - normal * height).norm() - radius).max(0.0);
+                height.hypot(past_rim)
+            }
+        }
+    }
+}
