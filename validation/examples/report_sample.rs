@@ -1,7 +1,6 @@
 //! Writes a report of invented numbers, to look at: `cargo run --example report_sample -- FOLDER`.
 
 #[path = "../tests/support/sample.rs"]
-#[expect(dead_code, reason = "the tests use what this example does not")]
 mod sample;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,5 +1,6 @@
 //! How observables, units, codes and outcomes are called and marked in tables and figures.
 
+use super::numbers::Rounding;
 use crate::compare::{Outcome, Source};
 
 /// A reader's name of an observable.
@@ -30,12 +31,12 @@ pub(super) fn unit(unit: &str) -> &str {
     }
 }
 
-/// An observable with its unit in brackets.
-pub(super) fn with_unit(name: &str, of: &str) -> String {
-    match unit(of) {
+/// An observable with its unit in brackets, and the power of ten that its values are multiples of.
+pub(super) fn with_unit(name: &str, of: &str, rounding: Rounding) -> String {
+    let symbol = if unit(of) == "°" { "degrees" } else { unit(of) };
+    match [rounding.factor().as_str(), symbol].join(" ").trim() {
         "" => observable(name),
-        "°" => format!("{} (degrees)", observable(name)),
-        symbol => format!("{} ({symbol})", observable(name)),
+        words => format!("{} ({words})", observable(name)),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::compare::Row;
 pub(super) enum Rounding {
     /// Decimals after the point.
     Decimals(usize),
-    /// Powers of ten with this exponent, two decimals.
+    /// Values in this power of ten, which stands beside the unit; two decimals.
     PowerOfTen(i32),
 }
 
@@ -42,22 +42,35 @@ impl Rounding {
         }
         match self {
             Rounding::Decimals(decimals) => with_minus(format!("{value:.decimals$}")),
-            Rounding::PowerOfTen(exponent) => {
-                let text = format!("{:.2}", value / 10f64.powi(exponent));
-                format!("{}×10{}", with_minus(text), superscript(exponent))
-            }
+            Rounding::PowerOfTen(exponent) => with_minus(format!("{:.2}", value / 10f64.powi(exponent))),
+        }
+    }
+
+    /// A margin of equivalence, without needless zeros.
+    pub(super) fn margin(self, margin: f64) -> String {
+        format!("±{}", compact(margin / self.scale()))
+    }
+
+    fn scale(self) -> f64 {
+        match self {
+            Rounding::Decimals(_) => 1.0,
+            Rounding::PowerOfTen(exponent) => 10f64.powi(exponent),
+        }
+    }
+
+    /// The factor that all values are multiples of, such as "10⁻⁴"; empty where it is one.
+    pub(super) fn factor(self) -> String {
+        match self {
+            Rounding::Decimals(_) => String::new(),
+            Rounding::PowerOfTen(exponent) => format!("10{}", superscript(exponent)),
         }
     }
 
     /// A difference, with its sign; none if it rounds to zero.
     pub(super) fn signed(self, value: f64) -> String {
         let text = self.value(value);
-        let zero = text.split('×').next().unwrap_or("").chars().all(|c| matches!(c, '0' | '.' | '−'));
-        match () {
-            () if zero => text.replace('−', ""),
-            () if value > 0.0 => format!("+{text}"),
-            () => text,
-        }
+        let zero = text.chars().all(|c| matches!(c, '0' | '.'));
+        if value > 0.0 && !zero { format!("+{text}") } else { text }
     }
 
     /// An interval of differences.
@@ -107,7 +120,7 @@ pub(super) fn two_digits(value: f64) -> String {
     let exponent = value.abs().log10().floor();
     let rounded = if exponent >= 2.0 { value.round() } else { (value / 10f64.powf(exponent - 1.0)).round() * 10f64.powf(exponent - 1.0) };
     if value.abs() < 1e-4 {
-        return Rounding::PowerOfTen(exponent as i32).value(value);
+        return compact(value);
     }
     let decimals = (1.0 - exponent).max(0.0) as usize;
     with_minus(format!("{rounded:.decimals$}"))
@@ -125,7 +138,7 @@ pub(super) fn duration(seconds: f64) -> String {
 
 /// A small quantity as a reader writes it: 5×10⁻⁴, or 0.02.
 pub(super) fn compact(value: f64) -> String {
-    if value != 0.0 && !(1e-2..1e5).contains(&value.abs()) && value.is_finite() {
+    if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) && value.is_finite() {
         let exponent = value.abs().log10().floor() as i32;
         let mantissa = format!("{:.2}", value / 10f64.powi(exponent));
         let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
@@ -159,6 +172,7 @@ mod tests {
         assert_eq!(two_digits(9.96), "10.0");
         assert_eq!(two_digits(234.4), "234");
         assert_eq!(compact(5e-4), "5×10⁻⁴");
+        assert_eq!(compact(0.006), "0.006");
         assert_eq!(compact(1.5), "1.5");
         assert_eq!(duration(200.0), "3 min 20 s");
     }
@@ -169,7 +183,9 @@ mod tests {
         assert_eq!(rounding.signed(-0.001), "0.00");
         assert_eq!(rounding.signed(-0.31), "−0.31");
         assert_eq!(rounding.signed(0.31), "+0.31");
-        assert_eq!(Rounding::PowerOfTen(-5).signed(-3.1e-5), "−3.10×10⁻⁵");
+        assert_eq!(Rounding::PowerOfTen(-5).signed(-3.1e-5), "−3.10");
+        assert_eq!(Rounding::PowerOfTen(-5).factor(), "10⁻⁵");
+        assert_eq!(Rounding::PowerOfTen(-5).margin(1e-6), "±0.1");
     }
 
     #[test]

@@ -77,15 +77,14 @@ fn section(comparison: &Comparison, place: usize) -> Value {
     }
 }
 
-/// What is simulated and what is measured, in a sentence.
+/// How long is simulated and when it is measured, in a sentence.
 fn facts(comparison: &Comparison) -> String {
     let scene = &comparison.scene;
-    let grains = scene.population.iter().map(|p| p.count).sum::<usize>() + scene.grain.len();
     let measured = match scene.measure.from {
         Some(from) => format!("measured from {} s on, every {} s", numbers::compact(from), numbers::compact(scene.measure.interval)),
         None => "measured in the last frame".into(),
     };
-    format!("{grains} grains, {} s simulated, {measured}.", numbers::compact(scene.duration))
+    format!("Simulated time {} s, {measured}.", numbers::compact(scene.duration))
 }
 
 /// Mark, word and style of a verdict.

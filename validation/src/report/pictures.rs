@@ -10,6 +10,8 @@ use std::fmt::Write as _;
 
 /// Steps of the colour scale.
 const BINS: usize = 20;
+/// Place of the colour of grains in a scene at rest, behind the scale.
+const AT_REST: usize = BINS;
 /// Steps of the darkening with depth.
 const DEPTHS: usize = 4;
 /// Width of a picture in pixels; the height follows from the frame.
@@ -90,30 +92,32 @@ fn top_of_scale(comparison: &Comparison, states: &[&FinalState]) -> Option<f64> 
 fn picture(comparison: &Comparison, state: &FinalState, view: &View, frame: &Frame, top: Option<f64>) -> (String, usize) {
     let scale = (WIDTH / frame.width()).min(TALLEST / frame.height());
     let height = frame.height() * scale;
+    // Below the picture, where no wall can cross it.
+    let strip = 24.0;
     let left = (WIDTH - frame.width() * scale) / 2.0;
     let place = |p: [f64; 2]| [left + (p[0] - frame.min[0]) * scale, height - (p[1] - frame.min[1]) * scale];
     let (spots, outside) = view::visible(view, frame, &state.particles);
-    let mut drawing = Drawing::new(WIDTH, height);
+    let mut drawing = Drawing::new(WIDTH, height + strip);
     drawing.begin_clip([0.0, 0.0], WIDTH, height);
     for spot in &spots {
-        let bin = top.map_or(BINS / 3, |top| ((spot.speed / top * BINS as f64) as usize).min(BINS - 1));
+        let bin = top.map_or(AT_REST, |top| ((spot.speed / top * BINS as f64) as usize).min(BINS - 1));
         let depth = ((spot.depth * DEPTHS as f64) as usize).min(DEPTHS - 1);
         drawing.circle(&class(bin, depth), place(spot.centre), spot.radius * scale);
     }
     outlines::walls(&mut drawing, &comparison.scene, view, state.time, scale, &place);
-    bar_of_scale(&mut drawing, frame.width(), scale, height);
     drawing.end_clip();
+    bar_of_scale(&mut drawing, frame.width(), scale, height + strip);
     let name = format!("grains of {} at the end of the run, seen {}", state.code, view.name);
     (drawing.finish(&name), outside)
 }
 
-/// A bar of known length in the lower right corner.
+/// A bar of known length below the picture.
 fn bar_of_scale(drawing: &mut Drawing, width: f64, scale: f64, height: f64) {
     let (ticks, _) = round_ticks(0.0, width, 6);
     let Some(&length) = ticks.get(1) else { return };
-    let (right, y) = (WIDTH - 6.0, height - 6.0);
+    let (right, y) = (WIDTH - 6.0, height - 8.0);
     drawing.line("scalebar", [right - length * scale, y], [right, y]);
-    drawing.text("tick", [right - length * scale / 2.0, y - 5.0], Anchor::Middle, &format!("{} mm", compact(1e3 * length)));
+    drawing.text("tick", [right - length * scale - 8.0, y + 4.0], Anchor::End, &format!("{} mm", compact(1e3 * length)));
 }
 
 fn class(bin: usize, depth: usize) -> String {
@@ -144,9 +148,10 @@ fn legend(top: f64) -> String {
 /// Gradients that every picture of the page refers to, one a colour and depth.
 pub(super) fn gradients() -> String {
     let mut body = String::new();
-    for bin in 0..BINS {
+    for bin in 0..=AT_REST {
         for depth in 0..DEPTHS {
-            let dark = 1.0 - 0.17 * depth as f64;
+            // Strong shade would be taken for another speed; at rest there is no speed to mistake it for.
+            let dark = 1.0 - if bin == AT_REST { 0.2 } else { 0.07 } * depth as f64;
             let base = colour(bin).map(|c| c * dark);
             let light = base.map(|c| c + (255.0 - c) * 0.45);
             let rim = base.map(|c| c * 0.55);
@@ -163,7 +168,7 @@ pub(super) fn gradients() -> String {
 /// Style rules of the grains.
 pub(super) fn rules() -> String {
     let mut rules = String::new();
-    for bin in 0..BINS {
+    for bin in 0..=AT_REST {
         for depth in 0..DEPTHS {
             let class = class(bin, depth);
             let _ = writeln!(rules, ".{class}{{fill:url(#{class})}}");
@@ -175,6 +180,9 @@ pub(super) fn rules() -> String {
 
 /// The scale `viridis` from its second tenth on: its order is seen in grey and by colour-blind readers.
 fn colour(bin: usize) -> [f64; 3] {
+    if bin == AT_REST {
+        return [214.0, 190.0, 148.0];
+    }
     const STOPS: [[f64; 3]; 7] = [
         [70.0, 50.0, 126.0],
         [57.0, 86.0, 140.0],

@@ -175,8 +175,8 @@ impl Plot {
                 }
             };
             self.drawing.text("key", [x + 32.0, y + 4.0], Anchor::Start, label);
-            // There is no measuring of text here; 6.6 pixels a character is on the wide side.
-            x += 46.0 + 6.6 * label.chars().count() as f64;
+            // There is no measuring of text here; 7.6 pixels a character is on the wide side.
+            x += 50.0 + 7.6 * label.chars().count() as f64;
         }
     }
 

@@ -1,6 +1,7 @@
 //! An observable over time: all codes in one plot, the measured window marked, the means drawn in.
 
 use super::names;
+use super::numbers::Rounding;
 use super::plot::{Axis, Key, Plot};
 use crate::compare::{Comparison, Series};
 
@@ -46,7 +47,7 @@ fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
     let unit = comparison.rows.iter().find(|r| r.observable == observable).map_or("", |r| r.unit.as_str());
     let mut plot = Plot::new(
         Axis::linear("time (s)", 0.0, end),
-        Axis::linear(&names::with_unit(observable, unit), low - room, high + room),
+        Axis::linear(&names::with_unit(observable, unit, Rounding::Decimals(0)), low - room, high + room),
     );
     if let Some(from) = from {
         plot.window(from, end, "measured window");

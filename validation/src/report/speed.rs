@@ -77,6 +77,9 @@ pub fn speed_sentence(comparison: &Comparison) -> Option<String> {
     let Some(judged) = timed.iter().find(|code| code.code == JUDGED) else { return Some(format!("{head}.")) };
     let ratios: Vec<(&str, f64)> =
         timed.iter().filter_map(|peer| ratio(judged, peer).map(|r| (peer.code.as_str(), r))).collect();
+    if timed.len() == 1 {
+        return Some(format!("{head}."));
+    }
     if ratios.is_empty() {
         return Some(format!("{head}; no ratio is taken, since the codes were not timed in one run."));
     }

@@ -1,8 +1,8 @@
 //! The tables of a scene: values and differences, how each code was run, the bias of soft grains.
 
 use super::names;
-use super::numbers::{Rounding, compact, duration, two_digits};
-use super::qualification::{JUDGED, floor_exceeds_margin, plural};
+use super::numbers::{Rounding, compact, duration};
+use super::qualification::{JUDGED, floor_exceeds_margin, join, plural};
 use crate::compare::{CodeSummary, Comparison, Outcome, Row};
 use serde::Serialize;
 
@@ -117,9 +117,9 @@ fn line(comparison: &Comparison, observable: &str, codes: &[&str], pairs: &[Pair
     let rounding = Rounding::of(rows.iter().copied());
     let unit = rows.first().map_or("", |row| row.unit.as_str());
     Line {
-        name: names::with_unit(observable, unit),
+        name: names::with_unit(observable, unit, rounding),
         values: codes.iter().map(|code| value(&rows, code, rounding)).collect(),
-        margin: rows.iter().find_map(|row| row.margin).map(|margin| format!("±{}", compact(margin))),
+        margin: rows.iter().find_map(|row| row.margin).map(|margin| rounding.margin(margin)),
         differences: pairs.iter().map(|pair| difference(&rows, pair, rounding)).collect(),
         floor_exceeds_margin: rows.iter().any(|row| floor_exceeds_margin(comparison, row)),
     }
@@ -260,12 +260,12 @@ pub(super) fn shifts(comparison: &Comparison) -> Vec<Shift> {
                 None => Rounding::of(same),
             };
             Shift {
-                name: names::with_unit(&row.observable, &row.unit),
+                name: names::with_unit(&row.observable, &row.unit, rounding),
                 code: row.code.clone(),
                 class: names::code_style(&row.code).class,
                 shift: row.difference.map_or("–".into(), |d| rounding.signed(d)),
                 interval: row.interval90.map(|interval| rounding.interval(interval)),
-                third: margin.map(|m| format!("±{}", two_digits(m / 3.0))),
+                third: margin.map(|m| format!("±{}", rounding.value(m / 3.0))),
                 share: margin.zip(row.difference).map(|(m, d)| format!("{:.0}%", 100.0 * d.abs() / m)),
                 verdict: match shift_is_small(comparison, row) {
                     Some(true) => "small",
@@ -290,11 +290,16 @@ fn shift_is_small(comparison: &Comparison, row: &Row) -> Option<bool> {
 /// What the data of a scene forbid to conclude from it.
 pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
     let mut limits = Vec::new();
-    for row in &comparison.soft_bias {
-        if shift_is_small(comparison, row) == Some(false) {
+    for observable in distinct(comparison.soft_bias.iter().map(|row| row.observable.as_str())) {
+        let soft: Vec<&str> = (comparison.soft_bias.iter())
+            .filter(|row| row.observable == observable && shift_is_small(comparison, row) == Some(false))
+            .map(|row| row.code.as_str())
+            .collect();
+        if !soft.is_empty() {
             limits.push(format!(
-                "{} in {}: grains ten times stiffer shift it by more than a third of the margin, so the comparison at this stiffness is not valid for it.",
-                names::observable(&row.observable), row.code,
+                "{}: in {} grains ten times stiffer shift it by more than a third of the margin; at this stiffness the \
+                 comparison is not valid for it.",
+                names::observable(observable), join(&soft),
             ));
         }
     }
@@ -307,10 +312,9 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
             names::observable(observable),
         ));
     }
-    for code in &comparison.codes {
-        if code.seeds.len() == 1 {
-            limits.push(format!("{} ran with one seed: its spread over seeds is not known.", code.code));
-        }
+    let single: Vec<&str> = comparison.codes.iter().filter(|c| c.seeds.len() == 1).map(|c| c.code.as_str()).collect();
+    if !single.is_empty() {
+        limits.push(format!("{} ran with one seed: a spread over seeds is not known.", join(&distinct(single.into_iter()))));
     }
     let missing = comparison.rows.iter().filter(|row| row.outcome == Some(Outcome::Undecided) && row.code == JUDGED).count();
     if missing > 0 {

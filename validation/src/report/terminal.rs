@@ -1,7 +1,7 @@
 //! The table of a comparison as plain text for a terminal.
 
 use super::names;
-use super::numbers::{Rounding, compact};
+use super::numbers::Rounding;
 use super::speed::speed_sentence;
 use super::tables;
 use crate::compare::{Comparison, Outcome, Row};
@@ -54,12 +54,12 @@ fn cells(row: &Row, rounding: Rounding, first: bool) -> [String; 7] {
         (None, _) => String::new(),
     };
     [
-        if first { names::with_unit(&row.observable, &row.unit) } else { String::new() },
+        if first { names::with_unit(&row.observable, &row.unit, rounding) } else { String::new() },
         row.code.clone(),
         format!("{}{spread} ({})", rounding.value(row.mean), row.seeds),
         row.reference_code.clone().unwrap_or_default(),
         row.difference.map(|difference| rounding.signed(difference) + &interval).unwrap_or_default(),
-        row.margin.map(|margin| format!("±{}", compact(margin))).unwrap_or_default(),
+        row.margin.map(|margin| rounding.margin(margin)).unwrap_or_default(),
         outcome,
     ]
 }

@@ -82,7 +82,7 @@ pub fn write(qualification: &Qualification, folder: &Path) -> Result<ReportPaths
     };
     let contents = [
         (&paths.html, page::render(qualification)?.into_bytes()),
-        (&paths.json, serde_json::to_vec_pretty(&document)?),
+        (&paths.json, serde_json::to_vec(&document)?),
         (&paths.csv, rows::to_csv(qualification)?),
     ];
 
