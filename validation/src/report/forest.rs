@@ -5,8 +5,8 @@ use super::qualification::JUDGED;
 use super::svg::{Anchor, Drawing};
 use crate::compare::{Comparison, Outcome, Row};
 
-const WIDTH: f64 = 560.0;
-const LEFT: f64 = 150.0;
+const WIDTH: f64 = 580.0;
+const LEFT: f64 = 168.0;
 const RIGHT: f64 = 88.0;
 const LINE: f64 = 21.0;
 const HEADING: f64 = 25.0;
