@@ -103,7 +103,8 @@ impl FreeSurface {
     /// Whether a point lies at least `inset` (m) below the surface.
     fn covers(&self, point: &Vector3<f64>, inset: f64) -> bool {
         let deep = |outline: &Loop, free: &[Segment], point: [f64; 2]| {
-            contour::encloses(outline, point) && free.iter().all(|piece| contour::distance(piece, point) >= inset)
+            let far = |piece: &Segment| contour::squared_distance(piece, point) >= inset * inset;
+            free.iter().all(far) && contour::encloses(outline, point)
         };
         match self {
             FreeSurface::Nowhere => false,
