@@ -1,3 +1,28 @@
-//! Makadam: granular matter by non-smooth contact dynamics.
+//! Makadam: granular matter by non-smooth contact dynamics, solved by projected Gauss-Seidel.
+//!
+//! ```text
+//! scene.toml -- scene --> World --+
+//!                                 v
+//!        +------------------ step ------------------------------+
+//!        | detect -> constrain -> partition -> solve -> move    | --> Snapshot, StepReport
+//!        |                          sweep, schedule             |
+//!        +------------------------------------------------------+
+//! ```
+//!
+//! **Same bits.** A scene and a seed give the same bits on any instruction set: boxes, stages and lane groups depend on the
+//! scene alone, the lane width of eight is a part of the algorithm, and every lane does the same IEEE operations, without
+//! fused multiply-add and without approximate division or roots.
+pub mod checkpoint;
+pub mod constrain;
+pub mod detect;
+pub mod effects;
+pub mod partition;
 pub mod scene;
+mod schedule;
+mod simulation;
 pub mod snapshot;
+pub mod solve;
+pub mod sweep;
+pub mod world;
+
+pub use simulation::{Energy, PhaseSeconds, Simulation, StepReport};

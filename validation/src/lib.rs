@@ -6,8 +6,13 @@
 
 pub mod commands;
 pub mod compare;
+pub mod interrupt;
 pub mod observables;
+pub mod output;
 pub mod peers;
+pub mod prepared;
+pub mod provenance;
+pub mod qualify;
 pub mod recording;
 pub mod report;
 pub mod statistics;

@@ -88,11 +88,11 @@ fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f6
         RadiusDistribution::Fixed { value } => *value,
         RadiusDistribution::Uniform { mean, spread } => mean * (1.0 + spread * symmetric(random)),
         RadiusDistribution::Normal { mean, deviation, min, max } => loop {
-            // Marsaglia's polar method: no trigonometric function, so the same bits on every platform's libm but for ln.
+            // Marsaglia's polar method: no trigonometric function, and a logarithm with the same bits everywhere.
             let (u, v) = (symmetric(random), symmetric(random));
             let s = u * u + v * v;
             if s > 0.0 && s < 1.0 {
-                let radius = mean + deviation * u * (-2.0 * s.ln() / s).sqrt();
+                let radius = mean + deviation * u * (-2.0 * libm::log(s) / s).sqrt();
                 if (*min..=*max).contains(&radius) {
                     return radius;
                 }

@@ -1,1 +1,74 @@
-//! The commands of `makadam`.
+//! The commands of `makadam`: arguments, exit codes, what is printed.
+
+mod arguments;
+mod compare;
+mod console;
+mod failure;
+mod qualify;
+mod run;
+
+pub use console::Console;
+pub use failure::{Failure, OUTSIDE_TOLERANCE};
+
+use crate::compare::Share;
+use arguments::{Arguments, Command};
+use clap::Parser;
+use makadam::scene::Scene;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Runs the program on the arguments of the process.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let console = Console::new(arguments.quiet, arguments.verbose);
+    crate::interrupt::listen();
+    let done = match &arguments.command {
+        Command::Run(run) => run::run(run, &console),
+        Command::Compare(compare) => compare::compare(compare, &console),
+        Command::Qualify(qualify) => qualify::qualify(qualify, &console),
+    };
+    match done {
+        Ok(code) => code,
+        Err(Failure::ClosedOutput) => ExitCode::from(1),
+        Err(failure) => {
+            console.error(&failure.to_string());
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+/// Folders in which `reference-scenes` is looked for: here and above, then where the program was built.
+fn roots() -> Vec<PathBuf> {
+    let here = std::env::current_dir().unwrap_or_default();
+    let built = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    here.ancestors().map(PathBuf::from).chain(built.parent().map(PathBuf::from)).collect()
+}
+
+/// Finds, reads and checks a scene.
+fn load(name: &str) -> Result<(PathBuf, Scene), Failure> {
+    let file = Scene::find(name, &roots())?;
+    let scene = Scene::load(&file)?;
+    Ok((file, scene))
+}
+
+/// A value as indented JSON.
+fn json(value: &impl serde::Serialize) -> String {
+    serde_json::to_string_pretty(value).expect("results hold only numbers, plain text and lists")
+}
+
+/// Limits the runs side by side to a number of threads.
+fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build_global()
+        .map_err(|error| Failure::Running(format!("cannot start {threads} threads: {error}")))
+}
+
+/// Opens progress bars on the console.
+fn announce(console: &Console) -> impl Fn(&str) -> Share + Sync {
+    |label| {
+        let bar = console.bar(label);
+        Box::new(move |share| bar.set(share))
+    }
+}

@@ -1,5 +1,15 @@
 //! The same scene in several codes: runs, recorded references, rows with verdicts.
 
+mod code_runs;
 mod comparison;
+mod measured_run;
+mod reference;
+mod rows;
+mod simulate;
 
+pub use code_runs::CodeRuns;
 pub use comparison::{CodeSummary, Comparison, FinalState, ForceDistribution, Outcome, Row, Series, Source};
+pub use measured_run::{Harvest, MeasuredRun};
+pub use reference::{Reference, ReferenceError, physics_hash};
+pub use rows::{LiveCheck, STIFF, comparison, live_checks};
+pub use simulate::{Announce, Runs, Share, Simulated};

@@ -1,7 +1,21 @@
 //! The codes that are compared: one trait, one file a code.
 
+mod assemble;
+pub mod liggghts;
+mod makadam;
+pub mod mesh;
+mod palette;
+mod plan;
+mod process;
+pub mod yade;
+
+pub use assemble::merge_wall_contacts;
+pub use liggghts::Liggghts;
+pub use makadam::{Makadam, frame_is_due};
+pub use yade::Yade;
+
 use crate::recording::Recording;
-use makadam::scene::Scene;
+use ::makadam::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -77,6 +91,12 @@ pub enum CodeError {
         /// Log file, kept.
         log: PathBuf,
     },
+    /// The user asked to stop.
+    #[error("{code} was interrupted")]
+    Interrupted {
+        /// The code.
+        code: &'static str,
+    },
     /// Its output is not what was expected.
     #[error("{code}: {}: line {line}: {problem}; the run folder is kept for a look", file.display())]
     Output {
@@ -91,7 +111,13 @@ pub enum CodeError {
     },
     /// The scene cannot be populated.
     #[error(transparent)]
-    Scene(#[from] makadam::scene::SceneError),
+    Scene(#[from] ::makadam::scene::SceneError),
+    /// The recording cannot be kept or read back.
+    #[error(transparent)]
+    Recording(#[from] crate::recording::RecordingError),
+    /// The state that the scene starts from cannot be kept.
+    #[error(transparent)]
+    State(#[from] ::makadam::checkpoint::CheckpointError),
     /// The system refused.
     #[error("{path}: {source}; check that the path is writable and the disk has room")]
     Io {
@@ -100,4 +126,16 @@ pub enum CodeError {
         /// What the system said.
         source: std::io::Error,
     },
+}
+
+/// What no soft peer can do with a scene, told before it is started.
+fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::scene::Grain]) -> Result<(), CodeError> {
+    let refuse = |reason: &str| Err(CodeError::Unsupported { code, reason: reason.into() });
+    if scene.prepare.is_some() {
+        return refuse("it starts from a prepared state");
+    }
+    if grains.is_empty() {
+        return refuse("it has no grains");
+    }
+    Ok(())
 }

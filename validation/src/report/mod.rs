@@ -1,1 +1,34 @@
-//! The report: one self-contained HTML file, and JSON and CSV beside it.
+//! The report of a qualification: one self-contained page to read, the same as data, and the rows as CSV.
+//!
+//! ```text
+//! Qualification ─> verdict ─┐
+//! Comparison ─> tables      ├─> page ──> report.html
+//!            ─> plots       │   ──────> report.json, rows.csv
+//!            ─> pictures    ┘
+//! ```
+//!
+//! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures show what the
+//! comparison says and compute no verdict of their own.
+
+mod forces;
+mod forest;
+mod names;
+mod numbers;
+mod outlines;
+mod page;
+mod pictures;
+mod plot;
+mod qualification;
+mod rows;
+mod series;
+mod speed;
+mod svg;
+mod tables;
+mod terminal;
+mod view;
+mod write;
+
+pub use qualification::{Qualification, Standing, Verdict};
+pub use speed::speed_sentence;
+pub use terminal::comparison_table;
+pub use write::{REPORT_VERSION, ReportDocument, ReportError, ReportPaths, write};

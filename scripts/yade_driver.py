@@ -1,0 +1,163 @@
+"""Runs one job in YADE: reads a JSON job, steps, and writes frames as rows of doubles.
+
+Started by the `makadam` command as `yade -j1 -n -x yade_driver.py job.json`.
+
+A frame is: time, number of grains, number of contacts; then for each grain
+x y z vx vy vz wx wy wz; then for each contact: id of the first grain, 0 or 1 for a grain or a wall, id of the
+partner, point (3), normal from the first grain to the partner (3), force on the first grain (3). Little-endian.
+"""
+
+import json
+import os
+import sys
+import time
+from array import array
+
+with open(sys.argv[1]) as file:
+    job = json.load(file)
+
+O.dt = job["time_step"]
+
+# Materials; a pair's friction and restitution come from tables, not from the materials' own values.
+materials = [
+    O.materials.append(FrictMat(young=m["young"], poisson=m["poisson"], density=m["density"], frictionAngle=0.0))
+    for m in job["materials"]
+]
+friction = [(materials[a], materials[b], angle) for a, b, angle, _ in job["pairs"]]
+restitution = [(materials[a], materials[b], e) for a, b, _, e in job["pairs"]]
+
+# Grains first, so that their ids in YADE are the scene's.
+for grain in job["grains"]:
+    body = sphere(grain["position"], grain["radius"], material=materials[grain["material"]])
+    body.state.vel = grain["velocity"]
+    body.state.angVel = grain["spin"]
+    O.bodies.append(body)
+grain_count = len(job["grains"])
+
+wall_of = {}
+motions = []
+for index, wall in enumerate(job["walls"]):
+    ids = [
+        O.bodies.append(facet([Vector3(*corner) for corner in triangle], material=materials[wall["material"]]))
+        for triangle in wall["triangles"]
+    ]
+    for id in ids:
+        wall_of[id] = index
+    motion = wall["motion"]
+    if motion is None or not ids:
+        continue
+    if motion["kind"] == "translating":
+        engine = TranslationEngine(
+            translationAxis=motion["axis"], velocity=motion["rate"], ids=ids, dead=True
+        )
+    else:
+        # The engine moves bodies along the circle itself, not along its tangent: no drift over many turns.
+        engine = RotationEngine(
+            rotateAroundZero=True,
+            zeroPoint=motion["point"],
+            rotationAxis=motion["axis"],
+            angularVelocity=motion["rate"],
+            ids=ids,
+            dead=True,
+        )
+    motions.append((engine, motion["first"], motion["last"], ids))
+
+O.engines = (
+    [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=job["verlet_distance"]),
+        InteractionLoop(
+            # `hertzian` gives a flat wall's stiffness; without it a facet counts as a sphere.
+            [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(hertzian=True)],
+            [
+                Ip2_FrictMat_FrictMat_MindlinPhys(
+                    en=MatchMaker(matches=restitution, algo="val", val=0.5),
+                    # No tangential damping, as in the other codes; absent, it would follow `en`.
+                    es=MatchMaker(matches=[], algo="val", val=1.0),
+                    frictAngle=MatchMaker(matches=friction, algo="val", val=0.0),
+                )
+            ],
+            [Law2_ScGeom_MindlinPhys_Mindlin()],
+        ),
+    ]
+    + [engine for engine, _, _, _ in motions]
+    # YADE's hidden damping is 0.2 unless told otherwise.
+    + [NewtonIntegrator(damping=0.0, gravity=Vector3(*job["gravity"]))]
+)
+
+
+def switch_motions(step):
+    for engine, first, last, ids in motions:
+        if step == first:
+            engine.dead = False
+        if step == last:
+            engine.dead = True
+            for id in ids:
+                O.bodies[id].state.vel = Vector3.Zero
+                O.bodies[id].state.angVel = Vector3.Zero
+
+
+def write_frame(output, step):
+    grains = array("d")
+    for id in range(grain_count):
+        state = O.bodies[id].state
+        grains.extend(state.pos)
+        grains.extend(state.vel)
+        grains.extend(state.angVel)
+    contacts = array("d")
+    count = 0
+    for contact in O.interactions:
+        if not contact.isReal:
+            continue
+        phys, geom = contact.phys, contact.geom
+        # YADE's forces act on its second body; its normal points from the first to the second.
+        force = phys.normalForce + phys.shearForce
+        first, second, normal, on_first = contact.id1, contact.id2, geom.normal, -force
+        if first >= grain_count:
+            first, second, normal, on_first = second, first, -normal, force
+        if force == Vector3.Zero:
+            continue
+        wall = wall_of.get(second)
+        contacts.extend((first, 0.0 if wall is None else 1.0, second if wall is None else wall))
+        contacts.extend(geom.contactPoint)
+        contacts.extend(normal)
+        contacts.extend(on_first)
+        count += 1
+    header = array("d", (step * job["time_step"], grain_count, count))
+    for table in (header, grains, contacts):
+        if sys.byteorder == "big":
+            table.byteswap()
+        table.tofile(output)
+
+
+def write_text(name, text):
+    with open(name + ".part", "w") as file:
+        file.write(text)
+    os.replace(name + ".part", name)
+
+
+steps = job["steps"]
+frames = set(job["frames"])
+# Pieces end at frames, at the starts and stops of walls, and often enough to tell the progress.
+stops = frames | {0, steps} | set(range(0, steps, max(1, steps // 100)))
+for _, first, last, _ in motions:
+    stops |= {first, last}
+stops = sorted(stops)
+parent = os.getppid()
+seconds = 0.0
+with open("frames.bin", "wb") as output:
+    for here, there in zip(stops, stops[1:] + [None]):
+        switch_motions(here)
+        if here in frames:
+            write_frame(output, here)
+        write_text("progress.txt", "%.6f" % (here / steps))
+        if there is None:
+            break
+        start = time.perf_counter()
+        O.run(there - here, True)
+        seconds += time.perf_counter() - start
+        if os.getppid() != parent:
+            sys.exit("the program that started this run is gone")
+write_text("result.json", json.dumps({"seconds": seconds, "steps": O.iter}))
+# Without this, YADE keeps its servers up for a while.
+os._exit(0)

@@ -1,0 +1,130 @@
+//! Elastic compliance of the normal contact, and the stabilisation of its overlap.
+//!
+//! SPOOK (Lacoursière 2007) treats an overlap d as a constraint of compliance eps and damping time tau. With
+//! `Y = 1/(1 + 4 tau/h)` a contact gets the regularisation `Sigma' = 4 Y eps/h^2` and the bias
+//! `q = (4/h) Y d + Y u_n0`, where u_n0 is the normal velocity at the start of the step.
+//!
+//! Hertz's potential `2/5 k_H d^(5/2)` equals `g^2/(2 eps)` with `g = d^(5/4)` and `eps = 5/(4 k_H)` (up to the sign of
+//! g); dividing the constraint by dg/dd = (5/4) d^(1/4) leaves the overlap 0.8 d and the compliance
+//! `1/(1.25 k_H sqrt(d))`. At rest this gives back `force = k_H d^(3/2)`.
+
+use crate::scene::NormalLaw;
+
+/// Overlaps below this share of the effective radius are as stiff as it: the first touch of a Hertzian contact would
+/// otherwise have no stiffness at all.
+const SMALLEST_RELATIVE_OVERLAP: f64 = 1e-5;
+
+/// Regularisation and bias of a contact's normal constraint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalConstraint {
+    /// Sigma', 1/kg.
+    pub regularisation: f64,
+    /// q, m/s.
+    pub bias: f64,
+    /// Whether the step resolves an impact, so that compliance and damping give the restitution by themselves.
+    pub resolves_impact: bool,
+}
+
+/// Constraint of one contact.
+#[derive(Clone, Copy, Debug)]
+pub struct NormalContact {
+    /// Overlap d, m; negative where there is a gap.
+    pub overlap: f64,
+    /// Normal velocity at the start of the step, m/s; positive where the two separate.
+    pub velocity: f64,
+    /// Effective modulus E*, Pa.
+    pub effective_modulus: f64,
+    /// Effective radius R*, m.
+    pub effective_radius: f64,
+    /// Inverse of the effective mass, `1/m_a + 1/m_b`, 1/kg.
+    pub inverse_mass: f64,
+    /// Damping of an impact as a share of critical damping: see [`damping_ratio`].
+    pub damping_ratio: f64,
+}
+
+/// Share of critical damping, in [0, 50], with which an impact that never attracts has the restitution `e`.
+///
+/// For a linear spring and dashpot whose contact ends when the force vanishes (Schwager & Pöschel, Granular Matter 9, 2007),
+/// `ln e = -z/w (pi - atan2(2 z w, 1 - 2 z^2))` with `w = sqrt(1 - z^2)`, continued beyond z = 1. Hertz's law with damping
+/// in proportion to `d^(1/4)` has the same restitution at any speed: with `x = d^(5/4)` and the time `ds = d^(1/4) dt` it is
+/// a linear oscillator of `w0^2 = 5/4 k_H/m` (after Antypov & Elliott, EPL 94, 2011).
+pub fn damping_ratio(restitution: f64) -> f64 {
+    const LARGEST: f64 = 50.0;
+    let target = libm::log(restitution.max(1e-300));
+    let (mut low, mut high) = (0.0, LARGEST);
+    // The logarithm of e falls with z: bisect down to rounding.
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        if log_restitution(middle) > target {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    if restitution >= 1.0 { 0.0 } else { 0.5 * (low + high) }
+}
+
+fn log_restitution(z: f64) -> f64 {
+    let square = 1.0 - z * z;
+    if square > 1e-12 {
+        let w = square.sqrt();
+        -z / w * (std::f64::consts::PI - libm::atan2(2.0 * z * w, 1.0 - 2.0 * z * z))
+    } else if square < -1e-12 {
+        let w = (-square).sqrt();
+        -z / w * libm::log((z + w) / (z - w))
+    } else {
+        -2.0
+    }
+}
+
+impl NormalContact {
+    /// Hertz's stiffness `k_H = 4/3 E* sqrt(R*)`, N/m^1.5.
+    pub fn hertz_stiffness(&self) -> f64 {
+        4.0 / 3.0 * self.effective_modulus * self.effective_radius.sqrt()
+    }
+
+    /// Regularisation and bias by the scene's law, for a step `h` (s) and a stabilisation time of `damping_steps` steps.
+    ///
+    /// The damping time is that of the impact law, `c/k`, wherever the step resolves it, and `damping_steps h` where it does
+    /// not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay stable.
+    #[inline]
+    pub fn constraint(&self, law: NormalLaw, h: f64, damping_steps: f64) -> NormalConstraint {
+        // Compliance, overlap in the constraint's measure, damping time now and at the depth that the approach will reach.
+        let ahead = self.overlap.max(-self.velocity * h);
+        let (compliance, overlap, damping_time, time_ahead) = match law {
+            NormalLaw::Rigid => (0.0, self.overlap, 0.0, 0.0),
+            NormalLaw::Linear { stiffness } => {
+                let time = self.damping_time(stiffness);
+                (1.0 / stiffness, self.overlap, time, time)
+            }
+            NormalLaw::Hertz => {
+                let smallest = SMALLEST_RELATIVE_OVERLAP * self.effective_radius;
+                let stiffness = |depth: f64| 1.25 * self.hertz_stiffness() * depth.max(smallest).sqrt();
+                let now = stiffness(self.overlap);
+                (1.0 / now, 0.8 * self.overlap, self.damping_time(now), self.damping_time(stiffness(ahead)))
+            }
+        };
+        let damping = 1.0 / (1.0 + 4.0 * (damping_time / h).max(damping_steps));
+        NormalConstraint {
+            regularisation: 4.0 * damping * compliance / (h * h),
+            bias: 4.0 / h * damping * overlap + damping * self.velocity,
+            resolves_impact: time_ahead > damping_steps * h,
+        }
+    }
+
+    /// `c/k` of a spring of the given stiffness (N/m), s.
+    #[inline]
+    fn damping_time(&self, stiffness: f64) -> f64 {
+        2.0 * self.damping_ratio / (stiffness * self.inverse_mass).sqrt()
+    }
+
+    /// Elastic energy stored, J: `1/2 k d^2` or `2/5 k_H d^(5/2)`.
+    pub fn elastic_energy(&self, law: NormalLaw) -> f64 {
+        let overlap = self.overlap.max(0.0);
+        match law {
+            NormalLaw::Rigid => 0.0,
+            NormalLaw::Linear { stiffness } => 0.5 * stiffness * overlap * overlap,
+            NormalLaw::Hertz => 0.4 * self.hertz_stiffness() * overlap * overlap * overlap.sqrt(),
+        }
+    }
+}

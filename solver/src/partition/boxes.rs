@@ -1,0 +1,74 @@
+//! Boxes eight diameters wide, and the stage and task of a pair of grains.
+
+use nalgebra::Vector3;
+
+/// Number of conflict-free stages in three dimensions.
+pub const STAGES: usize = 8;
+
+/// Width of a box in largest diameters.
+const WIDTH: f64 = 8.0;
+
+/// Stage of a contact by the set of axes (x = 1, y = 2, z = 4) along which its two boxes differ.
+const STAGE_OF_AXES: [usize; 8] = [0, 1, 2, 4, 3, 6, 5, 7];
+
+/// The boxes that cut the domain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoxGrid {
+    origin: Vector3<f64>,
+    width: f64,
+    count: [u32; 3],
+}
+
+impl BoxGrid {
+    /// Cuts a domain into boxes for grains of the given largest radius (m).
+    ///
+    /// A box is never narrower than three times the reach of a pair, so that no body takes part in contacts across two
+    /// opposite faces.
+    pub fn new(domain: &(Vector3<f64>, Vector3<f64>), grains: usize, largest_radius: f64, skin: f64) -> BoxGrid {
+        let size = domain.1 - domain.0;
+        // In a domain that is mostly empty, wider boxes: empty ones cost time and memory.
+        let sparse = libm::cbrt(size.product() / (64.0 + grains as f64 / 8.0));
+        let width = (2.0 * WIDTH * largest_radius).max(3.0 * (2.0 * largest_radius + skin)).max(sparse).max(1e-12);
+        let count = [size.x, size.y, size.z].map(|length| (length / width).ceil().clamp(1.0, 1024.0) as u32);
+        BoxGrid { origin: domain.0, width, count }
+    }
+
+    /// Number of boxes.
+    pub fn boxes(&self) -> usize {
+        self.count.iter().map(|&count| count as usize).product()
+    }
+
+    /// Number of tasks: one a stage and box.
+    pub fn tasks(&self) -> usize {
+        STAGES * self.boxes()
+    }
+
+    /// The box of a point, as three coordinates.
+    #[inline]
+    pub fn of(&self, point: &Vector3<f64>) -> [u16; 3] {
+        let mut cell = [0; 3];
+        for axis in 0..3 {
+            let place = ((point[axis] - self.origin[axis]) / self.width).floor();
+            cell[axis] = place.clamp(0.0, f64::from(self.count[axis] - 1)) as u16;
+        }
+        cell
+    }
+
+    /// Number of a box.
+    #[inline]
+    fn number(&self, cell: [u16; 3]) -> usize {
+        (cell[2] as usize * self.count[1] as usize + cell[1] as usize) * self.count[0] as usize + cell[0] as usize
+    }
+
+    /// Task of a contact of grains in two boxes, the same or neighbours: stage by stage, box by box.
+    #[inline]
+    pub fn task(&self, first: [u16; 3], second: [u16; 3]) -> usize {
+        let mut axes = 0;
+        let mut lower = [0; 3];
+        for axis in 0..3 {
+            axes |= usize::from(first[axis] != second[axis]) << axis;
+            lower[axis] = first[axis].min(second[axis]);
+        }
+        STAGE_OF_AXES[axes] * self.boxes() + self.number(lower)
+    }
+}

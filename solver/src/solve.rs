@@ -1,0 +1,97 @@
+//! The loop around sweeps: over-relaxation and its fall-back, when to stop, what to report.
+
+use crate::partition::Layout;
+use crate::scene::{SolverSettings, Stop};
+use crate::schedule::sweep_serial;
+use crate::sweep::{Relaxation, Residuals};
+use crate::world::World;
+use serde::{Deserialize, Serialize};
+use std::time::Instant;
+
+/// Why a solve stopped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// There was no contact.
+    #[default]
+    NoContacts,
+    /// The number of sweeps that was asked for is done.
+    Sweeps,
+    /// The residual is below its bound.
+    Residual,
+    /// The wall time is spent.
+    TimeBudget,
+    /// The most sweeps are done, the residual or the time budget notwithstanding.
+    MaxSweeps,
+}
+
+/// What a solve did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SolveReport {
+    /// Sweeps done.
+    pub sweeps: u32,
+    /// Why it stopped.
+    pub reason: StopReason,
+    /// Residuals of the last sweep, m/s.
+    pub residuals: Residuals,
+    /// Whether over-relaxation fell back to 1.
+    pub fell_back: bool,
+}
+
+/// A sweep is measured when it is the first, the last, or this many after the one measured before it.
+const MEASURE_EVERY: u32 = 4;
+
+/// Relaxes the contacts of a step until the settings say stop.
+///
+/// The residual of a sweep is |delta lambda| S in m/s. If it has grown since it was last measured, over-relaxation falls
+/// back to 1 for the rest of the solve: factors that speed up most systems never converge on some.
+pub fn solve(world: &mut World, layout: &mut Layout, relaxation: &Relaxation, settings: &SolverSettings) -> SolveReport {
+    let mut report = SolveReport::default();
+    if layout.contacts == 0 {
+        return report;
+    }
+    let start = Instant::now();
+    let limit = settings.stop.max_sweeps();
+    let tolerance = match settings.stop {
+        Stop::Residual { tolerance, .. } => Some(tolerance * residual_unit(world, settings.step)),
+        _ => None,
+    };
+    let mut factor = settings.over_relaxation;
+    let mut last = f64::INFINITY;
+    loop {
+        let sweep = report.sweeps + 1;
+        let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || tolerance.is_some();
+        let sums = sweep_serial(relaxation, &mut world.bodies, layout, factor, measure);
+        report.sweeps = sweep;
+        if measure {
+            report.residuals = sums.finish(layout.contacts);
+            let rms = report.residuals.rms();
+            if rms > last && factor > 1.0 {
+                factor = 1.0;
+                report.fell_back = true;
+            }
+            last = rms;
+            if tolerance.is_some_and(|tolerance| rms <= tolerance) {
+                report.reason = StopReason::Residual;
+                return report;
+            }
+        }
+        if sweep >= limit {
+            report.reason = match settings.stop {
+                Stop::Sweeps { .. } => StopReason::Sweeps,
+                _ => StopReason::MaxSweeps,
+            };
+            return report;
+        }
+        if matches!(settings.stop, Stop::TimeBudget { seconds, .. } if start.elapsed().as_secs_f64() >= seconds) {
+            report.reason = StopReason::TimeBudget;
+            return report;
+        }
+    }
+}
+
+/// Velocity that residuals are measured against: g h, or 1 m/s where there is no gravity.
+fn residual_unit(world: &World, h: f64) -> f64 {
+    let gravity = world.gravity.norm();
+    if gravity > 0.0 { gravity * h } else { 1.0 }
+}

@@ -1,0 +1,70 @@
+//! Properties of pairs of materials, looked up by small numbers.
+
+use crate::effects::compliance::damping_ratio;
+use crate::scene::Scene;
+
+/// What a contact takes from its two materials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactMaterial {
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Coefficient of restitution.
+    pub restitution: f64,
+    /// Share of critical damping that gives this restitution.
+    pub damping_ratio: f64,
+    /// Effective modulus E*, Pa: `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2` (Johnson, Contact Mechanics, 1985, 4.2).
+    pub effective_modulus: f64,
+}
+
+/// Contact properties of every pair of materials, of two grains and of a grain and a wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialTable {
+    names: Vec<String>,
+    between_grains: Vec<ContactMaterial>,
+    with_wall: Vec<ContactMaterial>,
+}
+
+impl MaterialTable {
+    pub(super) fn new(scene: &Scene) -> MaterialTable {
+        let names: Vec<String> = scene.material.keys().cloned().collect();
+        let pairs = |wall: bool| {
+            let mut table = Vec::with_capacity(names.len() * names.len());
+            for first in &names {
+                for second in &names {
+                    let (friction, restitution) = scene.contact_coefficients(first, second, wall);
+                    let softness = |name: &String| {
+                        let material = &scene.material[name];
+                        (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus
+                    };
+                    let effective_modulus = 1.0 / (softness(first) + softness(second));
+                    let damping_ratio = damping_ratio(restitution);
+                    table.push(ContactMaterial { friction, restitution, damping_ratio, effective_modulus });
+                }
+            }
+            table
+        };
+        MaterialTable { between_grains: pairs(false), with_wall: pairs(true), names }
+    }
+
+    /// Number of a material that the scene's check has found to exist.
+    pub(super) fn number(&self, name: &str) -> u8 {
+        self.names.iter().position(|known| known == name).unwrap_or(0) as u8
+    }
+
+    /// Properties of a contact of two grains.
+    #[inline]
+    pub fn between_grains(&self, first: u8, second: u8) -> &ContactMaterial {
+        &self.between_grains[first as usize * self.names.len() + second as usize]
+    }
+
+    /// Properties of a contact of a grain and a wall.
+    #[inline]
+    pub fn with_wall(&self, grain: u8, wall: u8) -> &ContactMaterial {
+        &self.with_wall[grain as usize * self.names.len() + wall as usize]
+    }
+
+    /// Whether any contact can have friction.
+    pub fn any_friction(&self) -> bool {
+        self.between_grains.iter().chain(&self.with_wall).any(|pair| pair.friction > 0.0)
+    }
+}

@@ -1,0 +1,212 @@
+//! Faces of walls: where they are at a time, how fast they move, and the nearest point to a grain.
+
+use crate::scene::{Motion, Shape, Wall};
+use nalgebra::Vector3;
+
+type Vector = Vector3<f64>;
+
+/// One smooth face of a wall; a box has up to six.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Number of the wall in the scene.
+    pub wall: u32,
+    /// Number of its material.
+    pub material: u8,
+    shape: Face,
+    motion: Motion,
+    /// Whether its motion maps the face onto itself, so that only velocities change.
+    in_place: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Face {
+    Plane { point: Vector, normal: Vector },
+    Disc { centre: Vector, normal: Vector, radius: f64 },
+    Shell { base: Vector, axis: Vector, radius: f64, length: f64 },
+}
+
+/// A face at a moment: its geometry and its velocity field.
+#[derive(Clone, Copy, Debug)]
+pub struct Pose {
+    shape: Face,
+    velocity: Vector,
+    spin: Vector,
+    centre: Vector,
+}
+
+impl Surface {
+    /// The faces of a wall.
+    pub fn of_wall(wall: &Wall, index: u32, material: u8) -> Vec<Surface> {
+        let faces = match &wall.shape {
+            Shape::Plane { point, normal } => {
+                vec![Face::Plane { point: Vector::from(*point), normal: Vector::from(*normal).normalize() }]
+            }
+            Shape::Disc { centre, normal, radius } => vec![Face::Disc {
+                centre: Vector::from(*centre),
+                normal: Vector::from(*normal).normalize(),
+                radius: *radius,
+            }],
+            Shape::Cylinder { base, axis, radius, length } => vec![Face::Shell {
+                base: Vector::from(*base),
+                axis: Vector::from(*axis).normalize(),
+                radius: *radius,
+                length: *length,
+            }],
+            Shape::Box { min, max, open } => {
+                let (min, max) = (Vector::from(*min), Vector::from(*max));
+                ["-x", "+x", "-y", "+y", "-z", "+z"]
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, name)| !open.iter().any(|face| face == *name))
+                    .map(|(number, _)| {
+                        let inward = Vector::ith(number / 2, if number % 2 == 0 { 1.0 } else { -1.0 });
+                        Face::Plane { point: if number % 2 == 0 { min } else { max }, normal: inward }
+                    })
+                    .collect()
+            }
+        };
+        let surface = |shape: Face| Surface {
+            wall: index,
+            material,
+            in_place: keeps_in_place(&shape, &wall.motion),
+            shape,
+            motion: wall.motion.clone(),
+        };
+        faces.into_iter().map(surface).collect()
+    }
+
+    /// The face at a time.
+    pub fn at(&self, time: f64) -> Pose {
+        let mut pose =
+            Pose { shape: self.shape, velocity: Vector::zeros(), spin: Vector::zeros(), centre: Vector::zeros() };
+        match &self.motion {
+            Motion::Fixed => {}
+            Motion::Translating { velocity, start, stop } => {
+                let velocity = Vector::from(*velocity);
+                pose.shape = self.shape.moved(velocity * active_time(time, *start, *stop));
+                if is_active(time, *start, *stop) {
+                    pose.velocity = velocity;
+                }
+            }
+            Motion::Rotating { point, axis, rate, start, stop } => {
+                let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
+                if !self.in_place {
+                    pose.shape = self.shape.turned(centre, axis, rate * active_time(time, *start, *stop));
+                }
+                if is_active(time, *start, *stop) {
+                    pose.spin = axis * *rate;
+                    pose.centre = centre;
+                }
+            }
+        }
+        pose
+    }
+
+    /// Upper bound of how far a point of the face within `reach` of the motion's centre moves between two times, m.
+    pub fn largest_shift(&self, from: f64, to: f64, reach: f64) -> f64 {
+        match &self.motion {
+            _ if self.in_place => 0.0,
+            Motion::Fixed => 0.0,
+            Motion::Translating { velocity, start, stop } => {
+                Vector::from(*velocity).norm() * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
+            }
+            Motion::Rotating { rate, start, stop, .. } => {
+                rate.abs() * reach * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
+            }
+        }
+    }
+}
+
+/// Time spent in motion up to `time`.
+fn active_time(time: f64, start: f64, stop: Option<f64>) -> f64 {
+    (stop.map_or(time, |stop| time.min(stop)) - start).max(0.0)
+}
+
+fn is_active(time: f64, start: f64, stop: Option<f64>) -> bool {
+    time >= start && stop.is_none_or(|stop| time < stop)
+}
+
+fn keeps_in_place(shape: &Face, motion: &Motion) -> bool {
+    let Motion::Rotating { point, axis, .. } = motion else {
+        return matches!(motion, Motion::Fixed);
+    };
+    let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
+    let along = |direction: Vector| direction.cross(&axis).norm() < 1e-12;
+    let on_axis = |place: Vector| (place - centre).cross(&axis).norm() < 1e-12 * (1.0 + (place - centre).norm());
+    match *shape {
+        Face::Plane { normal, .. } => along(normal),
+        Face::Disc { centre, normal, .. } => along(normal) && on_axis(centre),
+        Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
+    }
+}
+
+/// Rodrigues' rotation of a vector about a unit axis; sine and cosine from a portable library, for equal bits everywhere.
+fn rotated(vector: Vector, axis: Vector, angle: f64) -> Vector {
+    let (sine, cosine) = libm::sincos(angle);
+    vector * cosine + axis.cross(&vector) * sine + axis * (axis.dot(&vector) * (1.0 - cosine))
+}
+
+impl Face {
+    fn moved(self, by: Vector) -> Face {
+        match self {
+            Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
+            Face::Disc { centre, normal, radius } => Face::Disc { centre: centre + by, normal, radius },
+            Face::Shell { base, axis, radius, length } => Face::Shell { base: base + by, axis, radius, length },
+        }
+    }
+
+    fn turned(self, centre: Vector, about: Vector, angle: f64) -> Face {
+        let place = |point: Vector| centre + rotated(point - centre, about, angle);
+        let turn = |direction: Vector| rotated(direction, about, angle);
+        match self {
+            Face::Plane { point, normal } => Face::Plane { point: place(point), normal: turn(normal) },
+            Face::Disc { centre: middle, normal, radius } => {
+                Face::Disc { centre: place(middle), normal: turn(normal), radius }
+            }
+            Face::Shell { base, axis, radius, length } => {
+                Face::Shell { base: place(base), axis: turn(axis), radius, length }
+            }
+        }
+    }
+}
+
+impl Pose {
+    /// Distance from a grain's centre to the face, and the unit normal from the centre to the nearest point.
+    ///
+    /// Behind a plane or disc the distance is negative, so that the grain is pushed back. A shell is thin and has two
+    /// sides; beyond its ends the nearest point lies on its rim. A disc has no rim: beside it the distance is infinite.
+    #[inline]
+    pub fn nearest(&self, centre: &Vector) -> (f64, Vector) {
+        match self.shape {
+            Face::Plane { point, normal } => (normal.dot(&(centre - point)), -normal),
+            Face::Disc { centre: middle, normal, radius } => {
+                let arm = centre - middle;
+                let height = normal.dot(&arm);
+                let beside = (arm - normal * height).norm_squared() > radius * radius;
+                (if beside { f64::INFINITY } else { height }, -normal)
+            }
+            Face::Shell { base, axis, radius, length } => {
+                let arm = centre - base;
+                let along = axis.dot(&arm);
+                let across = arm - axis * along;
+                let distance = across.norm();
+                let outward = if distance > 0.0 { across / distance } else { perpendicular(axis) };
+                let to_shell = outward * (radius - distance) + axis * (along.clamp(0.0, length) - along);
+                let gap = to_shell.norm();
+                let side = if distance <= radius { outward } else { -outward };
+                (gap, if gap > 0.0 { to_shell / gap } else { side })
+            }
+        }
+    }
+
+    /// Velocity of the wall at a point, m/s.
+    #[inline]
+    pub fn velocity_at(&self, point: &Vector) -> Vector {
+        self.velocity + self.spin.cross(&(point - self.centre))
+    }
+}
+
+fn perpendicular(axis: Vector) -> Vector {
+    let other = if axis.x.abs() < 0.9 { Vector::x() } else { Vector::y() };
+    axis.cross(&other).normalize()
+}

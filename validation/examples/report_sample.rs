@@ -1,0 +1,16 @@
+//! Writes a report of invented numbers, to look at: `cargo run --example report_sample -- FOLDER`.
+
+#[path = "../tests/support/sample.rs"]
+mod sample;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::env::args().nth(1).ok_or("name a folder for the report")?;
+    let mut qualification = sample::qualification(vec![sample::drum(true), sample::packing(), sample::alone()]);
+    qualification.title = "Sample of a report: invented numbers".into();
+    let paths = makadam_validation::report::write(&qualification, folder.as_ref())?;
+    for comparison in &qualification.comparisons {
+        println!("{}", makadam_validation::report::comparison_table(comparison, true));
+    }
+    println!("{}", paths.html.display());
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, \
+    4 outside tolerance or undecided, 5 a reference code is missing.";
+
+/// Granular matter by non-smooth contact dynamics, judged against YADE and LIGGGHTS.
+#[derive(Debug, Parser)]
+#[command(name = "makadam", version, about, after_help = EXIT_CODES)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Say nothing but results and errors.
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+    /// Say more.
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate a scene; frames for ParaView, observables as CSV, provenance as JSON.
+    Run(RunArguments),
+    /// Compare Makadam with YADE and LIGGGHTS on one scene.
+    Compare(CompareArguments),
+    /// Judge Makadam on the reference scenes and write one report.
+    Qualify(QualifyArguments),
+}
+
+/// Arguments of `makadam run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// A folder under reference-scenes/, or a path to a TOML file.
+    pub scene: String,
+    /// Seed of the initial positions; the scene's, if absent.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Threads that may be used.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Steps to take, in place of the scene's duration.
+    #[arg(long)]
+    pub steps: Option<u64>,
+    /// Folder to write into; results/SCENE, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A code that can be compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CodeName {
+    /// Makadam.
+    Makadam,
+    /// YADE.
+    Yade,
+    /// LIGGGHTS.
+    Liggghts,
+}
+
+/// Arguments of `makadam compare`.
+#[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// A folder under reference-scenes/, or a path to a TOML file.
+    pub scene: String,
+    /// Number of seeds, counted from 1; as many as are recorded, or 3, if absent.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: Option<u64>,
+    /// Codes to compare.
+    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam", "yade", "liggghts"])]
+    pub codes: Vec<CodeName>,
+    /// Run YADE and LIGGGHTS here and now instead of reading recorded numbers.
+    #[arg(long)]
+    pub live: bool,
+    /// Time step of YADE and LIGGGHTS over the Rayleigh step.
+    #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
+    pub rayleigh_fraction: f64,
+    /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
+    #[arg(long, default_value_t = 7200.0, value_parser = positive)]
+    pub time_limit: f64,
+    /// Run YADE and LIGGGHTS and write their numbers as the scene's recorded references.
+    #[arg(long)]
+    pub record: bool,
+    /// Factor on every Young's modulus; with --record only.
+    #[arg(long, default_value_t = 1.0, value_parser = positive, requires = "record")]
+    pub stiffness_factor: f64,
+    /// Folder of raw recordings, read and filled by --record; in the user's cache, if absent.
+    #[arg(long, requires = "record")]
+    pub recordings: Option<PathBuf>,
+    /// Threads for the runs of Makadam.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Folder to write comparison.json and comparison.csv into.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the comparison as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How much is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Tier {
+    /// Packing, drum, drum with caps and heap, in minutes.
+    Quick,
+}
+
+/// Arguments of `makadam qualify`.
+#[derive(Debug, Args)]
+pub struct QualifyArguments {
+    /// How much is judged.
+    #[arg(long, value_enum, default_value = "quick")]
+    pub tier: Tier,
+    /// Insist on running YADE and LIGGGHTS beside the recorded numbers.
+    #[arg(long)]
+    pub live: bool,
+    /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
+    #[arg(long, default_value_t = 900.0, value_parser = positive)]
+    pub time_limit: f64,
+    /// Threads for the runs of Makadam.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Folder of the report; results/qualification, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the qualification as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("give a number above 0".into()),
+    }
+}
+
+fn rayleigh_fraction(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value <= 0.5 => Ok(value),
+        _ => Err("give a number above 0 and at most 0.5; beyond it the peers lose their restitution".into()),
+    }
+}

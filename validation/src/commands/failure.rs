@@ -1,0 +1,81 @@
+//! Why a command failed, and the exit code that says so.
+
+use crate::compare::ReferenceError;
+use crate::output::WriteError;
+use crate::peers::CodeError;
+use crate::recording::RecordingError;
+use crate::report::ReportError;
+use makadam::scene::SceneError;
+
+/// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
+pub const OUTSIDE_TOLERANCE: u8 = 4;
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The command line makes no sense.
+    #[error("{0}")]
+    Usage(String),
+    /// The scene is invalid.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A reference code, or what was recorded of it, is missing.
+    #[error("{0}")]
+    MissingCode(String),
+    /// Something went wrong while running.
+    #[error("{0}")]
+    Running(String),
+    /// The user asked to stop.
+    #[error("interrupted; what was computed so far is {0}")]
+    Interrupted(String),
+    /// The reader of standard output went away: nobody is left to tell.
+    #[error("standard output was closed")]
+    ClosedOutput,
+}
+
+impl Failure {
+    /// The exit code.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Failure::Running(_) | Failure::Interrupted(_) | Failure::ClosedOutput => 1,
+            Failure::Usage(_) => 2,
+            Failure::Scene(_) => 3,
+            Failure::MissingCode(_) => 5,
+        }
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Failure {
+        Failure::Running(error.to_string())
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Failure {
+        Failure::Running(error.to_string())
+    }
+}
+
+impl From<CodeError> for Failure {
+    fn from(error: CodeError) -> Failure {
+        match error {
+            CodeError::Scene(error) => Failure::Scene(error),
+            CodeError::Interrupted { .. } => Failure::Interrupted("not kept".into()),
+            CodeError::Missing { .. } => Failure::MissingCode(error.to_string()),
+            other => Failure::Running(other.to_string()),
+        }
+    }
+}
+
+impl From<ReferenceError> for Failure {
+    fn from(error: ReferenceError) -> Failure {
+        Failure::Running(error.to_string())
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Failure {
+        Failure::Running(error.to_string())
+    }
+}

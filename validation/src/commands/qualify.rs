@@ -1,0 +1,114 @@
+//! `makadam qualify`: the reference scenes judged together, one report.
+
+use super::arguments::{QualifyArguments, Tier};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, roots, use_threads};
+use crate::compare::Comparison;
+use crate::output::JSON_VERSION;
+use crate::qualify::{Qualified, QualifyError, Settings, quick};
+use crate::report::{self, Verdict};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// What `makadam qualify --json` prints; its documentation is `validation/docs/json.md`.
+#[derive(Serialize)]
+struct QualifyDocument<'a> {
+    version: u32,
+    command: &'static str,
+    tier: &'a str,
+    passes: bool,
+    verdict: &'a Verdict,
+    outside_spread: &'a [String],
+    failed: &'a [String],
+    wall_seconds: f64,
+    report: String,
+    rows: Vec<&'a crate::compare::Row>,
+    codes: BTreeMap<&'a str, &'a [crate::compare::CodeSummary]>,
+    notes: &'a [String],
+    provenance: &'a BTreeMap<String, String>,
+}
+
+/// Judges the reference scenes.
+pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result<ExitCode, Failure> {
+    use_threads(arguments.threads)?;
+    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/qualification"));
+    // Minutes of work are not begun for a report that cannot be written.
+    crate::output::create_folder(&folder)?;
+    let announce = announce(console);
+    let settings = Settings {
+        roots: roots(),
+        live: arguments.live,
+        time_limit: Duration::from_secs_f64(arguments.time_limit),
+        announce: &announce,
+        say: &|text| console.note(text),
+    };
+    let qualified = match arguments.tier {
+        Tier::Quick => quick(&settings)?,
+    };
+    let paths = report::write(&qualified.qualification, &folder)?;
+    let verdict = qualified.qualification.verdict();
+    let report = paths.html.display().to_string();
+    let text = match arguments.json {
+        true => json(&document(&qualified, &verdict, report)),
+        false => describe(&qualified, &verdict, &report, console),
+    };
+    console.result(&text)?;
+    if !qualified.failed.is_empty() {
+        return Err(Failure::Running(qualified.failed.join("; ")));
+    }
+    Ok(if qualified.passes() { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+}
+
+fn document<'a>(qualified: &'a Qualified, verdict: &'a Verdict, report: String) -> QualifyDocument<'a> {
+    let qualification = &qualified.qualification;
+    let comparisons: &[Comparison] = &qualification.comparisons;
+    QualifyDocument {
+        version: JSON_VERSION,
+        command: "qualify",
+        tier: &qualification.tier,
+        passes: qualified.passes(),
+        verdict,
+        outside_spread: &qualified.outside_spread,
+        failed: &qualified.failed,
+        wall_seconds: qualification.wall_seconds,
+        report,
+        rows: comparisons.iter().flat_map(|comparison| &comparison.rows).collect(),
+        codes: comparisons
+            .iter()
+            .map(|comparison| (comparison.scene.name.as_str(), comparison.codes.as_slice()))
+            .collect(),
+        notes: &qualification.notes,
+        provenance: &qualification.provenance,
+    }
+}
+
+fn describe(qualified: &Qualified, verdict: &Verdict, report: &str, console: &Console) -> String {
+    let qualification = &qualified.qualification;
+    let mut text = String::new();
+    for comparison in &qualification.comparisons {
+        text += &report::comparison_table(comparison, console.colour());
+        text.push('\n');
+    }
+    for note in &qualification.notes {
+        text += &format!("note: {note}\n");
+    }
+    let word = if qualified.passes() { "pass" } else { "not passed" };
+    text += &format!("verdict: {}: {}\n", console.paint(word, qualified.passes()), verdict.sentence);
+    for outside in &qualified.outside_spread {
+        text += &format!("         {outside}\n");
+    }
+    text + &format!("report:  {report} ({:.0} s of wall time)", qualification.wall_seconds)
+}
+
+impl From<QualifyError> for Failure {
+    fn from(error: QualifyError) -> Failure {
+        match error {
+            QualifyError::Scene(error) => Failure::Scene(error),
+            QualifyError::Reference(error) => error.into(),
+            QualifyError::NotRecorded { .. } => Failure::MissingCode(error.to_string()),
+            QualifyError::Code(error) => error.into(),
+        }
+    }
+}

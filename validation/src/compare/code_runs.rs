@@ -1,0 +1,73 @@
+//! All runs of one code on one scene: what a comparison knows of it.
+
+use super::{CodeSummary, FinalState, ForceDistribution, Harvest, MeasuredRun, Series, Source};
+use crate::observables::ForcePool;
+
+/// Bins of a force distribution and their width in mean forces.
+const FORCE_BINS: (usize, f64) = (32, 0.25);
+
+/// The runs of one code, in the order of their seeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CodeRuns {
+    /// The code.
+    pub code: String,
+    /// Live or recorded.
+    pub source: Source,
+    /// In a sentence, where the numbers came from.
+    pub provenance: String,
+    /// Runs at the scene's stiffness.
+    pub runs: Vec<MeasuredRun>,
+    /// Runs with every Young's modulus ten times the scene's, if there are any.
+    pub stiff_runs: Vec<MeasuredRun>,
+    /// Normal forces of all runs.
+    pub forces: Option<ForceDistribution>,
+    /// Observables over time in the run with the first seed.
+    pub series: Vec<Series>,
+    /// Grains at the end of the run with the first seed.
+    pub final_state: Option<FinalState>,
+}
+
+impl CodeRuns {
+    /// The runs made here and now.
+    pub fn live(code: &str, provenance: String, mut harvests: Vec<Harvest>) -> CodeRuns {
+        harvests.sort_by_key(|harvest| harvest.run.seed);
+        let mut pool = ForcePool::new(code);
+        harvests.iter().for_each(|harvest| pool.merge(&harvest.forces));
+        let (bins, width) = FORCE_BINS;
+        CodeRuns {
+            code: code.into(),
+            source: Source::Live,
+            provenance,
+            forces: (pool.samples() > 0).then(|| pool.distribution(bins, width)),
+            series: harvests.first().map(|first| first.series.clone()).unwrap_or_default(),
+            final_state: harvests.first().and_then(|first| first.final_state.clone()),
+            runs: harvests.into_iter().map(|harvest| harvest.run).collect(),
+            stiff_runs: Vec::new(),
+        }
+    }
+
+    /// Values of an observable, one a run that has it.
+    pub fn values(&self, observable: &str) -> Vec<f64> {
+        self.runs.iter().filter_map(|run| run.value(observable)).collect()
+    }
+
+    /// How the code was run; `None` without runs.
+    pub fn summary(&self) -> Option<CodeSummary> {
+        let first = self.runs.first()?;
+        let mut pace: Vec<f64> = self.runs.iter().map(|run| run.wall_seconds / run.simulated_seconds).collect();
+        pace.sort_by(f64::total_cmp);
+        let middle = (pace[(pace.len() - 1) / 2] + pace[pace.len() / 2]) / 2.0;
+        Some(CodeSummary {
+            code: self.code.clone(),
+            version: first.version.clone(),
+            source: self.source,
+            seeds: self.runs.iter().map(|run| run.seed).collect(),
+            time_step: first.time_step,
+            rayleigh_fraction: first.rayleigh_fraction,
+            stiffness_factor: first.stiffness_factor,
+            wall_seconds_per_simulated_second: middle,
+            processor: first.processor.clone(),
+            provenance: self.provenance.clone(),
+        })
+    }
+}

@@ -1,0 +1,84 @@
+//! What is kept of one run once its frames have been measured.
+
+use super::{FinalState, Series};
+use crate::observables::{ForcePool, Measurement, measure, series};
+use crate::provenance::processor;
+use crate::recording::Recording;
+use makadam::scene::Scene;
+
+/// One run of one code, measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredRun {
+    /// The code.
+    pub code: String,
+    /// Its version.
+    pub version: String,
+    /// Seed of the initial positions.
+    pub seed: u64,
+    /// Time step, s.
+    pub time_step: f64,
+    /// Time step over the Rayleigh step, for explicit codes.
+    pub rayleigh_fraction: Option<f64>,
+    /// Factor on every Young's modulus of the scene.
+    pub stiffness_factor: f64,
+    /// Wall time of the time stepping, s.
+    pub wall_seconds: f64,
+    /// Simulated time, s.
+    pub simulated_seconds: f64,
+    /// Processor that it ran on.
+    pub processor: String,
+    /// When it ended, ISO 8601.
+    pub date: String,
+    /// What was measured.
+    pub measurements: Vec<Measurement>,
+}
+
+impl MeasuredRun {
+    /// Value of an observable, if it was measured.
+    pub fn value(&self, observable: &str) -> Option<f64> {
+        self.measurements.iter().find(|measurement| measurement.observable == observable).map(|found| found.value)
+    }
+}
+
+/// A measured run, and what pictures and distributions are made from.
+pub struct Harvest {
+    /// The run.
+    pub run: MeasuredRun,
+    /// Its normal forces.
+    pub forces: ForcePool,
+    /// Its observables over time.
+    pub series: Vec<Series>,
+    /// Its grains at the end.
+    pub final_state: Option<FinalState>,
+}
+
+impl Harvest {
+    /// Measures a recording that ended at `date` on this machine.
+    pub fn of(scene: &Scene, recording: &Recording, date: String) -> Harvest {
+        let mut forces = ForcePool::new(&recording.code);
+        forces.add_recording(scene, recording);
+        Harvest {
+            run: MeasuredRun {
+                code: recording.code.clone(),
+                version: recording.version.clone(),
+                seed: recording.seed,
+                time_step: recording.time_step,
+                rayleigh_fraction: recording.rayleigh_fraction,
+                stiffness_factor: recording.stiffness_factor,
+                wall_seconds: recording.wall_seconds,
+                simulated_seconds: recording.simulated_seconds,
+                processor: processor(),
+                date,
+                measurements: measure(scene, recording),
+            },
+            forces,
+            series: series(scene, recording),
+            final_state: recording.frames.last().map(|frame| FinalState {
+                code: recording.code.clone(),
+                seed: recording.seed,
+                time: frame.time,
+                particles: frame.particles.clone(),
+            }),
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Recorded references: what YADE and LIGGGHTS measured once on a scene, kept as CSV beside it.
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | `runs.csv` | one line a run: code, version, seed, time step, stiffness, wall time, processor, date, hash of the scene |
+//! | `measurements.csv` | one line a run and observable |
+//! | `forces.csv` | distribution of normal forces over their mean, all seeds of a code pooled |
+//! | `series.csv` | observables over time, of each code's first seed |
+//! | `final-state-CODE.csv` | grains at the end, of each code's first seed, to six significant digits |
+//! | `README.md` | how they were made |
+
+mod read;
+mod write;
+
+pub use read::ReferenceError;
+
+use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source};
+use crate::provenance::fnv1a;
+use makadam::scene::{Measure, Scene, SolverSettings};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The recorded references of one scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reference {
+    /// All runs, at the scene's stiffness and at multiples of it.
+    pub runs: Vec<MeasuredRun>,
+    /// Distributions of normal forces, one a code.
+    pub forces: Vec<ForceDistribution>,
+    /// Observables over time, of the first seed of each code.
+    pub series: Vec<Series>,
+    /// Grains at the end, of the first seed of each code.
+    pub final_states: Vec<FinalState>,
+    /// Hash of what the codes were given ([`physics_hash`]), by code.
+    pub physics: Vec<(String, String)>,
+}
+
+impl Reference {
+    /// Folder of a scene's references: `reference` beside a `scene.toml`, `NAME-reference` beside any other file.
+    pub fn folder(scene_file: &Path) -> PathBuf {
+        match scene_file.file_stem().and_then(|stem| stem.to_str()) {
+            Some("scene") | None => scene_file.with_file_name("reference"),
+            Some(stem) => scene_file.with_file_name(format!("{stem}-reference")),
+        }
+    }
+
+    /// Codes that have runs at the scene's stiffness.
+    pub fn codes(&self) -> Vec<String> {
+        let mut codes: Vec<String> = Vec::new();
+        for run in self.runs.iter().filter(|run| run.stiffness_factor == 1.0) {
+            if !codes.contains(&run.code) {
+                codes.push(run.code.clone());
+            }
+        }
+        codes
+    }
+
+    /// Number of seeds at the scene's stiffness of the code that has most of them.
+    pub fn seeds(&self) -> u64 {
+        let of = |code: &String| self.at(code, 1.0).count() as u64;
+        self.codes().iter().map(of).max().unwrap_or(0)
+    }
+
+    /// What is recorded of one code, if anything is.
+    pub fn code(&self, code: &str) -> Option<CodeRuns> {
+        let runs: Vec<MeasuredRun> = self.at(code, 1.0).cloned().collect();
+        let first = runs.first()?;
+        let fraction = first.rayleigh_fraction.map_or(String::new(), |f| format!(" at {:.0}% of the Rayleigh step", 100.0 * f));
+        let provenance = format!(
+            "recorded {} on {} with {} {}: {} seeds{fraction}",
+            first.date.split('T').next().unwrap_or_default(),
+            first.processor,
+            first.code,
+            first.version,
+            runs.len()
+        );
+        Some(CodeRuns {
+            code: code.into(),
+            source: Source::Recorded,
+            provenance,
+            forces: self.forces.iter().find(|forces| forces.code == code).cloned(),
+            series: self.series.iter().filter(|series| series.code == code).cloned().collect(),
+            final_state: self.final_states.iter().find(|state| state.code == code).cloned(),
+            stiff_runs: self.at(code, super::STIFF).cloned().collect(),
+            runs,
+        })
+    }
+
+    /// Whether a code was recorded on the scene as it is now; `None` where nothing is known.
+    pub fn is_current(&self, code: &str, scene: &Scene) -> Option<bool> {
+        let now = physics_hash(scene);
+        self.physics.iter().find(|(name, _)| name == code).map(|(_, hash)| *hash == now)
+    }
+
+    fn at(&self, code: &str, factor: f64) -> impl Iterator<Item = &MeasuredRun> {
+        self.runs.iter().filter(move |run| run.code == code && run.stiffness_factor == factor)
+    }
+}
+
+/// Hash of what every code is given of a scene and of the times at which it is measured, 16 hexadecimal digits. Names,
+/// Makadam's own settings and margins are left out: they may change without a new recording.
+pub fn physics_hash(scene: &Scene) -> String {
+    let mut physics = scene.clone();
+    physics.name.clear();
+    physics.description.clear();
+    physics.seed = 0;
+    physics.solver = SolverSettings::default();
+    physics.compare.clear();
+    physics.measure = Measure { observables: Vec::new(), ..physics.measure };
+    let text = serde_json::to_vec(&physics).expect("a checked scene holds only finite numbers and plain text");
+    format!("{:016x}", fnv1a(&text))
+}
+
+/// A line of `runs.csv`.
+#[derive(Clone, Serialize, Deserialize)]
+struct RunLine {
+    code: String,
+    version: String,
+    seed: u64,
+    time_step: f64,
+    rayleigh_fraction: Option<f64>,
+    stiffness_factor: f64,
+    wall_seconds: f64,
+    simulated_seconds: f64,
+    processor: String,
+    date: String,
+    scene_hash: String,
+}
+
+/// A line of `measurements.csv`.
+#[derive(Serialize, Deserialize)]
+struct MeasurementLine {
+    code: String,
+    version: String,
+    seed: u64,
+    time_step: f64,
+    rayleigh_fraction: Option<f64>,
+    stiffness_factor: f64,
+    observable: String,
+    unit: String,
+    value: f64,
+    standard_error: Option<f64>,
+    frames: usize,
+}
+
+/// A line of `forces.csv`.
+#[derive(Serialize, Deserialize)]
+struct ForceLine {
+    code: String,
+    force_over_mean: f64,
+    density: f64,
+    samples: usize,
+}
+
+/// A line of `series.csv`.
+#[derive(Serialize, Deserialize)]
+struct SeriesLine {
+    code: String,
+    seed: u64,
+    observable: String,
+    time: f64,
+    value: f64,
+}
+
+/// A line of `final-state-CODE.csv`; metres, m/s and rad/s.
+#[derive(Deserialize)]
+struct GrainLine {
+    id: u32,
+    radius: f64,
+    x: f64,
+    y: f64,
+    z: f64,
+    vx: f64,
+    vy: f64,
+    vz: f64,
+    wx: f64,
+    wy: f64,
+    wz: f64,
+}
+
+/// Names of the columns of `runs.csv`.
+const RUN_COLUMNS: [&str; 11] = [
+    "code",
+    "version",
+    "seed",
+    "time_step",
+    "rayleigh_fraction",
+    "stiffness_factor",
+    "wall_seconds",
+    "simulated_seconds",
+    "processor",
+    "date",
+    "scene_hash",
+];
+
+/// Names of the columns of `measurements.csv`.
+const MEASUREMENT_COLUMNS: [&str; 11] = [
+    "code",
+    "version",
+    "seed",
+    "time_step",
+    "rayleigh_fraction",
+    "stiffness_factor",
+    "observable",
+    "unit",
+    "value",
+    "standard_error",
+    "frames",
+];
+
+/// Names of the columns of `forces.csv`.
+const FORCE_COLUMNS: [&str; 4] = ["code", "force_over_mean", "density", "samples"];
+
+/// Names of the columns of `series.csv`.
+const SERIES_COLUMNS: [&str; 5] = ["code", "seed", "observable", "time", "value"];
+
+/// Names of the columns of `final-state-CODE.csv`.
+const GRAIN_COLUMNS: [&str; 11] = ["id", "radius", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz"];
+
+/// Name of the file with a code's final state.
+fn final_state_file(code: &str) -> String {
+    format!("final-state-{}.csv", code.to_lowercase())
+}
+
+#[cfg(test)]
+mod tests;

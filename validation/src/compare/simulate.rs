@@ -1,0 +1,107 @@
+//! Runs of one code over several seeds, side by side, measured as they end.
+
+use super::Harvest;
+use crate::peers::{Code, CodeError, Job};
+use crate::prepared::{cache_folder, file_stem};
+use crate::provenance::utc;
+use crate::recording::Recording;
+use makadam::scene::Scene;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+/// Told the share of a run that is done, 0 to 1.
+pub type Share = Box<dyn Fn(f64) + Send + Sync>;
+
+/// Opens a progress display for a run of this name.
+pub type Announce<'a> = &'a (dyn Fn(&str) -> Share + Sync);
+
+/// What is asked of a code.
+pub struct Runs<'a> {
+    /// The scene as its file says it.
+    pub scene: &'a Scene,
+    /// Its file.
+    pub scene_file: &'a Path,
+    /// Seeds of the initial positions.
+    pub seeds: Vec<u64>,
+    /// Time step of explicit codes over the Rayleigh step.
+    pub rayleigh_fraction: f64,
+    /// Factor on every Young's modulus.
+    pub stiffness_factor: f64,
+    /// Wall time after which a run is stopped.
+    pub time_limit: Duration,
+    /// Folder of raw recordings: what is there is not run again, what is run is kept. Without one nothing is kept.
+    pub recordings: Option<PathBuf>,
+    /// Opens progress displays.
+    pub announce: Announce<'a>,
+}
+
+/// What came of the runs.
+pub struct Simulated {
+    /// The runs that ended well, measured.
+    pub harvests: Vec<Harvest>,
+    /// The others: seed and reason.
+    pub failures: Vec<(u64, CodeError)>,
+}
+
+impl Runs<'_> {
+    /// Runs the code over the seeds, as many at a time as the thread pool has threads.
+    pub fn simulate(&self, code: &dyn Code) -> Simulated {
+        let scene = self.scene.with_stiffness_factor(self.stiffness_factor);
+        let ended: Vec<_> = self.seeds.par_iter().map(|&seed| (seed, self.one(code, &scene, seed))).collect();
+        let mut simulated = Simulated { harvests: Vec::new(), failures: Vec::new() };
+        for (seed, result) in ended {
+            match result {
+                Ok(harvest) => simulated.harvests.push(harvest),
+                Err(error) => simulated.failures.push((seed, error)),
+            }
+        }
+        simulated
+    }
+
+    /// Runs the code on one seed of `scene`, whose stiffness is already scaled.
+    ///
+    /// # Errors
+    /// [`CodeError`]; what the code wrote is kept then.
+    pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
+        let name = self.file_stem(code.name(), seed);
+        let kept = self.recordings.as_ref().map(|folder| folder.join(format!("{name}.rec")));
+        if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
+            let recording = Recording::load(file)?;
+            let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
+            return Ok(Harvest::of(scene, &recording, utc(ended)));
+        }
+        if crate::interrupt::requested() {
+            return Err(CodeError::Interrupted { code: code.name() });
+        }
+        let progress = (self.announce)(&format!("{} {} seed {seed}", scene.name, code.name()));
+        let work_folder = cache_folder().join("runs").join(format!("{name}-{}", std::process::id()));
+        let recording = code.simulate(&Job {
+            scene,
+            scene_file: self.scene_file,
+            seed,
+            stiffness_factor: self.stiffness_factor,
+            rayleigh_fraction: self.rayleigh_fraction,
+            work_folder: &work_folder,
+            time_limit: self.time_limit,
+            progress: &*progress,
+        })?;
+        if let Some(file) = &kept {
+            recording.save(file)?;
+        }
+        // The raw output of a run that ended well is in the recording; a folder that stays does no harm.
+        let _ = std::fs::remove_dir_all(&work_folder);
+        Ok(Harvest::of(scene, &recording, utc(SystemTime::now())))
+    }
+
+    /// Name of a recording without its extension.
+    fn file_stem(&self, code: &str, seed: u64) -> String {
+        format!(
+            "{}-{}-s{seed}-f{}-e{}",
+            file_stem(&self.scene.name),
+            code.to_lowercase(),
+            self.rayleigh_fraction,
+            self.stiffness_factor
+        )
+    }
+}

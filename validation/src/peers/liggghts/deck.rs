@@ -1,0 +1,228 @@
+//! The input of LIGGGHTS: deck, initial grains, one mesh file a wall.
+
+use crate::peers::mesh::{Mesh, reach};
+use crate::peers::palette::Palette;
+use crate::peers::plan::Plan;
+use makadam::scene::{Grain, Motion, Scene};
+use nalgebra::Vector3;
+use std::fmt::Write;
+
+/// Columns of the dump of grains: id, position, velocity, spin.
+pub(super) const GRAIN_COLUMNS: usize = 10;
+
+/// Columns of the dump of contacts between grains: three ids, force on the first grain, contact point.
+pub(super) const PAIR_COLUMNS: usize = 9;
+
+/// Columns of the dump of contacts with walls: point on the wall, centre of the grain, three ids, force on the grain.
+/// The keyword `contactPoint` gives zeros there.
+pub(super) const WALL_COLUMNS: usize = 12;
+
+/// Reach of the neighbour list over the smallest radius; a matter of speed alone.
+const SKIN: f64 = 0.25;
+
+/// Lines of progress in the log.
+const REPORTS: u64 = 100;
+
+/// Names and texts of the input files; an error says what LIGGGHTS cannot do.
+pub(super) fn files(
+    scene: &Scene,
+    grains: &[Grain],
+    meshes: &[(usize, Mesh)],
+    plan: &Plan,
+) -> Result<Vec<(String, String)>, String> {
+    let palette = Palette::new(scene, grains);
+    let mut files = vec![
+        ("deck.in".to_string(), deck(scene, grains, meshes, plan, &palette)?),
+        ("grains.data".to_string(), data(scene, grains, &palette)),
+    ];
+    for (wall, mesh) in meshes {
+        files.push((format!("wall{wall}.stl"), stl(mesh)));
+    }
+    Ok(files)
+}
+
+fn stl(mesh: &Mesh) -> String {
+    let mut text = String::from("solid wall\n");
+    for [a, b, c] in &mesh.triangles {
+        let (p, q, r) = (Vector3::from(*a), Vector3::from(*b), Vector3::from(*c));
+        let normal = (q - p).cross(&(r - p)).normalize();
+        let _ = writeln!(text, "facet normal {} {} {}\nouter loop", normal.x, normal.y, normal.z);
+        for [x, y, z] in [a, b, c] {
+            let _ = writeln!(text, "vertex {x:.12e} {y:.12e} {z:.12e}");
+        }
+        text += "endloop\nendfacet\n";
+    }
+    text + "endsolid wall\n"
+}
+
+/// The simulation box holds whatever meshes reach into.
+fn data(scene: &Scene, grains: &[Grain], palette: &Palette<'_>) -> String {
+    let limits = reach(&scene.domain);
+    let mut text = format!("Initial grains\n\n{} atoms\n{} atom types\n", grains.len(), palette.len());
+    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+        let (low, high) = (limits.min[axis], limits.max[axis]);
+        let margin = 0.05 * (high - low);
+        let _ = writeln!(text, "{:e} {:e} {name}lo {name}hi", low - margin, high + margin);
+    }
+    text += "\nAtoms\n\n";
+    for (index, grain) in grains.iter().enumerate() {
+        let [x, y, z] = grain.position;
+        let kind = palette.index(&grain.material, false) + 1;
+        let (diameter, density) = (2.0 * grain.radius, scene.material[&grain.material].density);
+        let _ = writeln!(text, "{} {kind} {diameter:e} {density:e} {x:e} {y:e} {z:e}", index + 1);
+    }
+    text += "\nVelocities\n\n";
+    for (index, grain) in grains.iter().enumerate() {
+        let ([u, v, w], [p, q, r]) = (grain.velocity, grain.spin);
+        let _ = writeln!(text, "{} {u:e} {v:e} {w:e} {p:e} {q:e} {r:e}", index + 1);
+    }
+    text
+}
+
+fn deck(
+    scene: &Scene,
+    grains: &[Grain],
+    meshes: &[(usize, Mesh)],
+    plan: &Plan,
+    palette: &Palette<'_>,
+) -> Result<String, String> {
+    let mut text = String::from("atom_style granular\natom_modify map array\nboundary f f f\nnewton off\n");
+    text += "communicate single vel yes\nunits si\nprocessors 1 1 1\n";
+    let moduli = || palette.materials().map(|material| material.youngs_modulus);
+    // LIGGGHTS takes moduli outside its usual range for a slip unless told otherwise.
+    if moduli().any(|modulus| modulus > 1e9) {
+        text += "hard_particles yes\n";
+    }
+    if moduli().any(|modulus| modulus < 5e6) {
+        text += "soft_particles yes\n";
+    }
+    text += "read_data grains.data\n";
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let _ = writeln!(text, "neighbor {:e} bin\nneigh_modify delay 0 every 1 check yes", SKIN * smallest);
+
+    properties(&mut text, palette)?;
+    // Off: a limited force changes restitution (0.3 becomes 0.4). No tangential damping, as in the other codes.
+    let (model, settings) = ("model hertz tangential history", "tangential_damping off limitForce off");
+    let _ = writeln!(text, "pair_style gran {model} {settings}\npair_coeff * *\ntimestep {:.17e}", plan.time_step);
+    let gravity = Vector3::from(scene.gravity);
+    if let Some(direction) = gravity.try_normalize(0.0) {
+        let [x, y, z]: [f64; 3] = direction.into();
+        let _ = writeln!(text, "fix gravity all gravity {:.17e} vector {x:.17e} {y:.17e} {z:.17e}", gravity.norm());
+    }
+    for (wall, mesh) in meshes {
+        let kind = palette.index(&scene.wall[*wall].material, true) + 1;
+        let _ = write!(text, "fix wall{wall} all mesh/surface file wall{wall}.stl type {kind}");
+        // Contacts keep their history from one triangle of a curved surface to the next.
+        match mesh.bend > 0.0 {
+            true => _ = writeln!(text, " curvature {:.6} curvature_tolerant yes", 1.2 * mesh.bend),
+            false => text.push('\n'),
+        }
+    }
+    if !meshes.is_empty() {
+        let names: Vec<String> = meshes.iter().map(|(wall, _)| format!("wall{wall}")).collect();
+        let (count, names) = (names.len(), names.join(" "));
+        let _ = writeln!(text, "fix walls all wall/gran {model} mesh n_meshes {count} meshes {names} {settings}");
+    }
+    text += "fix integrate all nve/sphere\n";
+    // These must stand before the first run.
+    text += "compute pairs all pair/gran/local id force contactPoint\n";
+    if !meshes.is_empty() {
+        text += "compute walls all wall/gran/local pos id force\n";
+    }
+    let _ = writeln!(text, "thermo_style custom step atoms ke\nthermo {}", (plan.steps / REPORTS).max(1));
+    text += "thermo_modify flush yes lost error norm no\n";
+    pieces(&mut text, scene, meshes, plan);
+    Ok(text)
+}
+
+fn properties(text: &mut String, palette: &Palette<'_>) -> Result<(), String> {
+    let list = |values: Vec<f64>| values.iter().map(|value| format!(" {value:.17e}")).collect::<String>();
+    let young = list(palette.materials().map(|material| material.youngs_modulus).collect());
+    let poisson = list(palette.materials().map(|material| material.poisson_ratio).collect());
+    let _ = writeln!(text, "fix young all property/global youngsModulus peratomtype{young}");
+    let _ = writeln!(text, "fix poisson all property/global poissonsRatio peratomtype{poisson}");
+    let (mut friction, mut restitution) = (Vec::new(), Vec::new());
+    for a in 0..palette.len() {
+        for b in 0..palette.len() {
+            let (mu, e) = palette.coefficients(a, b).unwrap_or((0.0, 0.5));
+            if e <= 0.05 {
+                return Err(format!("it takes restitution above 0.05 only, not {e}"));
+            }
+            friction.push(mu);
+            restitution.push(e);
+        }
+    }
+    let count = palette.len();
+    let (friction, restitution) = (list(friction), list(restitution));
+    let _ = writeln!(text, "fix friction all property/global coefficientFriction peratomtypepair {count}{friction}");
+    let _ = writeln!(
+        text,
+        "fix restitution all property/global coefficientRestitution peratomtypepair {count}{restitution}"
+    );
+    Ok(())
+}
+
+/// The runs between the times at which walls start or stop or frames become denser.
+fn pieces(text: &mut String, scene: &Scene, meshes: &[(usize, Mesh)], plan: &Plan) {
+    let boundaries = plan.boundaries(scene);
+    let mut dumping = 0;
+    let ends = plan.fine_from == plan.steps;
+    for (index, &at) in boundaries.iter().enumerate() {
+        for (wall, _) in meshes {
+            let motion = &scene.wall[*wall].motion;
+            match plan.motion_steps(motion) {
+                Some((first, _)) if first == at => start_motion(text, *wall, motion),
+                Some((_, last)) if last == at && at < plan.steps => _ = writeln!(text, "unfix move{wall}"),
+                _ => {}
+            }
+        }
+        let Some(next) = boundaries.get(index + 1) else { break };
+        let every = if at >= plan.fine_from && !ends { plan.fine } else { plan.coarse };
+        if every != dumping {
+            dumps(text, "", every, dumping != 0, !meshes.is_empty());
+            dumping = every;
+        }
+        // A dump whose interval is the whole run adds the last frame where the interval misses it.
+        if *next == plan.steps && plan.steps % every != 0 {
+            dumps(text, "last", plan.steps, false, !meshes.is_empty());
+        }
+        let _ = writeln!(text, "run {}", next - at);
+    }
+}
+
+fn start_motion(text: &mut String, wall: usize, motion: &Motion) {
+    let _ = match motion {
+        Motion::Fixed => Ok(()),
+        Motion::Translating { velocity: [x, y, z], .. } => {
+            writeln!(text, "fix move{wall} all move/mesh mesh wall{wall} linear {x:.17e} {y:.17e} {z:.17e}")
+        }
+        Motion::Rotating { point: [x, y, z], axis, rate, .. } => {
+            // The period has no sign: a wall that turns backwards has its axis turned about.
+            let [a, b, c]: [f64; 3] = (Vector3::from(*axis).normalize() * rate.signum()).into();
+            let period = std::f64::consts::TAU / rate.abs().max(1e-12);
+            writeln!(
+                text,
+                "fix move{wall} all move/mesh mesh wall{wall} rotate origin {x:.17e} {y:.17e} {z:.17e} \
+                 axis {a:.17e} {b:.17e} {c:.17e} period {period:.17e}"
+            )
+        }
+    };
+}
+
+fn dumps(text: &mut String, tag: &str, every: u64, replace: bool, walls: bool) {
+    let local = |name: &str, count: usize| (1..=count).map(|at| format!(" c_{name}[{at}]")).collect::<String>();
+    let state = " id x y z vx vy vz omegax omegay omegaz".to_string();
+    let numbers = |count: usize| vec!["%.12g"; count].join(" ");
+    let tables = [
+        ("grains", "custom", state, format!("%d {}", numbers(GRAIN_COLUMNS - 1))),
+        ("pairs", "local", local("pairs", PAIR_COLUMNS), numbers(PAIR_COLUMNS)),
+        ("walls", "local", local("walls", WALL_COLUMNS), numbers(WALL_COLUMNS)),
+    ];
+    for (name, style, columns, format) in tables.into_iter().take(if walls { 3 } else { 2 }) {
+        if replace {
+            let _ = writeln!(text, "undump {name}{tag}");
+        }
+        let _ = writeln!(text, "dump {name}{tag} all {style} {every} {name}.dump{columns}");
+        let _ = writeln!(text, "dump_modify {name}{tag} append yes format \"{format}\"");
+    }
+}

@@ -1,0 +1,119 @@
+//! LIGGGHTS's dumps: nine header lines a frame, then rows of numbers. Not always valid UTF-8.
+
+use std::io::BufRead;
+
+/// One frame of a dump.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DumpFrame {
+    /// Time step.
+    pub step: u64,
+    /// Line of its first row in the file, from 1.
+    pub line: usize,
+    columns: usize,
+    values: Vec<f64>,
+}
+
+impl DumpFrame {
+    /// Its rows.
+    pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        self.values.chunks_exact(self.columns)
+    }
+}
+
+/// Where and why a dump cannot be read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DumpFault {
+    /// Line, from 1.
+    pub line: usize,
+    /// What is wrong.
+    pub problem: String,
+}
+
+/// Reads every frame of a dump of which each row has `columns` numbers.
+///
+/// # Errors
+/// [`DumpFault`] for anything that is not a whole dump of finite numbers.
+pub fn read_dump(reader: impl BufRead, columns: usize) -> Result<Vec<DumpFrame>, DumpFault> {
+    let mut lines = Lines { reader, number: 0, text: String::new(), bytes: Vec::new() };
+    let columns = columns.max(1);
+    let mut frames = Vec::new();
+    while lines.advance()? {
+        lines.expect("ITEM: TIMESTEP")?;
+        let step = lines.integer()?;
+        lines.next()?;
+        lines.expect("ITEM: NUMBER OF ")?;
+        let count = lines.integer()?;
+        lines.next()?;
+        lines.expect("ITEM: BOX BOUNDS")?;
+        for _ in 0..3 {
+            lines.next()?;
+        }
+        lines.next()?;
+        lines.expect("ITEM: ")?;
+        let line = lines.number + 1;
+        let mut values = Vec::new();
+        for _ in 0..count {
+            lines.next()?;
+            let before = values.len();
+            for word in lines.text.split_ascii_whitespace() {
+                match word.parse::<f64>() {
+                    Ok(value) if value.is_finite() => values.push(value),
+                    Ok(_) => return Err(lines.fault(format!("'{word}' is not finite: the run has blown up"))),
+                    Err(_) => return Err(lines.fault(format!("'{word}' is not a number"))),
+                }
+            }
+            if values.len() - before != columns {
+                return Err(lines.fault(format!("{} numbers where {columns} belong", values.len() - before)));
+            }
+        }
+        frames.push(DumpFrame { step, line, columns, values });
+    }
+    Ok(frames)
+}
+
+struct Lines<R> {
+    reader: R,
+    number: usize,
+    text: String,
+    bytes: Vec<u8>,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// Reads the next line; false at the end of the file.
+    fn advance(&mut self) -> Result<bool, DumpFault> {
+        self.bytes.clear();
+        self.number += 1;
+        match self.reader.read_until(b'\n', &mut self.bytes) {
+            Ok(0) => Ok(false),
+            Ok(_) => {
+                self.text.clear();
+                self.text.push_str(&String::from_utf8_lossy(&self.bytes));
+                Ok(true)
+            }
+            Err(error) => Err(self.fault(error.to_string())),
+        }
+    }
+
+    fn next(&mut self) -> Result<(), DumpFault> {
+        match self.advance()? {
+            true => Ok(()),
+            false => Err(self.fault("the file ends in the middle of a frame".into())),
+        }
+    }
+
+    fn expect(&self, start: &str) -> Result<(), DumpFault> {
+        match self.text.starts_with(start) {
+            true => Ok(()),
+            false => Err(self.fault(format!("'{start}' belongs here"))),
+        }
+    }
+
+    fn integer(&mut self) -> Result<u64, DumpFault> {
+        self.next()?;
+        self.text.trim().parse().map_err(|_| self.fault("a count belongs here".into()))
+    }
+
+    fn fault(&self, problem: String) -> DumpFault {
+        DumpFault { line: self.number, problem }
+    }
+}

@@ -1,0 +1,258 @@
+//! LIGGGHTS: a deck, wall meshes and initial grains go in; dumps and a log come back.
+
+mod deck;
+mod dump;
+
+pub use dump::{DumpFault, DumpFrame, read_dump};
+
+use super::assemble::{contact_from_force, merge_wall_contacts};
+use super::mesh::{Mesh, wall_mesh};
+use super::plan::Plan;
+use super::process::{self, Run, io};
+use super::{Code, CodeError, Job};
+use crate::recording::Recording;
+use makadam::scene::populate;
+use makadam::snapshot::{Partner, Particle, Snapshot};
+use nalgebra::Vector3;
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+const NAME: &str = "LIGGGHTS";
+
+/// LIGGGHTS, an explicit soft-sphere code.
+pub struct Liggghts {
+    program: OsString,
+    version: OnceLock<Option<String>>,
+}
+
+impl Default for Liggghts {
+    fn default() -> Self {
+        Self::new(std::env::var_os("MAKADAM_LIGGGHTS").unwrap_or_else(|| "liggghts".into()))
+    }
+}
+
+impl Liggghts {
+    /// LIGGGHTS under another name or path.
+    pub fn new(program: impl Into<OsString>) -> Self {
+        Self { program: program.into(), version: OnceLock::new() }
+    }
+}
+
+impl Code for Liggghts {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn version(&self) -> Option<String> {
+        self.version
+            .get_or_init(|| {
+                let words = process::first_words(&self.program, "-help")?;
+                Some(version_in(&words).unwrap_or("unknown").to_string())
+            })
+            .clone()
+    }
+
+    fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
+        let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
+        let scene = job.scene;
+        let grains = populate(scene, job.seed, job.scene_file)?;
+        super::refuse_unsupported(NAME, scene, &grains)?;
+        let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
+        let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+        // LIGGGHTS numbers its meshes itself: a wall without triangles has none.
+        let meshes: Vec<(usize, Mesh)> = scene
+            .wall
+            .iter()
+            .enumerate()
+            .map(|(index, wall)| (index, wall_mesh(&wall.shape, &scene.domain, smallest)))
+            .filter(|(_, mesh)| !mesh.triangles.is_empty())
+            .collect();
+
+        let folder = job.work_folder;
+        std::fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
+        let files = deck::files(scene, &grains, &meshes, &plan)
+            .map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
+        for (name, text) in files {
+            let path = folder.join(name);
+            std::fs::write(&path, text).map_err(|source| io(&path, source))?;
+        }
+        let dumps = ["grains", "pairs", "walls"].map(|name| folder.join(format!("{name}.dump")));
+        for stale in &dumps {
+            let _ = std::fs::remove_file(stale);
+        }
+        let log = folder.join("liggghts.log");
+        let engine_log = folder.join("engine.log");
+        Run {
+            code: NAME,
+            program: &self.program,
+            arguments: &["-in", "deck.in", "-log", "engine.log", "-nocite"].map(OsString::from),
+            folder,
+            log: log.clone(),
+            limit: job.time_limit,
+            watch: &|| {
+                if let Some(step) = last_step(&engine_log) {
+                    (job.progress)((step as f64 / plan.steps as f64).clamp(0.0, 1.0));
+                }
+            },
+        }
+        .execute()?;
+        process::disk_has_room(folder)?;
+
+        let frames = frames_of(&dumps, &plan, &grains, &meshes)?;
+        let text = std::fs::read(&engine_log).map_err(|source| io(&engine_log, source))?;
+        for dump in &dumps {
+            let _ = std::fs::remove_file(dump);
+        }
+        (job.progress)(1.0);
+        Ok(Recording {
+            scene: scene.name.clone(),
+            code: NAME.into(),
+            version,
+            seed: job.seed,
+            time_step: plan.time_step,
+            rayleigh_fraction: Some(job.rayleigh_fraction),
+            stiffness_factor: job.stiffness_factor,
+            threads: 1,
+            wall_seconds: loop_seconds(&String::from_utf8_lossy(&text)),
+            simulated_seconds: plan.steps as f64 * plan.time_step,
+            frames,
+        })
+    }
+}
+
+/// The version in the words "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled ...".
+fn version_in(words: &str) -> Option<&str> {
+    let after = words.split_once("LIGGGHTS-PUBLIC ")?.1;
+    after.split([',', ' ', ')']).next().filter(|version| !version.is_empty())
+}
+
+/// Sum of the stepping times of a log, without the time of output, s.
+pub fn loop_seconds(log: &str) -> f64 {
+    let number = |line: &str| line.split_whitespace().find_map(|word| word.parse::<f64>().ok()).unwrap_or(0.0);
+    log.lines()
+        .map(|line| match line.split_once('=') {
+            _ if line.starts_with("Loop time of ") => number(line),
+            Some((name, value)) if name.starts_with("Outpt time") => -number(value),
+            _ => 0.0,
+        })
+        .sum()
+}
+
+/// The last step of which the log tells.
+fn last_step(log: &Path) -> Option<u64> {
+    let mut file = File::open(log).ok()?;
+    let length = file.metadata().ok()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(400))).ok()?;
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes).ok()?;
+    let text = String::from_utf8_lossy(&bytes);
+    text.lines().rev().find_map(|line| {
+        let mut words = line.split_whitespace().map(str::parse::<f64>);
+        match (words.next(), words.next(), words.next(), words.next()) {
+            (Some(Ok(step)), Some(Ok(_)), Some(Ok(_)), None) => Some(step as u64),
+            _ => None,
+        }
+    })
+}
+
+fn frames_of(
+    dumps: &[PathBuf; 3],
+    plan: &Plan,
+    grains: &[makadam::scene::Grain],
+    meshes: &[(usize, Mesh)],
+) -> Result<Vec<Snapshot>, CodeError> {
+    let fault = |file: &Path, line: usize, problem: String| CodeError::Output {
+        code: NAME,
+        file: file.to_path_buf(),
+        line,
+        problem,
+    };
+    let read = |file: &PathBuf, columns: usize| -> Result<Vec<DumpFrame>, CodeError> {
+        let open = File::open(file).map_err(|source| io(file, source))?;
+        let mut frames =
+            read_dump(BufReader::new(open), columns).map_err(|found| fault(file, found.line, found.problem))?;
+        // Where frames become denser, the step between is dumped by both dumps.
+        frames.dedup_by_key(|frame| frame.step);
+        let steps: Vec<u64> = frames.iter().map(|frame| frame.step).collect();
+        match steps == plan.frames() {
+            true => Ok(frames),
+            false => Err(fault(file, 1, format!("{} frames where {} were asked for", steps.len(), plan.frames().len()))),
+        }
+    };
+    let states = read(&dumps[0], deck::GRAIN_COLUMNS)?;
+    let pairs = read(&dumps[1], deck::PAIR_COLUMNS)?;
+    let walls = match meshes.is_empty() {
+        true => Vec::new(),
+        false => read(&dumps[2], deck::WALL_COLUMNS)?,
+    };
+    let mut frames = Vec::with_capacity(states.len());
+    for (index, state) in states.iter().enumerate() {
+        let time = state.step as f64 * plan.time_step;
+        let particles = particles_of(state, grains).map_err(|(row, what)| fault(&dumps[0], state.line + row, what))?;
+        let mut contacts = Vec::new();
+        for (row, r) in pairs[index].rows().enumerate() {
+            let ids = (particle(&particles, r[0]), particle(&particles, r[1]));
+            let (Some(a), Some(b)) = ids else {
+                return Err(fault(&dumps[1], pairs[index].line + row, format!("no grains {} and {}", r[0], r[1])));
+            };
+            let normal = Vector3::from(b.position) - Vector3::from(a.position);
+            contacts.extend(contact(a, Partner::Grain(b.id), vector(&r[6..]).into(), normal, &r[3..]));
+        }
+        for (row, r) in walls.get(index).into_iter().flat_map(DumpFrame::rows).enumerate() {
+            let (Some((wall, _)), Some(a)) = (meshes.get(r[6] as usize), particle(&particles, r[8])) else {
+                return Err(fault(&dumps[2], walls[index].line + row, format!("no mesh {} or grain {}", r[6], r[8])));
+            };
+            let point = vector(r);
+            let normal = point - Vector3::from(a.position);
+            contacts.extend(contact(a, Partner::Wall(*wall as u32), point.into(), normal, &r[9..]));
+        }
+        frames.push(Snapshot { time, particles, contacts: merge_wall_contacts(contacts) });
+    }
+    Ok(frames)
+}
+
+fn vector(row: &[f64]) -> Vector3<f64> {
+    Vector3::new(row[0], row[1], row[2])
+}
+
+fn contact(
+    first: &Particle,
+    second: Partner,
+    point: [f64; 3],
+    towards: Vector3<f64>,
+    force: &[f64],
+) -> Option<makadam::snapshot::Contact> {
+    contact_from_force(first.id, second, point, towards.try_normalize(0.0)?, vector(force))
+}
+
+/// The grain of an id as LIGGGHTS counts, from 1.
+fn particle(particles: &[Particle], id: f64) -> Option<&Particle> {
+    if id >= 1.0 { particles.get(id as usize - 1) } else { None }
+}
+
+fn particles_of(state: &DumpFrame, grains: &[makadam::scene::Grain]) -> Result<Vec<Particle>, (usize, String)> {
+    let mut found: Vec<Option<Particle>> = vec![None; grains.len()];
+    for (row, r) in state.rows().enumerate() {
+        let index = r[0] - 1.0;
+        if !(0.0..grains.len() as f64).contains(&index) {
+            return Err((row, format!("no grain {}", r[0])));
+        }
+        let id = index as usize;
+        found[id] = Some(Particle {
+            id: id as u32,
+            position: [r[1], r[2], r[3]],
+            radius: grains[id].radius,
+            velocity: [r[4], r[5], r[6]],
+            spin: [r[7], r[8], r[9]],
+        });
+    }
+    let count = found.len();
+    let particles: Vec<Particle> = found.into_iter().flatten().collect();
+    match particles.len() == count {
+        true => Ok(particles),
+        false => Err((0, format!("{} of {count} grains: the others have left the domain", particles.len()))),
+    }
+}

@@ -1,0 +1,311 @@
+//! YADE: a job file for `scripts/yade_driver.py`, which runs inside it, and the frames that come back.
+
+use super::assemble::{contact_from_force, merge_wall_contacts};
+use super::mesh::{Triangle, wall_mesh};
+use super::palette::Palette;
+use super::plan::Plan;
+use super::process::{self, Run, io};
+use super::{Code, CodeError, Job};
+use crate::recording::Recording;
+use makadam::scene::{Grain, Motion, populate};
+use makadam::snapshot::{Partner, Particle, Snapshot};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
+use std::path::Path;
+use std::sync::OnceLock;
+
+const NAME: &str = "YADE";
+const DRIVER: &str = include_str!("../../../scripts/yade_driver.py");
+
+/// Reach of YADE's candidate list over the smallest radius; a matter of speed alone.
+const VERLET_DISTANCE: f64 = 0.2;
+
+/// Doubles in the rows of a frame.
+const HEADER: usize = 3;
+const GRAIN_ROW: usize = 9;
+const CONTACT_ROW: usize = 12;
+
+/// YADE, an explicit soft-sphere code.
+pub struct Yade {
+    program: OsString,
+    version: OnceLock<Option<String>>,
+}
+
+impl Default for Yade {
+    fn default() -> Self {
+        Self::new(std::env::var_os("MAKADAM_YADE").unwrap_or_else(|| "yade".into()))
+    }
+}
+
+impl Yade {
+    /// YADE under another name or path.
+    pub fn new(program: impl Into<OsString>) -> Self {
+        Self { program: program.into(), version: OnceLock::new() }
+    }
+}
+
+#[derive(Serialize)]
+struct JobFile<'a> {
+    time_step: f64,
+    steps: u64,
+    frames: Vec<u64>,
+    gravity: [f64; 3],
+    verlet_distance: f64,
+    materials: Vec<MaterialEntry>,
+    /// Two materials, friction angle (radians), restitution.
+    pairs: Vec<(usize, usize, f64, f64)>,
+    grains: Vec<GrainEntry<'a>>,
+    walls: Vec<WallEntry>,
+}
+
+#[derive(Serialize)]
+struct MaterialEntry {
+    young: f64,
+    poisson: f64,
+    density: f64,
+}
+
+#[derive(Serialize)]
+struct GrainEntry<'a> {
+    material: usize,
+    radius: f64,
+    position: &'a [f64; 3],
+    velocity: &'a [f64; 3],
+    spin: &'a [f64; 3],
+}
+
+#[derive(Serialize)]
+struct WallEntry {
+    material: usize,
+    triangles: Vec<Triangle>,
+    motion: Option<MotionEntry>,
+}
+
+#[derive(Serialize)]
+struct MotionEntry {
+    kind: &'static str,
+    point: [f64; 3],
+    axis: [f64; 3],
+    rate: f64,
+    first: u64,
+    last: u64,
+}
+
+#[derive(Deserialize)]
+struct ResultFile {
+    seconds: f64,
+    steps: u64,
+}
+
+impl Code for Yade {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn version(&self) -> Option<String> {
+        self.version
+            .get_or_init(|| {
+                let words = process::first_words(&self.program, "--version")?;
+                Some(version_in(&words).unwrap_or("unknown").to_string())
+            })
+            .clone()
+    }
+
+    fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
+        let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
+        let scene = job.scene;
+        let grains = populate(scene, job.seed, job.scene_file)?;
+        super::refuse_unsupported(NAME, scene, &grains)?;
+        let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
+
+        let folder = job.work_folder;
+        std::fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
+        let write = |name: &str, text: &[u8]| {
+            let path = folder.join(name);
+            std::fs::write(&path, text).map_err(|source| io(&path, source))
+        };
+        for stale in ["frames.bin", "result.json", "progress.txt"] {
+            let _ = std::fs::remove_file(folder.join(stale));
+        }
+        let job_text = serde_json::to_vec(&job_file(job, &grains, &plan))
+            .map_err(|error| io(&folder.join("job.json"), error.into()))?;
+        write("job.json", &job_text)?;
+        write("yade_driver.py", DRIVER.as_bytes())?;
+
+        let progress_file = folder.join("progress.txt");
+        Run {
+            code: NAME,
+            program: &self.program,
+            arguments: &["-j1", "-n", "-x", "yade_driver.py", "job.json"].map(OsString::from),
+            folder,
+            log: folder.join("yade.log"),
+            limit: job.time_limit,
+            watch: &|| {
+                let text = std::fs::read_to_string(&progress_file).unwrap_or_default();
+                if let Ok(done) = text.trim().parse::<f64>() {
+                    (job.progress)(done.clamp(0.0, 1.0));
+                }
+            },
+        }
+        .execute()?;
+
+        let result_path = folder.join("result.json");
+        let problem = |path: &Path, problem: String| CodeError::Output {
+            code: NAME,
+            file: path.to_path_buf(),
+            line: 1,
+            problem,
+        };
+        process::disk_has_room(folder)?;
+        let text = std::fs::read(&result_path)
+            .map_err(|_| problem(&folder.join("yade.log"), "the run ended early, without an error".into()))?;
+        let result: ResultFile =
+            serde_json::from_slice(&text).map_err(|error| problem(&result_path, error.to_string()))?;
+        let frames_path = folder.join("frames.bin");
+        let bytes = std::fs::read(&frames_path).map_err(|source| io(&frames_path, source))?;
+        let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
+        let frames =
+            read_frames(&bytes, &radii, scene.wall.len()).map_err(|what| problem(&frames_path, what))?;
+        if result.steps != plan.steps || frames.len() != plan.frames().len() {
+            return Err(problem(&frames_path, format!("{} frames after {} steps", frames.len(), result.steps)));
+        }
+        let _ = std::fs::remove_file(&frames_path);
+        (job.progress)(1.0);
+        Ok(Recording {
+            scene: scene.name.clone(),
+            code: NAME.into(),
+            version,
+            seed: job.seed,
+            time_step: plan.time_step,
+            rayleigh_fraction: Some(job.rayleigh_fraction),
+            stiffness_factor: job.stiffness_factor,
+            threads: 1,
+            wall_seconds: result.seconds,
+            simulated_seconds: plan.steps as f64 * plan.time_step,
+            frames,
+        })
+    }
+}
+
+/// The version in the words "Yade version: 2023.02a".
+fn version_in(words: &str) -> Option<&str> {
+    words.split_once("ersion:")?.1.split_whitespace().next()
+}
+
+fn job_file<'a>(job: &Job<'_>, grains: &'a [Grain], plan: &Plan) -> JobFile<'a> {
+    let scene = job.scene;
+    let palette = Palette::new(scene, grains);
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let mut pairs = Vec::new();
+    for a in 0..palette.len() {
+        for b in a..palette.len() {
+            if let Some((friction, restitution)) = palette.coefficients(a, b) {
+                pairs.push((a, b, friction.atan(), restitution));
+            }
+        }
+    }
+    JobFile {
+        time_step: plan.time_step,
+        steps: plan.steps,
+        frames: plan.frames(),
+        gravity: scene.gravity,
+        verlet_distance: VERLET_DISTANCE * smallest,
+        materials: palette
+            .materials()
+            .map(|material| MaterialEntry {
+                young: material.youngs_modulus,
+                poisson: material.poisson_ratio,
+                density: material.density,
+            })
+            .collect(),
+        pairs,
+        grains: grains
+            .iter()
+            .map(|grain| GrainEntry {
+                material: palette.index(&grain.material, false),
+                radius: grain.radius,
+                position: &grain.position,
+                velocity: &grain.velocity,
+                spin: &grain.spin,
+            })
+            .collect(),
+        walls: scene
+            .wall
+            .iter()
+            .map(|wall| WallEntry {
+                material: palette.index(&wall.material, true),
+                triangles: wall_mesh(&wall.shape, &scene.domain, smallest).triangles,
+                motion: motion_entry(&wall.motion, plan),
+            })
+            .collect(),
+    }
+}
+
+fn motion_entry(motion: &Motion, plan: &Plan) -> Option<MotionEntry> {
+    let (first, last) = plan.motion_steps(motion)?;
+    let (kind, point, direction, rate) = match motion {
+        Motion::Fixed => return None,
+        Motion::Translating { velocity, .. } => {
+            ("translating", [0.0; 3], *velocity, Vector3::from(*velocity).norm())
+        }
+        Motion::Rotating { point, axis, rate, .. } => ("rotating", *point, *axis, *rate),
+    };
+    let axis = Vector3::from(direction).try_normalize(0.0)?.into();
+    Some(MotionEntry { kind, point, axis, rate, first, last })
+}
+
+/// Reads the driver's frames; any bytes are either frames or an error.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snapshot>, String> {
+    let mut rest = bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap_or_default()));
+    if bytes.len() % 8 != 0 {
+        return Err("it ends in the middle of a number".into());
+    }
+    let mut row = |length: usize| -> Result<Vec<f64>, String> {
+        let row: Vec<f64> = rest.by_ref().take(length).collect();
+        match row.len() == length && row.iter().all(|value| value.is_finite()) {
+            true => Ok(row),
+            false if row.len() < length => Err("it ends in the middle of a frame".into()),
+            false => Err("a number is not finite: the run has blown up".into()),
+        }
+    };
+    let mut frames = Vec::new();
+    let mut left = bytes.len() / 8;
+    while left > 0 {
+        let header = row(HEADER)?;
+        let (time, grains, contacts) = (header[0], header[1], header[2]);
+        if grains != radii.len() as f64 || contacts < 0.0 || contacts > left as f64 {
+            return Err(format!("frame {} holds {grains} grains and {contacts} contacts", frames.len()));
+        }
+        let mut particles = Vec::with_capacity(radii.len());
+        for (id, &radius) in radii.iter().enumerate() {
+            let r = row(GRAIN_ROW)?;
+            particles.push(Particle {
+                id: id as u32,
+                position: [r[0], r[1], r[2]],
+                radius,
+                velocity: [r[3], r[4], r[5]],
+                spin: [r[6], r[7], r[8]],
+            });
+        }
+        let count = contacts as usize;
+        let mut list = Vec::new();
+        for _ in 0..count {
+            let r = row(CONTACT_ROW)?;
+            let bound = if r[1] == 0.0 { radii.len() } else { walls } as f64;
+            if !(0.0..radii.len() as f64).contains(&r[0]) || !(0.0..bound).contains(&r[2]) {
+                return Err(format!("a contact between {} and {} does not exist", r[0], r[2]));
+            }
+            let partner = if r[1] == 0.0 { Partner::Grain(r[2] as u32) } else { Partner::Wall(r[2] as u32) };
+            let normal = Vector3::new(r[6], r[7], r[8]);
+            let force = Vector3::new(r[9], r[10], r[11]);
+            list.extend(contact_from_force(r[0] as u32, partner, [r[3], r[4], r[5]], normal, force));
+        }
+        frames.push(Snapshot { time, particles, contacts: merge_wall_contacts(list) });
+        left -= HEADER + GRAIN_ROW * radii.len() + CONTACT_ROW * count;
+    }
+    Ok(frames)
+}

@@ -1,0 +1,97 @@
+//! Where a run starts: at the lattice gas, or at a flowing state that was prepared once and is kept on the machine.
+
+use crate::output::{WriteError, create_folder};
+use crate::provenance::{VERSION, scene_hash};
+use makadam::Simulation;
+use makadam::checkpoint::CheckpointError;
+use makadam::scene::{Scene, SceneError};
+use std::path::{Path, PathBuf};
+
+/// Why a run could not start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The scene cannot be populated.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The cache cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The state cannot be kept or read back.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// The user asked to stop while the state was prepared.
+    #[error("interrupted while the flowing state was prepared")]
+    Interrupted,
+}
+
+/// How the start was obtained.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// From the lattice gas.
+    Fresh,
+    /// From a flowing state in this file.
+    Prepared(PathBuf),
+}
+
+/// Folder in which prepared states and recordings are kept: `makadam` in `XDG_CACHE_HOME` or in `~/.cache`.
+pub fn cache_folder() -> PathBuf {
+    let absolute = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    absolute("XDG_CACHE_HOME")
+        .or_else(|| absolute("HOME").map(|home| home.join(".cache")))
+        .unwrap_or_else(std::env::temp_dir)
+        .join("makadam")
+}
+
+/// The simulation at the start of its run. A scene with `[prepare]` is simulated for that time first, unless a state of
+/// the same scene, seed and version is in the cache; `progress` is told the share that is done.
+///
+/// # Errors
+/// [`StartError`].
+pub fn start(
+    scene: &Scene,
+    seed: u64,
+    scene_file: &Path,
+    progress: &dyn Fn(f64),
+) -> Result<(Simulation, Start), StartError> {
+    let Some(prepare) = &scene.prepare else {
+        return Ok((Simulation::new(scene, seed, scene_file)?, Start::Fresh));
+    };
+    let file = cache_folder().join("prepared").join(format!(
+        "{}-s{seed}-{:016x}-{VERSION}.state",
+        file_stem(&scene.name),
+        scene_hash(scene)
+    ));
+    // A state that cannot be read is made anew.
+    if file.is_file()
+        && let Ok(simulation) = Simulation::resume(scene, &file)
+    {
+        return Ok((simulation, Start::Prepared(file)));
+    }
+    let mut beforehand = scene.clone();
+    beforehand.solver.step = prepare.step;
+    let mut simulation = Simulation::new(&beforehand, seed, scene_file)?;
+    let steps = steps_in(prepare.duration, prepare.step);
+    for step in 1..=steps {
+        simulation.step();
+        progress(step as f64 / steps as f64);
+        if crate::interrupt::requested() {
+            return Err(StartError::Interrupted);
+        }
+    }
+    if let Some(folder) = file.parent() {
+        create_folder(folder)?;
+    }
+    simulation.save(&file)?;
+    Ok((Simulation::resume(scene, &file)?, Start::Prepared(file)))
+}
+
+/// Whole steps nearest to a duration.
+pub fn steps_in(duration: f64, step: f64) -> u64 {
+    (duration / step).round() as u64
+}
+
+/// A scene's name as a part of a file name.
+pub fn file_stem(name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' };
+    name.chars().map(plain).collect()
+}

@@ -1,0 +1,195 @@
+//! Where a result came from: version, commit, compiler, machine, seed, scene, settings.
+
+use makadam::scene::{Scene, SolverSettings};
+use makadam::sweep::InstructionSet;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Version of Makadam.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// How the program was built, and on which machine it runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Build {
+    /// Version of Makadam.
+    pub version: String,
+    /// Commit of the sources; "unknown" outside a repository.
+    pub commit: String,
+    /// Whether tracked files differed from that commit; absent where it is not known.
+    pub dirty: Option<bool>,
+    /// Version of the compiler.
+    pub compiler: String,
+    /// Target triple.
+    pub target: String,
+    /// Build profile.
+    pub profile: String,
+    /// Instruction set that the contact sweeps use.
+    pub instruction_set: String,
+    /// Model of the processor that the program runs on.
+    pub processor: String,
+}
+
+impl Build {
+    /// The running program on this machine.
+    pub fn here() -> Build {
+        Build {
+            version: VERSION.into(),
+            commit: env!("MAKADAM_COMMIT").into(),
+            dirty: env!("MAKADAM_DIRTY").parse().ok(),
+            compiler: env!("MAKADAM_COMPILER").into(),
+            target: env!("MAKADAM_TARGET").into(),
+            profile: env!("MAKADAM_PROFILE").into(),
+            instruction_set: format!("{:?}", InstructionSet::detect()).to_lowercase(),
+            processor: processor(),
+        }
+    }
+
+    /// Version and commit in a few words, such as "0.1.0 (1a2b3c4d, modified)".
+    pub fn summary(&self) -> String {
+        let commit: String = self.commit.chars().take(8).collect();
+        let modified = if self.dirty == Some(true) { ", modified" } else { "" };
+        format!("{} ({commit}{modified})", self.version)
+    }
+}
+
+/// Where the numbers of one run came from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// The program and the machine.
+    #[serde(flatten)]
+    pub build: Build,
+    /// Threads used.
+    pub threads: usize,
+    /// Seed of the initial positions.
+    pub seed: u64,
+    /// File that the scene came from.
+    pub scene_file: String,
+    /// [`scene_hash`] as 16 hexadecimal digits.
+    pub scene_hash: String,
+    /// Solver settings of the run, tolerances included.
+    pub solver: SolverSettings,
+    /// Start of the run, ISO 8601, UTC.
+    pub time: String,
+    /// The command line.
+    pub command: String,
+}
+
+impl Provenance {
+    /// Provenance of a run that starts now.
+    pub fn of_run(scene: &Scene, scene_file: &Path, seed: u64, threads: usize) -> Provenance {
+        Provenance {
+            build: Build::here(),
+            threads,
+            seed,
+            scene_file: scene_file.display().to_string(),
+            scene_hash: format!("{:016x}", scene_hash(scene)),
+            solver: scene.solver.clone(),
+            time: utc(SystemTime::now()),
+            command: command_line(),
+        }
+    }
+}
+
+/// Where a comparison's numbers came from, by name, for tables.
+pub fn account(threads: usize, scenes: &[&Scene]) -> BTreeMap<String, String> {
+    let build = Build::here();
+    let modified = match build.dirty {
+        Some(true) => ", with changes",
+        Some(false) => "",
+        None => ", changes unknown",
+    };
+    let mut account = BTreeMap::from(
+        [
+            ("version", build.version),
+            ("commit", format!("{}{modified}", build.commit)),
+            ("compiler", build.compiler),
+            ("target", format!("{}, {}", build.target, build.profile)),
+            ("instruction_set", build.instruction_set),
+            ("processor", build.processor),
+            ("threads", threads.to_string()),
+            ("date", utc(SystemTime::now())),
+            ("command", command_line()),
+        ]
+        .map(|(name, value)| (name.to_string(), value)),
+    );
+    for scene in scenes {
+        account.insert(format!("scene_hash_of_{}", scene.name), format!("{:016x}", scene_hash(scene)));
+    }
+    account
+}
+
+/// Hash of everything that a scene says (64-bit FNV-1a over its JSON form), the same on every machine.
+pub fn scene_hash(scene: &Scene) -> u64 {
+    let text = serde_json::to_vec(scene).expect("a checked scene holds only finite numbers and plain text");
+    fnv1a(&text)
+}
+
+/// 64-bit FNV-1a hash.
+pub fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+}
+
+/// The command line of this process, with the program's name in place of its path.
+pub fn command_line() -> String {
+    let arguments = std::env::args().skip(1).map(|argument| match argument.contains(char::is_whitespace) {
+        true => format!("'{argument}'"),
+        false => argument,
+    });
+    std::iter::once("makadam".to_string()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+/// A time as ISO 8601 in UTC, to the second.
+pub fn utc(time: SystemTime) -> String {
+    let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs());
+    let (days, rest) = (seconds / 86_400, seconds % 86_400);
+    let (year, month, day) = civil_date(days);
+    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", rest / 3600, rest / 60 % 60, rest % 60)
+}
+
+/// Year, month and day of a number of days after 1970-01-01, by whole 400-year eras of the Gregorian calendar that
+/// begin on the first of March.
+fn civil_date(days: u64) -> (u64, u64, u64) {
+    let shifted = days + 719_468;
+    let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    (era * 400 + year_of_era + u64::from(month <= 2), month, day)
+}
+
+/// Model of the processor, from the system.
+pub fn processor() -> String {
+    let information = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = information.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    model.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
+}
+
+/// Largest resident memory of this process so far, bytes; 0 where the system does not tell.
+pub fn peak_bytes() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix("kB"));
+    peak.and_then(|kilobytes| kilobytes.trim().parse::<u64>().ok()).map_or(0, |kilobytes| kilobytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn times_are_written_as_utc() {
+        assert_eq!(utc(UNIX_EPOCH), "1970-01-01T00:00:00Z");
+        assert_eq!(utc(UNIX_EPOCH + Duration::from_secs(951_782_399)), "2000-02-28T23:59:59Z");
+        assert_eq!(utc(UNIX_EPOCH + Duration::from_secs(951_782_400)), "2000-02-29T00:00:00Z");
+        assert_eq!(utc(UNIX_EPOCH + Duration::from_secs(4_107_542_400)), "2100-03-01T00:00:00Z");
+    }
+
+    #[test]
+    fn peak_memory_is_known() {
+        assert!(peak_bytes() > 100_000);
+    }
+}

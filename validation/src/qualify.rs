@@ -1,0 +1,254 @@
+//! The whole judgement: every reference scene against the recorded references, live runs of the peers, one report.
+
+use crate::compare::{
+    Announce, CodeRuns, CodeSummary, Comparison, Harvest, Reference, ReferenceError, Runs, comparison, live_checks,
+};
+use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
+use crate::provenance::account;
+use crate::report::{Qualification, Standing};
+use makadam::scene::{Scene, SceneError};
+use rayon::prelude::*;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Scenes of the quick tier; the longest first, so that the last run to end is a short one.
+const SCENES: [&str; 4] = ["drum", "drum-caps", "heap", "packing"];
+
+/// Scenes on which the codes are timed one after the other and the peers are run live.
+const TIMED: [&str; 2] = ["packing", "drum"];
+
+/// Time step of the live runs over the Rayleigh step: the peers' fastest honest setting.
+const LIVE_FRACTION: f64 = 0.2;
+
+/// Seed of the live runs.
+const LIVE_SEED: u64 = 1;
+
+/// What a qualification needs to know.
+pub struct Settings<'a> {
+    /// Folders in which `reference-scenes` is looked for.
+    pub roots: Vec<PathBuf>,
+    /// Whether the peers are run.
+    pub live: bool,
+    /// Wall time after which a run of a peer is stopped.
+    pub time_limit: Duration,
+    /// Opens progress displays.
+    pub announce: Announce<'a>,
+    /// Told what is being done.
+    pub say: &'a (dyn Fn(&str) + Sync),
+}
+
+/// Why there is no qualification.
+#[derive(Debug, thiserror::Error)]
+pub enum QualifyError {
+    /// A scene is invalid.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Recorded references cannot be read.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// Nothing is recorded of a code.
+    #[error("nothing is recorded of {code} on the scene {scene}; record it with 'makadam compare {scene} --record'")]
+    NotRecorded {
+        /// The code.
+        code: String,
+        /// The scene.
+        scene: String,
+    },
+    /// Makadam failed, or a peer that must run is missing.
+    #[error(transparent)]
+    Code(#[from] CodeError),
+}
+
+/// A qualification, and what its verdict does not say.
+pub struct Qualified {
+    /// What the report is made from.
+    pub qualification: Qualification,
+    /// Live runs outside the spread of the recorded ones, in words.
+    pub outside_spread: Vec<String>,
+    /// Live runs that failed, in words.
+    pub failed: Vec<String>,
+}
+
+impl Qualified {
+    /// Whether every test of equivalence passed and every live run lies where the recorded ones said.
+    pub fn passes(&self) -> bool {
+        self.qualification.verdict().standing == Standing::Agree && self.outside_spread.is_empty()
+    }
+}
+
+/// A scene with what is recorded on it.
+struct Case {
+    file: PathBuf,
+    scene: Scene,
+    recorded: Vec<CodeRuns>,
+    seeds: u64,
+    notes: Vec<String>,
+    timings: Vec<CodeSummary>,
+}
+
+/// Runs the quick tier.
+///
+/// # Errors
+/// [`QualifyError`]; a live run of a peer that fails is a note, not an error.
+pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
+    let clock = Instant::now();
+    let peers: [Box<dyn Code>; 2] = [Box::new(Yade::default()), Box::new(Liggghts::default())];
+    if settings.live
+        && let Some(missing) = peers.iter().find(|code| code.version().is_none())
+    {
+        return Err(CodeError::Missing { code: missing.name() }.into());
+    }
+    let mut cases = SCENES
+        .iter()
+        .map(|name| Case::open(name, &settings.roots, &peers))
+        .collect::<Result<Vec<Case>, QualifyError>>()?;
+    let (mut outside_spread, mut failed, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+    // Timed runs have the machine to themselves, one core each, one after the other.
+    for name in TIMED {
+        let case = cases.iter_mut().find(|case| case.scene.name == name);
+        let Some(case) = case else { continue };
+        (settings.say)(&format!("{name}: timed runs of seed {LIVE_SEED}, one core each, one after the other"));
+        case.time(settings, &Makadam)?;
+        if !settings.live {
+            continue;
+        }
+        for peer in peers.iter().rev() {
+            match case.time(settings, peer.as_ref()) {
+                Ok(harvest) => outside_spread.extend(case.check(&harvest)),
+                Err(error @ CodeError::Interrupted { .. }) => return Err(error.into()),
+                Err(error) => failed.push(format!("{name}: the live run of {} failed: {error}", peer.name())),
+            }
+        }
+    }
+    if !settings.live {
+        notes.push(
+            "YADE and LIGGGHTS were not run: their numbers are the recorded references, and no speeds are compared. \
+             With both installed (scripts/install-peers), --live runs them."
+                .into(),
+        );
+    }
+    (settings.say)("Makadam over the recorded seeds of every scene");
+    let comparisons = judge(settings, cases)?;
+    notes.extend(failed.iter().cloned());
+    notes.extend(outside_spread.iter().cloned());
+    let scenes: Vec<&Scene> = comparisons.iter().map(|comparison| &comparison.scene).collect();
+    let provenance = account(rayon::current_num_threads(), &scenes);
+    let qualification = Qualification {
+        title: "Makadam: quick qualification".into(),
+        tier: "quick".into(),
+        wall_seconds: clock.elapsed().as_secs_f64(),
+        comparisons,
+        provenance,
+        notes,
+    };
+    Ok(Qualified { qualification, outside_spread, failed })
+}
+
+/// Runs Makadam over as many seeds as are recorded, all scenes at once, and compares.
+fn judge(settings: &Settings<'_>, cases: Vec<Case>) -> Result<Vec<Comparison>, QualifyError> {
+    let jobs: Vec<(usize, u64)> =
+        cases.iter().enumerate().flat_map(|(place, case)| (1..=case.seeds).map(move |seed| (place, seed))).collect();
+    // One job at a time is taken from the list, so the long ones at its head do not pile up on one thread.
+    let harvests: Vec<(usize, Harvest)> = jobs
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|(place, seed)| Ok((place, cases[place].run(settings, &Makadam, seed)?)))
+        .collect::<Result<_, CodeError>>()?;
+    let mut by_case: Vec<Vec<Harvest>> = cases.iter().map(|_| Vec::new()).collect();
+    harvests.into_iter().for_each(|(place, harvest)| by_case[place].push(harvest));
+    let threads = rayon::current_num_threads();
+    let mut comparisons: Vec<Comparison> = cases
+        .into_iter()
+        .zip(by_case)
+        .map(|(case, harvests)| {
+            let provenance = format!("run by this command, up to {threads} runs side by side");
+            let mut codes = vec![CodeRuns::live("Makadam", provenance, harvests)];
+            codes.extend(case.recorded);
+            let mut comparison = comparison(&case.scene, &codes, case.notes);
+            comparison.codes.extend(case.timings);
+            comparison
+        })
+        .collect();
+    comparisons.sort_by_key(|comparison| match comparison.scene.name.as_str() {
+        "packing" => 0,
+        "drum" => 1,
+        "drum-caps" => 2,
+        _ => 3,
+    });
+    Ok(comparisons)
+}
+
+impl Case {
+    fn open(name: &str, roots: &[PathBuf], peers: &[Box<dyn Code>]) -> Result<Case, QualifyError> {
+        let file = Scene::find(name, roots)?;
+        let scene = Scene::load(&file)?;
+        let reference = Reference::load(&Reference::folder(&file))?.unwrap_or_default();
+        let mut case =
+            Case { seeds: reference.seeds(), file, scene, recorded: Vec::new(), notes: Vec::new(), timings: Vec::new() };
+        for peer in peers {
+            let code = peer.name();
+            let missing = || QualifyError::NotRecorded { code: code.into(), scene: name.into() };
+            case.recorded.push(reference.code(code).ok_or_else(missing)?);
+            if reference.is_current(code, &case.scene) == Some(false) {
+                case.notes.push(format!("the scene has changed since {code} was recorded: record anew"));
+            }
+        }
+        Ok(case)
+    }
+
+    fn run(&self, settings: &Settings<'_>, code: &dyn Code, seed: u64) -> Result<Harvest, CodeError> {
+        let runs = Runs {
+            scene: &self.scene,
+            scene_file: &self.file,
+            seeds: vec![seed],
+            rayleigh_fraction: LIVE_FRACTION,
+            stiffness_factor: 1.0,
+            time_limit: settings.time_limit,
+            recordings: None,
+            announce: settings.announce,
+        };
+        runs.one(code, &self.scene, seed)
+    }
+
+    /// Runs a code alone on the machine and notes how long it took.
+    fn time(&mut self, settings: &Settings<'_>, code: &dyn Code) -> Result<Harvest, CodeError> {
+        let harvest = self.run(settings, code, LIVE_SEED)?;
+        let run = &harvest.run;
+        self.timings.push(CodeSummary {
+            code: run.code.clone(),
+            version: run.version.clone(),
+            source: crate::compare::Source::Live,
+            seeds: vec![run.seed],
+            time_step: run.time_step,
+            rayleigh_fraction: run.rayleigh_fraction,
+            stiffness_factor: 1.0,
+            wall_seconds_per_simulated_second: run.wall_seconds / run.simulated_seconds,
+            processor: run.processor.clone(),
+            provenance: "timed by this command on one core, alone on the machine".into(),
+        });
+        Ok(harvest)
+    }
+
+    /// Holds a live run of a peer against the spread of its recorded runs; what lies outside, in words.
+    fn check(&mut self, harvest: &Harvest) -> Vec<String> {
+        let run = &harvest.run;
+        let Some(recorded) = self.recorded.iter().find(|recorded| recorded.code == run.code) else { return Vec::new() };
+        let checks = live_checks(&self.scene, run, recorded);
+        let percent = 100.0 * LIVE_FRACTION;
+        let head = format!("live {} (seed {}, {percent:.0}% of the Rayleigh step)", run.code, run.seed);
+        let (inside, outside): (Vec<_>, Vec<_>) = checks.iter().partition(|check| check.inside);
+        let words = |check: &&crate::compare::LiveCheck| {
+            let [low, high] = check.interval;
+            format!("{} {:.4} ({low:.4} to {high:.4})", check.observable, check.value)
+        };
+        if !inside.is_empty() {
+            let listed = inside.iter().map(words).collect::<Vec<_>>().join(", ");
+            self.notes.push(format!("{head} lies inside the 99% interval of the recorded seeds: {listed}"));
+        }
+        let scene = &self.scene.name;
+        outside
+            .iter()
+            .map(|check| format!("{scene}: {head} lies outside the 99% interval of the recorded seeds: {}", words(check)))
+            .collect()
+    }
+}

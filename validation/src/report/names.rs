@@ -1,0 +1,87 @@
+//! How observables, units, codes and outcomes are called and marked in tables and figures.
+
+use super::numbers::Rounding;
+use crate::compare::{Outcome, Source};
+
+/// A reader's name of an observable.
+pub(super) fn observable(name: &str) -> String {
+    match name {
+        "gini" => "Gini coefficient of normal forces".into(),
+        "share_below_mean" => "share of forces below the mean".into(),
+        "weak_load_share" | "weak_share_of_load" => "share of load on weak contacts".into(),
+        "ks" | "kolmogorov_smirnov" => "Kolmogorov–Smirnov distance of forces".into(),
+        "wasserstein" | "wasserstein_1" => "Wasserstein-1 distance of forces".into(),
+        "lacey_index" | "mixing_index" => "mixing index (Lacey)".into(),
+        "wall_force_over_weight" => "wall force over weight".into(),
+        "largest_overlap_over_radius" => "largest overlap over radius".into(),
+        _ => name.replace('_', " "),
+    }
+}
+
+/// A unit as it stands beside a number.
+pub(super) fn unit(unit: &str) -> &str {
+    match unit {
+        "degree" | "degrees" | "deg" => "°",
+        "m2" => "m²",
+        "m3" => "m³",
+        "m/s2" => "m/s²",
+        "kg/m3" => "kg/m³",
+        "-" | "1" | "(no unit)" => "",
+        other => other,
+    }
+}
+
+/// An observable with its unit in brackets, and the power of ten that its values are multiples of.
+pub(super) fn with_unit(name: &str, of: &str, rounding: Rounding) -> String {
+    let symbol = if unit(of) == "°" { "degrees" } else { unit(of) };
+    match [rounding.factor().as_str(), symbol].join(" ").trim() {
+        "" => observable(name),
+        words => format!("{} ({words})", observable(name)),
+    }
+}
+
+/// Shape of a code's marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Marker {
+    Circle,
+    Square,
+    Triangle,
+    Diamond,
+}
+
+/// How a code is drawn: always in the same colour, with the same marker and the same kind of line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct CodeStyle {
+    /// Style class that carries colour and dashes.
+    pub(super) class: &'static str,
+    /// Marker.
+    pub(super) marker: Marker,
+}
+
+/// Style of a code.
+pub(super) fn code_style(code: &str) -> CodeStyle {
+    let (class, marker) = match code.to_ascii_lowercase().as_str() {
+        "makadam" => ("code-makadam", Marker::Circle),
+        "liggghts" => ("code-liggghts", Marker::Square),
+        "yade" => ("code-yade", Marker::Triangle),
+        _ => ("code-other", Marker::Diamond),
+    };
+    CodeStyle { class, marker }
+}
+
+/// Word of an outcome.
+pub(super) fn outcome(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Agree => "agree",
+        Outcome::Disagree => "disagree",
+        Outcome::Undecided => "undecided",
+    }
+}
+
+/// Word of a source.
+pub(super) fn source(source: Source) -> &'static str {
+    match source {
+        Source::Live => "live",
+        Source::Recorded => "recorded",
+    }
+}

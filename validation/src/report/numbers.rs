@@ -1,0 +1,200 @@
+//! Numbers as a reader wants them: as many digits as the margin or the spread bears, a true minus sign.
+
+use crate::compare::Row;
+
+/// How the values of one observable are rounded, the same in every column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rounding {
+    /// Decimals after the point.
+    Decimals(usize),
+    /// Values in this power of ten, which stands beside the unit; two decimals.
+    PowerOfTen(i32),
+}
+
+impl Rounding {
+    /// Rounding of the rows of one observable: a twentieth of the margin is still seen; without a margin two
+    /// digits of the largest spread; without a spread three digits of the largest value.
+    pub(super) fn of<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Rounding {
+        let largest = |value: fn(&Row) -> f64| {
+            rows.clone().map(value).filter(|v| v.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()))
+        };
+        let margin = largest(|row| row.margin.unwrap_or(0.0));
+        let spread = largest(|row| if row.seeds > 1 { row.standard_deviation } else { 0.0 });
+        let value = largest(|row| row.mean);
+        // A spread far below the value is rounding noise of a deterministic quantity, not a reason for more digits.
+        let resolution = if margin > 0.0 {
+            margin / 20.0
+        } else if spread > 1e-6 * value {
+            spread / 10.0
+        } else {
+            value / 500.0
+        };
+        if value > 0.0 && !(1e-3..1e6).contains(&value) && resolution < value {
+            return Rounding::PowerOfTen(value.log10().floor() as i32);
+        }
+        Rounding::Decimals(decimals(resolution))
+    }
+
+    /// A value.
+    pub(super) fn value(self, value: f64) -> String {
+        if !value.is_finite() {
+            return "not finite".into();
+        }
+        match self {
+            Rounding::Decimals(decimals) => with_minus(format!("{value:.decimals$}")),
+            Rounding::PowerOfTen(exponent) => with_minus(format!("{:.2}", value / 10f64.powi(exponent))),
+        }
+    }
+
+    /// A margin of equivalence, without needless zeros.
+    pub(super) fn margin(self, margin: f64) -> String {
+        format!("±{}", compact(margin / self.scale()))
+    }
+
+    fn scale(self) -> f64 {
+        match self {
+            Rounding::Decimals(_) => 1.0,
+            Rounding::PowerOfTen(exponent) => 10f64.powi(exponent),
+        }
+    }
+
+    /// The factor that all values are multiples of, such as "10⁻⁴"; empty where it is one.
+    pub(super) fn factor(self) -> String {
+        match self {
+            Rounding::Decimals(_) => String::new(),
+            Rounding::PowerOfTen(exponent) => format!("10{}", superscript(exponent)),
+        }
+    }
+
+    /// A difference, with its sign; none if it rounds to zero.
+    pub(super) fn signed(self, value: f64) -> String {
+        let text = self.value(value);
+        let zero = text.chars().all(|c| matches!(c, '0' | '.'));
+        if value > 0.0 && !zero { format!("+{text}") } else { text }
+    }
+
+    /// An interval of differences.
+    pub(super) fn interval(self, interval: [f64; 2]) -> String {
+        format!("[{}, {}]", self.signed(interval[0]), self.signed(interval[1]))
+    }
+}
+
+/// Fewest decimals that still show `resolution`.
+fn decimals(resolution: f64) -> usize {
+    if !(resolution.is_finite() && resolution > 0.0) {
+        return 3;
+    }
+    (-resolution.log10()).ceil().clamp(0.0, 6.0) as usize
+}
+
+fn with_minus(text: String) -> String {
+    if text.trim_start_matches('-').chars().all(|c| matches!(c, '0' | '.')) {
+        return text.trim_start_matches('-').to_string();
+    }
+    text.replace('-', "−")
+}
+
+/// A whole number as superscript digits.
+pub(super) fn superscript(exponent: i32) -> String {
+    exponent
+        .to_string()
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            digit => char::from_u32(0x2070 + digit as u32 - '0' as u32).unwrap_or(digit),
+        })
+        .collect()
+}
+
+/// A positive number to two significant digits, or to the unit above 100: 0.092, 3.1, 14, 230.
+pub(super) fn two_digits(value: f64) -> String {
+    if !value.is_finite() {
+        return "not finite".into();
+    }
+    if value == 0.0 {
+        return "0".into();
+    }
+    let exponent = value.abs().log10().floor();
+    let rounded = if exponent >= 2.0 { value.round() } else { (value / 10f64.powf(exponent - 1.0)).round() * 10f64.powf(exponent - 1.0) };
+    if value.abs() < 1e-4 {
+        return compact(value);
+    }
+    let decimals = (1.0 - exponent).max(0.0) as usize;
+    with_minus(format!("{rounded:.decimals$}"))
+}
+
+/// A duration of computing: 0.31 s, 42 s, 3 min 20 s, 1 h 5 min.
+pub(super) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if !s.is_finite() => "not finite".into(),
+        s if s < 99.5 => format!("{} s", two_digits(s)),
+        s if s < 5970.0 => format!("{} min {} s", (s.round() as u64) / 60, (s.round() as u64) % 60),
+        s => format!("{} h {} min", ((s / 60.0).round() as u64) / 60, ((s / 60.0).round() as u64) % 60),
+    }
+}
+
+/// A small quantity as a reader writes it: 5×10⁻⁴, or 0.02.
+pub(super) fn compact(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) && value.is_finite() {
+        let exponent = value.abs().log10().floor() as i32;
+        let mantissa = format!("{:.2}", value / 10f64.powi(exponent));
+        let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
+        return format!("{}×10{}", mantissa.replace('-', "−"), superscript(exponent));
+    }
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    with_minus(text.to_string())
+}
+
+/// Evenly spaced round numbers that cover a range, about `count` of them, and the decimals that tell them apart.
+pub(super) fn round_ticks(low: f64, high: f64, count: usize) -> (Vec<f64>, usize) {
+    let span = (high - low).max(f64::MIN_POSITIVE);
+    let raw = span / count.max(1) as f64;
+    let power = 10f64.powf(raw.log10().floor());
+    let step = [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|m| m * power).find(|&s| s >= raw * 0.999).unwrap_or(raw);
+    let first = (low / step - 1e-9).ceil() as i64;
+    let last = (high / step + 1e-9).floor() as i64;
+    let digits = (0..9).find(|&d| ((step * 10f64.powi(d)).round() - step * 10f64.powi(d)).abs() < 1e-6).unwrap_or(9);
+    ((first..=last).map(|k| k as f64 * step).collect(), digits as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_follow_the_size() {
+        assert_eq!(two_digits(0.0917), "0.092");
+        assert_eq!(two_digits(3.1416), "3.1");
+        assert_eq!(two_digits(9.96), "10.0");
+        assert_eq!(two_digits(234.4), "234");
+        assert_eq!(compact(5e-4), "5×10⁻⁴");
+        assert_eq!(compact(0.006), "0.006");
+        assert_eq!(compact(1.5), "1.5");
+        assert_eq!(duration(200.0), "3 min 20 s");
+    }
+
+    #[test]
+    fn a_difference_that_rounds_to_zero_has_no_sign() {
+        let rounding = Rounding::Decimals(2);
+        assert_eq!(rounding.signed(-0.001), "0.00");
+        assert_eq!(rounding.signed(-0.31), "−0.31");
+        assert_eq!(rounding.signed(0.31), "+0.31");
+        assert_eq!(Rounding::PowerOfTen(-5).signed(-3.1e-5), "−3.10");
+        assert_eq!(Rounding::PowerOfTen(-5).factor(), "10⁻⁵");
+        assert_eq!(Rounding::PowerOfTen(-5).margin(1e-6), "±0.1");
+    }
+
+    #[test]
+    fn ticks_are_round() {
+        let (ticks, digits) = round_ticks(24.3, 31.2, 5);
+        assert_eq!(ticks, [26.0, 28.0, 30.0]);
+        assert_eq!(digits, 0);
+        let (ticks, digits) = round_ticks(0.0, 1.0, 4);
+        assert_eq!(ticks, [0.0, 0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(digits, 2);
+    }
+}

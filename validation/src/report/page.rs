@@ -1,0 +1,139 @@
+//! The page: everything that the template shows, gathered and named.
+
+use super::qualification::{Qualification, Standing, join};
+use super::{forces, forest, names, numbers, pictures, series, speed, tables};
+use crate::compare::{Comparison, Source};
+use minijinja::{AutoEscape, Environment, Value, context};
+
+/// Renders the page.
+pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja::Error> {
+    let mut environment = Environment::new();
+    environment.set_trim_blocks(true);
+    environment.set_lstrip_blocks(true);
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_template("page", include_str!("page.html"))?;
+    environment.add_template("results", include_str!("results.html"))?;
+    environment.add_template("scene", include_str!("scene.html"))?;
+    environment.add_template("words", include_str!("words.html"))?;
+
+    let verdict = qualification.verdict();
+    let comparisons = &qualification.comparisons;
+    let sections: Vec<Value> = comparisons.iter().enumerate().map(|(place, c)| section(c, place)).collect();
+    environment.get_template("page")?.render(context! {
+        title => qualification.title,
+        tier => qualification.tier,
+        wall_time => numbers::duration(qualification.wall_seconds),
+        verdict => verdict,
+        standing => standing(verdict.standing),
+        style => include_str!("page.css"),
+        grain_rules => pictures::rules(),
+        gradients => pictures::gradients(),
+        summary => tables::summary(comparisons),
+        sources => sources(comparisons),
+        speeds => comparisons.iter().filter_map(speed::line).collect::<Vec<_>>(),
+        slow_settings => slow_settings(comparisons),
+        notes => qualification.notes,
+        sections => sections,
+        provenance => provenance(qualification),
+    })
+}
+
+fn section(comparison: &Comparison, place: usize) -> Value {
+    let gallery = pictures::gallery(comparison).map(|gallery| {
+        let rows: Vec<Value> = gallery
+            .rows
+            .into_iter()
+            .map(|row| {
+                let pictures: Vec<Value> = row
+                    .pictures
+                    .into_iter()
+                    .map(|(code, svg)| context! { class => names::code_style(&code).class, code => code, svg => svg })
+                    .collect();
+                context! { view => row.view, pictures => pictures }
+            })
+            .collect();
+        context! { rows => rows, legend => gallery.legend, caption => gallery.caption }
+    });
+    let series: Vec<Value> = series::figures(comparison)
+        .into_iter()
+        .map(|figure| context! { observable => figure.observable, svg => figure.svg, caption => figure.caption })
+        .collect();
+    context! {
+        // Names of scenes may hold characters that an anchor may not.
+        anchor => format!("scene-{}", place + 1),
+        name => comparison.scene.name,
+        description => comparison.scene.description,
+        facts => facts(comparison),
+        results => tables::results(comparison),
+        forest => forest::figure(comparison),
+        gallery => gallery,
+        series => series,
+        forces => forces::figure(comparison).map(|(svg, caption)| context! { svg => svg, caption => caption }),
+        shifts => tables::shifts(comparison),
+        runs => tables::runs(comparison),
+        limits => tables::limits(comparison),
+        notes => comparison.notes,
+        scene_file => toml::to_string_pretty(&comparison.scene).unwrap_or_default(),
+    }
+}
+
+/// How long is simulated and when it is measured, in a sentence.
+fn facts(comparison: &Comparison) -> String {
+    let scene = &comparison.scene;
+    let measured = match scene.measure.from {
+        Some(from) => format!("measured from {} s on, every {} s", numbers::compact(from), numbers::compact(scene.measure.interval)),
+        None => "measured in the last frame".into(),
+    };
+    format!("Simulated time {} s, {measured}.", numbers::compact(scene.duration))
+}
+
+/// Mark, word and style of a verdict.
+fn standing(standing: Standing) -> Value {
+    let (word, class) = match standing {
+        Standing::Agree => ("Agree", "agree"),
+        Standing::Disagree => ("Disagree", "disagree"),
+        Standing::Undecided => ("Undecided", "undecided"),
+        Standing::NothingCompared => ("No verdict", "undecided"),
+    };
+    context! { word => word, class => class }
+}
+
+/// What was run here and now and what was read from recordings, a sentence a code.
+fn sources(comparisons: &[Comparison]) -> Vec<String> {
+    let mut codes: Vec<&str> = Vec::new();
+    for code in comparisons.iter().flat_map(|c| &c.codes) {
+        if !codes.contains(&code.code.as_str()) {
+            codes.push(&code.code);
+        }
+    }
+    let scenes_with = |name: &str, source: Source| -> Vec<&str> {
+        comparisons
+            .iter()
+            .filter(|c| c.codes.iter().any(|code| code.code == name && code.source == source))
+            .map(|c| c.scene.name.as_str())
+            .collect()
+    };
+    codes
+        .iter()
+        .map(|&name| match (scenes_with(name, Source::Live), scenes_with(name, Source::Recorded)) {
+            (live, recorded) if recorded.is_empty() => format!("{name} was run live in {}.", join(&live)),
+            (live, recorded) if live.is_empty() => format!("{name} is recorded in {}.", join(&recorded)),
+            (live, recorded) => format!("{name} was run live in {}, and is recorded in {}.", join(&live), join(&recorded)),
+        })
+        .collect()
+}
+
+fn slow_settings(comparisons: &[Comparison]) -> Option<String> {
+    let codes = speed::slow_settings(comparisons);
+    (!codes.is_empty()).then(|| {
+        format!(
+            "{} ran below a fifth of the Rayleigh time step, the fastest setting at which restitution is still within 4%; \
+             at that setting the ratio would be smaller.",
+            join(&codes)
+        )
+    })
+}
+
+fn provenance(qualification: &Qualification) -> Vec<(String, &str)> {
+    qualification.provenance.iter().map(|(key, value)| (key.replace('_', " "), value.as_str())).collect()
+}

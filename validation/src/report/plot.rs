@@ -1,0 +1,187 @@
+//! The one kind of plot of the report: a frame with two axes, a light grid, a legend above.
+
+use super::names::{CodeStyle, code_style};
+use super::numbers::{round_ticks, superscript};
+use super::svg::{Anchor, Drawing};
+
+const WIDTH: f64 = 540.0;
+const HEIGHT: f64 = 330.0;
+const LEFT: f64 = 58.0;
+const RIGHT: f64 = 14.0;
+const TOP: f64 = 30.0;
+const BOTTOM: f64 = 44.0;
+
+/// One axis.
+pub(super) struct Axis {
+    /// What it shows, with its unit.
+    pub(super) label: String,
+    /// Lower end.
+    pub(super) low: f64,
+    /// Upper end.
+    pub(super) high: f64,
+    /// Whether it is logarithmic.
+    pub(super) logarithmic: bool,
+}
+
+impl Axis {
+    /// A linear axis.
+    pub(super) fn linear(label: &str, low: f64, high: f64) -> Axis {
+        // An axis of no length would divide by zero.
+        let high = if high > low { high } else { low + 1.0 };
+        Axis { label: label.into(), low, high, logarithmic: false }
+    }
+
+    /// A logarithmic axis; its ends are moved out to powers of ten.
+    pub(super) fn logarithmic(label: &str, low: f64, high: f64) -> Axis {
+        let low = 10f64.powf((low.log10() + 1e-9).floor());
+        let high = 10f64.powf((high.log10() - 1e-9).ceil()).max(10.0 * low);
+        Axis { label: label.into(), low, high, logarithmic: true }
+    }
+
+    /// Where a value lies, 0 at the lower end and 1 at the upper.
+    fn share(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            (value / self.low).ln() / (self.high / self.low).ln()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        }
+    }
+
+    fn ticks(&self, count: usize) -> Vec<(f64, String)> {
+        if self.logarithmic {
+            let (low, high) = (self.low.log10().round() as i32, self.high.log10().round() as i32);
+            return (low..=high).map(|k| (10f64.powi(k), power_of_ten(k))).collect();
+        }
+        let (ticks, digits) = round_ticks(self.low, self.high, count);
+        ticks.into_iter().map(|t| (t, format!("{t:.digits$}").replace('-', "−"))).collect()
+    }
+}
+
+fn power_of_ten(exponent: i32) -> String {
+    match exponent {
+        0 => "1".into(),
+        1 => "10".into(),
+        2 => "100".into(),
+        k => format!("10{}", superscript(k)),
+    }
+}
+
+/// An entry of a legend.
+pub(super) enum Key<'a> {
+    /// A code, drawn as a line with its marker.
+    Code(&'a str),
+    /// A line of another class.
+    Line(&'a str, &'a str),
+}
+
+/// A plot that is being made.
+pub(super) struct Plot {
+    drawing: Drawing,
+    x: Axis,
+    y: Axis,
+}
+
+impl Plot {
+    /// A frame with its axes.
+    pub(super) fn new(x: Axis, y: Axis) -> Plot {
+        let mut plot = Plot { drawing: Drawing::new(WIDTH, HEIGHT), x, y };
+        plot.grid();
+        plot
+    }
+
+    fn grid(&mut self) {
+        let (left, right, top, bottom) = (LEFT, WIDTH - RIGHT, TOP, HEIGHT - BOTTOM);
+        for (value, label) in self.x.ticks(7) {
+            let x = self.at(value, self.y.low)[0];
+            self.drawing.line("grid", [x, top], [x, bottom]);
+            self.drawing.text("tick", [x, bottom + 15.0], Anchor::Middle, &label);
+        }
+        for (value, label) in self.y.ticks(6) {
+            let y = self.at(self.x.low, value)[1];
+            self.drawing.line("grid", [left, y], [right, y]);
+            self.drawing.text("tick", [left - 7.0, y + 4.0], Anchor::End, &label);
+        }
+        self.drawing.rectangle("frame", [left, top], [right, bottom]);
+        let (x, y) = (self.x.label.clone(), self.y.label.clone());
+        self.drawing.text("label", [(left + right) / 2.0, HEIGHT - 8.0], Anchor::Middle, &x);
+        self.drawing.text_upwards("label", [13.0, (top + bottom) / 2.0], &y);
+    }
+
+    /// Where a point of the plane lies on the drawing.
+    fn at(&self, x: f64, y: f64) -> [f64; 2] {
+        [
+            LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT),
+            HEIGHT - BOTTOM - self.y.share(y) * (HEIGHT - TOP - BOTTOM),
+        ]
+    }
+
+    /// Marks a range of the horizontal axis.
+    pub(super) fn window(&mut self, from: f64, to: f64, label: &str) {
+        let (from, to) = (from.max(self.x.low), to.min(self.x.high));
+        if to <= from {
+            return;
+        }
+        let (a, b) = (self.at(from, self.y.high), self.at(to, self.y.low));
+        let (a, b) = ([a[0], TOP], [b[0], HEIGHT - BOTTOM]);
+        self.drawing.rectangle("window", a, b);
+        self.drawing.text("tick", [b[0] - 5.0, b[1] - 6.0], Anchor::End, label);
+    }
+
+    /// A curve of a class, cut off at the frame.
+    pub(super) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        let points: Vec<[f64; 2]> = points.map(|[x, y]| self.at(x, y)).collect();
+        self.drawing.begin_clip([LEFT, TOP], WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
+        self.drawing.curve(class, points.into_iter());
+        self.drawing.end_clip();
+    }
+
+    /// A code's marker, if it lies inside the frame.
+    pub(super) fn marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
+        if self.contains(x, y) {
+            let at = self.at(x, y);
+            self.drawing.marker(style, at, size, false);
+        }
+    }
+
+    /// A vertical bar of error, cut off at the frame.
+    pub(super) fn error_bar(&mut self, class: &str, x: f64, low: f64, high: f64) {
+        let low = low.max(self.y.low);
+        let high = high.min(self.y.high);
+        if self.contains(x, low) && self.contains(x, high) {
+            let (a, b) = (self.at(x, low), self.at(x, high));
+            self.drawing.line(class, a, b);
+        }
+    }
+
+    fn contains(&self, x: f64, y: f64) -> bool {
+        (self.x.low..=self.x.high).contains(&x) && (self.y.low..=self.y.high).contains(&y)
+    }
+
+    /// The legend, above the frame, in one line.
+    pub(super) fn legend(&mut self, keys: &[Key<'_>]) {
+        let mut x = LEFT;
+        for key in keys {
+            let y = 14.0;
+            let label = match *key {
+                Key::Code(code) => {
+                    let style = code_style(code);
+                    self.drawing.line(&format!("{} curve", style.class), [x, y], [x + 26.0, y]);
+                    self.drawing.marker(style, [x + 13.0, y], 3.6, false);
+                    code
+                }
+                Key::Line(class, label) => {
+                    self.drawing.line(class, [x, y], [x + 26.0, y]);
+                    label
+                }
+            };
+            self.drawing.text("key", [x + 32.0, y + 4.0], Anchor::Start, label);
+            // There is no measuring of text here; 7.6 pixels a character is on the wide side.
+            x += 50.0 + 7.6 * label.chars().count() as f64;
+        }
+    }
+
+    /// The plot, with a name for those who cannot see it.
+    pub(super) fn finish(self, name: &str) -> String {
+        self.drawing.finish(name)
+    }
+}

@@ -1,0 +1,162 @@
+//! What a report is made from: the comparisons of one run, and the verdict that follows from their rows.
+
+use crate::compare::{Comparison, Outcome, Row};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Name of the code that is judged.
+pub(super) const JUDGED: &str = "Makadam";
+
+/// One qualification: every scene that was compared, and where the numbers came from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Qualification {
+    /// Title of the report.
+    pub title: String,
+    /// Tier that was run: "quick", "full", "release", or "compare" for a single scene.
+    pub tier: String,
+    /// Wall time of the whole qualification, s.
+    pub wall_seconds: f64,
+    /// Comparisons, a scene after the other.
+    pub comparisons: Vec<Comparison>,
+    /// Where the numbers came from, by name: version, commit, compiler, instruction set, threads, processor, date.
+    pub provenance: BTreeMap<String, String>,
+    /// What a reader must know of the whole run: scenes that were left out, codes that are missing.
+    pub notes: Vec<String>,
+}
+
+/// What a qualification says as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Standing {
+    /// Every test of equivalence passed.
+    Agree,
+    /// At least one failed.
+    Disagree,
+    /// None failed, at least one is undecided.
+    Undecided,
+    /// No observable was tested against a margin.
+    NothingCompared,
+}
+
+/// The verdict of a qualification, counted over the tests of Makadam against its references.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// What it comes to.
+    pub standing: Standing,
+    /// Tests of equivalence that passed.
+    pub agree: usize,
+    /// That failed.
+    pub disagree: usize,
+    /// That too few seeds leave open.
+    pub undecided: usize,
+    /// Tests in whose observable the references do not agree with each other within the margin.
+    pub floor_above_margin: usize,
+    /// The verdict in one sentence.
+    pub sentence: String,
+}
+
+impl Qualification {
+    /// The verdict that follows from the rows. Differences between two references set the floor and do not count.
+    pub fn verdict(&self) -> Verdict {
+        let mut verdict = Verdict {
+            standing: Standing::NothingCompared,
+            agree: 0,
+            disagree: 0,
+            undecided: 0,
+            floor_above_margin: 0,
+            sentence: String::new(),
+        };
+        let mut references: Vec<&str> = Vec::new();
+        let mut scenes = 0;
+        for comparison in &self.comparisons {
+            let mut tested = false;
+            for row in comparison.rows.iter().filter(|row| row.code == JUDGED) {
+                let (Some(outcome), Some(reference)) = (row.outcome, row.reference_code.as_deref()) else { continue };
+                tested = true;
+                match outcome {
+                    Outcome::Agree => verdict.agree += 1,
+                    Outcome::Disagree => verdict.disagree += 1,
+                    Outcome::Undecided => verdict.undecided += 1,
+                }
+                verdict.floor_above_margin += usize::from(floor_exceeds_margin(comparison, row));
+                if !references.contains(&reference) {
+                    references.push(reference);
+                }
+            }
+            scenes += usize::from(tested);
+        }
+        verdict.standing = match (verdict.agree, verdict.disagree, verdict.undecided) {
+            (0, 0, 0) => Standing::NothingCompared,
+            (_, 0, 0) => Standing::Agree,
+            (_, 0, _) => Standing::Undecided,
+            _ => Standing::Disagree,
+        };
+        verdict.sentence = sentence(&verdict, &references, scenes);
+        verdict
+    }
+}
+
+/// Whether the two references themselves differ by more than the margin of a row: then the row proves nothing.
+pub(super) fn floor_exceeds_margin(comparison: &Comparison, row: &Row) -> bool {
+    let Some(margin) = row.margin else { return false };
+    comparison
+        .rows
+        .iter()
+        .filter(|floor| floor.code != JUDGED && floor.observable == row.observable)
+        .filter_map(|floor| floor.difference)
+        .any(|difference| difference.abs() > margin)
+}
+
+fn sentence(verdict: &Verdict, references: &[&str], scenes: usize) -> String {
+    let tests = verdict.agree + verdict.disagree + verdict.undecided;
+    let names = join(references);
+    let over = format!("{} of {}", plural(tests, "test"), plural(scenes, "scene"));
+    let head = match verdict.standing {
+        Standing::NothingCompared => {
+            return "No verdict: no observable was tested against a margin and a reference code.".into();
+        }
+        Standing::Agree if tests == 1 => format!("{JUDGED} agrees with {names} in the one test that was made"),
+        Standing::Agree => format!("{JUDGED} agrees with {names} within the margins in all {over}"),
+        Standing::Disagree => format!(
+            "{JUDGED} disagrees with {names} in {} of {over}; {} agree{}",
+            verdict.disagree,
+            verdict.agree,
+            if verdict.undecided > 0 { format!(" and {} {} undecided", verdict.undecided, is(verdict.undecided)) } else { String::new() },
+        ),
+        Standing::Undecided => format!(
+            "Undecided: of {over} against {names}, {} agree, none disagrees, and {} {} too few seeds to tell",
+            verdict.agree,
+            verdict.undecided,
+            if verdict.undecided == 1 { "has" } else { "have" },
+        ),
+    };
+    match verdict.floor_above_margin {
+        0 => format!("{head}."),
+        count => format!(
+            "{head}. In {} the references differ from each other by more than the margin, so {} nothing.",
+            plural(count, "test"),
+            if count == 1 { "it proves" } else { "they prove" },
+        ),
+    }
+}
+
+fn is(count: usize) -> &'static str {
+    if count == 1 { "is" } else { "are" }
+}
+
+/// "1 test", "2 tests".
+pub(super) fn plural(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}
+
+/// "a", "a and b", "a, b and c".
+pub(super) fn join<T: AsRef<str>>(names: &[T]) -> String {
+    match names {
+        [] => "no code".into(),
+        [only] => only.as_ref().into(),
+        [first @ .., last] => {
+            let first: Vec<&str> = first.iter().map(AsRef::as_ref).collect();
+            format!("{} and {}", first.join(", "), last.as_ref())
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! An observable over time: all codes in one plot, the measured window marked, the means drawn in.
+
+use super::names;
+use super::numbers::Rounding;
+use super::plot::{Axis, Key, Plot};
+use crate::compare::{Comparison, Series};
+
+/// A figure and what it says.
+pub(super) struct SeriesFigure {
+    /// The observable.
+    pub(super) observable: String,
+    /// The plot.
+    pub(super) svg: String,
+    /// What to see.
+    pub(super) caption: String,
+}
+
+/// Points beyond this number are thinned: they would fall on the same pixels.
+const MOST_POINTS: usize = 600;
+
+/// One figure an observable that was followed over time.
+pub(super) fn figures(comparison: &Comparison) -> Vec<SeriesFigure> {
+    let mut observables: Vec<&str> = Vec::new();
+    for series in &comparison.series {
+        if !observables.contains(&series.observable.as_str()) && !series.time.is_empty() {
+            observables.push(&series.observable);
+        }
+    }
+    observables.into_iter().filter_map(|observable| figure(comparison, observable)).collect()
+}
+
+fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
+    let all: Vec<&Series> =
+        comparison.series.iter().filter(|s| s.observable == observable && !s.time.is_empty()).collect();
+    let points = || all.iter().flat_map(|s| s.time.iter().copied().zip(s.value.iter().copied()));
+    let end = points().map(|(t, _)| t).filter(|t| t.is_finite()).fold(0.0, f64::max);
+    // The start-up of a run may lie far away and would flatten what is measured: the range is the window's.
+    let from = comparison.scene.measure.from;
+    let (low, high) = points()
+        .filter(|&(t, v)| v.is_finite() && t >= from.unwrap_or(0.0))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, v)| (low.min(v), high.max(v)));
+    if !(low.is_finite() && high.is_finite() && end > 0.0) {
+        return None;
+    }
+    let margin = comparison.rows.iter().filter(|r| r.observable == observable).find_map(|r| r.margin);
+    let room = (0.25 * (high - low)).max(margin.unwrap_or(0.0)).max(1e-3 * high.abs());
+    let unit = comparison.rows.iter().find(|r| r.observable == observable).map_or("", |r| r.unit.as_str());
+    let mut plot = Plot::new(
+        Axis::linear("time (s)", 0.0, end),
+        Axis::linear(&names::with_unit(observable, unit, Rounding::Decimals(0)), low - room, high + room),
+    );
+    if let Some(from) = from {
+        plot.window(from, end, "measured window");
+    }
+    let mut codes: Vec<&str> = Vec::new();
+    for series in &all {
+        let style = names::code_style(&series.code);
+        let stride = series.time.len().div_ceil(MOST_POINTS);
+        let curve = series.time.iter().zip(&series.value).step_by(stride).map(|(&t, &v)| [t, v]);
+        plot.curve(&format!("{} curve thin", style.class), curve);
+        if !codes.contains(&series.code.as_str()) {
+            codes.push(&series.code);
+        }
+    }
+    // Means last, so that they lie on top of the curves.
+    if let Some(from) = from {
+        for series in &all {
+            let window: Vec<f64> = (series.time.iter().zip(&series.value))
+                .filter(|&(&t, &v)| t >= from && v.is_finite())
+                .map(|(_, &v)| v)
+                .collect();
+            if window.is_empty() {
+                continue;
+            }
+            let mean = window.iter().sum::<f64>() / window.len() as f64;
+            let style = names::code_style(&series.code);
+            plot.curve(&format!("{} curve strong", style.class), [[from, mean], [end, mean]].into_iter());
+            let place = codes.iter().position(|&c| c == series.code).unwrap_or(0) as f64;
+            plot.marker(style, from + (end - from) * (0.15 + 0.2 * place), mean, 4.5);
+        }
+    }
+    plot.legend(&codes.iter().map(|code| Key::Code(code)).collect::<Vec<_>>());
+    let name = names::observable(observable);
+    let seeds: Vec<String> = {
+        let mut seeds: Vec<u64> = all.iter().map(|s| s.seed).collect();
+        seeds.sort_unstable();
+        seeds.dedup();
+        seeds.iter().map(u64::to_string).collect()
+    };
+    let window = match from {
+        Some(from) => format!(
+            "Thick lines with markers are the means over the shaded window, from {} s on; what comes before is not measured.",
+            super::numbers::compact(from)
+        ),
+        None => "Only the last frame enters the tables.".into(),
+    };
+    Some(SeriesFigure {
+        svg: plot.finish(&format!("{name} over time")),
+        caption: format!(
+            "{}{} over time, one run a code (seed {}). {window} The codes should wander about the same mean; single excursions need not coincide.",
+            name[..1].to_uppercase(), &name[1..], super::qualification::join(&seeds),
+        ),
+        observable: name,
+    })
+}

@@ -1,0 +1,161 @@
+//! A drawing as inline SVG. Colours come from style classes, so that it follows light, dark and print.
+
+use super::names::{CodeStyle, Marker};
+use std::fmt::Write as _;
+
+/// A drawing that is being made, in units of CSS pixels at its natural size.
+pub(super) struct Drawing {
+    body: String,
+    width: f64,
+    height: f64,
+}
+
+/// Where a text is held.
+#[derive(Clone, Copy)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+impl Drawing {
+    /// An empty drawing.
+    pub(super) fn new(width: f64, height: f64) -> Drawing {
+        Drawing { body: String::new(), width, height }
+    }
+
+    /// A straight line.
+    pub(super) fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
+        let _ = write!(
+            self.body,
+            r#"<line class="{class}" x1="{}" y1="{}" x2="{}" y2="{}"/>"#,
+            short(from[0]), short(from[1]), short(to[0]), short(to[1]),
+        );
+    }
+
+    /// A rectangle by two opposite corners.
+    pub(super) fn rectangle(&mut self, class: &str, a: [f64; 2], b: [f64; 2]) {
+        let _ = write!(
+            self.body,
+            r#"<rect class="{class}" x="{}" y="{}" width="{}" height="{}"/>"#,
+            short(a[0].min(b[0])), short(a[1].min(b[1])), short((a[0] - b[0]).abs()), short((a[1] - b[1]).abs()),
+        );
+    }
+
+    /// A circle.
+    pub(super) fn circle(&mut self, class: &str, centre: [f64; 2], radius: f64) {
+        let _ = write!(
+            self.body,
+            r#"<circle class="{class}" cx="{}" cy="{}" r="{}"/>"#,
+            short(centre[0]), short(centre[1]), short(radius),
+        );
+    }
+
+    /// An open curve through points; points that are not finite break it.
+    pub(super) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        let mut data = String::new();
+        let mut pen_down = false;
+        for [x, y] in points {
+            if !(x.is_finite() && y.is_finite()) {
+                pen_down = false;
+                continue;
+            }
+            let _ = write!(data, "{}{} {}", if pen_down { "L" } else { "M" }, short(x), short(y));
+            pen_down = true;
+        }
+        if !data.is_empty() {
+            self.path(class, &data);
+        }
+    }
+
+    /// A path by its data.
+    pub(super) fn path(&mut self, class: &str, data: &str) {
+        let _ = write!(self.body, r#"<path class="{class}" d="{data}"/>"#);
+    }
+
+    /// A text.
+    pub(super) fn text(&mut self, class: &str, at: [f64; 2], anchor: Anchor, text: &str) {
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let _ = write!(
+            self.body,
+            r#"<text class="{class}" x="{}" y="{}" text-anchor="{anchor}">{}</text>"#,
+            short(at[0]), short(at[1]), escape(text),
+        );
+    }
+
+    /// A text that reads upwards, for the label of a vertical axis.
+    pub(super) fn text_upwards(&mut self, class: &str, at: [f64; 2], text: &str) {
+        let (x, y) = (short(at[0]), short(at[1]));
+        let _ = write!(
+            self.body,
+            r#"<text class="{class}" transform="translate({x} {y}) rotate(-90)" text-anchor="middle">{}</text>"#,
+            escape(text),
+        );
+    }
+
+    /// The marker of a code; hollow ones mark what is not live.
+    pub(super) fn marker(&mut self, style: CodeStyle, at: [f64; 2], size: f64, hollow: bool) {
+        let class = format!("{} {}", style.class, if hollow { "hollow" } else { "marker" });
+        let [x, y] = at;
+        match style.marker {
+            Marker::Circle => self.circle(&class, at, size),
+            Marker::Square => {
+                let half = size * 0.9;
+                self.rectangle(&class, [x - half, y - half], [x + half, y + half]);
+            }
+            Marker::Triangle => self.polygon(&class, &[[x, y - size * 1.2], [x + size * 1.1, y + size * 0.8], [x - size * 1.1, y + size * 0.8]]),
+            Marker::Diamond => {
+                let half = size * 1.25;
+                self.polygon(&class, &[[x, y - half], [x + half, y], [x, y + half], [x - half, y]]);
+            }
+        }
+    }
+
+    /// A closed polygon.
+    pub(super) fn polygon(&mut self, class: &str, points: &[[f64; 2]]) {
+        let points: Vec<String> = points.iter().map(|p| format!("{},{}", short(p[0]), short(p[1]))).collect();
+        let _ = write!(self.body, r#"<polygon class="{class}" points="{}"/>"#, points.join(" "));
+    }
+
+    /// What is drawn from here to [`Drawing::end_clip`] is cut off at a rectangle.
+    pub(super) fn begin_clip(&mut self, corner: [f64; 2], width: f64, height: f64) {
+        // A nested viewport clips without an id, which would have to be unique on the page.
+        let _ = write!(
+            self.body,
+            r#"<svg x="{x}" y="{y}" width="{w}" height="{h}" viewBox="{x} {y} {w} {h}">"#,
+            x = short(corner[0]), y = short(corner[1]), w = short(width), h = short(height),
+        );
+    }
+
+    /// Ends a clipped part.
+    pub(super) fn end_clip(&mut self) {
+        self.body.push_str("</svg>");
+    }
+
+    /// The drawing, with a name for those who cannot see it.
+    pub(super) fn finish(self, name: &str) -> String {
+        format!(
+            r#"<svg role="img" aria-label="{}" viewBox="0 0 {} {}" style="max-width:{}px">{}</svg>"#,
+            escape(name), short(self.width), short(self.height), short(self.width), self.body,
+        )
+    }
+}
+
+/// A coordinate to a tenth of a pixel, without needless digits.
+fn short(value: f64) -> String {
+    let text = format!("{value:.1}");
+    match text.strip_suffix(".0") {
+        Some("-0") => "0".into(),
+        Some(whole) => whole.into(),
+        None => text,
+    }
+}
+
+/// Text with the characters that mean something in XML replaced.
+pub(super) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

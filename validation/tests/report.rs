@@ -1,0 +1,307 @@
+//! The report: self-contained, well formed, complete, and never half-written.
+
+#[path = "support/sample.rs"]
+mod sample;
+
+use makadam_validation::compare::{Comparison, Outcome, Row, Source};
+use makadam_validation::report::{
+    Qualification, REPORT_VERSION, ReportDocument, ReportError, Standing, comparison_table, speed_sentence, write,
+};
+use roxmltree::{Document, ParsingOptions};
+use std::fs;
+
+fn page(qualification: &Qualification) -> String {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let paths = write(qualification, folder.path()).expect("a report");
+    fs::read_to_string(paths.html).expect("the page")
+}
+
+/// The page is written so that it is XML too: every tag closes.
+fn parse(page: &str) -> Document<'_> {
+    Document::parse_with_options(page, ParsingOptions { allow_dtd: true, ..Default::default() }).expect("well-formed markup")
+}
+
+/// All text of a page, without its style sheet.
+fn text(page: &str) -> String {
+    parse(page)
+        .descendants()
+        .filter(|node| node.is_text() && node.parent().is_none_or(|parent| !parent.has_tag_name("style")))
+        .filter_map(|node| node.text())
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+fn full() -> Qualification {
+    sample::qualification(vec![sample::drum(true), sample::packing(), sample::alone()])
+}
+
+/// A drum in which every test has one outcome.
+fn all(outcome: Outcome) -> Qualification {
+    let mut drum = sample::drum(false);
+    for row in &mut drum.rows {
+        row.outcome = row.margin.and(Some(outcome));
+    }
+    sample::qualification(vec![drum])
+}
+
+#[test]
+fn the_page_loads_nothing_and_runs_nothing() {
+    let page = page(&full());
+    let document = parse(&page);
+    for node in document.descendants().filter(|node| node.is_element()) {
+        let name = node.tag_name().name();
+        assert!(!["script", "link", "iframe", "object", "embed", "img", "image"].contains(&name), "<{name}>");
+        for attribute in node.attributes() {
+            assert!(!attribute.name().starts_with("on"), "{name} {}", attribute.name());
+            if ["src", "href", "action", "srcset", "data"].contains(&attribute.name()) {
+                assert!(attribute.value().starts_with('#'), "{name} {}", attribute.value());
+            }
+        }
+    }
+    assert!(!page.contains("@import") && !page.contains("url(http") && !page.contains("url(//"));
+    assert!(page.contains("Content-Security-Policy"));
+}
+
+#[test]
+fn every_reference_within_the_page_has_a_target() {
+    let page = page(&full());
+    let document = parse(&page);
+    let ids: Vec<&str> = document.descendants().filter_map(|node| node.attribute("id")).collect();
+    let mut unique = ids.clone();
+    unique.sort_unstable();
+    unique.dedup();
+    assert_eq!(ids.len(), unique.len(), "an id stands twice");
+    for target in document.descendants().filter_map(|node| node.attribute("href")) {
+        assert!(ids.contains(&&target[1..]), "{target}");
+    }
+    for class in document.descendants().filter(|n| n.has_tag_name("circle")).filter_map(|n| n.attribute("class")) {
+        if class.len() == 3 && class.starts_with('g') {
+            assert!(ids.contains(&class), "no gradient for {class}");
+        }
+    }
+}
+
+#[test]
+fn no_number_of_a_drawing_is_broken() {
+    let page = page(&full());
+    let document = parse(&page);
+    let mut drawings = 0;
+    for node in document.descendants().filter(|node| node.ancestors().any(|a| a.has_tag_name("svg"))) {
+        drawings += usize::from(node.has_tag_name("svg"));
+        for attribute in node.attributes().filter(|a| ["x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "width", "height"].contains(&a.name())) {
+            assert!(attribute.value().parse::<f64>().is_ok_and(f64::is_finite), "{}={}", attribute.name(), attribute.value());
+        }
+        for attribute in node.attributes().filter(|a| ["d", "points"].contains(&a.name())) {
+            assert!(!attribute.value().contains("NaN") && !attribute.value().contains("inf"), "{}", attribute.value());
+        }
+    }
+    // Two scenes with two views of three codes, two forests, one series, two force distributions, a legend.
+    assert!(drawings > 17, "{drawings}");
+}
+
+#[test]
+fn every_row_stands_in_every_file() {
+    let qualification = full();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let paths = write(&qualification, folder.path()).expect("a report");
+    let text = text(&fs::read_to_string(&paths.html).expect("the page"));
+    for said in [
+        "dynamic angle of repose (degrees)", "27.13", "± 0.31", "−0.21", "[−0.57, +0.15]", "±1.5",
+        "shell layer speed ratio", "wall torque (10⁻⁴ N m)", "2.31", "packing fraction", "0.5846", "±0.006",
+        "9 seeds would decide", "references differ by more than the margin", "static angle of repose (degrees)",
+        "Bias of soft grains", "too large", "AVX-512F", "instruction set", "2023.02a", "1.62×10⁻⁵ s", "1–5",
+    ] {
+        assert!(text.contains(said), "{said} is missing");
+    }
+
+    let rows: usize = qualification.comparisons.iter().map(|c| c.rows.len() + c.soft_bias.len()).sum();
+    let mut reader = csv::Reader::from_path(&paths.csv).expect("the rows");
+    let records: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().expect("rows of one length");
+    assert_eq!(records.len(), rows);
+    assert_eq!(&records[0][2], "dynamic_angle_of_repose");
+    assert_eq!(records[0][6].parse::<f64>(), Ok(27.13));
+    assert_eq!(&records[0][16], "agree");
+}
+
+#[test]
+fn json_round_trips_to_the_last_bit() {
+    let qualification = full();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let paths = write(&qualification, folder.path()).expect("a report");
+    let text = fs::read_to_string(paths.json).expect("the data");
+    let document: ReportDocument = serde_json::from_str(&text).expect("a report");
+    assert_eq!(document.version, REPORT_VERSION);
+    assert_eq!(document.verdict, qualification.verdict());
+    assert_eq!(document.qualification, qualification);
+}
+
+#[test]
+fn the_verdict_follows_from_the_rows() {
+    let verdict = all(Outcome::Agree).verdict();
+    assert_eq!((verdict.standing, verdict.agree), (Standing::Agree, 8));
+    assert_eq!(verdict.sentence, "Makadam agrees with LIGGGHTS and YADE within the margins in all 8 tests of 1 scene.");
+
+    let mut some = all(Outcome::Agree);
+    some.comparisons[0].rows[1].outcome = Some(Outcome::Disagree);
+    some.comparisons[0].rows[3].outcome = Some(Outcome::Undecided);
+    let verdict = some.verdict();
+    assert_eq!((verdict.standing, verdict.agree, verdict.disagree, verdict.undecided), (Standing::Disagree, 6, 1, 1));
+    assert!(page(&some).contains(r#"class="verdict disagree""#));
+
+    let verdict = all(Outcome::Undecided).verdict();
+    assert_eq!(verdict.standing, Standing::Undecided);
+    assert!(verdict.sentence.starts_with("Undecided: of 8 tests"), "{}", verdict.sentence);
+
+    for empty in [sample::qualification(Vec::new()), sample::qualification(vec![sample::alone()])] {
+        assert_eq!(empty.verdict().standing, Standing::NothingCompared);
+        assert!(text(&page(&empty)).contains("No verdict"));
+    }
+}
+
+#[test]
+fn the_floor_is_no_test_but_is_spoken_of() {
+    let mut qualification = all(Outcome::Agree);
+    let floor = |row: &&mut Row| row.code == "LIGGGHTS" && row.observable == "gini";
+    let row = qualification.comparisons[0].rows.iter_mut().find(floor).expect("a floor");
+    row.outcome = Some(Outcome::Disagree);
+    row.difference = Some(0.05);
+    let verdict = qualification.verdict();
+    assert_eq!((verdict.standing, verdict.floor_above_margin), (Standing::Agree, 2));
+    assert!(verdict.sentence.ends_with("so they prove nothing."), "{}", verdict.sentence);
+}
+
+#[test]
+fn names_cannot_break_the_page() {
+    let mut drum = sample::drum(false);
+    let wicked = r#"<script>alert("&'")</script>"#;
+    drum.scene.name = wicked.into();
+    drum.scene.description = wicked.into();
+    drum.notes = vec![wicked.into()];
+    for code in &mut drum.codes {
+        code.version = wicked.into();
+    }
+    drum.codes[2].code = wicked.into();
+    drum.final_states[2].code = wicked.into();
+    drum.series[2].code = wicked.into();
+    drum.series[2].observable = wicked.into();
+    drum.forces[2].code = wicked.into();
+    for row in &mut drum.rows {
+        row.unit = wicked.into();
+        row.observable = wicked.into();
+        row.reference_code = row.reference_code.as_ref().map(|_| wicked.into());
+    }
+    let mut qualification = sample::qualification(vec![drum]);
+    qualification.title = wicked.into();
+    qualification.provenance.insert(wicked.into(), wicked.into());
+    let page = page(&qualification);
+    assert!(!page.contains("<script"));
+    assert!(text(&page).contains(wicked));
+}
+
+#[test]
+fn missing_data_leave_no_empty_figures() {
+    let mut bare = sample::drum(false);
+    bare.rows.clear();
+    bare.codes.clear();
+    bare.series.clear();
+    bare.forces.clear();
+    bare.final_states.clear();
+    bare.soft_bias.clear();
+    let page = page(&sample::qualification(vec![bare]));
+    let text = text(&page);
+    assert!(text.contains("No observable was measured."));
+    assert!(!page.contains("<figure"));
+    assert!(!text.contains("Bias of soft grains"));
+}
+
+#[test]
+fn odd_data_do_not_break_the_drawings() {
+    let mut odd = sample::drum(false);
+    odd.final_states[0].particles[0].position[0] = f64::NAN;
+    odd.final_states[1].particles.clear();
+    odd.final_states[2].particles.truncate(1);
+    odd.series[0].value[5] = f64::INFINITY;
+    odd.series[1].time.clear();
+    odd.series[1].value.clear();
+    odd.forces[0].density.fill(0.0);
+    odd.rows[0].interval_of_verdict = Some([f64::NEG_INFINITY, f64::NAN]);
+    odd.rows[1].difference = Some(1e9);
+    odd.rows[2].mean = f64::NAN;
+    odd.codes[1].wall_seconds_per_simulated_second = 0.0;
+    let page = page(&sample::qualification(vec![odd]));
+    parse(&page);
+    assert!(!page.contains("NaN"));
+}
+
+#[test]
+fn ratios_of_speed_are_taken_from_one_run_only() {
+    let live = sample::drum(false);
+    assert_eq!(
+        speed_sentence(&live).as_deref(),
+        Some("Makadam 0.92 s, LIGGGHTS 3.1 s, YADE 14 s a simulated second: Makadam is 3.4 and 15 times faster than LIGGGHTS and YADE."),
+    );
+    let recorded = speed_sentence(&sample::drum(true)).expect("a sentence");
+    assert!(recorded.contains("YADE 14 s (recorded on AMD EPYC 7763)"), "{recorded}");
+    assert!(recorded.ends_with("Makadam is 3.4 times faster than LIGGGHTS."), "{recorded}");
+
+    let mut slower = sample::drum(false);
+    slower.codes[0].wall_seconds_per_simulated_second = 6.26;
+    let sentence = speed_sentence(&slower).expect("a sentence");
+    assert!(sentence.ends_with("2.3 times faster than YADE and 2.0 times slower than LIGGGHTS."), "{sentence}");
+
+    // Of two time steps of a peer the faster one counts.
+    let mut twice = sample::drum(false);
+    let mut fast = twice.codes[1].clone();
+    fast.wall_seconds_per_simulated_second = 1.834;
+    twice.codes.push(fast);
+    assert!(speed_sentence(&twice).expect("a sentence").contains("LIGGGHTS 1.8 s"));
+
+    let mut other = sample::drum(false);
+    other.codes.iter_mut().for_each(|code| code.source = Source::Recorded);
+    assert!(speed_sentence(&other).expect("a sentence").contains("no ratio is taken"));
+}
+
+#[test]
+fn the_terminal_table_is_aligned() {
+    let plain = comparison_table(&sample::packing(), false);
+    assert!(!plain.contains('\x1b'));
+    let lines: Vec<&str> = plain.lines().skip(2).take(17).collect();
+    // The column of margins ends at the same place in every line that has an outcome.
+    let ends: Vec<usize> = lines
+        .iter()
+        .filter_map(|line| ["  agree", "  disagree", "  undecided"].iter().find_map(|word| line.find(word)).map(|at| line[..at].chars().count()))
+        .collect();
+    assert_eq!(ends.len(), 12, "{plain}");
+    assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{plain}");
+    let coloured = comparison_table(&sample::packing(), true);
+    assert!(coloured.contains("\x1b["));
+    let alone: Comparison = sample::alone();
+    assert!(comparison_table(&alone, false).contains("23.40 (1)"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("occupied");
+    fs::write(&file, "not a folder").expect("a file");
+    let error = write(&full(), &file).expect_err("no report in a file");
+    assert!(matches!(error, ReportError::Io { .. }));
+    assert!(error.to_string().contains("occupied"), "{error}");
+}
+
+#[test]
+fn a_failure_leaves_the_earlier_report_whole() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    // A folder in the place of the last file: the rename fails.
+    fs::create_dir(folder.path().join("rows.csv")).expect("a folder");
+    write(&full(), folder.path()).expect_err("rows.csv is a folder");
+    let left: Vec<_> = fs::read_dir(folder.path()).expect("a folder").flatten().map(|e| e.file_name()).collect();
+    assert!(!left.iter().any(|name| name.to_string_lossy().ends_with(".part")), "{left:?}");
+}
+
+#[test]
+fn a_report_of_three_scenes_is_small() {
+    let scenes = vec![sample::drum(false), sample::packing(), sample::drum(true)];
+    let bytes = page(&sample::qualification(scenes)).len();
+    assert!(bytes < 3_000_000, "{bytes} bytes");
+}
