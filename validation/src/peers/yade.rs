@@ -106,7 +106,7 @@ impl Code for Yade {
     fn version(&self) -> Option<String> {
         self.version
             .get_or_init(|| {
-                let words = process::first_words(&self.program, "--version")?;
+                let words = process::first_words(&self.program, &["--version"])?;
                 Some(version_in(&words).unwrap_or("unknown").to_string())
             })
             .clone()

@@ -88,9 +88,9 @@ impl Reference {
              | --- | --- | --- | --- | --- | --- | --- | --- |\n",
             scene.name
         );
-        let mut factors: Vec<(&str, f64)> = self.runs.iter().map(|run| (run.code.as_str(), run.stiffness_factor)).collect();
-        factors.dedup();
-        for (code, factor) in factors {
+        let mut kinds: Vec<(&str, f64)> = self.runs.iter().map(|run| (run.code.as_str(), run.stiffness_factor)).collect();
+        kinds.dedup();
+        for &(code, factor) in &kinds {
             let runs: Vec<&MeasuredRun> = self.at(code, factor).collect();
             let first = runs[0];
             let stiffness = if factor == 1.0 { "E".to_string() } else { format!("{factor} E") };
@@ -104,12 +104,16 @@ impl Reference {
                 first.processor
             );
         }
-        let seeds = |factor: f64| self.codes().iter().map(|code| self.at(code, factor).count()).max().unwrap_or(0);
         text += "\nMade by\n\n```\n";
-        text += &format!("makadam compare {} --record --seeds {}\n", scene.name, seeds(1.0));
-        let stiff = seeds(crate::compare::STIFF);
-        if stiff > 0 {
-            text += &format!("makadam compare {} --record --stiffness-factor 10 --seeds {stiff}\n", scene.name);
+        for (code, factor) in &kinds {
+            let (first, seeds) = (self.at(code, *factor).next(), self.at(code, *factor).count());
+            let fraction = first.and_then(|run| run.rayleigh_fraction).unwrap_or_default();
+            let stiffness = if *factor == 1.0 { String::new() } else { format!(" --stiffness-factor {factor}") };
+            text += &format!(
+                "makadam compare {} --record --codes {} --seeds {seeds} --rayleigh-fraction {fraction}{stiffness}\n",
+                scene.name,
+                code.to_lowercase()
+            );
         }
         text += "```\n\n`runs.csv` lists the runs, `measurements.csv` what was measured of each, `forces.csv` the \
                  distribution of normal forces over their mean (all seeds), `series.csv` observables over time (first \

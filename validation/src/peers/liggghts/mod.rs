@@ -49,7 +49,8 @@ impl Code for Liggghts {
     fn version(&self) -> Option<String> {
         self.version
             .get_or_init(|| {
-                let words = process::first_words(&self.program, "-help")?;
+                // Without "-log none" it leaves a log file in the current folder.
+                let words = process::first_words(&self.program, &["-help", "-log", "none"])?;
                 Some(version_in(&words).unwrap_or("unknown").to_string())
             })
             .clone()
