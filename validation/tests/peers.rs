@@ -1,10 +1,11 @@
 //! The peers: meshes and parsers always; misbehaving programs through fakes; the real codes where they are installed.
 
 use makadam::scene::{Domain, Scene, Shape};
+use makadam::snapshot::{Contact, Partner};
 use makadam_validation::peers::liggghts::{loop_seconds, read_dump};
 use makadam_validation::peers::mesh::{Mesh, wall_mesh};
 use makadam_validation::peers::yade::read_frames;
-use makadam_validation::peers::{Code, CodeError, Job, Liggghts, Yade};
+use makadam_validation::peers::{Code, CodeError, Job, Liggghts, Yade, merge_wall_contacts};
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -84,6 +85,23 @@ fn cylinders_and_discs_have_their_areas_and_fine_facets() {
     assert!((vector.normalize() - Vector3::new(0.0, 1.0, 1.0).normalize()).norm() < 1e-9);
 }
 
+#[test]
+fn contacts_with_two_triangles_of_one_face_are_one() {
+    let touch = |angle: f64, force: f64| Contact {
+        first: 3,
+        second: Partner::Wall(1),
+        point: [0.0; 3],
+        normal: [angle.sin(), 0.0, -angle.cos()],
+        normal_force: force,
+        tangential_force: [0.0, 0.5, 0.0],
+    };
+    let merged = merge_wall_contacts(vec![touch(0.05, 1.0), touch(1.57, 2.0), touch(-0.05, 1.0)]);
+    assert_eq!(merged.len(), 2);
+    assert!((merged[0].normal_force - 2.0 * 0.05f64.cos()).abs() < 1e-12 && merged[0].normal[0].abs() < 1e-12);
+    assert_eq!(merged[0].tangential_force[1], 1.0);
+    assert_eq!(merged[1], touch(1.57, 2.0));
+}
+
 fn dump_text(rows: &str, count: usize) -> String {
     format!(
         "ITEM: TIMESTEP\n40\nITEM: NUMBER OF ENTRIES\n{count}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ENTRIES c_1 \n{rows}"
@@ -149,12 +167,6 @@ fn material(name: &str, friction: f64) -> String {
 fn grain(position: [f64; 3], velocity: [f64; 3]) -> String {
     format!("[[grain]]\nmaterial = 'm'\nradius = 0.005\nposition = {position:?}\nvelocity = {velocity:?}\n")
 }
-
-fn wall(material: &str, shape: &str, motion: &str) -> String {
-    format!("[[wall]]\nname = 'w'\nmaterial = '{material}'\nshape = {{ {shape} }}\nmotion = {{ {motion} }}\n")
-}
-
-const FIXED: &str = "kind = 'fixed'";
 
 fn simulate(code: &dyn Code, scene: &Scene, fraction: f64, folder: &Path, seconds: f64) -> Result<Recording, CodeError> {
     code.simulate(&Job {

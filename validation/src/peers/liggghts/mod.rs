@@ -49,7 +49,7 @@ impl Code for Liggghts {
     fn version(&self) -> Option<String> {
         self.version
             .get_or_init(|| {
-                // Without "-log none" it leaves a log file in the current folder.
+                // Without a log, since it would leave one behind wherever it is asked.
                 let words = process::first_words(&self.program, &["-help", "-log", "none"])?;
                 Some(version_in(&words).unwrap_or("unknown").to_string())
             })
