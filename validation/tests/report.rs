@@ -256,6 +256,26 @@ fn ratios_of_speed_are_taken_from_one_run_only() {
     twice.codes.push(fast);
     assert!(speed_sentence(&twice).expect("a sentence").contains("LIGGGHTS 1.8 s"));
 
+    // Runs timed alone go before runs made side by side, and live ones before recorded ones.
+    let mut timed = sample::drum(true);
+    for (place, wall) in [(0, 0.8), (2, 16.0)] {
+        let mut alone = timed.codes[place].clone();
+        alone.source = Source::Live;
+        alone.processor = timed.codes[0].processor.clone();
+        alone.provenance = "timed alone".into();
+        alone.wall_seconds_per_simulated_second = wall;
+        timed.codes.push(alone);
+    }
+    timed.codes[0].provenance = "run side by side".into();
+    timed.codes[0].wall_seconds_per_simulated_second = 0.7;
+    timed.codes.remove(1);
+    assert_eq!(
+        speed_sentence(&timed).as_deref(),
+        Some("Makadam 0.80 s, YADE 16 s a simulated second: Makadam is 20 times faster than YADE."),
+    );
+    let text = text(&page(&sample::qualification(vec![timed])));
+    assert!(text.contains("YADE's values are recorded ones in drum. It was also run live in drum, for its speed"), "{text}");
+
     let mut other = sample::drum(false);
     other.codes.iter_mut().for_each(|code| code.source = Source::Recorded);
     assert!(speed_sentence(&other).expect("a sentence").contains("no ratio is taken"));
