@@ -96,6 +96,7 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
         comparisons: vec![comparison],
         provenance: account(threads, &[scene]),
         notes: Vec::new(),
+        outside_spread: Vec::new(),
     };
     let verdict = qualification.verdict();
     let comparison = &qualification.comparisons[0];
@@ -174,7 +175,7 @@ fn record(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Co
     };
     let peers: Vec<_> = codes(&arguments.codes).into_iter().filter(|code| code.name() != "Makadam").collect();
     let simulated: Vec<_> = peers.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
-    let mut failure = None;
+    let (mut failure, mut changed) = (None, false);
     for (code, simulated) in simulated {
         let failed = !simulated.failures.is_empty();
         for (seed, error) in simulated.failures {
@@ -196,9 +197,12 @@ fn record(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Co
             }
         }
         reference.replace(recorded, arguments.stiffness_factor, physics_hash(scene));
+        changed = true;
     }
-    reference.save(scene, &folder)?;
-    console.result(&format!("references: {}", folder.display()))?;
+    if changed {
+        reference.save(scene, &folder)?;
+        console.result(&format!("references: {}", folder.display()))?;
+    }
     failure.map_or(Ok(ExitCode::SUCCESS), Err)
 }
 

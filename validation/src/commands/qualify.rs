@@ -70,7 +70,7 @@ fn document<'a>(qualified: &'a Qualified, verdict: &'a Verdict, report: String) 
         tier: &qualification.tier,
         passes: qualified.passes(),
         verdict,
-        outside_spread: &qualified.outside_spread,
+        outside_spread: &qualified.qualification.outside_spread,
         failed: &qualified.failed,
         wall_seconds: qualification.wall_seconds,
         report,
@@ -96,7 +96,7 @@ fn describe(qualified: &Qualified, verdict: &Verdict, report: &str, console: &Co
     }
     let word = if qualified.passes() { "pass" } else { "not passed" };
     text += &format!("verdict: {}: {}\n", console.paint(word, qualified.passes()), verdict.sentence);
-    for outside in &qualified.outside_spread {
+    for outside in &qualified.qualification.outside_spread {
         text += &format!("         {outside}\n");
     }
     text + &format!("report:  {report} ({:.0} s of wall time)", qualification.wall_seconds)
