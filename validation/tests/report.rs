@@ -45,6 +45,17 @@ fn all(outcome: Outcome) -> Qualification {
 }
 
 #[test]
+fn a_live_value_outside_the_recorded_spread_is_a_disagreement() {
+    let mut qualification = all(Outcome::Agree);
+    assert_eq!(qualification.verdict().standing, Standing::Agree);
+    qualification.outside_spread.push("drum: live YADE lies outside".into());
+    let verdict = qualification.verdict();
+    assert_eq!(verdict.standing, Standing::Disagree);
+    assert!(verdict.sentence.contains("1 live value of a reference code lies outside"), "{}", verdict.sentence);
+    assert!(page(&qualification).contains("drum: live YADE lies outside"));
+}
+
+#[test]
 fn the_page_loads_nothing_and_runs_nothing() {
     let page = page(&full());
     let document = parse(&page);
@@ -255,6 +266,26 @@ fn ratios_of_speed_are_taken_from_one_run_only() {
     fast.wall_seconds_per_simulated_second = 1.834;
     twice.codes.push(fast);
     assert!(speed_sentence(&twice).expect("a sentence").contains("LIGGGHTS 1.8 s"));
+
+    // Runs timed alone go before runs made side by side, and live ones before recorded ones.
+    let mut timed = sample::drum(true);
+    for (place, wall) in [(0, 0.8), (2, 16.0)] {
+        let mut alone = timed.codes[place].clone();
+        alone.source = Source::Live;
+        alone.processor = timed.codes[0].processor.clone();
+        alone.provenance = "timed alone".into();
+        alone.wall_seconds_per_simulated_second = wall;
+        timed.codes.push(alone);
+    }
+    timed.codes[0].provenance = "run side by side".into();
+    timed.codes[0].wall_seconds_per_simulated_second = 0.7;
+    timed.codes.remove(1);
+    assert_eq!(
+        speed_sentence(&timed).as_deref(),
+        Some("Makadam 0.80 s, YADE 16 s a simulated second: Makadam is 20 times faster than YADE."),
+    );
+    let text = text(&page(&sample::qualification(vec![timed])));
+    assert!(text.contains("YADE's values are recorded ones in drum. It was also run live in drum, for its speed"), "{text}");
 
     let mut other = sample::drum(false);
     other.codes.iter_mut().for_each(|code| code.source = Source::Recorded);

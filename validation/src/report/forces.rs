@@ -1,6 +1,7 @@
 //! Distribution of normal forces of all codes on a logarithmic axis, with the curve of the literature.
 
 use super::names;
+use super::numbers::count;
 use super::plot::{Axis, Key, Plot};
 use crate::compare::{Comparison, ForceDistribution};
 
@@ -36,9 +37,9 @@ pub(super) fn figure(comparison: &Comparison) -> Option<(String, String)> {
         let half_bin = half_width(&distribution.force);
         for &(force, density) in points {
             // Counting error: the bin holds density x width x samples forces.
-            let count = density * 2.0 * half_bin * distribution.samples as f64;
-            if count > 0.0 {
-                let relative = 1.0 / count.sqrt();
+            let held = density * 2.0 * half_bin * distribution.samples as f64;
+            if held > 0.0 {
+                let relative = 1.0 / held.sqrt();
                 plot.error_bar(&error, force, density * (1.0 - relative).max(1e-12), density * (1.0 + relative));
             }
         }
@@ -50,7 +51,7 @@ pub(super) fn figure(comparison: &Comparison) -> Option<(String, String)> {
     let mut keys: Vec<Key<'_>> = all.iter().map(|(d, _)| Key::Code(&d.code)).collect();
     keys.push(Key::Line("literature", "Mueth 1998"));
     plot.legend(&keys);
-    let samples: Vec<String> = all.iter().map(|(d, _)| format!("{} {}", d.code, d.samples)).collect();
+    let samples: Vec<String> = all.iter().map(|(d, _)| format!("{} {}", d.code, count(d.samples))).collect();
     let caption = format!(
         "Distribution of normal forces over their mean. The codes should lie on one curve, flat below the mean and \
          exponential above it; the grey curve is the fit of Mueth et al. (1998) to forces at the walls of a packing of \

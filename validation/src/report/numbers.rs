@@ -136,6 +136,19 @@ pub(super) fn duration(seconds: f64) -> String {
     }
 }
 
+/// A count with its thousands set apart by thin spaces.
+pub(super) fn count(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// A small quantity as a reader writes it: 5×10⁻⁴, or 0.02.
 pub(super) fn compact(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) && value.is_finite() {
@@ -168,12 +181,13 @@ mod tests {
     #[test]
     fn digits_follow_the_size() {
         assert_eq!(two_digits(0.0917), "0.092");
-        assert_eq!(two_digits(3.1416), "3.1");
+        assert_eq!(two_digits(3.12), "3.1");
         assert_eq!(two_digits(9.96), "10.0");
         assert_eq!(two_digits(234.4), "234");
         assert_eq!(compact(5e-4), "5×10⁻⁴");
         assert_eq!(compact(0.006), "0.006");
         assert_eq!(compact(1.5), "1.5");
+        assert_eq!(count(439_339), "439\u{202f}339");
         assert_eq!(duration(200.0), "3 min 20 s");
     }
 

@@ -33,6 +33,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         speeds => comparisons.iter().filter_map(speed::line).collect::<Vec<_>>(),
         slow_settings => slow_settings(comparisons),
         notes => qualification.notes,
+        outside_spread => qualification.outside_spread,
         sections => sections,
         provenance => provenance(qualification),
     })
@@ -98,7 +99,9 @@ fn standing(standing: Standing) -> Value {
     context! { word => word, class => class }
 }
 
-/// What was run here and now and what was read from recordings, a sentence a code.
+/// What was run here and now and what was read from recordings, a sentence or two a code.
+///
+/// The values of a scene come from the code's first summary; a live one after it is a run for timing.
 fn sources(comparisons: &[Comparison]) -> Vec<String> {
     let mut codes: Vec<&str> = Vec::new();
     for code in comparisons.iter().flat_map(|c| &c.codes) {
@@ -106,21 +109,33 @@ fn sources(comparisons: &[Comparison]) -> Vec<String> {
             codes.push(&code.code);
         }
     }
-    let scenes_with = |name: &str, source: Source| -> Vec<&str> {
-        comparisons
-            .iter()
-            .filter(|c| c.codes.iter().any(|code| code.code == name && code.source == source))
-            .map(|c| c.scene.name.as_str())
-            .collect()
-    };
-    codes
-        .iter()
-        .map(|&name| match (scenes_with(name, Source::Live), scenes_with(name, Source::Recorded)) {
-            (live, recorded) if recorded.is_empty() => format!("{name} was run live in {}.", join(&live)),
-            (live, recorded) if live.is_empty() => format!("{name} is recorded in {}.", join(&recorded)),
-            (live, recorded) => format!("{name} was run live in {}, and is recorded in {}.", join(&live), join(&recorded)),
-        })
-        .collect()
+    let mut sentences = Vec::new();
+    for name in codes {
+        let (mut live, mut recorded, mut again) = (Vec::new(), Vec::new(), Vec::new());
+        for comparison in comparisons {
+            let scene = comparison.scene.name.as_str();
+            let mut summaries = comparison.codes.iter().filter(|code| code.code == name);
+            match summaries.next().map(|first| first.source) {
+                Some(Source::Live) => live.push(scene),
+                Some(Source::Recorded) => {
+                    recorded.push(scene);
+                    if summaries.any(|code| code.source == Source::Live) {
+                        again.push(scene);
+                    }
+                }
+                None => {}
+            }
+        }
+        sentences.push(match (live.is_empty(), recorded.is_empty()) {
+            (_, true) => format!("{name} was run live in {}.", join(&live)),
+            (true, false) => format!("{name}'s values are recorded ones in {}.", join(&recorded)),
+            (false, false) => format!("{name} was run live in {}; its values are recorded ones in {}.", join(&live), join(&recorded)),
+        });
+        if !again.is_empty() {
+            sentences.push(format!("It was also run live in {}, for its speed and to check the recordings.", join(&again)));
+        }
+    }
+    sentences
 }
 
 fn slow_settings(comparisons: &[Comparison]) -> Option<String> {

@@ -65,7 +65,7 @@ pub(super) fn gallery(comparison: &Comparison) -> Option<Gallery> {
     };
     let mut caption = format!(
         "Final state at {} s, seed {}, seen {}. {shade} Farther grains are darker. Single grains need not coincide: \
-         the flow is chaotic, and only what is averaged over it is compared.",
+         the smallest differences grow from contact to contact, and only averages are compared.",
         compact(first.time), first.seed, super::qualification::join(&views),
     );
     if outside > 0 {

@@ -81,13 +81,12 @@ impl Frame {
             return None;
         }
         let mut frame = Frame { min: [0.0; 2], max: [0.0; 2] };
-        for k in 0..2 {
-            across[k].sort_by(f64::total_cmp);
-            let last = across[k].len() - 1;
+        for (k, places) in across.iter_mut().enumerate() {
+            places.sort_by(f64::total_cmp);
             // A single grain that rolled away must not shrink the rest.
-            let strays = across[k].len() / 400;
-            frame.min[k] = across[k][strays] - 3.0 * radius;
-            frame.max[k] = across[k][last - strays] + 3.0 * radius;
+            let strays = places.len() / 400;
+            frame.min[k] = places[strays] - 3.0 * radius;
+            frame.max[k] = places[places.len() - 1 - strays] + 3.0 * radius;
         }
         for wall in &scene.wall {
             if let (Shape::Cylinder { base, axis, radius, length }, Motion::Rotating { .. }) = (&wall.shape, &wall.motion) {
