@@ -121,7 +121,11 @@ fn sentence(verdict: &Verdict, references: &[&str], scenes: usize) -> String {
             "{JUDGED} disagrees with {names} in {} of {over}; {} agree{}",
             verdict.disagree,
             verdict.agree,
-            if verdict.undecided > 0 { format!(" and {} {} undecided", verdict.undecided, is(verdict.undecided)) } else { String::new() },
+            if verdict.undecided > 0 {
+                format!(" and {} {} undecided", verdict.undecided, is(verdict.undecided))
+            } else {
+                String::new()
+            },
         ),
         Standing::Undecided => format!(
             "Undecided: of {over} against {names}, {} agree, none disagrees, and {} {} too few seeds to tell",
