@@ -18,7 +18,8 @@ fn page(qualification: &Qualification) -> String {
 
 /// The page is written so that it is XML too: every tag closes.
 fn parse(page: &str) -> Document<'_> {
-    Document::parse_with_options(page, ParsingOptions { allow_dtd: true, ..Default::default() }).expect("well-formed markup")
+    Document::parse_with_options(page, ParsingOptions { allow_dtd: true, ..Default::default() })
+        .expect("well-formed markup")
 }
 
 /// All text of a page, without its style sheet.
@@ -99,8 +100,16 @@ fn no_number_of_a_drawing_is_broken() {
     let mut drawings = 0;
     for node in document.descendants().filter(|node| node.ancestors().any(|a| a.has_tag_name("svg"))) {
         drawings += usize::from(node.has_tag_name("svg"));
-        for attribute in node.attributes().filter(|a| ["x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "width", "height"].contains(&a.name())) {
-            assert!(attribute.value().parse::<f64>().is_ok_and(f64::is_finite), "{}={}", attribute.name(), attribute.value());
+        for attribute in node
+            .attributes()
+            .filter(|a| ["x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "width", "height"].contains(&a.name()))
+        {
+            assert!(
+                attribute.value().parse::<f64>().is_ok_and(f64::is_finite),
+                "{}={}",
+                attribute.name(),
+                attribute.value()
+            );
         }
         for attribute in node.attributes().filter(|a| ["d", "points"].contains(&a.name())) {
             assert!(!attribute.value().contains("NaN") && !attribute.value().contains("inf"), "{}", attribute.value());
@@ -117,10 +126,28 @@ fn every_row_stands_in_every_file() {
     let paths = write(&qualification, folder.path()).expect("a report");
     let text = text(&fs::read_to_string(&paths.html).expect("the page"));
     for said in [
-        "dynamic angle of repose (degrees)", "27.13", "± 0.31", "−0.21", "[−0.57, +0.15]", "±1.5",
-        "shell layer speed ratio", "wall torque (10⁻⁴ N m)", "2.31", "packing fraction", "0.5846", "±0.006",
-        "9 seeds would decide", "references differ by more than the margin", "static angle of repose (degrees)",
-        "Bias of soft grains", "too large", "AVX-512F", "instruction set", "2023.02a", "1.62×10⁻⁵ s", "1–5",
+        "dynamic angle of repose (degrees)",
+        "27.13",
+        "± 0.31",
+        "−0.21",
+        "[−0.57, +0.15]",
+        "±1.5",
+        "shell layer speed ratio",
+        "wall torque (10⁻⁴ N m)",
+        "2.31",
+        "packing fraction",
+        "0.5846",
+        "±0.006",
+        "9 seeds would decide",
+        "references differ by more than the margin",
+        "static angle of repose (degrees)",
+        "Bias of soft grains",
+        "too large",
+        "AVX-512F",
+        "instruction set",
+        "2023.02a",
+        "1.62×10⁻⁵ s",
+        "1–5",
     ] {
         assert!(text.contains(said), "{said} is missing");
     }
@@ -249,7 +276,9 @@ fn ratios_of_speed_are_taken_from_one_run_only() {
     let live = sample::drum(false);
     assert_eq!(
         speed_sentence(&live).as_deref(),
-        Some("Makadam 0.92 s, LIGGGHTS 3.1 s, YADE 14 s a simulated second: Makadam is 3.4 and 15 times faster than LIGGGHTS and YADE."),
+        Some(
+            "Makadam 0.92 s, LIGGGHTS 3.1 s, YADE 14 s a simulated second: Makadam is 3.4 and 15 times faster than LIGGGHTS and YADE."
+        ),
     );
     let recorded = speed_sentence(&sample::drum(true)).expect("a sentence");
     assert!(recorded.contains("YADE 14 s (recorded on AMD EPYC 7763)"), "{recorded}");
@@ -285,7 +314,10 @@ fn ratios_of_speed_are_taken_from_one_run_only() {
         Some("Makadam 0.80 s, YADE 16 s a simulated second: Makadam is 20 times faster than YADE."),
     );
     let text = text(&page(&sample::qualification(vec![timed])));
-    assert!(text.contains("YADE's values are recorded ones in drum. It was also run live in drum, for its speed"), "{text}");
+    assert!(
+        text.contains("YADE's values are recorded ones in drum. It was also run live in drum, for its speed"),
+        "{text}"
+    );
 
     let mut other = sample::drum(false);
     other.codes.iter_mut().for_each(|code| code.source = Source::Recorded);
@@ -300,7 +332,12 @@ fn the_terminal_table_is_aligned() {
     // The column of margins ends at the same place in every line that has an outcome.
     let ends: Vec<usize> = lines
         .iter()
-        .filter_map(|line| ["  agree", "  disagree", "  undecided"].iter().find_map(|word| line.find(word)).map(|at| line[..at].chars().count()))
+        .filter_map(|line| {
+            ["  agree", "  disagree", "  undecided"]
+                .iter()
+                .find_map(|word| line.find(word))
+                .map(|at| line[..at].chars().count())
+        })
         .collect();
     assert_eq!(ends.len(), 12, "{plain}");
     assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{plain}");

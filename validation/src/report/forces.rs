@@ -13,7 +13,14 @@ fn mueth(force: f64) -> f64 {
 
 /// The plot and its caption; none if no code has forces.
 pub(super) fn figure(comparison: &Comparison) -> Option<(String, String)> {
-    let positive = |d: &ForceDistribution| d.force.iter().copied().zip(d.density.iter().copied()).filter(|&(f, p)| f.is_finite() && p.is_finite() && p > 0.0).collect::<Vec<_>>();
+    let positive = |d: &ForceDistribution| {
+        d.force
+            .iter()
+            .copied()
+            .zip(d.density.iter().copied())
+            .filter(|&(f, p)| f.is_finite() && p.is_finite() && p > 0.0)
+            .collect::<Vec<_>>()
+    };
     let all: Vec<(&ForceDistribution, Vec<(f64, f64)>)> =
         comparison.forces.iter().map(|d| (d, positive(d))).filter(|(_, points)| !points.is_empty()).collect();
     if all.is_empty() {
@@ -29,7 +36,13 @@ pub(super) fn figure(comparison: &Comparison) -> Option<(String, String)> {
         Axis::linear("normal force over its mean, f", 0.0, right),
         Axis::logarithmic("probability density P(f)", low, high),
     );
-    plot.curve("literature", (0..=200).map(|k| { let f = right * k as f64 / 200.0; [f, mueth(f)] }));
+    plot.curve(
+        "literature",
+        (0..=200).map(|k| {
+            let f = right * k as f64 / 200.0;
+            [f, mueth(f)]
+        }),
+    );
     for (distribution, points) in &all {
         let style = names::code_style(&distribution.code);
         let error = format!("{} error", style.class);

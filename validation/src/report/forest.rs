@@ -16,19 +16,30 @@ pub(super) fn figure(comparison: &Comparison) -> Option<String> {
     let rows: Vec<&Row> = comparison
         .rows
         .iter()
-        .filter(|r| r.difference.is_some_and(f64::is_finite) && r.margin.is_some_and(|m| m > 0.0) && r.reference_code.is_some())
+        .filter(|r| {
+            r.difference.is_some_and(f64::is_finite) && r.margin.is_some_and(|m| m > 0.0) && r.reference_code.is_some()
+        })
         .collect();
     let mut observables: Vec<&str> = rows.iter().map(|r| r.observable.as_str()).collect();
     observables.dedup();
     // `dedup` joins neighbours only; rows of one observable may be apart.
     let mut seen = Vec::new();
-    observables.retain(|o| if seen.contains(o) { false } else { seen.push(*o); true });
+    observables.retain(|o| {
+        if seen.contains(o) {
+            false
+        } else {
+            seen.push(*o);
+            true
+        }
+    });
     if observables.is_empty() {
         return None;
     }
     let reach = rows
         .iter()
-        .flat_map(|r| interval(r).into_iter().flatten().chain(r.difference).map(|v| (v / r.margin.unwrap_or(1.0)).abs()))
+        .flat_map(|r| {
+            interval(r).into_iter().flatten().chain(r.difference).map(|v| (v / r.margin.unwrap_or(1.0)).abs())
+        })
         .filter(|v| v.is_finite())
         .fold(1.6, f64::max);
     // A pair that is far outside would press all others into a line; it gets an arrow.
@@ -43,7 +54,11 @@ pub(super) fn figure(comparison: &Comparison) -> Option<String> {
     for tick in (-4..=4).map(f64::from).filter(|t| t.abs() <= reach) {
         let class = if tick == 0.0 { "zero" } else { "grid" };
         drawing.line(class, [x(tick), 22.0], [x(tick), bottom]);
-        let label = if tick == 0.0 { "0".to_string() } else { format!("{}{}", if tick < 0.0 { "−" } else { "+" }, tick.abs()) };
+        let label = if tick == 0.0 {
+            "0".to_string()
+        } else {
+            format!("{}{}", if tick < 0.0 { "−" } else { "+" }, tick.abs())
+        };
         drawing.text("tick", [x(tick), bottom + 14.0], Anchor::Middle, &label);
     }
     drawing.text("label", [x(0.0), height - 5.0], Anchor::Middle, "difference of the means, in margins");
@@ -65,7 +80,8 @@ fn interval(row: &Row) -> Option<[f64; 2]> {
 }
 
 fn line(drawing: &mut Drawing, row: &Row, y: f64, reach: f64, x: &impl Fn(f64) -> f64) {
-    let (Some(difference), Some(margin), Some(reference)) = (row.difference, row.margin, row.reference_code.as_deref()) else {
+    let (Some(difference), Some(margin), Some(reference)) = (row.difference, row.margin, row.reference_code.as_deref())
+    else {
         return;
     };
     let judged = row.code == JUDGED;
@@ -79,7 +95,10 @@ fn line(drawing: &mut Drawing, row: &Row, y: f64, reach: f64, x: &impl Fn(f64) -
             let at = x(clamp(end));
             if (end / margin).abs() > reach {
                 let way = (end / margin).signum();
-                drawing.polygon(&format!("{} marker", style.class), &[[at + 7.0 * way, y], [at - way, y - 5.0], [at - way, y + 5.0]]);
+                drawing.polygon(
+                    &format!("{} marker", style.class),
+                    &[[at + 7.0 * way, y], [at - way, y - 5.0], [at - way, y + 5.0]],
+                );
             } else {
                 drawing.line(&format!("{} whisker", style.class), [at, y - 4.0], [at, y + 4.0]);
             }

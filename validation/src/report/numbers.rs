@@ -118,7 +118,11 @@ pub(super) fn two_digits(value: f64) -> String {
         return "0".into();
     }
     let exponent = value.abs().log10().floor();
-    let rounded = if exponent >= 2.0 { value.round() } else { (value / 10f64.powf(exponent - 1.0)).round() * 10f64.powf(exponent - 1.0) };
+    let rounded = if exponent >= 2.0 {
+        value.round()
+    } else {
+        (value / 10f64.powf(exponent - 1.0)).round() * 10f64.powf(exponent - 1.0)
+    };
     if value.abs() < 1e-4 {
         return compact(value);
     }

@@ -15,7 +15,9 @@ pub(super) fn walls(drawing: &mut Drawing, scene: &Scene, view: &View, time: f64
         let shift = displacement(&wall.motion, time);
         let at = |point: &[f64; 3]| Vector3::from(*point) + shift;
         match &wall.shape {
-            Shape::Plane { point, normal } => plane(drawing, view, at(point), Vector3::from(*normal).normalize(), place),
+            Shape::Plane { point, normal } => {
+                plane(drawing, view, at(point), Vector3::from(*normal).normalize(), place)
+            }
             Shape::Box { min, max, open } => box_sides(drawing, view, at(min), at(max), open, place),
             Shape::Cylinder { base, axis, radius, length } => {
                 let axis = Vector3::from(*axis).normalize();

@@ -82,7 +82,11 @@ fn section(comparison: &Comparison, place: usize) -> Value {
 fn facts(comparison: &Comparison) -> String {
     let scene = &comparison.scene;
     let measured = match scene.measure.from {
-        Some(from) => format!("measured from {} s on, every {} s", numbers::compact(from), numbers::compact(scene.measure.interval)),
+        Some(from) => format!(
+            "measured from {} s on, every {} s",
+            numbers::compact(from),
+            numbers::compact(scene.measure.interval)
+        ),
         None => "measured in the last frame".into(),
     };
     format!("Simulated time {} s, {measured}.", numbers::compact(scene.duration))
@@ -129,10 +133,13 @@ fn sources(comparisons: &[Comparison]) -> Vec<String> {
         sentences.push(match (live.is_empty(), recorded.is_empty()) {
             (_, true) => format!("{name} was run live in {}.", join(&live)),
             (true, false) => format!("{name}'s values are recorded ones in {}.", join(&recorded)),
-            (false, false) => format!("{name} was run live in {}; its values are recorded ones in {}.", join(&live), join(&recorded)),
+            (false, false) => {
+                format!("{name} was run live in {}; its values are recorded ones in {}.", join(&live), join(&recorded))
+            }
         });
         if !again.is_empty() {
-            sentences.push(format!("It was also run live in {}, for its speed and to check the recordings.", join(&again)));
+            sentences
+                .push(format!("It was also run live in {}, for its speed and to check the recordings.", join(&again)));
         }
     }
     sentences

@@ -60,13 +60,18 @@ pub(super) fn gallery(comparison: &Comparison) -> Option<Gallery> {
         .collect();
     let views: Vec<&str> = rows.iter().map(|r| r.view).collect();
     let shade = match top {
-        Some(top) => format!("Grains are shaded by their speed on one scale; faster ones than {} m/s have its last colour.", compact(top)),
+        Some(top) => format!(
+            "Grains are shaded by their speed on one scale; faster ones than {} m/s have its last colour.",
+            compact(top)
+        ),
         None => "All grains are at rest (slower than 1% of √(g d)), so the shade shows depth only.".into(),
     };
     let mut caption = format!(
         "Final state at {} s, seed {}, seen {}. {shade} Farther grains are darker. Single grains need not coincide: \
          the smallest differences grow from contact to contact, and only averages are compared.",
-        compact(first.time), first.seed, super::qualification::join(&views),
+        compact(first.time),
+        first.seed,
+        super::qualification::join(&views),
     );
     if outside > 0 {
         let _ = write!(caption, " Stray grains outside the frames: {outside}.");
@@ -76,8 +81,12 @@ pub(super) fn gallery(comparison: &Comparison) -> Option<Gallery> {
 
 /// Upper end of the colour scale: a round number that 99% of all grains stay below; none if all are at rest.
 fn top_of_scale(comparison: &Comparison, states: &[&FinalState]) -> Option<f64> {
-    let mut speeds: Vec<f64> =
-        states.iter().flat_map(|s| &s.particles).map(|p| Vector3::from(p.velocity).norm()).filter(|v| v.is_finite()).collect();
+    let mut speeds: Vec<f64> = states
+        .iter()
+        .flat_map(|s| &s.particles)
+        .map(|p| Vector3::from(p.velocity).norm())
+        .filter(|v| v.is_finite())
+        .collect();
     speeds.sort_by(f64::total_cmp);
     let high = *speeds.get(speeds.len().saturating_sub(1) * 99 / 100)?;
     let radius = states[0].particles.iter().map(|p| p.radius).fold(0.0, f64::max);
@@ -89,7 +98,13 @@ fn top_of_scale(comparison: &Comparison, states: &[&FinalState]) -> Option<f64> 
     ticks.into_iter().find(|&t| t >= high)
 }
 
-fn picture(comparison: &Comparison, state: &FinalState, view: &View, frame: &Frame, top: Option<f64>) -> (String, usize) {
+fn picture(
+    comparison: &Comparison,
+    state: &FinalState,
+    view: &View,
+    frame: &Frame,
+    top: Option<f64>,
+) -> (String, usize) {
     let scale = (WIDTH / frame.width()).min(TALLEST / frame.height());
     let height = frame.height() * scale;
     // Below the picture, where no wall can cross it.
@@ -117,7 +132,12 @@ fn bar_of_scale(drawing: &mut Drawing, width: f64, scale: f64, height: f64) {
     let Some(&length) = ticks.get(1) else { return };
     let (right, y) = (WIDTH - 6.0, height - 8.0);
     drawing.line("scalebar", [right - length * scale, y], [right, y]);
-    drawing.text("tick", [right - length * scale - 8.0, y + 4.0], Anchor::End, &format!("{} mm", compact(1e3 * length)));
+    drawing.text(
+        "tick",
+        [right - length * scale - 8.0, y + 4.0],
+        Anchor::End,
+        &format!("{} mm", compact(1e3 * length)),
+    );
 }
 
 fn class(bin: usize, depth: usize) -> String {
@@ -158,7 +178,10 @@ pub(super) fn gradients() -> String {
             let _ = write!(
                 body,
                 r#"<radialGradient id="{}" cx=".5" cy=".5" r=".5" fx=".36" fy=".32"><stop offset="0" stop-color="{}"/><stop offset=".6" stop-color="{}"/><stop offset="1" stop-color="{}"/></radialGradient>"#,
-                class(bin, depth), hexadecimal(light), hexadecimal(base), hexadecimal(rim),
+                class(bin, depth),
+                hexadecimal(light),
+                hexadecimal(base),
+                hexadecimal(rim),
             );
         }
     }

@@ -109,10 +109,7 @@ impl Plot {
 
     /// Where a point of the plane lies on the drawing.
     fn at(&self, x: f64, y: f64) -> [f64; 2] {
-        [
-            LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT),
-            HEIGHT - BOTTOM - self.y.share(y) * (HEIGHT - TOP - BOTTOM),
-        ]
+        [LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT), HEIGHT - BOTTOM - self.y.share(y) * (HEIGHT - TOP - BOTTOM)]
     }
 
     /// Marks a range of the horizontal axis.

@@ -33,9 +33,24 @@ pub(super) fn to_csv(qualification: &Qualification) -> Result<Vec<u8>, csv::Erro
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     // Written by hand, so that a qualification without rows still has a head.
     writer.write_record([
-        "scene", "table", "observable", "unit", "code", "source", "mean", "standard_deviation", "seeds",
-        "reference_code", "difference", "interval90_low", "interval90_high", "verdict_low", "verdict_high", "margin",
-        "outcome", "seeds_needed",
+        "scene",
+        "table",
+        "observable",
+        "unit",
+        "code",
+        "source",
+        "mean",
+        "standard_deviation",
+        "seeds",
+        "reference_code",
+        "difference",
+        "interval90_low",
+        "interval90_high",
+        "verdict_low",
+        "verdict_high",
+        "margin",
+        "outcome",
+        "seeds_needed",
     ])?;
     for comparison in &qualification.comparisons {
         let source = |row: &Row| comparison.codes.iter().find(|code| code.code == row.code).map(|code| code.source);

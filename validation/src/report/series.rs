@@ -98,7 +98,9 @@ fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
         svg: plot.finish(&format!("{name} over time")),
         caption: format!(
             "{}{} over time, one run a code (seed {}). {window} The codes should wander about the same mean; single excursions need not coincide.",
-            name[..1].to_uppercase(), &name[1..], super::qualification::join(&seeds),
+            name[..1].to_uppercase(),
+            &name[1..],
+            super::qualification::join(&seeds),
         ),
         observable: name,
     })

@@ -51,9 +51,10 @@ fn timed(comparison: &Comparison) -> Vec<&CodeSummary> {
         .filter(|code| code.code != JUDGED && code.source == Source::Live)
         .map(|code| code.provenance.as_str())
         .collect();
-    let alike = comparison.codes.iter().filter(usable).find(|code| {
-        code.code == JUDGED && code.source == Source::Live && ways.contains(&code.provenance.as_str())
-    });
+    let alike =
+        comparison.codes.iter().filter(usable).find(|code| {
+            code.code == JUDGED && code.source == Source::Live && ways.contains(&code.provenance.as_str())
+        });
     if let (Some(alike), Some(judged)) = (alike, best.iter_mut().find(|code| code.code == JUDGED)) {
         *judged = alike;
     }

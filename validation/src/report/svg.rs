@@ -29,7 +29,10 @@ impl Drawing {
         let _ = write!(
             self.body,
             r#"<line class="{class}" x1="{}" y1="{}" x2="{}" y2="{}"/>"#,
-            short(from[0]), short(from[1]), short(to[0]), short(to[1]),
+            short(from[0]),
+            short(from[1]),
+            short(to[0]),
+            short(to[1]),
         );
     }
 
@@ -38,7 +41,10 @@ impl Drawing {
         let _ = write!(
             self.body,
             r#"<rect class="{class}" x="{}" y="{}" width="{}" height="{}"/>"#,
-            short(a[0].min(b[0])), short(a[1].min(b[1])), short((a[0] - b[0]).abs()), short((a[1] - b[1]).abs()),
+            short(a[0].min(b[0])),
+            short(a[1].min(b[1])),
+            short((a[0] - b[0]).abs()),
+            short((a[1] - b[1]).abs()),
         );
     }
 
@@ -47,7 +53,9 @@ impl Drawing {
         let _ = write!(
             self.body,
             r#"<circle class="{class}" cx="{}" cy="{}" r="{}"/>"#,
-            short(centre[0]), short(centre[1]), short(radius),
+            short(centre[0]),
+            short(centre[1]),
+            short(radius),
         );
     }
 
@@ -83,7 +91,9 @@ impl Drawing {
         let _ = write!(
             self.body,
             r#"<text class="{class}" x="{}" y="{}" text-anchor="{anchor}">{}</text>"#,
-            short(at[0]), short(at[1]), escape(text),
+            short(at[0]),
+            short(at[1]),
+            escape(text),
         );
     }
 
@@ -107,7 +117,10 @@ impl Drawing {
                 let half = size * 0.9;
                 self.rectangle(&class, [x - half, y - half], [x + half, y + half]);
             }
-            Marker::Triangle => self.polygon(&class, &[[x, y - size * 1.2], [x + size * 1.1, y + size * 0.8], [x - size * 1.1, y + size * 0.8]]),
+            Marker::Triangle => self.polygon(
+                &class,
+                &[[x, y - size * 1.2], [x + size * 1.1, y + size * 0.8], [x - size * 1.1, y + size * 0.8]],
+            ),
             Marker::Diamond => {
                 let half = size * 1.25;
                 self.polygon(&class, &[[x, y - half], [x + half, y], [x, y + half], [x - half, y]]);
@@ -127,7 +140,10 @@ impl Drawing {
         let _ = write!(
             self.body,
             r#"<svg x="{x}" y="{y}" width="{w}" height="{h}" viewBox="{x} {y} {w} {h}">"#,
-            x = short(corner[0]), y = short(corner[1]), w = short(width), h = short(height),
+            x = short(corner[0]),
+            y = short(corner[1]),
+            w = short(width),
+            h = short(height),
         );
     }
 
@@ -140,7 +156,11 @@ impl Drawing {
     pub(super) fn finish(self, name: &str) -> String {
         format!(
             r#"<svg role="img" aria-label="{}" viewBox="0 0 {} {}" style="max-width:{}px">{}</svg>"#,
-            escape(name), short(self.width), short(self.height), short(self.width), self.body,
+            escape(name),
+            short(self.width),
+            short(self.height),
+            short(self.width),
+            self.body,
         )
     }
 }

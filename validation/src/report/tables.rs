@@ -70,13 +70,9 @@ fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
 
 /// Codes of a comparison: as listed, then any that only its rows name.
 pub(super) fn codes(comparison: &Comparison) -> Vec<&str> {
-    distinct(
-        comparison
-            .codes
-            .iter()
-            .map(|code| code.code.as_str())
-            .chain(comparison.rows.iter().flat_map(|row| std::iter::once(row.code.as_str()).chain(row.reference_code.as_deref()))),
-    )
+    distinct(comparison.codes.iter().map(|code| code.code.as_str()).chain(
+        comparison.rows.iter().flat_map(|row| std::iter::once(row.code.as_str()).chain(row.reference_code.as_deref())),
+    ))
 }
 
 /// Pairs of codes that rows compare, Makadam's first.
@@ -228,7 +224,9 @@ fn seeds(seeds: &[u64]) -> String {
     match seeds {
         [] => "none".into(),
         [only] => only.to_string(),
-        [first, .., last] if seeds.windows(2).all(|pair| pair[1] == pair[0].wrapping_add(1)) => format!("{first}–{last}"),
+        [first, .., last] if seeds.windows(2).all(|pair| pair[1] == pair[0].wrapping_add(1)) => {
+            format!("{first}–{last}")
+        }
         _ => seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(", "),
     }
 }
@@ -299,12 +297,17 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
             limits.push(format!(
                 "{}: in {} grains ten times stiffer shift it by more than a third of the margin; at this stiffness the \
                  comparison is not valid for it.",
-                names::observable(observable), join(&soft),
+                names::observable(observable),
+                join(&soft),
             ));
         }
     }
     let exceeded = distinct(
-        comparison.rows.iter().filter(|row| row.code == JUDGED && floor_exceeds_margin(comparison, row)).map(|row| row.observable.as_str()),
+        comparison
+            .rows
+            .iter()
+            .filter(|row| row.code == JUDGED && floor_exceeds_margin(comparison, row))
+            .map(|row| row.observable.as_str()),
     );
     for observable in exceeded {
         limits.push(format!(
@@ -314,9 +317,13 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
     }
     let single: Vec<&str> = comparison.codes.iter().filter(|c| c.seeds.len() == 1).map(|c| c.code.as_str()).collect();
     if !single.is_empty() {
-        limits.push(format!("{} ran with one seed: a spread over seeds is not known.", join(&distinct(single.into_iter()))));
+        limits.push(format!(
+            "{} ran with one seed: a spread over seeds is not known.",
+            join(&distinct(single.into_iter()))
+        ));
     }
-    let missing = comparison.rows.iter().filter(|row| row.outcome == Some(Outcome::Undecided) && row.code == JUDGED).count();
+    let missing =
+        comparison.rows.iter().filter(|row| row.outcome == Some(Outcome::Undecided) && row.code == JUDGED).count();
     if missing > 0 {
         limits.push(format!("{} undecided: too few seeds for the spread.", plural(missing, "test")));
     }

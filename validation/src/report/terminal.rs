@@ -6,7 +6,8 @@ use super::speed::speed_sentence;
 use super::tables;
 use crate::compare::{Comparison, Outcome, Row};
 
-const HEAD: [&str; 7] = ["observable", "code", "mean ± spread (seeds)", "against", "difference [90% interval]", "margin", "outcome"];
+const HEAD: [&str; 7] =
+    ["observable", "code", "mean ± spread (seeds)", "against", "difference [90% interval]", "margin", "outcome"];
 
 /// The rows of a comparison as aligned text, with the speed below; outcomes are coloured if `colour` is set.
 ///

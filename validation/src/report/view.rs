@@ -89,7 +89,9 @@ impl Frame {
             frame.max[k] = places[places.len() - 1 - strays] + 3.0 * radius;
         }
         for wall in &scene.wall {
-            if let (Shape::Cylinder { base, axis, radius, length }, Motion::Rotating { .. }) = (&wall.shape, &wall.motion) {
+            if let (Shape::Cylinder { base, axis, radius, length }, Motion::Rotating { .. }) =
+                (&wall.shape, &wall.motion)
+            {
                 frame.include_cylinder(view, base, axis, *radius, *length);
             }
         }
@@ -202,7 +204,8 @@ mod tests {
     fn a_hidden_grain_is_left_out_and_the_hindmost_comes_first() {
         let view = View::new("front", Vector3::y(), Vector3::z());
         let frame = Frame { min: [-5.0, -5.0], max: [5.0, 5.0] };
-        let particles = [grain([0.0, 0.0, 0.0]), grain([0.0, 3.0, 0.0]), grain([1.5, 4.0, 0.0]), grain([90.0, 0.0, 0.0])];
+        let particles =
+            [grain([0.0, 0.0, 0.0]), grain([0.0, 3.0, 0.0]), grain([1.5, 4.0, 0.0]), grain([90.0, 0.0, 0.0])];
         let (spots, outside) = visible(&view, &frame, &particles);
         assert_eq!(outside, 1);
         assert_eq!(spots.iter().map(|s| s.centre[0]).collect::<Vec<_>>(), [1.5, 0.0]);

@@ -55,9 +55,13 @@ pub enum ReportError {
 
 fn remedy(source: &std::io::Error) -> &'static str {
     match source.kind() {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "the disk is full: free some room, or choose another folder",
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            "the disk is full: free some room, or choose another folder"
+        }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
-        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => "a file stands where a folder is needed: choose another folder",
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
+            "a file stands where a folder is needed: choose another folder"
+        }
         _ => "check that the folder exists and the disk has room",
     }
 }
@@ -125,10 +129,8 @@ mod tests {
 
     #[test]
     fn a_full_disk_is_named() {
-        let error = ReportError::Io {
-            path: "out/report.html".into(),
-            source: std::io::Error::from(ErrorKind::StorageFull),
-        };
+        let error =
+            ReportError::Io { path: "out/report.html".into(), source: std::io::Error::from(ErrorKind::StorageFull) };
         assert!(error.to_string().contains("out/report.html"), "{error}");
         assert!(error.to_string().contains("the disk is full"), "{error}");
     }

@@ -128,7 +128,11 @@ pub fn bed(seed: u64, angle: f64) -> Vec<Particle> {
                 let v = f64::from(row) * d * 0.87 - 0.018;
                 let id = particles.len() as u64;
                 let jitter = |k| 0.0008 * noise(seed * 8 + k, id);
-                let position = [u * cosine + v * sine + jitter(0), -0.054 + f64::from(layer) * d + jitter(1), -u * sine + v * cosine + jitter(2)];
+                let position = [
+                    u * cosine + v * sine + jitter(0),
+                    -0.054 + f64::from(layer) * d + jitter(1),
+                    -u * sine + v * cosine + jitter(2),
+                ];
                 if position[0].hypot(position[2]) > 0.0945 {
                     continue;
                 }
@@ -162,7 +166,13 @@ pub fn drum(recorded_yade: bool) -> Comparison {
                     27.1 + 0.2 * place as f64 + wander - 27.0 * (-4.0 * t).exp()
                 })
                 .collect();
-            Series { code: CODES[place as usize].into(), seed: 1, observable: "dynamic_angle_of_repose".into(), time, value }
+            Series {
+                code: CODES[place as usize].into(),
+                seed: 1,
+                observable: "dynamic_angle_of_repose".into(),
+                time,
+                value,
+            }
         })
         .collect();
     let final_states = (0..3)
@@ -183,7 +193,11 @@ pub fn drum(recorded_yade: bool) -> Comparison {
         forces: forces(),
         final_states,
         soft_bias: soft,
-        notes: if recorded_yade { vec!["YADE's numbers are recorded ones: it is not installed here.".into()] } else { Vec::new() },
+        notes: if recorded_yade {
+            vec!["YADE's numbers are recorded ones: it is not installed here.".into()]
+        } else {
+            Vec::new()
+        },
         scene,
     }
 }
@@ -222,7 +236,14 @@ pub fn packing() -> Comparison {
         codes: vec![code(0, Source::Live, 0.31), code(1, Source::Live, 4.5), code(2, Source::Live, 23.0)],
         series: Vec::new(),
         forces: forces(),
-        final_states: (0..3).map(|place| FinalState { code: CODES[place].into(), seed: 1, time: 1.5, particles: particles(place as u64) }).collect(),
+        final_states: (0..3)
+            .map(|place| FinalState {
+                code: CODES[place].into(),
+                seed: 1,
+                time: 1.5,
+                particles: particles(place as u64),
+            })
+            .collect(),
         soft_bias: soft,
         notes: Vec::new(),
         scene,

@@ -16,7 +16,7 @@ pub use read::ReferenceError;
 
 use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source};
 use crate::provenance::fnv1a;
-use makadam::scene::{Measure, Scene, SolverSettings};
+use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -117,22 +117,21 @@ impl Reference {
     }
 }
 
-/// Hash of what every code is given of a scene and of the times at which it is measured, 16 hexadecimal digits. Names,
-/// Makadam's own settings and margins are left out: they may change without a new recording.
+/// Hash of what every code is given of a scene and of the times at which it is measured, 16
+/// hexadecimal digits. Names, Makadam's own settings and margins are left out: they may change
+/// without a new recording.
 pub fn physics_hash(scene: &Scene) -> String {
-    let mut physics = scene.clone();
-    physics.name.clear();
-    physics.description.clear();
-    physics.seed = 0;
-    physics.solver = SolverSettings::default();
-    physics.compare.clear();
-    physics.measure = Measure {
-        observables: Vec::new(),
-        ..physics.measure
-    };
-    let text = serde_json::to_vec(&physics)
-        .expect("a checked scene holds only finite numbers and plain text");
-    format!("{:016x}", fnv1a(&text))
+    let mut physics = serde_json::to_value(scene).expect("a checked scene holds finite numbers");
+    if let Some(table) = physics.as_object_mut() {
+        for key in ["name", "description", "seed", "solver", "compare"] {
+            table.remove(key);
+        }
+        if let Some(measure) = table.get_mut("measure").and_then(|measure| measure.as_object_mut())
+        {
+            measure.remove("observables");
+        }
+    }
+    format!("{:016x}", fnv1a(physics.to_string().as_bytes()))
 }
 
 /// A line of `runs.csv`.
