@@ -11,6 +11,7 @@ import json
 import os
 import sys
 import time
+import traceback
 from array import array
 
 with open(sys.argv[1]) as file:
@@ -136,28 +137,40 @@ def write_text(name, text):
     os.replace(name + ".part", name)
 
 
-steps = job["steps"]
-frames = set(job["frames"])
-# Pieces end at frames, at the starts and stops of walls, and often enough to tell the progress.
-stops = frames | {0, steps} | set(range(0, steps, max(1, steps // 100)))
-for _, first, last, _ in motions:
-    stops |= {first, last}
-stops = sorted(stops)
-parent = os.getppid()
-seconds = 0.0
-with open("frames.bin", "wb") as output:
-    for here, there in zip(stops, stops[1:] + [None]):
-        switch_motions(here)
-        if here in frames:
-            write_frame(output, here)
-        write_text("progress.txt", "%.6f" % (here / steps))
-        if there is None:
-            break
-        start = time.perf_counter()
-        O.run(there - here, True)
-        seconds += time.perf_counter() - start
-        if os.getppid() != parent:
-            sys.exit("the program that started this run is gone")
-write_text("result.json", json.dumps({"seconds": seconds, "steps": O.iter}))
-# Without this, YADE keeps its servers up for a while.
-os._exit(0)
+def run():
+    steps = job["steps"]
+    frames = set(job["frames"])
+    # Pieces end at frames, at the starts and stops of walls, and often enough to tell the progress.
+    stops = frames | {0, steps} | set(range(0, steps, max(1, steps // 100)))
+    for _, first, last, _ in motions:
+        stops |= {first, last}
+    stops = sorted(stops)
+    parent = os.getppid()
+    seconds = 0.0
+    with open("frames.bin", "wb") as output:
+        for here, there in zip(stops, stops[1:] + [None]):
+            switch_motions(here)
+            if here in frames:
+                write_frame(output, here)
+            write_text("progress.txt", "%.6f" % (here / steps))
+            if there is None:
+                break
+            start = time.perf_counter()
+            O.run(there - here, True)
+            seconds += time.perf_counter() - start
+            if os.getppid() != parent:
+                raise SystemExit("the program that started this run is gone")
+    write_text("result.json", json.dumps({"seconds": seconds, "steps": O.iter}))
+
+
+# Leave at once, whatever happened: YADE would keep its servers up, or open a shell after an error.
+status = 1
+try:
+    run()
+    status = 0
+except BaseException:
+    traceback.print_exc()
+finally:
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)

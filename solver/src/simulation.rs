@@ -104,21 +104,38 @@ impl Simulation {
         }
         let clock = clock.lap(&mut self.phases.detect);
         // Which do, as constraints laid out in boxes, stages and lane groups.
-        self.constrainer.constrain(&self.world, &mut self.candidates, &self.settings, &mut self.layout);
+        self.constrainer.constrain(
+            &self.world,
+            &mut self.candidates,
+            &self.settings,
+            &mut self.layout,
+        );
         let clock = clock.lap(&mut self.phases.constrain);
         // Forces, then the impulses of the last step, then sweeps until the settings say stop.
         self.apply_gravity();
         let clock = clock.lap(&mut self.phases.integrate);
-        self.relaxation.warm_start(&mut self.world.bodies, &self.layout.pairs, &self.layout.walls);
+        self.relaxation.warm_start(
+            &mut self.world.bodies,
+            &self.layout.pairs,
+            &self.layout.walls,
+        );
         let clock = clock.lap(&mut self.phases.constrain);
-        let solve = solve(&mut self.world, &mut self.layout, &self.relaxation, &self.settings);
+        let solve = solve(
+            &mut self.world,
+            &mut self.layout,
+            &self.relaxation,
+            &self.settings,
+        );
         let clock = clock.lap(&mut self.phases.sweep);
         // Motion with the new velocities.
         self.remember_impulses();
         self.move_bodies();
         clock.lap(&mut self.phases.integrate);
         self.contact_sweeps += u64::from(solve.sweeps) * self.layout.contacts as u64;
-        StepReport { solve, contacts: self.layout.contacts }
+        StepReport {
+            solve,
+            contacts: self.layout.contacts,
+        }
     }
 
     fn apply_gravity(&mut self) {
@@ -148,7 +165,9 @@ impl Simulation {
     fn remember_impulses(&mut self) {
         let candidates = &mut self.candidates;
         for group in &self.layout.pairs {
-            for lane in (0..LANES).filter(|&lane| group.first[lane] < self.world.positions.len() as u32) {
+            for lane in
+                (0..LANES).filter(|&lane| group.first[lane] < self.world.positions.len() as u32)
+            {
                 candidates.pair_impulses[group.source[lane] as usize] = Impulse {
                     normal: group.impulse_normal.0[lane],
                     tangential: std::array::from_fn(|axis| group.impulse_tangential[axis].0[lane]),
@@ -156,7 +175,9 @@ impl Simulation {
             }
         }
         for group in &self.layout.walls {
-            for lane in (0..LANES).filter(|&lane| group.body[lane] < self.world.positions.len() as u32) {
+            for lane in
+                (0..LANES).filter(|&lane| group.body[lane] < self.world.positions.len() as u32)
+            {
                 candidates.wall_impulses[group.source[lane] as usize] = Impulse {
                     normal: group.impulse_normal.0[lane],
                     tangential: std::array::from_fn(|axis| group.impulse_tangential[axis].0[lane]),
@@ -209,7 +230,10 @@ impl Simulation {
     pub fn state_hash(&self) -> u64 {
         let mut bytes = self.world.time.to_bits().to_le_bytes().to_vec();
         for (position, body) in self.world.positions.iter().zip(&self.world.bodies) {
-            let values = position.iter().chain(&body.velocity).chain(&body.surface_speed);
+            let values = position
+                .iter()
+                .chain(&body.velocity)
+                .chain(&body.surface_speed);
             bytes.extend(values.flat_map(|value| value.to_bits().to_le_bytes()));
         }
         checksum(&bytes)
@@ -231,7 +255,12 @@ impl Simulation {
 
     /// Grains as they are now, and the contacts of the last step with their forces (impulse over time step).
     pub fn snapshot(&self) -> Snapshot {
-        let particles = self.world.positions.iter().zip(&self.world.bodies).enumerate();
+        let particles = self
+            .world
+            .positions
+            .iter()
+            .zip(&self.world.bodies)
+            .enumerate();
         let particles = particles.map(|(id, (position, body))| Particle {
             id: id as u32,
             position: (*position).into(),
@@ -239,14 +268,23 @@ impl Simulation {
             velocity: body.velocity,
             spin: body.surface_speed.map(|component| component / body.radius),
         });
-        Snapshot { time: self.world.time, particles: particles.collect(), contacts: self.contacts() }
+        Snapshot {
+            time: self.world.time,
+            particles: particles.collect(),
+            contacts: self.contacts(),
+        }
     }
 
     fn contacts(&self) -> Vec<Contact> {
         let grains = self.world.grains() as u32;
         let to_force = 1.0 / self.settings.step;
         let mut contacts = Vec::with_capacity(self.layout.contacts);
-        let mut add = |first: u32, second: Partner, point: Vector3<f64>, normal: [f64; 3], along: f64, across: [f64; 3]| {
+        let mut add = |first: u32,
+                       second: Partner,
+                       point: Vector3<f64>,
+                       normal: [f64; 3],
+                       along: f64,
+                       across: [f64; 3]| {
             if along > 0.0 {
                 contacts.push(Contact {
                     first,
@@ -264,9 +302,17 @@ impl Simulation {
                 let normal: [f64; 3] = std::array::from_fn(|axis| group.normal[axis].0[lane]);
                 let across = std::array::from_fn(|axis| group.impulse_tangential[axis].0[lane]);
                 let arm = self.world.positions[j] - self.world.positions[i];
-                let depth = 0.5 * (arm.norm() + self.world.bodies[i].radius - self.world.bodies[j].radius);
+                let depth =
+                    0.5 * (arm.norm() + self.world.bodies[i].radius - self.world.bodies[j].radius);
                 let point = self.world.positions[i] + Vector3::from(normal) * depth;
-                add(i as u32, Partner::Grain(j as u32), point, normal, group.impulse_normal.0[lane], across);
+                add(
+                    i as u32,
+                    Partner::Grain(j as u32),
+                    point,
+                    normal,
+                    group.impulse_normal.0[lane],
+                    across,
+                );
             }
         }
         for group in &self.layout.walls {
@@ -278,7 +324,14 @@ impl Simulation {
                 let wall = self.world.surfaces[surface as usize].wall;
                 let point = self.world.positions[i as usize]
                     + Vector3::from(normal) * self.world.bodies[i as usize].radius;
-                add(i, Partner::Wall(wall), point, normal, group.impulse_normal.0[lane], across);
+                add(
+                    i,
+                    Partner::Wall(wall),
+                    point,
+                    normal,
+                    group.impulse_normal.0[lane],
+                    across,
+                );
             }
         }
         contacts
@@ -290,7 +343,8 @@ impl Simulation {
         for (position, body) in self.world.positions.iter().zip(&self.world.bodies) {
             let mass = 1.0 / body.inverse_mass;
             let square = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>();
-            energy.kinetic += 0.5 * mass * (square(&body.velocity) + 0.4 * square(&body.surface_speed));
+            energy.kinetic +=
+                0.5 * mass * (square(&body.velocity) + 0.4 * square(&body.surface_speed));
             energy.potential -= mass * self.world.gravity.dot(position);
         }
         for contact in self.overlaps() {
@@ -317,7 +371,11 @@ impl Simulation {
                 damping_ratio: 0.0,
             }
         });
-        let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
+        let poses: Vec<_> = world
+            .surfaces
+            .iter()
+            .map(|surface| surface.at(world.time))
+            .collect();
         let walls = self.candidates.walls.iter().map(move |wall| {
             let grain = wall.body as usize;
             let surface = wall.surface as usize;

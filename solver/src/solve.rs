@@ -45,7 +45,12 @@ const MEASURE_EVERY: u32 = 4;
 ///
 /// The residual of a sweep is |delta lambda| S in m/s. If it has grown since it was last measured, over-relaxation falls
 /// back to 1 for the rest of the solve: factors that speed up most systems never converge on some.
-pub fn solve(world: &mut World, layout: &mut Layout, relaxation: &Relaxation, settings: &SolverSettings) -> SolveReport {
+pub fn solve(
+    world: &mut World,
+    layout: &mut Layout,
+    relaxation: &Relaxation,
+    settings: &SolverSettings,
+) -> SolveReport {
     let mut report = SolveReport::default();
     if layout.contacts == 0 {
         return report;
@@ -60,7 +65,8 @@ pub fn solve(world: &mut World, layout: &mut Layout, relaxation: &Relaxation, se
     let mut last = f64::INFINITY;
     loop {
         let sweep = report.sweeps + 1;
-        let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || tolerance.is_some();
+        let measure =
+            sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || tolerance.is_some();
         let sums = sweep_serial(relaxation, &mut world.bodies, layout, factor, measure);
         report.sweeps = sweep;
         if measure {
@@ -83,7 +89,8 @@ pub fn solve(world: &mut World, layout: &mut Layout, relaxation: &Relaxation, se
             };
             return report;
         }
-        if matches!(settings.stop, Stop::TimeBudget { seconds, .. } if start.elapsed().as_secs_f64() >= seconds) {
+        if matches!(settings.stop, Stop::TimeBudget { seconds, .. } if start.elapsed().as_secs_f64() >= seconds)
+        {
             report.reason = StopReason::TimeBudget;
             return report;
         }

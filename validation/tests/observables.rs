@@ -109,7 +109,8 @@ fn value(measurements: &[Measurement], name: &str) -> f64 {
 /// Sites of a face-centred cubic lattice of touching spheres, turned, in a cube about the origin.
 fn fcc(diameter: f64, half: f64, turn: Rotation3<f64>, shift: Vector3<f64>) -> Vec<Vector3<f64>> {
     let edge = diameter * SQRT_2;
-    let count = (3.0 * half / edge).ceil() as i64;
+    // The cube's corner lies sqrt(3) of its half width away, the lattice is shifted by up to an edge.
+    let count = (1.75 * half / edge).ceil() as i64 + 2;
     let mut sites = Vec::new();
     for i in -count..=count {
         for j in -count..=count {
@@ -160,8 +161,7 @@ fn tilt_of_a_drum_is_recovered_for_either_sense_of_rotation() {
                 let line = value(&measurements, "surface_line_angle");
                 let circle = value(&measurements, "dynamic_angle_of_repose");
                 assert_abs_diff_eq!(line, angle, epsilon = 0.3);
-                assert_abs_diff_eq!(circle, angle, epsilon = 0.8);
-                println!("{rate} {angle} {offset}: line {line:.3} circle {circle:.3} {measurements:?}");
+                assert_abs_diff_eq!(circle, angle, epsilon = 0.7);
             }
         }
     }
@@ -247,7 +247,6 @@ motion = { kind = "translating", velocity = [0.0, 0.0, 0.5], start = 0.0 }
             frame(index as f64 + 5.0, particles(places.into_iter().map(|p| p + offset), 0.003))
         });
         let measurements = measure(&scene, &recording(frames.collect()));
-        println!("{angle}: {measurements:?}");
         assert_abs_diff_eq!(value(&measurements, "static_angle_of_repose"), angle, epsilon = 0.5);
     }
 }

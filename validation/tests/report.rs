@@ -46,6 +46,17 @@ fn all(outcome: Outcome) -> Qualification {
 }
 
 #[test]
+fn a_live_value_outside_the_recorded_spread_is_a_disagreement() {
+    let mut qualification = all(Outcome::Agree);
+    assert_eq!(qualification.verdict().standing, Standing::Agree);
+    qualification.outside_spread.push("drum: live YADE lies outside".into());
+    let verdict = qualification.verdict();
+    assert_eq!(verdict.standing, Standing::Disagree);
+    assert!(verdict.sentence.contains("1 live value of a reference code lies outside"), "{}", verdict.sentence);
+    assert!(page(&qualification).contains("drum: live YADE lies outside"));
+}
+
+#[test]
 fn the_page_loads_nothing_and_runs_nothing() {
     let page = page(&full());
     let document = parse(&page);

@@ -109,6 +109,8 @@ fn monte_carlo_agrees() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn boxes_of_a_partition_sum_to_the_sphere(
         centre in prop::array::uniform3(-1.0..1.0_f64),

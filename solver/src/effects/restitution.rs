@@ -2,7 +2,8 @@
 //!
 //! A contact that approaches faster than a threshold must leave at `e` times its approach speed: its bias becomes
 //! `q = max(q, -e u_n0)` (Lacoursière 2007, 10.31, without a separate impact stage). Below the threshold a contact is
-//! a resting one. A compliant contact whose impact the step resolves needs none of this: its damping gives the restitution.
+//! a resting one. A compliant contact whose impact the step resolves needs none of this: its damping gives the
+//! restitution. Where the step does not resolve it, the impact is over within the step, so it is as stiff as a rigid one.
 
 use super::compliance::NormalConstraint;
 use crate::scene::NormalLaw;
@@ -27,12 +28,28 @@ pub fn with_restitution(
     match law {
         NormalLaw::Rigid if overlap < 0.0 => {
             let resting = !impact && velocity <= threshold;
-            resting.then_some(NormalConstraint { bias: overlap / h, ..constraint })
+            resting.then_some(NormalConstraint {
+                bias: overlap / h,
+                ..constraint
+            })
         }
-        NormalLaw::Rigid if impact => Some(NormalConstraint { bias: -restitution * velocity, ..constraint }),
+        NormalLaw::Rigid if impact => Some(NormalConstraint {
+            bias: -restitution * velocity,
+            ..constraint
+        }),
         NormalLaw::Rigid if velocity > threshold => None,
-        NormalLaw::Rigid => Some(NormalConstraint { bias: constraint.bias.min(threshold), ..constraint }),
-        _ if impact && !constraint.resolves_impact => Some(NormalConstraint { bias: constraint.bias.max(-restitution * velocity), ..constraint }),
+        NormalLaw::Rigid => Some(NormalConstraint {
+            bias: constraint.bias.min(threshold),
+            ..constraint
+        }),
+        _ if impact && !constraint.resolves_impact => {
+            let bias = constraint.bias.max(-restitution * velocity);
+            Some(NormalConstraint {
+                bias,
+                regularisation: 0.0,
+                ..constraint
+            })
+        }
         _ => Some(constraint),
     }
 }

@@ -15,8 +15,8 @@ mod boxes;
 mod groups;
 
 pub use boxes::{BoxGrid, STAGES};
-pub use groups::{PairGroup, WallGroup};
 pub(crate) use groups::{Constraint, Packer, PairEntry, WallEntry};
+pub use groups::{PairGroup, WallGroup};
 
 /// Lane groups of one task: ranges in the groups of pairs and of walls.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -45,7 +45,8 @@ pub struct Layout {
 impl Layout {
     /// Share of lanes that hold a contact, 0 to 1.
     pub fn lane_occupancy(&self) -> f64 {
-        self.contacts as f64 / (crate::world::LANES * (self.pairs.len() + self.walls.len())).max(1) as f64
+        self.contacts as f64
+            / (crate::world::LANES * (self.pairs.len() + self.walls.len())).max(1) as f64
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {

@@ -31,7 +31,7 @@ impl Default for SolverSettings {
             stop: Stop::Sweeps { sweeps: 10 },
             over_relaxation: 1.3,
             normal_law: NormalLaw::Hertz,
-            damping_steps: 2.0,
+            damping_steps: 1.0,
             restitution_threshold: 0.05,
             skin: 0.4,
             warm_start: 1.0,

@@ -12,6 +12,9 @@
 //!
 //! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once.
 
+// One index runs over several arrays at once: lanes and axes.
+#![allow(clippy::needless_range_loop)]
+
 use super::lanes::{Lanes, cross, dot};
 use super::residual::GroupResidual;
 use crate::effects::friction::disc_shrinkage;
@@ -65,7 +68,12 @@ fn store<const FRICTION: bool>(bodies: &mut [Body], indices: &[u32; LANES], eigh
 
 /// Adds `sign` times an impulse to eight bodies; `lever` is n x P.
 #[inline(always)]
-fn push<const FRICTION: bool>(eight: &mut EightBodies, sign: f64, impulse: [Lanes; 3], lever: [Lanes; 3]) {
+fn push<const FRICTION: bool>(
+    eight: &mut EightBodies,
+    sign: f64,
+    impulse: [Lanes; 3],
+    lever: [Lanes; 3],
+) {
     let spin_factor = eight.inverse_mass * Lanes::splat(-INVERSE_INERTIA);
     let factor = eight.inverse_mass * Lanes::splat(sign);
     for axis in 0..3 {
@@ -230,7 +238,11 @@ pub(super) fn apply_pairs<const FRICTION: bool>(bodies: &mut [Body], groups: &[P
     for group in groups {
         let mut first = load::<FRICTION>(bodies, &group.first);
         let mut second = load::<FRICTION>(bodies, &group.second);
-        let impulse = total_impulse(&group.normal, group.impulse_normal, &group.impulse_tangential);
+        let impulse = total_impulse(
+            &group.normal,
+            group.impulse_normal,
+            &group.impulse_tangential,
+        );
         let lever = cross(group.normal, impulse);
         push::<FRICTION>(&mut first, -1.0, impulse, lever);
         push::<FRICTION>(&mut second, 1.0, impulse, lever);
@@ -243,7 +255,11 @@ pub(super) fn apply_pairs<const FRICTION: bool>(bodies: &mut [Body], groups: &[P
 pub(super) fn apply_walls<const FRICTION: bool>(bodies: &mut [Body], groups: &[WallGroup]) {
     for group in groups {
         let mut grain = load::<FRICTION>(bodies, &group.body);
-        let impulse = total_impulse(&group.normal, group.impulse_normal, &group.impulse_tangential);
+        let impulse = total_impulse(
+            &group.normal,
+            group.impulse_normal,
+            &group.impulse_tangential,
+        );
         push::<FRICTION>(&mut grain, -1.0, impulse, cross(group.normal, impulse));
         store::<FRICTION>(bodies, &group.body, &grain);
     }

@@ -3,6 +3,9 @@
 //! Every operation is a plain IEEE operation a lane, so the compiler may use registers of any width without changing a
 //! bit of the result. No fused multiply-add is written here, and the compiler is not allowed to invent one.
 
+// One index runs over several arrays at once: lanes and axes.
+#![allow(clippy::needless_range_loop)]
+
 use crate::world::LANES;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -79,7 +82,11 @@ impl Lanes {
     pub fn select(mask: LaneMask, yes: Lanes, no: Lanes) -> Lanes {
         let mut out = [0.0; LANES];
         for lane in 0..LANES {
-            out[lane] = if mask.0[lane] { yes.0[lane] } else { no.0[lane] };
+            out[lane] = if mask.0[lane] {
+                yes.0[lane]
+            } else {
+                no.0[lane]
+            };
         }
         Lanes(out)
     }
@@ -129,5 +136,9 @@ pub fn dot(a: [Lanes; 3], b: [Lanes; 3]) -> Lanes {
 /// Vector product of two vectors of lanes.
 #[inline(always)]
 pub fn cross(a: [Lanes; 3], b: [Lanes; 3]) -> [Lanes; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }

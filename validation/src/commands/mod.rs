@@ -41,7 +41,10 @@ pub fn main() -> ExitCode {
 fn roots() -> Vec<PathBuf> {
     let here = std::env::current_dir().unwrap_or_default();
     let built = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    here.ancestors().map(PathBuf::from).chain(built.parent().map(PathBuf::from)).collect()
+    here.ancestors()
+        .map(PathBuf::from)
+        .chain(built.parent().map(PathBuf::from))
+        .collect()
 }
 
 /// Finds, reads and checks a scene.
@@ -58,7 +61,9 @@ fn json(value: &impl serde::Serialize) -> String {
 
 /// Limits the runs side by side to a number of threads.
 fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
-    let Some(threads) = threads else { return Ok(()) };
+    let Some(threads) = threads else {
+        return Ok(());
+    };
     rayon::ThreadPoolBuilder::new()
         .num_threads(usize::from(threads))
         .build_global()

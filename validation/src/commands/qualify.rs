@@ -31,9 +31,15 @@ struct QualifyDocument<'a> {
 }
 
 /// Judges the reference scenes.
-pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result<ExitCode, Failure> {
+pub(super) fn qualify(
+    arguments: &QualifyArguments,
+    console: &Console,
+) -> Result<ExitCode, Failure> {
     use_threads(arguments.threads)?;
-    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/qualification"));
+    let folder = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("results/qualification"));
     // Minutes of work are not begun for a report that cannot be written.
     crate::output::create_folder(&folder)?;
     let announce = announce(console);
@@ -58,10 +64,18 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     if !qualified.failed.is_empty() {
         return Err(Failure::Running(qualified.failed.join("; ")));
     }
-    Ok(if qualified.passes() { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+    Ok(if qualified.passes() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(OUTSIDE_TOLERANCE)
+    })
 }
 
-fn document<'a>(qualified: &'a Qualified, verdict: &'a Verdict, report: String) -> QualifyDocument<'a> {
+fn document<'a>(
+    qualified: &'a Qualified,
+    verdict: &'a Verdict,
+    report: String,
+) -> QualifyDocument<'a> {
     let qualification = &qualified.qualification;
     let comparisons: &[Comparison] = &qualification.comparisons;
     QualifyDocument {
@@ -70,11 +84,14 @@ fn document<'a>(qualified: &'a Qualified, verdict: &'a Verdict, report: String) 
         tier: &qualification.tier,
         passes: qualified.passes(),
         verdict,
-        outside_spread: &qualified.outside_spread,
+        outside_spread: &qualified.qualification.outside_spread,
         failed: &qualified.failed,
         wall_seconds: qualification.wall_seconds,
         report,
-        rows: comparisons.iter().flat_map(|comparison| &comparison.rows).collect(),
+        rows: comparisons
+            .iter()
+            .flat_map(|comparison| &comparison.rows)
+            .collect(),
         codes: comparisons
             .iter()
             .map(|comparison| (comparison.scene.name.as_str(), comparison.codes.as_slice()))
@@ -94,12 +111,23 @@ fn describe(qualified: &Qualified, verdict: &Verdict, report: &str, console: &Co
     for note in &qualification.notes {
         text += &format!("note: {note}\n");
     }
-    let word = if qualified.passes() { "pass" } else { "not passed" };
-    text += &format!("verdict: {}: {}\n", console.paint(word, qualified.passes()), verdict.sentence);
-    for outside in &qualified.outside_spread {
+    let word = if qualified.passes() {
+        "pass"
+    } else {
+        "not passed"
+    };
+    text += &format!(
+        "verdict: {}: {}\n",
+        console.paint(word, qualified.passes()),
+        verdict.sentence
+    );
+    for outside in &qualified.qualification.outside_spread {
         text += &format!("         {outside}\n");
     }
-    text + &format!("report:  {report} ({:.0} s of wall time)", qualification.wall_seconds)
+    text + &format!(
+        "report:  {report} ({:.0} s of wall time)",
+        qualification.wall_seconds
+    )
 }
 
 impl From<QualifyError> for Failure {

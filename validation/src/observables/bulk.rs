@@ -1,12 +1,12 @@
 //! Which part of a bed is its bulk: away from walls and from the free surface.
 
+use super::bed_surface::BedFields;
 use super::contour::{self, Loop, Segment};
-use super::dynamic_angle;
+use super::drum::Drum;
 use super::setting::Setting;
 use super::sphere_volume::half_space;
 use super::static_angle::{self, HeapFrame};
 use super::walls::PlacedWalls;
-use super::drum::Drum;
 use makadam::scene::Observable;
 use makadam::snapshot::Snapshot;
 use nalgebra::Vector3;
@@ -23,7 +23,9 @@ pub struct Bulk {
 
 /// The free surface of a bed.
 enum FreeSurface {
-    /// There is none: no gravity, or no bed yet.
+    /// There is no bulk at all.
+    Nowhere,
+    /// There is no surface: no gravity, or no bed yet.
     None,
     /// A level one: the direction up, and the height along it, m.
     Level(Vector3<f64>, f64),
@@ -35,14 +37,21 @@ enum FreeSurface {
 
 impl Bulk {
     /// Finds the free surface of the measured frames, and how far inside it the bulk begins.
-    pub fn new(setting: &Setting<'_>, frames: &[&Snapshot]) -> Self {
-        let surface = FreeSurface::find(setting, frames);
+    ///
+    /// `bed` holds the fields of these frames where the scene has a drum.
+    pub fn new(setting: &Setting<'_>, bed: Option<&BedFields>, frames: &[&Snapshot]) -> Self {
+        let surface = FreeSurface::find(setting, bed, frames);
         let deep = Bulk { inset: 2.0 * setting.diameter, surface };
         let inside: usize = frames.iter().map(|frame| deep.grains(setting, frame)).sum();
         match inside >= FEWEST * frames.len() {
             true => deep,
             false => Bulk { inset: setting.diameter, ..deep },
         }
+    }
+
+    /// No bulk, where none is asked for.
+    pub fn nowhere() -> Self {
+        Bulk { inset: 0.0, surface: FreeSurface::Nowhere }
     }
 
     fn grains(&self, setting: &Setting<'_>, frame: &Snapshot) -> usize {
@@ -65,14 +74,13 @@ impl Bulk {
 }
 
 impl FreeSurface {
-    fn find(setting: &Setting<'_>, frames: &[&Snapshot]) -> FreeSurface {
+    fn find(setting: &Setting<'_>, bed: Option<&BedFields>, frames: &[&Snapshot]) -> FreeSurface {
         let Some(up) = setting.up else {
             return FreeSurface::None;
         };
         let diameter = setting.diameter;
-        if let Some(drum) = &setting.drum {
-            let field = dynamic_angle::mean_field(setting, drum, frames.iter().copied());
-            let Some(outline) = contour::outline(&field, 0.5 * field.largest()) else {
+        if let (Some(drum), Some(bed)) = (&setting.drum, bed) {
+            let Some(outline) = contour::outline(&bed.whole, 0.5 * bed.whole.largest()) else {
                 return FreeSurface::None;
             };
             let free = pieces(&outline, |point| point[0].hypot(point[1]) < drum.radius - diameter);
@@ -95,9 +103,11 @@ impl FreeSurface {
     /// Whether a point lies at least `inset` (m) below the surface.
     fn covers(&self, point: &Vector3<f64>, inset: f64) -> bool {
         let deep = |outline: &Loop, free: &[Segment], point: [f64; 2]| {
-            contour::encloses(outline, point) && free.iter().all(|piece| contour::distance(piece, point) >= inset)
+            let far = |piece: &Segment| contour::squared_distance(piece, point) >= inset * inset;
+            free.iter().all(far) && contour::encloses(outline, point)
         };
         match self {
+            FreeSurface::Nowhere => false,
             FreeSurface::None => true,
             FreeSurface::Level(up, height) => point.dot(up) <= height - inset,
             FreeSurface::Drum(drum, outline, free) => deep(outline, free, drum.section(point)),
@@ -127,8 +137,11 @@ fn level(setting: &Setting<'_>, up: &Vector3<f64>, frames: &[&Snapshot]) -> Opti
         let bottom = (height(&grain.position) - low) / layer;
         let reach = grain.radius / layer;
         let beyond = |plane: f64| half_space((plane - bottom) / reach) * grain.radius.powi(3);
-        for index in (bottom - reach).floor().max(0.0) as usize..count.min((bottom + reach).ceil() as usize) {
-            volume[index] += beyond(index as f64) - beyond(index as f64 + 1.0);
+        let first = (bottom - reach).floor().max(0.0) as usize;
+        let last = count.min((bottom + reach).ceil() as usize);
+        for (offset, layer) in volume[first..last].iter_mut().enumerate() {
+            let index = (first + offset) as f64;
+            *layer += beyond(index) - beyond(index + 1.0);
         }
     }
     let mean_above = |floor: f64| {

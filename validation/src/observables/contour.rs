@@ -105,10 +105,10 @@ pub fn encloses(line: &Loop, point: [f64; 2]) -> bool {
     segments(line).filter(|segment| crosses(*segment)).count() % 2 == 1
 }
 
-/// Distance of a point from a segment, m.
-pub fn distance([a, b]: &Segment, point: [f64; 2]) -> f64 {
+/// Squared distance of a point from a segment, m2.
+pub fn squared_distance([a, b]: &Segment, point: [f64; 2]) -> f64 {
     let (along, arm) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let square = (along[0] * along[0] + along[1] * along[1]).max(f64::MIN_POSITIVE);
     let share = ((arm[0] * along[0] + arm[1] * along[1]) / square).clamp(0.0, 1.0);
-    (arm[0] - share * along[0]).hypot(arm[1] - share * along[1])
+    (arm[0] - share * along[0]).powi(2) + (arm[1] - share * along[1]).powi(2)
 }

@@ -2,11 +2,12 @@
 
 use super::balances::force_on_partner;
 use super::drum::Drum;
-use super::dynamic_angle::{BedSurface, mean_field, surface};
+use super::field::Field;
+use super::bed_surface::{BedFields, BedSurface, surface};
 use super::measurement::{Measurement, Quantity, Readings};
 use super::setting::Setting;
 use super::view::View;
-use crate::statistics::{block_count, mean, standard_error};
+use crate::statistics::{mean, standard_error};
 use makadam::snapshot::{Partner, Snapshot};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
@@ -86,19 +87,17 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
 /// - `surface_speed` (m/s): velocity down the slope of the uppermost half diameter there.
 /// - `lacey_mixing_index`: of the grains on either side of their median across the drum at the first measured frame,
 ///   at the last: (s0^2 - s^2)/(s0^2 - sr^2), 0 for unmixed and 1 for random (Lacey, J. Appl. Chem. 4, 257, 1954).
-pub fn measure_span(setting: &Setting<'_>, frames: &[&Snapshot]) -> Vec<Measurement> {
+pub fn measure_span(setting: &Setting<'_>, bed: &BedFields, frames: &[&Snapshot]) -> Vec<Measurement> {
     let Some(drum) = &setting.drum else {
         return Vec::new();
     };
-    let layer = |part: &[&Snapshot]| {
-        let surface = surface(setting, drum, &mean_field(setting, drum, part.iter().copied()))?;
-        flowing_layer(setting, drum, &surface, part)
+    let layer = |field: &Field, part: &[&Snapshot]| {
+        flowing_layer(setting, drum, &surface(setting, drum, field)?, part)
     };
     let mut measurements = Vec::new();
-    if let Some((thickness, speed)) = layer(frames) {
-        let blocks = block_count(frames.len()).unwrap_or(1);
-        let parts: Vec<(f64, f64)> = (0..blocks)
-            .filter_map(|block| layer(&frames[block * frames.len() / blocks..(block + 1) * frames.len() / blocks]))
+    if let Some((thickness, speed)) = layer(&bed.whole, frames) {
+        let parts: Vec<(f64, f64)> = (bed.blocks.iter().zip(&bed.fields))
+            .filter_map(|(block, field)| layer(field, &frames[block.clone()]))
             .collect();
         let error = |pick: fn(&(f64, f64)) -> f64| standard_error(&parts.iter().map(pick).collect::<Vec<_>>());
         measurements.push(THICKNESS.measured(thickness, error(|part| part.0), frames.len()));

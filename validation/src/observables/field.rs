@@ -83,6 +83,21 @@ impl Field {
         self.values.iter_mut().for_each(|value| *value *= factor);
     }
 
+    /// Averages each cell with its neighbours, weights 1, 2, 1 along either coordinate; the sum of all cells is kept
+    /// as far as the field is empty at its rim.
+    pub fn smooth(&mut self) {
+        for (across, down) in [(1, 0), (0, 1)] {
+            let old = self.clone();
+            for row in 0..self.rows as isize {
+                for column in 0..self.columns as isize {
+                    let beside = old.get(column - across, row - down) + old.get(column + across, row + down);
+                    let value = 0.5 * old.get(column, row) + 0.25 * beside;
+                    self.values[row as usize * self.columns + column as usize] = value;
+                }
+            }
+        }
+    }
+
     /// Largest value.
     pub fn largest(&self) -> f64 {
         self.values.iter().copied().fold(0.0, f64::max)

@@ -1,5 +1,6 @@
 //! Distribution of normal forces over their mean, pooled run by run.
 
+use super::bed_surface::BedFields;
 use super::bulk::Bulk;
 use super::measured_frames;
 use super::setting::Setting;
@@ -39,7 +40,8 @@ impl ForcePool {
             return;
         }
         let setting = Setting::new(scene, frames[0]);
-        let bulk = Bulk::new(&setting, &frames);
+        let bed = setting.drum.as_ref().map(|drum| BedFields::new(&setting, drum, &frames));
+        let bulk = Bulk::new(&setting, bed.as_ref(), &frames);
         for frame in frames {
             let view = View::new(&setting, &bulk, frame);
             let forces: Vec<f64> = view.bulk_contacts().iter().map(|contact| contact.normal_force).collect();

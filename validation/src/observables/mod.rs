@@ -23,6 +23,7 @@
 //! | `shell_layer_speed_ratio`, `wall_torque`, ... | [`drum_flow`] |
 
 pub mod balances;
+pub mod bed_surface;
 pub mod bulk;
 pub mod contact_forces;
 pub mod contour;
@@ -48,6 +49,7 @@ pub use measurement::Measurement;
 
 use crate::compare::Series;
 use crate::recording::Recording;
+use bed_surface::BedFields;
 use bulk::Bulk;
 use makadam::scene::{Observable, Scene};
 use makadam::snapshot::Snapshot;
@@ -68,19 +70,29 @@ pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
     let asks = |observable| scene.measure.observables.contains(&observable);
     let mut measurements = Vec::new();
 
+    let asks_bulk = [Observable::PackingFraction, Observable::CoordinationNumber, Observable::ContactForces];
+    let needs_bulk = asks_bulk.into_iter().any(asks);
+    let needs_bed = needs_bulk || asks(Observable::DynamicAngleOfRepose) || asks(Observable::DrumFlow);
+    let bed = setting.drum.as_ref().filter(|_| needs_bed).map(|drum| BedFields::new(&setting, drum, &frames));
+
     // Quantities of the whole span: they rest on fields averaged over time.
-    if asks(Observable::DynamicAngleOfRepose) {
-        measurements.extend(dynamic_angle::measure(&setting, &frames));
+    if let Some(bed) = &bed {
+        if asks(Observable::DynamicAngleOfRepose) {
+            measurements.extend(dynamic_angle::measure(&setting, bed, frames.len()));
+        }
+        if asks(Observable::DrumFlow) {
+            measurements.extend(drum_flow::measure_span(&setting, bed, &frames));
+        }
     }
     if asks(Observable::StaticAngleOfRepose) {
         measurements.extend(static_angle::measure(&setting, &frames));
     }
-    if asks(Observable::DrumFlow) {
-        measurements.extend(drum_flow::measure_span(&setting, &frames));
-    }
 
     // Quantities of single frames, averaged afterwards.
-    let bulk = Bulk::new(&setting, &frames);
+    let bulk = match needs_bulk {
+        true => Bulk::new(&setting, bed.as_ref(), &frames),
+        false => Bulk::nowhere(),
+    };
     let mut readings = Readings::default();
     for frame in &frames {
         let view = View::new(&setting, &bulk, frame);
@@ -129,11 +141,8 @@ pub fn series(scene: &Scene, recording: &Recording) -> Vec<Series> {
 pub fn measured_frames<'a>(scene: &Scene, recording: &'a Recording) -> Vec<&'a Snapshot> {
     // Times are sums of steps: a frame due at `from` may bear a time just below it.
     let slack = 1e-3 * scene.measure.interval;
-    let filled = recording.frames.iter().filter(|frame| !frame.particles.is_empty());
+    let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| !frame.particles.is_empty()).collect();
     let from = scene.measure.from.unwrap_or(f64::INFINITY);
-    let frames: Vec<&Snapshot> = filled.clone().filter(|frame| frame.time >= from - slack).collect();
-    match frames.is_empty() {
-        true => filled.last().into_iter().collect(),
-        false => frames,
-    }
+    let late = filled.iter().position(|frame| frame.time >= from - slack);
+    filled[late.unwrap_or(filled.len().saturating_sub(1))..].to_vec()
 }

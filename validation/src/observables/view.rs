@@ -60,7 +60,7 @@ impl<'a> View<'a> {
         // Ids have no holes unless a code lost a grain.
         match grains.get(id as usize) {
             Some(grain) if grain.id == id => Some(id as usize),
-            _ => grains.iter().position(|grain| grain.id == id),
+            _ => grains.binary_search_by_key(&id, |grain| grain.id).ok(),
         }
     }
 

@@ -127,10 +127,10 @@ pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
 }
 
 /// What a program prints when asked for its version; nothing if it is not there, empty if it does not answer in time.
-pub(super) fn first_words(program: &OsStr, argument: &str) -> Option<String> {
+pub(super) fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
     let program = locate(program)?;
     let mut command = Command::new(program);
-    command.arg(argument).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).process_group(0);
+    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).process_group(0);
     let mut group = Group(command.spawn().ok()?);
     let mut pipe = group.0.stdout.take()?;
     let reader = std::thread::spawn(move || {

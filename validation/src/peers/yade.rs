@@ -106,7 +106,7 @@ impl Code for Yade {
     fn version(&self) -> Option<String> {
         self.version
             .get_or_init(|| {
-                let words = process::first_words(&self.program, "--version")?;
+                let words = process::first_words(&self.program, &["--version"])?;
                 Some(version_in(&words).unwrap_or("unknown").to_string())
             })
             .clone()
@@ -261,7 +261,7 @@ fn motion_entry(motion: &Motion, plan: &Plan) -> Option<MotionEntry> {
 /// What is wrong, in words.
 pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snapshot>, String> {
     let mut rest = bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap_or_default()));
-    if bytes.len() % 8 != 0 {
+    if !bytes.len().is_multiple_of(8) {
         return Err("it ends in the middle of a number".into());
     }
     let mut row = |length: usize| -> Result<Vec<f64>, String> {

@@ -33,6 +33,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         speeds => comparisons.iter().filter_map(speed::line).collect::<Vec<_>>(),
         slow_settings => slow_settings(comparisons),
         notes => qualification.notes,
+        outside_spread => qualification.outside_spread,
         sections => sections,
         provenance => provenance(qualification),
     })

@@ -22,15 +22,18 @@ pub struct Qualification {
     pub provenance: BTreeMap<String, String>,
     /// What a reader must know of the whole run: scenes that were left out, codes that are missing.
     pub notes: Vec<String>,
+    /// Values of live runs of reference codes that lie outside the spread of their recorded runs, one in a sentence.
+    #[serde(default)]
+    pub outside_spread: Vec<String>,
 }
 
 /// What a qualification says as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
-    /// Every test of equivalence passed.
+    /// Every test of equivalence passed, and every live run lies inside the recorded spread.
     Agree,
-    /// At least one failed.
+    /// At least one failed, or a live run lies outside the recorded spread.
     Disagree,
     /// None failed, at least one is undecided.
     Undecided,
@@ -51,6 +54,8 @@ pub struct Verdict {
     pub undecided: usize,
     /// Tests in whose observable the references do not agree with each other within the margin.
     pub floor_above_margin: usize,
+    /// Live runs of reference codes outside the spread of their recorded runs.
+    pub outside_spread: usize,
     /// The verdict in one sentence.
     pub sentence: String,
 }
@@ -64,6 +69,7 @@ impl Qualification {
             disagree: 0,
             undecided: 0,
             floor_above_margin: 0,
+            outside_spread: self.outside_spread.len(),
             sentence: String::new(),
         };
         let mut references: Vec<&str> = Vec::new();
@@ -87,6 +93,7 @@ impl Qualification {
         }
         verdict.standing = match (verdict.agree, verdict.disagree, verdict.undecided) {
             (0, 0, 0) => Standing::NothingCompared,
+            (_, 0, _) if verdict.outside_spread > 0 => Standing::Disagree,
             (_, 0, 0) => Standing::Agree,
             (_, 0, _) => Standing::Undecided,
             _ => Standing::Disagree,
@@ -111,37 +118,34 @@ fn sentence(verdict: &Verdict, references: &[&str], scenes: usize) -> String {
     let tests = verdict.agree + verdict.disagree + verdict.undecided;
     let names = join(references);
     let over = format!("{} of {}", plural(tests, "test"), plural(scenes, "scene"));
-    let head = match verdict.standing {
-        Standing::NothingCompared => {
-            return "No verdict: no observable was tested against a margin and a reference code.".into();
-        }
-        Standing::Agree if tests == 1 => format!("{JUDGED} agrees with {names} in the one test that was made"),
-        Standing::Agree => format!("{JUDGED} agrees with {names} within the margins in all {over}"),
-        Standing::Disagree => format!(
-            "{JUDGED} disagrees with {names} in {} of {over}; {} agree{}",
-            verdict.disagree,
-            verdict.agree,
-            if verdict.undecided > 0 {
-                format!(" and {} {} undecided", verdict.undecided, is(verdict.undecided))
-            } else {
-                String::new()
-            },
+    let mut text = match (verdict.agree, verdict.disagree, verdict.undecided) {
+        (0, 0, 0) => return "No verdict: no observable was tested against a margin and a reference code.".into(),
+        (1, 0, 0) => format!("{JUDGED} agrees with {names} in the one test that was made."),
+        (_, 0, 0) => format!("{JUDGED} agrees with {names} within the margins in all {over}."),
+        (agree, 0, undecided) => format!(
+            "Undecided: of {over} against {names}, {agree} agree, none disagrees, and {undecided} {} too few seeds to tell.",
+            if undecided == 1 { "has" } else { "have" },
         ),
-        Standing::Undecided => format!(
-            "Undecided: of {over} against {names}, {} agree, none disagrees, and {} {} too few seeds to tell",
-            verdict.agree,
-            verdict.undecided,
-            if verdict.undecided == 1 { "has" } else { "have" },
+        (agree, disagree, undecided) => format!(
+            "{JUDGED} disagrees with {names} in {disagree} of {over}; {agree} agree{}.",
+            if undecided > 0 { format!(" and {undecided} {} undecided", is(undecided)) } else { String::new() },
         ),
     };
-    match verdict.floor_above_margin {
-        0 => format!("{head}."),
-        count => format!(
-            "{head}. In {} the references differ from each other by more than the margin, so {} nothing.",
-            plural(count, "test"),
-            if count == 1 { "it proves" } else { "they prove" },
-        ),
+    if verdict.outside_spread > 0 {
+        text += &format!(
+            " {} of a reference code {} outside the spread of its recorded runs.",
+            plural(verdict.outside_spread, "live value"),
+            if verdict.outside_spread == 1 { "lies" } else { "lie" },
+        );
     }
+    if verdict.floor_above_margin > 0 {
+        text += &format!(
+            " In {} the references differ from each other by more than the margin, so {} nothing.",
+            plural(verdict.floor_above_margin, "test"),
+            if verdict.floor_above_margin == 1 { "it proves" } else { "they prove" },
+        );
+    }
+    text
 }
 
 fn is(count: usize) -> &'static str {

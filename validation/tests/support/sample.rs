@@ -301,5 +301,6 @@ pub fn qualification(comparisons: Vec<Comparison>) -> Qualification {
         .map(|(key, value)| (key.to_string(), value.to_string()))
         .into(),
         notes: Vec::new(),
+        outside_spread: Vec::new(),
     }
 }

@@ -183,7 +183,7 @@ fn pieces(text: &mut String, scene: &Scene, meshes: &[(usize, Mesh)], plan: &Pla
             dumping = every;
         }
         // A dump whose interval is the whole run adds the last frame where the interval misses it.
-        if *next == plan.steps && plan.steps % every != 0 {
+        if *next == plan.steps && !plan.steps.is_multiple_of(every) {
             dumps(text, "last", plan.steps, false, !meshes.is_empty());
         }
         let _ = writeln!(text, "run {}", next - at);

@@ -49,7 +49,8 @@ impl Code for Liggghts {
     fn version(&self) -> Option<String> {
         self.version
             .get_or_init(|| {
-                let words = process::first_words(&self.program, "-help")?;
+                // Without a log, since it would leave one behind wherever it is asked.
+                let words = process::first_words(&self.program, &["-help", "-log", "none"])?;
                 Some(version_in(&words).unwrap_or("unknown").to_string())
             })
             .clone()

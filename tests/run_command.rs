@@ -1,0 +1,295 @@
+//! `makadam run`: the JSON contract, reproducible states, files that can be read.
+
+mod support;
+
+use roxmltree::Document;
+use serde_json::Value;
+use std::path::Path;
+use support::{changed, makadam, smoke};
+
+/// Runs 60 steps of the small scene and returns what is printed as JSON.
+fn run(folder: &Path, arguments: &[&str]) -> Value {
+    let output = makadam(folder)
+        .arg("run")
+        .arg(smoke())
+        .args(["--steps", "60", "--json", "--output", "out"])
+        .args(arguments)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn json_keeps_its_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = run(folder.path(), &["--seed", "5"]);
+    assert_eq!(summary["version"], 1);
+    assert_eq!(summary["command"], "run");
+    assert_eq!(summary["complete"], true);
+    assert_eq!(summary["steps"], 60);
+    assert_eq!(summary["particles"], 200);
+    let hash = summary["state_hash"].as_str().unwrap();
+    assert!(
+        hash.len() == 16 && hash.chars().all(|c| c.is_ascii_hexdigit()),
+        "{hash}"
+    );
+    for field in [
+        "simulated_seconds",
+        "wall_seconds",
+        "contact_sweeps",
+        "nanoseconds_per_contact_sweep",
+        "peak_bytes",
+    ] {
+        assert!(
+            summary[field].as_f64().is_some_and(|value| value > 0.0),
+            "{field}: {}",
+            summary[field]
+        );
+    }
+    for phase in ["detect", "constrain", "sweep", "integrate", "output"] {
+        assert!(
+            summary["phase_seconds"][phase]
+                .as_f64()
+                .is_some_and(|value| value >= 0.0),
+            "{phase}"
+        );
+    }
+    for direction in ["normal", "tangential_u", "tangential_v"] {
+        for size in ["rms", "max"] {
+            assert!(
+                summary["residuals"][direction][size].is_f64(),
+                "{direction}.{size}"
+            );
+        }
+    }
+    assert!(summary["residuals"]["stop_reason"].is_string());
+    assert!(summary["observables"]["largest_overlap"]["value"].is_f64());
+    let provenance = &summary["provenance"];
+    assert_eq!(provenance["seed"], 5);
+    assert_eq!(provenance["threads"], 1);
+    for field in [
+        "version",
+        "commit",
+        "compiler",
+        "instruction_set",
+        "scene_hash",
+        "scene_file",
+        "time",
+        "processor",
+    ] {
+        assert!(
+            provenance[field]
+                .as_str()
+                .is_some_and(|text| !text.is_empty()),
+            "{field}"
+        );
+    }
+    assert!(provenance["solver"]["step"].is_f64());
+    // The file holds what was printed.
+    let file = std::fs::read_to_string(folder.path().join("out/run.json")).unwrap();
+    assert_eq!(serde_json::from_str::<Value>(&file).unwrap(), summary);
+}
+
+#[test]
+fn equal_seeds_give_equal_states_and_others_do_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let hash = |seed: &str, threads: &str| {
+        run(folder.path(), &["--seed", seed, "--threads", threads])["state_hash"]
+            .as_str()
+            .unwrap()
+            .to_string()
+    };
+    let first = hash("1", "1");
+    assert_eq!(first, hash("1", "2"));
+    assert_ne!(first, hash("2", "1"));
+}
+
+#[test]
+fn frames_are_valid_and_complete() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = run(folder.path(), &[]);
+    let frames = summary["frames"].as_u64().unwrap() as usize;
+    for kind in ["grains", "contacts"] {
+        let collection =
+            std::fs::read_to_string(folder.path().join(format!("out/{kind}.pvd"))).unwrap();
+        let collection = Document::parse(&collection).unwrap();
+        let sets: Vec<_> = collection
+            .descendants()
+            .filter(|node| node.has_tag_name("DataSet"))
+            .collect();
+        assert_eq!(sets.len(), frames);
+        for set in sets {
+            let file = folder
+                .path()
+                .join("out")
+                .join(set.attribute("file").unwrap());
+            let text = std::fs::read_to_string(file).unwrap();
+            check_poly_data(&Document::parse(&text).unwrap(), kind);
+        }
+    }
+}
+
+/// Every array holds as many numbers as the piece has points or cells.
+fn check_poly_data(document: &Document<'_>, kind: &str) {
+    use base64::Engine;
+    let file = document.root_element();
+    assert_eq!(file.attribute("type"), Some("PolyData"));
+    assert_eq!(file.attribute("byte_order"), Some("LittleEndian"));
+    assert_eq!(file.attribute("header_type"), Some("UInt64"));
+    let piece = document
+        .descendants()
+        .find(|node| node.has_tag_name("Piece"))
+        .unwrap();
+    let count = |name: &str| piece.attribute(name).unwrap().parse::<usize>().unwrap();
+    let names = match kind {
+        "grains" => {
+            assert_eq!(
+                (count("NumberOfPoints"), count("NumberOfVerts")),
+                (200, 200)
+            );
+            vec!["radius", "velocity", "spin", "id"]
+        }
+        _ => {
+            assert_eq!(count("NumberOfPoints"), 2 * count("NumberOfLines"));
+            vec![
+                "normal_force",
+                "tangential_force",
+                "normal",
+                "point",
+                "first",
+                "second_grain",
+                "second_wall",
+            ]
+        }
+    };
+    for name in names {
+        assert!(
+            piece
+                .descendants()
+                .any(|node| node.attribute("Name") == Some(name)),
+            "no array {name}"
+        );
+    }
+    for array in piece
+        .descendants()
+        .filter(|node| node.has_tag_name("DataArray"))
+    {
+        let bytes = base64::engine::general_purpose::STANDARD
+            .decode(array.text().unwrap())
+            .unwrap();
+        let size = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+        assert_eq!(bytes.len(), 8 + size);
+        let components: usize = array
+            .attribute("NumberOfComponents")
+            .unwrap()
+            .parse()
+            .unwrap();
+        let tuples = size / 4 / components;
+        let expected = match (
+            array.parent().unwrap().tag_name().name(),
+            array.attribute("Name"),
+        ) {
+            ("PointData" | "Points", _) => count("NumberOfPoints"),
+            ("Verts", _) => count("NumberOfVerts"),
+            ("Lines", Some("connectivity")) => 2 * count("NumberOfLines"),
+            _ => count("NumberOfLines"),
+        };
+        assert_eq!(tuples, expected, "{:?}", array.attribute("Name"));
+    }
+}
+
+#[test]
+fn observables_are_a_table_over_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = run(folder.path(), &["-q"]);
+    let mut table = csv::Reader::from_path(folder.path().join("out/observables.csv")).unwrap();
+    let head = table.headers().unwrap().clone();
+    assert_eq!(
+        head.iter().take(4).collect::<Vec<_>>(),
+        ["time", "step", "contacts", "kinetic_energy"]
+    );
+    assert!(head.iter().any(|name| name == "largest_overlap"));
+    let rows: Vec<csv::StringRecord> = table.records().collect::<Result<_, _>>().unwrap();
+    assert_eq!(rows.len() as u64, summary["frames"].as_u64().unwrap());
+    assert!(
+        rows.iter()
+            .flatten()
+            .all(|cell| cell.is_empty() || cell.parse::<f64>().unwrap().is_finite())
+    );
+}
+
+#[test]
+fn a_prepared_flow_is_made_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = changed(
+        folder.path(),
+        "[measure]",
+        "[prepare]\nduration = 0.05\nstep = 1e-3\n\n[measure]",
+    );
+    let run = || {
+        let output = makadam(folder.path())
+            .arg("run")
+            .arg(&scene)
+            .args(["--steps", "20", "--json", "--output", "out"])
+            .output()
+            .unwrap();
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()
+    };
+    let states = || -> Vec<_> {
+        let folder = folder.path().join("cache/makadam/prepared");
+        std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .collect()
+    };
+    let first = run();
+    assert_eq!(states().len(), 1);
+    let made = states()[0].metadata().unwrap().modified().unwrap();
+    let second = run();
+    assert_eq!(states()[0].metadata().unwrap().modified().unwrap(), made);
+    assert_eq!(first["state_hash"], second["state_hash"]);
+    assert!((first["simulated_seconds"].as_f64().unwrap() - 0.01).abs() < 1e-9);
+    // A state that cannot be read is made anew.
+    std::fs::write(&states()[0], "not a state").unwrap();
+    assert_eq!(run()["state_hash"], first["state_hash"]);
+}
+
+#[test]
+fn a_scene_is_found_by_name_and_described_for_people() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = makadam(folder.path())
+        .args(["run", "packing", "--steps", "20", "--output", "out"])
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let text = String::from_utf8(output.stdout).unwrap();
+    for word in [
+        "state hash",
+        "time by phase",
+        "bytes a particle",
+        "2000 grains",
+    ] {
+        assert!(text.contains(word), "no '{word}' in\n{text}");
+    }
+    // Nothing but results on standard output, no progress off a terminal, no colours in a pipe.
+    assert!(
+        output.stderr.is_empty(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert!(!text.contains('\x1b'));
+}

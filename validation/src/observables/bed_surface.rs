@@ -1,0 +1,132 @@
+//! The bed in a drum's cross-section: its solid fraction over time, its outline, its free surface.
+
+use super::contour::{self, Loop, Segment};
+use super::drum::Drum;
+use super::field::Field;
+use super::line::{Line, clip};
+use super::setting::Setting;
+use crate::statistics::block_count;
+use makadam::snapshot::Snapshot;
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// Diameter of the circle over the drum's.
+const CIRCLE_OVER_DRUM: f64 = 0.2;
+
+/// Solid fraction in a drum's cross-section, averaged over the measured frames and over blocks of them.
+pub struct BedFields {
+    /// Frames of each block of time; one block where there are too few frames for more.
+    pub blocks: Vec<Range<usize>>,
+    /// Mean field of each block.
+    pub fields: Vec<Field>,
+    /// Mean field of all frames.
+    pub whole: Field,
+}
+
+impl BedFields {
+    /// Averages the frames, of which there is at least one.
+    pub fn new(setting: &Setting<'_>, drum: &Drum, frames: &[&Snapshot]) -> Self {
+        let count = block_count(frames.len()).unwrap_or(1);
+        let border = |block: usize| block * frames.len() / count;
+        let blocks: Vec<Range<usize>> = (0..count).map(|block| border(block)..border(block + 1)).collect();
+        let field = |block: &Range<usize>| mean_field(setting, drum, frames[block.clone()].iter().copied());
+        let fields: Vec<Field> = blocks.iter().map(field).collect();
+        let mut whole = fields[0].clone();
+        whole.scale(0.0);
+        for (block, field) in blocks.iter().zip(&fields) {
+            let mut part = field.clone();
+            part.scale(block.len() as f64 / frames.len() as f64);
+            whole.add(&part);
+        }
+        Self { blocks, fields, whole }
+    }
+}
+
+/// The bed's surface in the cross-section of a drum.
+#[derive(Clone, Debug)]
+pub struct BedSurface {
+    /// Outline of the bed, m, in the coordinates of [`Drum::section`].
+    pub outline: Loop,
+    /// Line fitted to the middle half of the free surface.
+    pub line: Line,
+    /// Angle of that line, degrees.
+    pub line_angle: f64,
+    /// Angle of the line through the crossings with the circle, degrees.
+    pub circle_angle: f64,
+}
+
+/// Solid fraction in the cross-section, averaged over frames and over about a radius of space.
+///
+/// Cells are half a radius wide and smoothed once with weights 1, 2, 1. Cells of a radius without smoothing are as
+/// noisy, but pull the surface towards their own lines: by half a degree at 12 degrees.
+pub fn mean_field<'a>(setting: &Setting<'_>, drum: &Drum, frames: impl Iterator<Item = &'a Snapshot>) -> Field {
+    let reach = drum.radius;
+    let mut field = Field::new([-reach; 2], [reach; 2], 0.25 * setting.diameter);
+    let volume = field.cell * field.cell * drum.length;
+    let mut count = 0;
+    for frame in frames {
+        for grain in &frame.particles {
+            field.add_sphere(drum.section(&Vector3::from(grain.position)), grain.radius, volume);
+        }
+        count += 1;
+    }
+    field.scale(1.0 / f64::from(count.max(1)));
+    field.smooth();
+    field
+}
+
+/// The surface of the bed in a field; absent where the bed has none.
+pub fn surface(setting: &Setting<'_>, drum: &Drum, field: &Field) -> Option<BedSurface> {
+    let outline = contour::outline(field, 0.5 * field.largest())?;
+    let inside = drum.radius - 1.5 * setting.diameter;
+    let free: Vec<Segment> =
+        contour::segments(&outline).filter(|[a, b]| a[0].hypot(a[1]) < inside && b[0].hypot(b[1]) < inside).collect();
+    let mut line = Line::fit(free.iter().copied())?;
+    // The middle half depends on the line, and the line on the middle half: a few rounds settle both.
+    for _ in 0..5 {
+        let offset = line.above([0.0; 2]).abs();
+        let half_chord = (drum.radius.powi(2) - offset.powi(2)).max(0.0).sqrt();
+        let middle = Line { point: line.foot([0.0; 2]), ..line };
+        let pieces = free.iter().filter_map(|piece| {
+            clip(*piece, |point| middle.along(point), -0.5 * half_chord, 0.5 * half_chord)
+        });
+        line = Line::fit(pieces)?;
+    }
+    let centre = line.foot([0.0; 2]);
+    let crossings = circle_crossings(&outline, centre, 0.5 * CIRCLE_OVER_DRUM * 2.0 * drum.radius);
+    // A bubble or a splash may cross the circle as well: take the crossing nearest to the line on either side.
+    let middle = Line { point: centre, ..line };
+    let nearest = |side: f64| {
+        let on_side = crossings.iter().filter(|point| side * middle.along(**point) > 0.0);
+        on_side.min_by(|a, b| middle.above(**a).abs().total_cmp(&middle.above(**b).abs()))
+    };
+    let (low, high) = (nearest(-1.0)?, nearest(1.0)?);
+    Some(BedSurface {
+        line,
+        line_angle: line.degrees(),
+        circle_angle: (high[1] - low[1]).atan2(high[0] - low[0]).to_degrees(),
+        outline,
+    })
+}
+
+/// Points at which a closed line crosses a circle.
+fn circle_crossings(line: &Loop, centre: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
+    let mut points = Vec::new();
+    for [a, b] in contour::segments(line) {
+        let (arm, along) = ([a[0] - centre[0], a[1] - centre[1]], [b[0] - a[0], b[1] - a[1]]);
+        // |arm + s along|^2 = radius^2
+        let square = along[0] * along[0] + along[1] * along[1];
+        let half = arm[0] * along[0] + arm[1] * along[1];
+        let rest = arm[0] * arm[0] + arm[1] * arm[1] - radius * radius;
+        let root = half * half - square * rest;
+        if square <= 0.0 || root < 0.0 {
+            continue;
+        }
+        for share in [(-half - root.sqrt()) / square, (-half + root.sqrt()) / square] {
+            if (0.0..1.0).contains(&share) {
+                points.push([a[0] + share * along[0], a[1] + share * along[1]]);
+            }
+        }
+    }
+    points
+}

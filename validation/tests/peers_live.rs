@@ -1,0 +1,221 @@
+//! The real peers against closed forms of one contact, where they are installed.
+
+use makadam::scene::Scene;
+use makadam::snapshot::{Contact, Partner, Snapshot};
+use makadam_validation::peers::{Code, Job, Liggghts, Yade};
+use makadam_validation::recording::Recording;
+use nalgebra::Vector3;
+use std::path::Path;
+use std::time::Duration;
+
+const RADIUS: f64 = 0.005;
+const DENSITY: f64 = 2500.0;
+const GRAVITY: f64 = 9.81;
+
+fn mass() -> f64 {
+    DENSITY * 4.0 / 3.0 * std::f64::consts::PI * RADIUS.powi(3)
+}
+
+/// Runs a scene in every code that is installed and hands each recording over.
+fn in_each(scene: &Scene, fraction: f64, check: impl Fn(&str, &Recording)) {
+    let codes: [Box<dyn Code>; 2] = [Box::new(Yade::default()), Box::new(Liggghts::default())];
+    for code in codes {
+        if code.version().is_none() {
+            eprintln!("skipped: {} is not installed", code.name());
+            continue;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let recording = code
+            .simulate(&Job {
+                scene,
+                scene_file: Path::new("live.toml"),
+                seed: 1,
+                stiffness_factor: 1.0,
+                rayleigh_fraction: fraction,
+                work_folder: folder.path(),
+                time_limit: Duration::from_secs(300),
+                progress: &|_| {},
+            })
+            .unwrap_or_else(|error| panic!("{error}"));
+        let last = recording.frames.last().unwrap();
+        assert!((last.time - scene.duration).abs() <= recording.time_step, "{}: ends at {}", code.name(), last.time);
+        assert!(recording.wall_seconds > 0.0);
+        check(code.name(), &recording);
+    }
+}
+
+fn scene(gravity: f64, duration: f64, interval: f64, body: &str) -> Scene {
+    let mut text = format!(
+        "name = 'live'\ndescription = 'x'\nduration = {duration}\ngravity = [0.0, 0.0, {}]\n\
+         domain = {{ min = [-0.3, -0.3, -0.3], max = [0.3, 0.3, 0.3] }}\n\
+         [measure]\ninterval = {interval}\nfrom = 0.0\n",
+        -gravity
+    );
+    for (name, friction) in [("grain", 0.5), ("rough", 0.8), ("slick", 0.05)] {
+        text += &format!(
+            "[material.{name}]\ndensity = {DENSITY}\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\n\
+             friction = {friction}\nrestitution = 0.3\n"
+        );
+    }
+    Scene::parse(&(text + body), Path::new("live.toml")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn grain(position: [f64; 3], velocity: [f64; 3]) -> String {
+    format!("[[grain]]\nmaterial = 'grain'\nradius = {RADIUS}\nposition = {position:?}\nvelocity = {velocity:?}\n")
+}
+
+fn wall(material: &str, shape: &str, motion: &str) -> String {
+    format!("[[wall]]\nname = 'w'\nmaterial = '{material}'\nshape = {{ {shape} }}\nmotion = {{ {motion} }}\n")
+}
+
+const FIXED: &str = "kind = 'fixed'";
+
+fn velocity(frame: &Snapshot, id: usize) -> Vector3<f64> {
+    frame.particles[id].velocity.into()
+}
+
+fn contact(frame: &Snapshot, id: u32, wall: u32) -> &Contact {
+    let mut found = frame.contacts.iter().filter(|c| c.first == id && c.second == Partner::Wall(wall));
+    let contact = found.next().unwrap_or_else(|| panic!("grain {id} does not touch wall {wall}"));
+    assert!(found.next().is_none(), "one contact of grain {id} with wall {wall}, not two");
+    contact
+}
+
+#[track_caller]
+fn close(code: &str, what: &str, value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance, "{code}: {what} is {value}, not {expected} within {tolerance}");
+}
+
+#[test]
+fn restitution_of_a_pair_and_on_every_kind_of_wall() {
+    let speed = 0.5;
+    let angle = 0.3f64;
+    let towards = [speed * angle.cos(), 0.0, speed * angle.sin()];
+    let body = wall("slick", "kind = 'box', min = [-0.2, -0.2, -0.2], max = [0.2, 0.2, 0.2]", FIXED)
+        + &wall("slick", "kind = 'plane', point = [0, 0, -0.15], normal = [0, 0, 1]", FIXED)
+        + &wall("slick", "kind = 'disc', centre = [0.1, 0.1, -0.1], normal = [0, 0, 2], radius = 0.03", FIXED)
+        + &wall("slick", "kind = 'cylinder', base = [-0.1, -0.05, 0], axis = [0, 1, 0], radius = 0.04, length = 0.1", FIXED)
+        + &grain([-0.007, -0.1, 0.1], [speed, 0.0, 0.0])
+        + &grain([0.007, -0.1, 0.1], [-speed, 0.0, 0.0])
+        + &grain([0.19, 0.013, 0.027], [speed, 0.0, 0.0])
+        + &grain([0.017, -0.031, -0.14], [0.0, 0.0, -speed])
+        + &grain([0.107, 0.103, -0.09], [0.0, 0.0, -speed])
+        + &grain([-0.1 + 0.03 * angle.cos(), 0.007, 0.03 * angle.sin()], towards);
+    in_each(&scene(0.0, 0.03, 0.03, &body), 0.02, |code, recording| {
+        let last = recording.frames.last().unwrap();
+        for (id, what) in ["first of a pair", "second of a pair", "box", "plane", "disc", "cylinder"].iter().enumerate() {
+            let before = velocity(&recording.frames[0], id);
+            let after = -velocity(last, id).dot(&before) / before.norm_squared();
+            if code == "YADE" && *what == "cylinder" {
+                // YADE counts every facet within reach: their dampings add up wherever facets are narrow.
+                assert!((0.1..0.303).contains(&after), "YADE: restitution on a cylinder is {after}");
+                continue;
+            }
+            close(code, &format!("restitution, {what},"), after, 0.3, 0.003);
+        }
+    });
+}
+
+#[test]
+fn grains_on_slopes_belts_lifts_and_in_drums() {
+    let tilt = std::f64::consts::FRAC_PI_6;
+    let (sine, cosine) = tilt.sin_cos();
+    let (up, down) = (Vector3::new(sine, 0.0, cosine), Vector3::new(cosine, 0.0, -sine));
+    let centres = [Vector3::new(-0.1, -0.1, 0.0), Vector3::new(-0.1, 0.1, 0.0)];
+    let on = |centre: Vector3<f64>, normal: Vector3<f64>| grain((centre + normal * RADIUS).into(), [0.0; 3]);
+    let disc = |x: f64, y: f64, normal: [f64; 3]| {
+        format!("kind = 'disc', centre = [{x}, {y}, 0.0], normal = {normal:?}, radius = 0.05")
+    };
+    let flat = Vector3::z();
+    let body = wall("rough", &disc(-0.1, -0.1, up.into()), FIXED)
+        + &wall("slick", &disc(-0.1, 0.1, up.into()), FIXED)
+        + &wall("grain", &disc(0.1, -0.1, flat.into()), "kind = 'translating', velocity = [0, 0.1, 0]")
+        + &wall("grain", &disc(0.1, 0.1, flat.into()), "kind = 'translating', velocity = [0, 0, 0.05], start = 0.02, stop = 0.05")
+        + &wall(
+            "grain",
+            "kind = 'cylinder', base = [0, -0.05, 0.2], axis = [0, 1, 0], radius = 0.05, length = 0.1",
+            "kind = 'rotating', point = [0, 0, 0.2], axis = [0, 2, 0], rate = 5.0",
+        )
+        + &on(centres[0], up)
+        + &on(centres[1], up)
+        + &on(Vector3::new(0.1, -0.1, 0.0), flat)
+        + &on(Vector3::new(0.107, 0.103, 0.0), flat)
+        + &on(Vector3::new(0.0, 0.007, 0.15), flat);
+    let time = 0.1;
+    in_each(&scene(GRAVITY, time, 0.001, &body), 0.05, |code, recording| {
+        let last = recording.frames.last().unwrap();
+        let weight = mass() * GRAVITY;
+        // Rolling down a rough slope: 5/7 of the gravity along it; two sevenths of the pull go through friction.
+        close(code, "speed on the rough slope", velocity(last, 0).dot(&down), 5.0 / 7.0 * GRAVITY * sine * time, 0.005);
+        let touch = contact(last, 0, 0);
+        // Nothing damps the tangential spring, so that friction swings about its mean.
+        let frames = &recording.frames[20..];
+        let pull = |frame: &Snapshot| Vector3::from(contact(frame, 0, 0).tangential_force).dot(&down) / weight;
+        let mean = frames.iter().map(pull).sum::<f64>() / frames.len() as f64;
+        close(code, "friction on the rough slope", mean, 2.0 / 7.0 * sine, 0.02);
+        close(code, "normal on the rough slope", Vector3::from(touch.normal).dot(&up), -1.0, 1e-6);
+        // Sliding down a slick one, where friction below 2/7 tan(tilt) cannot hold the surfaces together.
+        let sliding = GRAVITY * (sine - 0.05 * cosine) * time;
+        close(code, "speed on the slick slope", velocity(last, 1).dot(&down), sliding, 0.01 * sliding);
+        let touch = contact(last, 1, 1);
+        close(code, "friction on the slick slope", Vector3::from(touch.tangential_force).dot(&down) / weight, 0.05 * cosine, 0.002);
+        close(code, "spin on the slick slope", last.particles[1].spin[1] * RADIUS, 2.5 * 0.05 * GRAVITY * cosine * time, 0.003);
+        // On a belt that starts at once, 2/7 of its speed when slipping ends, give or take the spring that winds up meanwhile.
+        close(code, "speed on the belt", last.particles[2].velocity[1], 0.1 * 2.0 / 7.0, 0.002);
+        close(code, "spin on the belt", last.particles[2].spin[0] * RADIUS, 0.1 * 5.0 / 7.0, 0.004);
+        // A lift that goes 1.5 mm up and stops; the overlap is Hertz's.
+        let stiffness = 4.0 / 3.0 * 1e7 / (2.0 * (1.0 - 0.09)) * RADIUS.sqrt();
+        let overlap = (weight / stiffness).powf(2.0 / 3.0);
+        close(code, "overlap on the lift", RADIUS + 0.05 * 0.03 - last.particles[3].position[2], overlap, 0.02 * overlap);
+        let touch = contact(last, 3, 3);
+        close(code, "weight on the lift", touch.normal_force / weight, 1.0, 0.01);
+        close(code, "height of the lift", touch.point[2], 0.0015, overlap);
+        // At the bottom of a drum whose floor moves towards -x, slipping still after 10 ms.
+        let early = &recording.frames[10];
+        close(code, "time of the eleventh frame", early.time, 0.01, 1e-9);
+        let slipping = 0.5 * GRAVITY * 0.01;
+        close(code, "speed in the drum", early.particles[4].velocity[0], -slipping, 0.04 * slipping);
+        close(code, "spin in the drum", early.particles[4].spin[1] * RADIUS, 2.5 * slipping, 0.06 * slipping);
+        assert!(contact(early, 4, 4).tangential_force[0] > 0.0, "{code}: the drum drags the grain, not the other way");
+    });
+}
+
+#[test]
+fn every_grain_of_a_small_packing_is_in_balance() {
+    let mut body = wall("rough", "kind = 'box', min = [0, 0, 0], max = [0.031, 0.029, 0.2], open = ['+z']", FIXED);
+    for index in 0..12 {
+        let (layer, place) = (index / 4, index % 4);
+        let shift = 0.001 * f64::from(layer);
+        let (x, y) = (f64::from(place % 2), f64::from(place / 2));
+        body += &grain([0.007 + 0.012 * x + shift, 0.008 + 0.011 * y + 0.5 * shift, 0.007 + 0.011 * f64::from(layer)], [0.0; 3]);
+    }
+    in_each(&scene(GRAVITY, 1.5, 0.5, &body), 0.2, |code, recording| {
+        let last = recording.frames.last().unwrap();
+        let weight = mass() * GRAVITY;
+        let mut force = vec![Vector3::new(0.0, 0.0, -weight); last.particles.len()];
+        let mut torque = vec![Vector3::zeros(); last.particles.len()];
+        let mut on_walls = 0.0;
+        let mut pairs = 0;
+        for contact in &last.contacts {
+            let on_partner = Vector3::from(contact.normal) * contact.normal_force + Vector3::from(contact.tangential_force);
+            let arm = |id: usize| Vector3::from(contact.point) - Vector3::from(last.particles[id].position);
+            let first = contact.first as usize;
+            force[first] -= on_partner;
+            torque[first] -= arm(first).cross(&on_partner);
+            match contact.second {
+                Partner::Grain(second) => {
+                    pairs += 1;
+                    force[second as usize] += on_partner;
+                    torque[second as usize] += arm(second as usize).cross(&on_partner);
+                }
+                Partner::Wall(_) => on_walls -= on_partner.z,
+            }
+        }
+        assert!(pairs > 8, "{code}: only {pairs} contacts between grains");
+        close(code, "wall force over weight", on_walls / (12.0 * weight), 1.0, 0.01);
+        for id in 0..last.particles.len() {
+            close(code, &format!("force on grain {id} over weight"), force[id].norm() / weight, 0.0, 0.05);
+            close(code, &format!("torque on grain {id}"), torque[id].norm() / (weight * RADIUS), 0.0, 0.05);
+        }
+    });
+}
