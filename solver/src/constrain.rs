@@ -221,8 +221,10 @@ fn assemble(
         bias: constraint.bias,
         regularisation: constraint.regularisation,
         friction: material.friction,
-        impulse_normal: remembered.normal * warm_start,
-        impulse_tangential: tangential.into(),
+        impulse: Impulse {
+            normal: remembered.normal * warm_start,
+            tangential: tangential.into(),
+        },
         source,
     }
 }

@@ -16,6 +16,7 @@ pub mod checkpoint;
 pub mod constrain;
 pub mod detect;
 pub mod effects;
+mod energy;
 pub mod partition;
 pub mod scene;
 mod schedule;
@@ -25,4 +26,5 @@ pub mod solve;
 pub mod sweep;
 pub mod world;
 
-pub use simulation::{Energy, PhaseSeconds, Simulation, StepReport};
+pub use energy::Energy;
+pub use simulation::{PhaseSeconds, Simulation, StepReport};

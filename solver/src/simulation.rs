@@ -2,14 +2,12 @@
 
 use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
-use crate::detect::{Candidates, Impulse};
-use crate::effects::compliance::NormalContact;
+use crate::detect::Candidates;
 use crate::partition::{BoxGrid, Layout};
 use crate::scene::{Scene, SceneError, SolverSettings, populate};
-use crate::snapshot::{Contact, Particle, Partner, Snapshot};
 use crate::solve::{SolveReport, solve};
 use crate::sweep::{InstructionSet, Relaxation};
-use crate::world::{LANES, World};
+use crate::world::World;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -25,7 +23,7 @@ pub struct Simulation {
     skin: f64,
     relaxation: Relaxation,
     constrainer: Constrainer,
-    layout: Layout,
+    pub(crate) layout: Layout,
     pub(crate) steps: u64,
     contact_sweeps: u64,
     phases: PhaseSeconds,
@@ -51,17 +49,6 @@ pub struct StepReport {
     pub solve: SolveReport,
     /// Number of contacts.
     pub contacts: usize,
-}
-
-/// Mechanical energy, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Energy {
-    /// Kinetic energy of translation and rotation.
-    pub kinetic: f64,
-    /// Potential energy in the field of gravity, zero at the origin.
-    pub potential: f64,
-    /// Elastic energy of the overlaps.
-    pub elastic: f64,
 }
 
 impl Simulation {
@@ -163,25 +150,14 @@ impl Simulation {
     }
 
     fn remember_impulses(&mut self) {
-        let candidates = &mut self.candidates;
         for group in &self.layout.pairs {
-            for lane in
-                (0..LANES).filter(|&lane| group.first[lane] < self.world.positions.len() as u32)
-            {
-                candidates.pair_impulses[group.source[lane] as usize] = Impulse {
-                    normal: group.impulse_normal.0[lane],
-                    tangential: std::array::from_fn(|axis| group.impulse_tangential[axis].0[lane]),
-                };
+            for (lane, source) in group.contacts.occupied() {
+                self.candidates.pair_impulses[source] = group.contacts.impulse(lane);
             }
         }
         for group in &self.layout.walls {
-            for lane in
-                (0..LANES).filter(|&lane| group.body[lane] < self.world.positions.len() as u32)
-            {
-                candidates.wall_impulses[group.source[lane] as usize] = Impulse {
-                    normal: group.impulse_normal.0[lane],
-                    tangential: std::array::from_fn(|axis| group.impulse_tangential[axis].0[lane]),
-                };
+            for (lane, source) in group.contacts.occupied() {
+                self.candidates.wall_impulses[source] = group.contacts.impulse(lane);
             }
         }
     }
@@ -251,148 +227,6 @@ impl Simulation {
         if instruction_set.is_available() {
             self.relaxation.instruction_set = instruction_set;
         }
-    }
-
-    /// Grains as they are now, and the contacts of the last step with their forces (impulse over time step).
-    pub fn snapshot(&self) -> Snapshot {
-        let particles = self
-            .world
-            .positions
-            .iter()
-            .zip(&self.world.bodies)
-            .enumerate();
-        let particles = particles.map(|(id, (position, body))| Particle {
-            id: id as u32,
-            position: (*position).into(),
-            radius: body.radius,
-            velocity: body.velocity,
-            spin: body.surface_speed.map(|component| component / body.radius),
-        });
-        Snapshot {
-            time: self.world.time,
-            particles: particles.collect(),
-            contacts: self.contacts(),
-        }
-    }
-
-    fn contacts(&self) -> Vec<Contact> {
-        let grains = self.world.grains() as u32;
-        let to_force = 1.0 / self.settings.step;
-        let mut contacts = Vec::with_capacity(self.layout.contacts);
-        let mut add = |first: u32,
-                       second: Partner,
-                       point: Vector3<f64>,
-                       normal: [f64; 3],
-                       along: f64,
-                       across: [f64; 3]| {
-            if along > 0.0 {
-                contacts.push(Contact {
-                    first,
-                    second,
-                    point: point.into(),
-                    normal,
-                    normal_force: along * to_force,
-                    tangential_force: across.map(|component| component * to_force),
-                });
-            }
-        };
-        for group in &self.layout.pairs {
-            for lane in (0..LANES).filter(|&lane| group.first[lane] < grains) {
-                let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
-                let normal: [f64; 3] = std::array::from_fn(|axis| group.normal[axis].0[lane]);
-                let across = std::array::from_fn(|axis| group.impulse_tangential[axis].0[lane]);
-                let arm = self.world.positions[j] - self.world.positions[i];
-                let depth =
-                    0.5 * (arm.norm() + self.world.bodies[i].radius - self.world.bodies[j].radius);
-                let point = self.world.positions[i] + Vector3::from(normal) * depth;
-                add(
-                    i as u32,
-                    Partner::Grain(j as u32),
-                    point,
-                    normal,
-                    group.impulse_normal.0[lane],
-                    across,
-                );
-            }
-        }
-        for group in &self.layout.walls {
-            for lane in (0..LANES).filter(|&lane| group.body[lane] < grains) {
-                let i = group.body[lane];
-                let normal: [f64; 3] = std::array::from_fn(|axis| group.normal[axis].0[lane]);
-                let across = std::array::from_fn(|axis| group.impulse_tangential[axis].0[lane]);
-                let surface = self.candidates.walls[group.source[lane] as usize].surface;
-                let wall = self.world.surfaces[surface as usize].wall;
-                let point = self.world.positions[i as usize]
-                    + Vector3::from(normal) * self.world.bodies[i as usize].radius;
-                add(
-                    i,
-                    Partner::Wall(wall),
-                    point,
-                    normal,
-                    group.impulse_normal.0[lane],
-                    across,
-                );
-            }
-        }
-        contacts
-    }
-
-    /// Mechanical energy of the present state, J.
-    pub fn energy(&self) -> Energy {
-        let mut energy = Energy::default();
-        for (position, body) in self.world.positions.iter().zip(&self.world.bodies) {
-            let mass = 1.0 / body.inverse_mass;
-            let square = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>();
-            energy.kinetic +=
-                0.5 * mass * (square(&body.velocity) + 0.4 * square(&body.surface_speed));
-            energy.potential -= mass * self.world.gravity.dot(position);
-        }
-        for contact in self.overlaps() {
-            energy.elastic += contact.elastic_energy(self.settings.normal_law);
-        }
-        energy
-    }
-
-    /// Normal state of every candidate that overlaps now.
-    fn overlaps(&self) -> impl Iterator<Item = NormalContact> + '_ {
-        let world = &self.world;
-        let pairs = self.candidates.pairs.iter().map(|pair| {
-            let (i, j) = (pair.first as usize, pair.second as usize);
-            let (a, b) = (world.bodies[i].radius, world.bodies[j].radius);
-            NormalContact {
-                overlap: a + b - (world.positions[j] - world.positions[i]).norm(),
-                velocity: 0.0,
-                effective_modulus: world
-                    .table
-                    .between_grains(world.materials[i], world.materials[j])
-                    .effective_modulus,
-                effective_radius: a * b / (a + b),
-                inverse_mass: 0.0,
-                damping_ratio: 0.0,
-            }
-        });
-        let poses: Vec<_> = world
-            .surfaces
-            .iter()
-            .map(|surface| surface.at(world.time))
-            .collect();
-        let walls = self.candidates.walls.iter().map(move |wall| {
-            let grain = wall.body as usize;
-            let surface = wall.surface as usize;
-            let radius = world.bodies[grain].radius;
-            NormalContact {
-                overlap: radius - poses[surface].nearest(&world.positions[grain]).0,
-                velocity: 0.0,
-                effective_modulus: world
-                    .table
-                    .with_wall(world.materials[grain], world.surfaces[surface].material)
-                    .effective_modulus,
-                effective_radius: radius,
-                inverse_mass: 0.0,
-                damping_ratio: 0.0,
-            }
-        });
-        pairs.chain(walls).filter(|contact| contact.overlap > 0.0)
     }
 }
 

@@ -1,5 +1,8 @@
 //! What leaves a simulation: two tables, particles and contacts. Every code delivers the same two.
 
+use crate::Simulation;
+use crate::detect::Impulse;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// State of one grain.
@@ -52,4 +55,90 @@ pub struct Snapshot {
     pub particles: Vec<Particle>,
     /// Contacts that bear a force.
     pub contacts: Vec<Contact>,
+}
+
+impl Simulation {
+    /// Grains as they are now, and the contacts of the last step with their forces (impulse over time step).
+    pub fn snapshot(&self) -> Snapshot {
+        let world = &self.world;
+        let particles = world.positions.iter().zip(&world.bodies).enumerate();
+        let particles = particles.map(|(id, (position, body))| Particle {
+            id: id as u32,
+            position: (*position).into(),
+            radius: body.radius,
+            velocity: body.velocity,
+            spin: body.surface_speed.map(|component| component / body.radius),
+        });
+        let contacts = self
+            .pair_contacts()
+            .chain(self.wall_contacts())
+            .filter(|contact| contact.normal_force > 0.0);
+        Snapshot {
+            time: world.time,
+            particles: particles.collect(),
+            contacts: contacts.collect(),
+        }
+    }
+
+    fn pair_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        let world = &self.world;
+        self.layout.pairs.iter().flat_map(move |group| {
+            group.contacts.occupied().map(move |(lane, _)| {
+                let (first, second) = (group.first[lane], group.second[lane]);
+                let (i, j) = (first as usize, second as usize);
+                // The contact point lies in the middle of the overlap.
+                let distance = (world.positions[j] - world.positions[i]).norm();
+                let depth = 0.5 * (distance + world.bodies[i].radius - world.bodies[j].radius);
+                let normal = group.contacts.normal(lane);
+                let point = world.positions[i] + Vector3::from(normal) * depth;
+                self.contact(
+                    first,
+                    Partner::Grain(second),
+                    point,
+                    normal,
+                    group.contacts.impulse(lane),
+                )
+            })
+        })
+    }
+
+    fn wall_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        let world = &self.world;
+        self.layout.walls.iter().flat_map(move |group| {
+            group.contacts.occupied().map(move |(lane, source)| {
+                let grain = group.body[lane];
+                let surface = self.candidates.walls[source].surface;
+                let wall = world.surfaces[surface as usize].wall;
+                let normal = group.contacts.normal(lane);
+                let reach = Vector3::from(normal) * world.bodies[grain as usize].radius;
+                let point = world.positions[grain as usize] + reach;
+                self.contact(
+                    grain,
+                    Partner::Wall(wall),
+                    point,
+                    normal,
+                    group.contacts.impulse(lane),
+                )
+            })
+        })
+    }
+
+    fn contact(
+        &self,
+        first: u32,
+        second: Partner,
+        point: Vector3<f64>,
+        normal: [f64; 3],
+        impulse: Impulse,
+    ) -> Contact {
+        let h = self.settings.step;
+        Contact {
+            first,
+            second,
+            point: point.into(),
+            normal,
+            normal_force: impulse.normal / h,
+            tangential_force: impulse.tangential.map(|component| component / h),
+        }
+    }
 }

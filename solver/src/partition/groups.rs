@@ -1,11 +1,31 @@
-//! Lane groups: eight contacts that share no body, and how contacts are packed into them.
+//! Lane groups: eight contacts that share no body.
 
-use super::Layout;
+use crate::detect::Impulse;
 use crate::sweep::Lanes;
 use crate::world::LANES;
 
 /// Marks a lane that holds no contact.
-pub(crate) const NO_SOURCE: u32 = u32::MAX;
+const NO_SOURCE: u32 = u32::MAX;
+
+/// Constraint data and impulses of eight contacts.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct ContactLanes {
+    /// Unit normals from the first body to the second, or to the wall.
+    pub normal: [Lanes; 3],
+    /// Biases q, m/s.
+    pub bias: Lanes,
+    /// Regularisations Sigma', 1/kg.
+    pub regularisation: Lanes,
+    /// Friction coefficients.
+    pub friction: Lanes,
+    /// Normal impulses, N s.
+    pub impulse_normal: Lanes,
+    /// Tangential impulses on the second body, or on the wall, N s.
+    pub impulse_tangential: [Lanes; 3],
+    /// Candidates that the contacts came from.
+    source: [u32; LANES],
+}
 
 /// Eight contacts of pairs of grains that share no body.
 #[derive(Clone, Copy, Debug)]
@@ -15,20 +35,8 @@ pub struct PairGroup {
     pub first: [u32; LANES],
     /// Second bodies.
     pub second: [u32; LANES],
-    /// Unit normals from the first to the second.
-    pub normal: [Lanes; 3],
-    /// Biases q, m/s.
-    pub bias: Lanes,
-    /// Regularisations Sigma', 1/kg.
-    pub regularisation: Lanes,
-    /// Friction coefficients.
-    pub friction: Lanes,
-    /// Normal impulses, N s.
-    pub impulse_normal: Lanes,
-    /// Tangential impulses on the second body, N s.
-    pub impulse_tangential: [Lanes; 3],
-    /// Candidates that the contacts came from.
-    pub source: [u32; LANES],
+    /// Their contacts.
+    pub contacts: ContactLanes,
 }
 
 /// Eight contacts of different grains with walls.
@@ -37,72 +45,26 @@ pub struct PairGroup {
 pub struct WallGroup {
     /// Grains.
     pub body: [u32; LANES],
-    /// Unit normals from the grain to the wall.
-    pub normal: [Lanes; 3],
     /// Velocities of the wall at the contacts, m/s.
     pub wall_velocity: [Lanes; 3],
-    /// Biases q, m/s.
-    pub bias: Lanes,
-    /// Regularisations Sigma', 1/kg.
-    pub regularisation: Lanes,
-    /// Friction coefficients.
-    pub friction: Lanes,
-    /// Normal impulses, N s.
-    pub impulse_normal: Lanes,
-    /// Tangential impulses on the wall, N s.
-    pub impulse_tangential: [Lanes; 3],
-    /// Candidates that the contacts came from.
-    pub source: [u32; LANES],
+    /// Their contacts.
+    pub contacts: ContactLanes,
 }
 
-/// Constraint data that pair and wall contacts have in common.
+/// Constraint data of one contact on its way into a lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constraint {
     pub normal: [f64; 3],
     pub bias: f64,
     pub regularisation: f64,
     pub friction: f64,
-    pub impulse_normal: f64,
-    pub impulse_tangential: [f64; 3],
+    pub impulse: Impulse,
     pub source: u32,
 }
 
-/// A contact of two grains on its way into a lane group.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PairEntry {
-    pub first: u32,
-    pub second: u32,
-    pub constraint: Constraint,
-}
-
-/// A wall contact on its way into a lane group.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WallEntry {
-    pub body: u32,
-    pub wall_velocity: [f64; 3],
-    pub constraint: Constraint,
-}
-
-macro_rules! set_constraint {
-    ($group:expr, $lane:expr, $constraint:expr) => {
-        for axis in 0..3 {
-            $group.normal[axis].0[$lane] = $constraint.normal[axis];
-            $group.impulse_tangential[axis].0[$lane] = $constraint.impulse_tangential[axis];
-        }
-        $group.bias.0[$lane] = $constraint.bias;
-        $group.regularisation.0[$lane] = $constraint.regularisation;
-        $group.friction.0[$lane] = $constraint.friction;
-        $group.impulse_normal.0[$lane] = $constraint.impulse_normal;
-        $group.source[$lane] = $constraint.source;
-    };
-}
-
-impl PairGroup {
-    /// A group of padding lanes, which point at the dummies behind `grains` bodies.
-    fn padding(grains: u32) -> PairGroup {
-        PairGroup {
-            first: std::array::from_fn(|lane| grains + lane as u32),
-            second: std::array::from_fn(|lane| grains + (LANES + lane) as u32),
+impl ContactLanes {
+    fn padding() -> ContactLanes {
+        ContactLanes {
             normal: [Lanes::default(); 3],
             bias: Lanes::default(),
             regularisation: Lanes::default(),
@@ -110,150 +72,63 @@ impl PairGroup {
             impulse_normal: Lanes::default(),
             impulse_tangential: [Lanes::default(); 3],
             source: [NO_SOURCE; LANES],
+        }
+    }
+
+    pub(super) fn set(&mut self, lane: usize, constraint: &Constraint) {
+        for axis in 0..3 {
+            self.normal[axis].0[lane] = constraint.normal[axis];
+            self.impulse_tangential[axis].0[lane] = constraint.impulse.tangential[axis];
+        }
+        self.bias.0[lane] = constraint.bias;
+        self.regularisation.0[lane] = constraint.regularisation;
+        self.friction.0[lane] = constraint.friction;
+        self.impulse_normal.0[lane] = constraint.impulse.normal;
+        self.source[lane] = constraint.source;
+    }
+
+    /// Lanes that hold a contact, with the candidates that these came from.
+    pub fn occupied(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let occupied = |&(_, &source): &(usize, &u32)| source != NO_SOURCE;
+        self.source
+            .iter()
+            .enumerate()
+            .filter(occupied)
+            .map(|(lane, &source)| (lane, source as usize))
+    }
+
+    /// Impulse of the contact in a lane, N s.
+    pub fn impulse(&self, lane: usize) -> Impulse {
+        Impulse {
+            normal: self.impulse_normal.0[lane],
+            tangential: std::array::from_fn(|axis| self.impulse_tangential[axis].0[lane]),
+        }
+    }
+
+    /// Normal of the contact in a lane.
+    pub fn normal(&self, lane: usize) -> [f64; 3] {
+        std::array::from_fn(|axis| self.normal[axis].0[lane])
+    }
+}
+
+impl PairGroup {
+    /// A group of padding lanes, which point at the dummies behind `grains` bodies.
+    pub(super) fn padding(grains: u32) -> PairGroup {
+        PairGroup {
+            first: std::array::from_fn(|lane| grains + lane as u32),
+            second: std::array::from_fn(|lane| grains + (LANES + lane) as u32),
+            contacts: ContactLanes::padding(),
         }
     }
 }
 
 impl WallGroup {
-    fn padding(grains: u32) -> WallGroup {
+    /// As [`PairGroup::padding`].
+    pub(super) fn padding(grains: u32) -> WallGroup {
         WallGroup {
             body: std::array::from_fn(|lane| grains + lane as u32),
-            normal: [Lanes::default(); 3],
             wall_velocity: [Lanes::default(); 3],
-            bias: Lanes::default(),
-            regularisation: Lanes::default(),
-            friction: Lanes::default(),
-            impulse_normal: Lanes::default(),
-            impulse_tangential: [Lanes::default(); 3],
-            source: [NO_SOURCE; LANES],
+            contacts: ContactLanes::padding(),
         }
-    }
-}
-
-/// Number of groups that are open for contacts at a time.
-const WINDOW: u64 = 64;
-
-/// Packs contacts first-fit into groups, looking at a window of open groups.
-///
-/// Each body remembers in which open groups it already is, as a mask relative to the window's start. The numbers of
-/// groups grow without end, so that nothing must be reset between tasks or steps.
-#[derive(Clone, Debug)]
-pub(crate) struct Packer {
-    taken: Vec<(u64, u64)>,
-    /// Number of the window's first group.
-    start: u64,
-    /// Number of groups opened since the window's start.
-    opened: u64,
-    /// Groups of the window that still have a free lane.
-    open: u64,
-    /// Lanes filled in each group of the window, by group number modulo the window.
-    filled: [u8; WINDOW as usize],
-}
-
-impl Default for Packer {
-    fn default() -> Packer {
-        Packer {
-            taken: Vec::new(),
-            start: 0,
-            opened: 0,
-            open: 0,
-            filled: [0; WINDOW as usize],
-        }
-    }
-}
-
-impl Packer {
-    pub fn resize(&mut self, bodies: usize) {
-        self.taken.resize(bodies, (0, 0));
-    }
-
-    /// Closes all open groups: the next contact opens a new one.
-    fn close(&mut self) {
-        self.start += self.opened;
-        self.opened = 0;
-        self.open = 0;
-    }
-
-    #[inline]
-    fn mask_of(&self, body: u32) -> u64 {
-        let (mask, since) = self.taken[body as usize];
-        let age = self.start - since;
-        if age < WINDOW { mask >> age } else { 0 }
-    }
-
-    /// Finds the group and lane for a contact of these bodies: (place in the window, lane).
-    #[inline]
-    fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (u64, usize) {
-        let masks = bodies.map(|body| self.mask_of(body));
-        let mut free = self.open & !masks.iter().fold(0, |all, mask| all | mask);
-        if free == 0 {
-            if self.opened == WINDOW {
-                self.advance();
-                return self.place(bodies);
-            }
-            free = 1 << self.opened;
-            self.filled[((self.start + self.opened) % WINDOW) as usize] = 0;
-            self.open |= free;
-            self.opened += 1;
-        }
-        let place = u64::from(free.trailing_zeros());
-        for (body, mask) in bodies.into_iter().zip(masks) {
-            self.taken[body as usize] = (mask | 1 << place, self.start);
-        }
-        let filled = &mut self.filled[((self.start + place) % WINDOW) as usize];
-        let lane = *filled as usize;
-        *filled += 1;
-        if lane + 1 == LANES {
-            self.open &= !(1 << place);
-        }
-        (place, lane)
-    }
-
-    /// Moves the window past its full groups, or past its first group if that still has room.
-    fn advance(&mut self) {
-        let full = u64::from((self.open | 1 << (WINDOW - 1)).trailing_zeros()).max(1);
-        self.start += full;
-        self.opened -= full;
-        self.open >>= full;
-    }
-
-    /// Packs a task's contacts of pairs behind the groups that the layout has.
-    pub fn pack_pairs(&mut self, entries: &[PairEntry], grains: u32, layout: &mut Layout) {
-        self.close();
-        let before = self.start;
-        let base = layout.pairs.len();
-        for entry in entries {
-            let (place, lane) = self.place([entry.first, entry.second]);
-            let at = base + (self.start - before + place) as usize;
-            if at == layout.pairs.len() {
-                layout.pairs.push(PairGroup::padding(grains));
-            }
-            let group = &mut layout.pairs[at];
-            group.first[lane] = entry.first;
-            group.second[lane] = entry.second;
-            set_constraint!(group, lane, entry.constraint);
-        }
-        layout.contacts += entries.len();
-    }
-
-    /// Packs a task's wall contacts behind the groups that the layout has.
-    pub fn pack_walls(&mut self, entries: &[WallEntry], grains: u32, layout: &mut Layout) {
-        self.close();
-        let before = self.start;
-        let base = layout.walls.len();
-        for entry in entries {
-            let (place, lane) = self.place([entry.body]);
-            let at = base + (self.start - before + place) as usize;
-            if at == layout.walls.len() {
-                layout.walls.push(WallGroup::padding(grains));
-            }
-            let group = &mut layout.walls[at];
-            group.body[lane] = entry.body;
-            for axis in 0..3 {
-                group.wall_velocity[axis].0[lane] = entry.wall_velocity[axis];
-            }
-            set_constraint!(group, lane, entry.constraint);
-        }
-        layout.contacts += entries.len();
     }
 }

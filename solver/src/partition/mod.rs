@@ -13,10 +13,12 @@
 
 mod boxes;
 mod groups;
+mod packing;
 
 pub use boxes::{BoxGrid, STAGES};
-pub(crate) use groups::{Constraint, Packer, PairEntry, WallEntry};
-pub use groups::{PairGroup, WallGroup};
+pub(crate) use groups::Constraint;
+pub use groups::{ContactLanes, PairGroup, WallGroup};
+pub(crate) use packing::{Packer, PairEntry, WallEntry};
 
 /// Lane groups of one task: ranges in the groups of pairs and of walls.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -18,7 +18,7 @@
 use super::lanes::{Lanes, cross, dot};
 use super::residual::GroupResidual;
 use crate::effects::friction::disc_shrinkage;
-use crate::partition::{PairGroup, WallGroup};
+use crate::partition::{ContactLanes, PairGroup, WallGroup};
 use crate::world::{Body, LANES};
 
 /// Inverse of `I/(m r^2)` for a solid sphere.
@@ -84,33 +84,24 @@ fn push<const FRICTION: bool>(
     }
 }
 
-/// Constraint data of eight contacts, as the relaxation needs it.
-struct EightContacts<'a> {
-    normal: &'a [Lanes; 3],
-    bias: Lanes,
-    regularisation: Lanes,
-    friction: Lanes,
-}
-
-/// The one-contact solution: updates the impulses and returns their change.
+/// The one-contact solution of eight contacts: updates their impulses and returns the change.
 #[inline(always)]
 fn relax<const FRICTION: bool, const MEASURE: bool>(
-    contacts: &EightContacts<'_>,
+    contacts: &mut ContactLanes,
     velocity: [Lanes; 3],
     inverse_mass: Lanes,
     relaxation: Lanes,
-    impulse_normal: &mut Lanes,
-    impulse_tangential: &mut [Lanes; 3],
     residual: &mut GroupResidual,
 ) -> [Lanes; 3] {
     let normal = contacts.normal;
     // Normal impulse, projected onto repulsion.
-    let normal_velocity = dot(*normal, velocity);
+    let normal_velocity = dot(normal, velocity);
     let operator = inverse_mass + contacts.regularisation;
-    let violation = contacts.bias - normal_velocity - contacts.regularisation * *impulse_normal;
-    let updated = (*impulse_normal + relaxation * violation / operator).at_least_zero();
-    let change = updated - *impulse_normal;
-    *impulse_normal = updated;
+    let violation =
+        contacts.bias - normal_velocity - contacts.regularisation * contacts.impulse_normal;
+    let updated = (contacts.impulse_normal + relaxation * violation / operator).at_least_zero();
+    let change = updated - contacts.impulse_normal;
+    contacts.impulse_normal = updated;
     if MEASURE {
         residual.add_normal(change * operator);
     }
@@ -122,18 +113,18 @@ fn relax<const FRICTION: bool, const MEASURE: bool>(
         let mut target = [Lanes::default(); 3];
         for axis in 0..3 {
             let tangential = velocity[axis] - normal[axis] * normal_velocity;
-            target[axis] = impulse_tangential[axis] + tangential * step;
+            target[axis] = contacts.impulse_tangential[axis] + tangential * step;
         }
         let shrinkage = disc_shrinkage(target, contacts.friction * updated);
         let mut change = [Lanes::default(); 3];
         for axis in 0..3 {
             let updated = target[axis] * shrinkage;
-            change[axis] = updated - impulse_tangential[axis];
-            impulse_tangential[axis] = updated;
+            change[axis] = updated - contacts.impulse_tangential[axis];
+            contacts.impulse_tangential[axis] = updated;
             impulse[axis] = impulse[axis] + change[axis];
         }
         if MEASURE {
-            residual.add_tangential(*normal, change.map(|component| component * operator));
+            residual.add_tangential(normal, change.map(|component| component * operator));
         }
     }
     impulse
@@ -161,28 +152,20 @@ pub(super) fn sweep_pairs<const FRICTION: bool, const MEASURE: bool>(
             for axis in 0..3 {
                 rolling[axis] = first.surface_speed[axis] + second.surface_speed[axis];
             }
-            let rolling = cross(rolling, group.normal);
+            let rolling = cross(rolling, group.contacts.normal);
             for axis in 0..3 {
                 velocity[axis] = velocity[axis] - rolling[axis];
             }
         }
-        let contacts = EightContacts {
-            normal: &group.normal,
-            bias: group.bias,
-            regularisation: group.regularisation,
-            friction: group.friction,
-        };
         let impulse = relax::<FRICTION, MEASURE>(
-            &contacts,
+            &mut group.contacts,
             velocity,
             first.inverse_mass + second.inverse_mass,
             relaxation,
-            &mut group.impulse_normal,
-            &mut group.impulse_tangential,
             residual,
         );
         // Both bodies take the impulse; their spins change alike.
-        let lever = cross(group.normal, impulse);
+        let lever = cross(group.contacts.normal, impulse);
         push::<FRICTION>(&mut first, -1.0, impulse, lever);
         push::<FRICTION>(&mut second, 1.0, impulse, lever);
         store::<FRICTION>(bodies, &group.first, &first);
@@ -207,27 +190,19 @@ pub(super) fn sweep_walls<const FRICTION: bool, const MEASURE: bool>(
             velocity[axis] = group.wall_velocity[axis] - grain.velocity[axis];
         }
         if FRICTION {
-            let rolling = cross(grain.surface_speed, group.normal);
+            let rolling = cross(grain.surface_speed, group.contacts.normal);
             for axis in 0..3 {
                 velocity[axis] = velocity[axis] - rolling[axis];
             }
         }
-        let contacts = EightContacts {
-            normal: &group.normal,
-            bias: group.bias,
-            regularisation: group.regularisation,
-            friction: group.friction,
-        };
         let impulse = relax::<FRICTION, MEASURE>(
-            &contacts,
+            &mut group.contacts,
             velocity,
             grain.inverse_mass,
             relaxation,
-            &mut group.impulse_normal,
-            &mut group.impulse_tangential,
             residual,
         );
-        let lever = cross(group.normal, impulse);
+        let lever = cross(group.contacts.normal, impulse);
         push::<FRICTION>(&mut grain, -1.0, impulse, lever);
         store::<FRICTION>(bodies, &group.body, &grain);
     }
@@ -238,12 +213,8 @@ pub(super) fn apply_pairs<const FRICTION: bool>(bodies: &mut [Body], groups: &[P
     for group in groups {
         let mut first = load::<FRICTION>(bodies, &group.first);
         let mut second = load::<FRICTION>(bodies, &group.second);
-        let impulse = total_impulse(
-            &group.normal,
-            group.impulse_normal,
-            &group.impulse_tangential,
-        );
-        let lever = cross(group.normal, impulse);
+        let impulse = total_impulse(&group.contacts);
+        let lever = cross(group.contacts.normal, impulse);
         push::<FRICTION>(&mut first, -1.0, impulse, lever);
         push::<FRICTION>(&mut second, 1.0, impulse, lever);
         store::<FRICTION>(bodies, &group.first, &first);
@@ -255,21 +226,23 @@ pub(super) fn apply_pairs<const FRICTION: bool>(bodies: &mut [Body], groups: &[P
 pub(super) fn apply_walls<const FRICTION: bool>(bodies: &mut [Body], groups: &[WallGroup]) {
     for group in groups {
         let mut grain = load::<FRICTION>(bodies, &group.body);
-        let impulse = total_impulse(
-            &group.normal,
-            group.impulse_normal,
-            &group.impulse_tangential,
+        let impulse = total_impulse(&group.contacts);
+        push::<FRICTION>(
+            &mut grain,
+            -1.0,
+            impulse,
+            cross(group.contacts.normal, impulse),
         );
-        push::<FRICTION>(&mut grain, -1.0, impulse, cross(group.normal, impulse));
         store::<FRICTION>(bodies, &group.body, &grain);
     }
 }
 
+/// Normal and tangential impulses of eight contacts as vectors.
 #[inline(always)]
-fn total_impulse(normal: &[Lanes; 3], along: Lanes, tangential: &[Lanes; 3]) -> [Lanes; 3] {
-    let mut impulse = *tangential;
+fn total_impulse(contacts: &ContactLanes) -> [Lanes; 3] {
+    let mut impulse = contacts.impulse_tangential;
     for axis in 0..3 {
-        impulse[axis] = impulse[axis] + normal[axis] * along;
+        impulse[axis] = impulse[axis] + contacts.normal[axis] * contacts.impulse_normal;
     }
     impulse
 }
