@@ -9,40 +9,26 @@ use support::{changed, line_of, makadam, smoke};
 /// Runs the command and returns its exit code and what it says on standard error.
 fn fails(folder: &Path, arguments: &[&str]) -> (i32, String) {
     let output = makadam(folder).args(arguments).output().unwrap();
-    (
-        output.status.code().unwrap(),
-        String::from_utf8(output.stderr).unwrap(),
-    )
+    (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
 }
 
 /// Changes the small scene, runs it, and expects exit code 3 with the line and the words.
 fn refused(from: &str, to: &str, at: &str, words: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let scene = changed(folder.path(), from, to);
-    let (code, message) = fails(
-        folder.path(),
-        &["run", scene.to_str().unwrap(), "--output", "out"],
-    );
+    let (code, message) = fails(folder.path(), &["run", scene.to_str().unwrap(), "--output", "out"]);
     assert_eq!(code, 3, "{message}");
     let place = format!("changed.toml:{}:", line_of(&scene, at));
     assert!(message.contains(&place), "no '{place}' in: {message}");
     for word in words {
         assert!(message.contains(word), "no '{word}' in: {message}");
     }
-    assert!(
-        !folder.path().join("out").exists(),
-        "a refused scene leaves nothing behind"
-    );
+    assert!(!folder.path().join("out").exists(), "a refused scene leaves nothing behind");
 }
 
 #[test]
 fn unknown_key() {
-    refused(
-        "friction = 0.5",
-        "fricton = 0.5",
-        "fricton",
-        &["fricton", "friction", "use one of the names"],
-    );
+    refused("friction = 0.5", "fricton = 0.5", "fricton", &["fricton", "friction", "use one of the names"]);
 }
 
 #[test]
@@ -52,48 +38,23 @@ fn wrong_unit() {
 
 #[test]
 fn value_out_of_range() {
-    refused(
-        "restitution = 0.3",
-        "restitution = 1.3",
-        "restitution = 1.3",
-        &["restitution", "1"],
-    );
-    refused(
-        "poisson_ratio = 0.3",
-        "poisson_ratio = 0.7",
-        "poisson_ratio = 0.7",
-        &["poisson_ratio"],
-    );
+    refused("restitution = 0.3", "restitution = 1.3", "restitution = 1.3", &["restitution", "1"]);
+    refused("poisson_ratio = 0.3", "poisson_ratio = 0.7", "poisson_ratio = 0.7", &["poisson_ratio"]);
 }
 
 #[test]
 fn not_toml() {
-    refused(
-        "duration = 0.4",
-        "duration = = 0.4",
-        "duration = = 0.4",
-        &[],
-    );
+    refused("duration = 0.4", "duration = = 0.4", "duration = = 0.4", &[]);
 }
 
 #[test]
 fn unknown_material() {
-    refused(
-        "material = \"wall\"",
-        "material = \"gold\"",
-        "material = \"gold\"",
-        &["gold", "grain, wall"],
-    );
+    refused("material = \"wall\"", "material = \"gold\"", "material = \"gold\"", &["gold", "grain, wall"]);
 }
 
 #[test]
 fn too_many_grains() {
-    refused(
-        "count = 200",
-        "count = 20000",
-        "count = 20000",
-        &["do not fit", "enlarge the region"],
-    );
+    refused("count = 200", "count = 20000", "count = 20000", &["do not fit", "enlarge the region"]);
 }
 
 #[test]
@@ -108,29 +69,10 @@ fn overlapping_grains() {
         [[grain]]\nmaterial = \"grain\"\nradius = 0.002\nposition = [0.0, 0.0, 0.23398]\n\n[measure]";
     let folder = tempfile::tempdir().unwrap();
     // Half a hundredth of the radius is accepted.
-    let scene = changed(
-        folder.path(),
-        "[measure]",
-        &pair.replace("0.23398", "0.23399"),
-    );
-    let accepted = fails(
-        folder.path(),
-        &[
-            "run",
-            scene.to_str().unwrap(),
-            "--steps",
-            "1",
-            "--output",
-            "out",
-        ],
-    );
+    let scene = changed(folder.path(), "[measure]", &pair.replace("0.23398", "0.23399"));
+    let accepted = fails(folder.path(), &["run", scene.to_str().unwrap(), "--steps", "1", "--output", "out"]);
     assert_eq!(accepted.0, 0, "{}", accepted.1);
-    refused(
-        "[measure]",
-        &pair.replace("0.23398", "0.23395"),
-        "position = [0.0, 0.0, 0.23395]",
-        &["overlap"],
-    );
+    refused("[measure]", &pair.replace("0.23398", "0.23395"), "position = [0.0, 0.0, 0.23395]", &["overlap"]);
 }
 
 #[test]
@@ -138,16 +80,10 @@ fn missing_file_and_unknown_scene() {
     let folder = tempfile::tempdir().unwrap();
     let (code, message) = fails(folder.path(), &["run", "nowhere.toml"]);
     assert_eq!(code, 3);
-    assert!(
-        message.contains("nowhere.toml") && message.contains("packing"),
-        "{message}"
-    );
+    assert!(message.contains("nowhere.toml") && message.contains("packing"), "{message}");
     let (code, message) = fails(folder.path(), &["compare", "drumm"]);
     assert_eq!(code, 3);
-    assert!(
-        message.contains("drumm") && message.contains("drum-caps"),
-        "{message}"
-    );
+    assert!(message.contains("drumm") && message.contains("drum-caps"), "{message}");
 }
 
 #[test]
@@ -171,22 +107,10 @@ fn output_that_cannot_be_written() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("file"), "").unwrap();
     let scene = smoke();
-    let (code, message) = fails(
-        folder.path(),
-        &[
-            "run",
-            scene.to_str().unwrap(),
-            "--steps",
-            "5",
-            "--output",
-            "file/out",
-        ],
-    );
+    let (code, message) =
+        fails(folder.path(), &["run", scene.to_str().unwrap(), "--steps", "5", "--output", "file/out"]);
     assert_eq!(code, 1);
-    assert!(
-        message.contains("file/out") && message.contains("writable"),
-        "{message}"
-    );
+    assert!(message.contains("file/out") && message.contains("writable"), "{message}");
 }
 
 #[test]
@@ -197,39 +121,24 @@ fn full_disk_keeps_what_was_there() {
     // The third frame goes to a device that is always full.
     symlink("/dev/full", frames.join("grains-00002.vtp.part")).unwrap();
     let scene = smoke();
-    let (code, message) = fails(
-        folder.path(),
-        &["run", scene.to_str().unwrap(), "--output", "out"],
-    );
+    let (code, message) = fails(folder.path(), &["run", scene.to_str().unwrap(), "--output", "out"]);
     assert_eq!(code, 1);
-    assert!(
-        message.contains("grains-00002.vtp") && message.contains("disk has room"),
-        "{message}"
-    );
+    assert!(message.contains("grains-00002.vtp") && message.contains("disk has room"), "{message}");
     let collection = std::fs::read_to_string(folder.path().join("out/grains.pvd")).unwrap();
     assert_eq!(collection.matches("<DataSet").count(), 2);
     assert!(frames.join("grains-00001.vtp").is_file());
     let table = std::fs::read_to_string(folder.path().join("out/observables.csv")).unwrap();
     assert_eq!(table.lines().count(), 3);
     let summary: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(folder.path().join("out/run.json")).unwrap())
-            .unwrap();
+        serde_json::from_slice(&std::fs::read(folder.path().join("out/run.json")).unwrap()).unwrap();
     assert_eq!(summary["complete"], false);
-    assert!(
-        summary["failure"]
-            .as_str()
-            .unwrap()
-            .contains("grains-00002.vtp")
-    );
+    assert!(summary["failure"].as_str().unwrap().contains("grains-00002.vtp"));
 }
 
 #[test]
 fn full_standard_output() {
     let folder = tempfile::tempdir().unwrap();
-    let full = std::fs::OpenOptions::new()
-        .write(true)
-        .open("/dev/full")
-        .unwrap();
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_makadam"))
         .arg("run")
         .arg(smoke())
@@ -256,30 +165,20 @@ fn an_interrupted_run_stays_readable() {
         .unwrap();
     let second_frame = folder.path().join("out/frames/contacts-00001.vtp");
     while !second_frame.exists() {
-        assert!(
-            child.try_wait().unwrap().is_none(),
-            "the run ended by itself"
-        );
+        assert!(child.try_wait().unwrap().is_none(), "the run ended by itself");
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
-    let interrupted = std::process::Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
+    let interrupted = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(interrupted.success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("interrupted"));
     let summary: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(folder.path().join("out/run.json")).unwrap())
-            .unwrap();
+        serde_json::from_slice(&std::fs::read(folder.path().join("out/run.json")).unwrap()).unwrap();
     assert_eq!(summary["complete"], false);
     assert!(summary["steps"].as_u64().unwrap() > 0);
     let collection = std::fs::read_to_string(folder.path().join("out/grains.pvd")).unwrap();
-    assert_eq!(
-        collection.matches("<DataSet").count() as u64,
-        summary["frames"].as_u64().unwrap()
-    );
+    assert_eq!(collection.matches("<DataSet").count() as u64, summary["frames"].as_u64().unwrap());
 }
 
 /// A program that stands in for a peer: it tells a version, and then does what `body` says.
@@ -299,40 +198,24 @@ fn compare_with(peer: &str, body: &str, limit: &str) -> (i32, String, String) {
     let program = stand_in(folder.path(), body);
     let output = makadam(folder.path())
         .env(format!("MAKADAM_{}", peer.to_uppercase()), program)
-        .args([
-            "compare",
-            smoke().to_str().unwrap(),
-            "--live",
-            "--seeds",
-            "1",
-            "--time-limit",
-            limit,
-        ])
+        .args(["compare", smoke().to_str().unwrap(), "--live", "--seeds", "1", "--time-limit", limit])
         .args(["--codes", &format!("makadam,{peer}")])
         .output()
         .unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (
-        output.status.code().unwrap(),
-        text(output.stdout),
-        text(output.stderr),
-    )
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
 #[test]
 fn a_peer_that_crashes() {
     for peer in ["yade", "liggghts"] {
-        let (code, results, message) =
-            compare_with(peer, "echo 'Segmentation fault'; exit 139", "60");
+        let (code, results, message) = compare_with(peer, "echo 'Segmentation fault'; exit 139", "60");
         assert_eq!(code, 1, "{message}");
         for word in ["failed", "Segmentation fault", "log"] {
             assert!(message.contains(word), "no '{word}' in: {message}");
         }
         // Makadam's own numbers are not lost.
-        assert!(
-            results.contains("Makadam") && results.contains("mean overlap"),
-            "{results}"
-        );
+        assert!(results.contains("Makadam") && results.contains("mean overlap"), "{results}");
     }
 }
 
@@ -342,10 +225,7 @@ fn a_peer_that_hangs() {
         let clock = std::time::Instant::now();
         let (code, results, message) = compare_with(peer, "sleep 600", "1");
         assert_eq!(code, 1, "{message}");
-        assert!(
-            message.contains("stopped after 1 s") && message.contains("--time-limit"),
-            "{message}"
-        );
+        assert!(message.contains("stopped after 1 s") && message.contains("--time-limit"), "{message}");
         assert!(results.contains("Makadam"), "{results}");
         assert!(clock.elapsed().as_secs() < 60);
     }
@@ -357,32 +237,18 @@ fn a_peer_that_is_missing() {
     let scene = smoke();
     let compare = |live: bool| {
         let mut command = makadam(folder.path());
-        command.env("MAKADAM_YADE", "/nowhere/yade").args([
-            "compare",
-            scene.to_str().unwrap(),
-            "--seeds",
-            "1",
-        ]);
+        command.env("MAKADAM_YADE", "/nowhere/yade").args(["compare", scene.to_str().unwrap(), "--seeds", "1"]);
         if live {
             command.arg("--live");
         }
         let output = command.output().unwrap();
-        (
-            output.status.code().unwrap(),
-            String::from_utf8(output.stderr).unwrap(),
-        )
+        (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
     };
     let (code, message) = compare(true);
     assert_eq!(code, 5);
-    assert!(
-        message.contains("YADE is not installed") && message.contains("install-peers"),
-        "{message}"
-    );
+    assert!(message.contains("YADE is not installed") && message.contains("install-peers"), "{message}");
     // The small scene has no recorded references either.
     let (code, message) = compare(false);
     assert_eq!(code, 5);
-    assert!(
-        message.contains("nothing is recorded") && message.contains("--live"),
-        "{message}"
-    );
+    assert!(message.contains("nothing is recorded") && message.contains("--live"), "{message}");
 }

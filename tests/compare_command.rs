@@ -20,12 +20,9 @@ fn with_references(folder: &Path) -> PathBuf {
     );
     for code in ["YADE", "LIGGGHTS"] {
         for seed in 1..=3 {
-            runs += &format!(
-                "{code},1.0,{seed},1e-5,0.1,1.0,4.0,0.4,invented,2026-01-01T00:00:00Z,0\n"
-            );
+            runs += &format!("{code},1.0,{seed},1e-5,0.1,1.0,4.0,0.4,invented,2026-01-01T00:00:00Z,0\n");
             let value = 1.0 + 0.001 * f64::from(seed);
-            measurements +=
-                &format!("{code},1.0,{seed},1e-5,0.1,1.0,wall_force_over_weight,,{value},,1\n");
+            measurements += &format!("{code},1.0,{seed},1e-5,0.1,1.0,wall_force_over_weight,,{value},,1\n");
         }
     }
     let write = |name: &str, text: &str| std::fs::write(references.join(name), text).unwrap();
@@ -40,17 +37,9 @@ fn with_references(folder: &Path) -> PathBuf {
 fn recorded_references_are_used_and_said() {
     let folder = tempfile::tempdir().unwrap();
     let scene = with_references(folder.path());
-    let output = makadam(folder.path())
-        .arg("compare")
-        .arg(&scene)
-        .args(["--json", "--output", "out"])
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let output =
+        makadam(folder.path()).arg("compare").arg(&scene).args(["--json", "--output", "out"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(document["version"], 1);
     assert_eq!(document["verdict"]["standing"], "agree");
@@ -76,24 +65,15 @@ fn recorded_references_are_used_and_said() {
     assert_eq!(row["seeds"], 3);
     assert_eq!(row["outcome"], "agree");
     // The difference between the two references stands beside ours.
-    assert!(
-        rows.iter()
-            .any(|row| row["code"] == "YADE" && row["reference_code"] == "LIGGGHTS")
-    );
+    assert!(rows.iter().any(|row| row["code"] == "YADE" && row["reference_code"] == "LIGGGHTS"));
     for code in document["codes"].as_array().unwrap() {
         assert!(code["wall_seconds_per_simulated_second"].as_f64().unwrap() > 0.0);
         assert!(code["time_step"].as_f64().unwrap() > 0.0);
     }
     let notes = document["notes"].to_string();
-    assert!(
-        notes.contains("YADE was not run") && notes.contains("recorded 2026-01-01 on invented"),
-        "{notes}"
-    );
+    assert!(notes.contains("YADE was not run") && notes.contains("recorded 2026-01-01 on invented"), "{notes}");
     // The invented hash is not this scene's.
-    assert!(
-        notes.contains("the scene has changed since YADE was recorded"),
-        "{notes}"
-    );
+    assert!(notes.contains("the scene has changed since YADE was recorded"), "{notes}");
     let report = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(report.contains("Makadam"));
 }
@@ -103,15 +83,9 @@ fn outside_the_margin_is_exit_code_4() {
     let folder = tempfile::tempdir().unwrap();
     let scene = with_references(folder.path());
     let file = folder.path().join("changed-reference/measurements.csv");
-    let text = std::fs::read_to_string(&file)
-        .unwrap()
-        .replace(",1.00", ",2.00");
+    let text = std::fs::read_to_string(&file).unwrap().replace(",1.00", ",2.00");
     std::fs::write(&file, text).unwrap();
-    let output = makadam(folder.path())
-        .arg("compare")
-        .arg(&scene)
-        .output()
-        .unwrap();
+    let output = makadam(folder.path()).arg("compare").arg(&scene).output().unwrap();
     assert_eq!(output.status.code(), Some(4));
     assert!(String::from_utf8_lossy(&output.stdout).contains("disagree"));
 }
@@ -121,31 +95,19 @@ fn a_bad_reference_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let scene = with_references(folder.path());
     let file = folder.path().join("changed-reference/measurements.csv");
-    let text = std::fs::read_to_string(&file)
-        .unwrap()
-        .replacen("1.002,", "lots,", 1);
+    let text = std::fs::read_to_string(&file).unwrap().replacen("1.002,", "lots,", 1);
     std::fs::write(&file, text).unwrap();
-    let output = makadam(folder.path())
-        .arg("compare")
-        .arg(&scene)
-        .output()
-        .unwrap();
+    let output = makadam(folder.path()).arg("compare").arg(&scene).output().unwrap();
     let message = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1));
-    assert!(
-        message.contains("measurements.csv:3:") && message.contains("--record"),
-        "{message}"
-    );
+    assert!(message.contains("measurements.csv:3:") && message.contains("--record"), "{message}");
 }
 
 #[test]
 fn live_peers_agree_on_the_small_scene() {
     for peer in [&Yade::default() as &dyn Code, &Liggghts::default()] {
         if peer.version().is_none() {
-            eprintln!(
-                "skipped: {} is not installed (scripts/install-peers)",
-                peer.name()
-            );
+            eprintln!("skipped: {} is not installed (scripts/install-peers)", peer.name());
             return;
         }
     }
@@ -153,26 +115,13 @@ fn live_peers_agree_on_the_small_scene() {
     let output = makadam(folder.path())
         .arg("compare")
         .arg(smoke())
-        .args([
-            "--live",
-            "--seeds",
-            "3",
-            "--rayleigh-fraction",
-            "0.2",
-            "--json",
-        ])
+        .args(["--live", "--seeds", "3", "--rayleigh-fraction", "0.2", "--json"])
         .output()
         .unwrap();
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0), "{document:#}");
     assert_eq!(document["verdict"]["agree"], 4);
-    assert!(
-        document["codes"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .all(|code| code["source"] == "live")
-    );
+    assert!(document["codes"].as_array().unwrap().iter().all(|code| code["source"] == "live"));
 }
 
 #[test]
@@ -185,29 +134,17 @@ fn recording_reads_kept_recordings_and_writes_references() {
     let scene = changed(folder.path(), "duration = 0.4", "duration = 0.1");
     let record = |program: Option<&str>| {
         let mut command = makadam(folder.path());
-        command
-            .arg("compare")
-            .arg(&scene)
-            .args(["--record", "--seeds", "2", "--codes", "liggghts"]);
+        command.arg("compare").arg(&scene).args(["--record", "--seeds", "2", "--codes", "liggghts"]);
         command.args(["--recordings", "kept", "--rayleigh-fraction", "0.2"]);
         if let Some(program) = program {
             command.env("MAKADAM_LIGGGHTS", program);
         }
         let output = command.output().unwrap();
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         std::fs::read_to_string(folder.path().join("changed-reference/measurements.csv")).unwrap()
     };
     let first = record(None);
-    assert!(
-        folder
-            .path()
-            .join("kept/smoke-liggghts-s2-f0.2-e1.rec")
-            .is_file()
-    );
+    assert!(folder.path().join("kept/smoke-liggghts-s2-f0.2-e1.rec").is_file());
     // The second time nothing is run: the program is not even there.
     assert_eq!(record(Some("/nowhere/liggghts")), first);
 }

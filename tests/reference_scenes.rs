@@ -38,7 +38,10 @@ fn regression(name: &str, seeds: u64) -> Vec<MeasuredRun> {
             let recorded = reference.code(&code).unwrap().values(observable);
             let difference = mean(&own) - mean(&recorded);
             println!("{name} {observable}: {:.4}, {difference:+.4} against {code}", mean(&own));
-            assert!(difference.abs() <= margin, "{name} {observable}: {difference:+.4} against {code}, margin {margin}");
+            assert!(
+                difference.abs() <= margin,
+                "{name} {observable}: {difference:+.4} against {code}, margin {margin}"
+            );
             checks += 1;
         }
     }

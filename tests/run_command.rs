@@ -16,11 +16,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Value {
         .args(arguments)
         .output()
         .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
@@ -34,37 +30,17 @@ fn json_keeps_its_contract() {
     assert_eq!(summary["steps"], 60);
     assert_eq!(summary["particles"], 200);
     let hash = summary["state_hash"].as_str().unwrap();
-    assert!(
-        hash.len() == 16 && hash.chars().all(|c| c.is_ascii_hexdigit()),
-        "{hash}"
-    );
-    for field in [
-        "simulated_seconds",
-        "wall_seconds",
-        "contact_sweeps",
-        "nanoseconds_per_contact_sweep",
-        "peak_bytes",
-    ] {
-        assert!(
-            summary[field].as_f64().is_some_and(|value| value > 0.0),
-            "{field}: {}",
-            summary[field]
-        );
+    assert!(hash.len() == 16 && hash.chars().all(|c| c.is_ascii_hexdigit()), "{hash}");
+    for field in ["simulated_seconds", "wall_seconds", "contact_sweeps", "nanoseconds_per_contact_sweep", "peak_bytes"]
+    {
+        assert!(summary[field].as_f64().is_some_and(|value| value > 0.0), "{field}: {}", summary[field]);
     }
     for phase in ["detect", "constrain", "sweep", "integrate", "output"] {
-        assert!(
-            summary["phase_seconds"][phase]
-                .as_f64()
-                .is_some_and(|value| value >= 0.0),
-            "{phase}"
-        );
+        assert!(summary["phase_seconds"][phase].as_f64().is_some_and(|value| value >= 0.0), "{phase}");
     }
     for direction in ["normal", "tangential_u", "tangential_v"] {
         for size in ["rms", "max"] {
-            assert!(
-                summary["residuals"][direction][size].is_f64(),
-                "{direction}.{size}"
-            );
+            assert!(summary["residuals"][direction][size].is_f64(), "{direction}.{size}");
         }
     }
     assert!(summary["residuals"]["stop_reason"].is_string());
@@ -72,22 +48,8 @@ fn json_keeps_its_contract() {
     let provenance = &summary["provenance"];
     assert_eq!(provenance["seed"], 5);
     assert_eq!(provenance["threads"], 1);
-    for field in [
-        "version",
-        "commit",
-        "compiler",
-        "instruction_set",
-        "scene_hash",
-        "scene_file",
-        "time",
-        "processor",
-    ] {
-        assert!(
-            provenance[field]
-                .as_str()
-                .is_some_and(|text| !text.is_empty()),
-            "{field}"
-        );
+    for field in ["version", "commit", "compiler", "instruction_set", "scene_hash", "scene_file", "time", "processor"] {
+        assert!(provenance[field].as_str().is_some_and(|text| !text.is_empty()), "{field}");
     }
     assert!(provenance["solver"]["step"].is_f64());
     // The file holds what was printed.
@@ -99,10 +61,7 @@ fn json_keeps_its_contract() {
 fn equal_seeds_give_equal_states_and_others_do_not() {
     let folder = tempfile::tempdir().unwrap();
     let hash = |seed: &str, threads: &str| {
-        run(folder.path(), &["--seed", seed, "--threads", threads])["state_hash"]
-            .as_str()
-            .unwrap()
-            .to_string()
+        run(folder.path(), &["--seed", seed, "--threads", threads])["state_hash"].as_str().unwrap().to_string()
     };
     let first = hash("1", "1");
     assert_eq!(first, hash("1", "2"));
@@ -115,19 +74,12 @@ fn frames_are_valid_and_complete() {
     let summary = run(folder.path(), &[]);
     let frames = summary["frames"].as_u64().unwrap() as usize;
     for kind in ["grains", "contacts"] {
-        let collection =
-            std::fs::read_to_string(folder.path().join(format!("out/{kind}.pvd"))).unwrap();
+        let collection = std::fs::read_to_string(folder.path().join(format!("out/{kind}.pvd"))).unwrap();
         let collection = Document::parse(&collection).unwrap();
-        let sets: Vec<_> = collection
-            .descendants()
-            .filter(|node| node.has_tag_name("DataSet"))
-            .collect();
+        let sets: Vec<_> = collection.descendants().filter(|node| node.has_tag_name("DataSet")).collect();
         assert_eq!(sets.len(), frames);
         for set in sets {
-            let file = folder
-                .path()
-                .join("out")
-                .join(set.attribute("file").unwrap());
+            let file = folder.path().join("out").join(set.attribute("file").unwrap());
             let text = std::fs::read_to_string(file).unwrap();
             check_poly_data(&Document::parse(&text).unwrap(), kind);
         }
@@ -141,59 +93,28 @@ fn check_poly_data(document: &Document<'_>, kind: &str) {
     assert_eq!(file.attribute("type"), Some("PolyData"));
     assert_eq!(file.attribute("byte_order"), Some("LittleEndian"));
     assert_eq!(file.attribute("header_type"), Some("UInt64"));
-    let piece = document
-        .descendants()
-        .find(|node| node.has_tag_name("Piece"))
-        .unwrap();
+    let piece = document.descendants().find(|node| node.has_tag_name("Piece")).unwrap();
     let count = |name: &str| piece.attribute(name).unwrap().parse::<usize>().unwrap();
     let names = match kind {
         "grains" => {
-            assert_eq!(
-                (count("NumberOfPoints"), count("NumberOfVerts")),
-                (200, 200)
-            );
+            assert_eq!((count("NumberOfPoints"), count("NumberOfVerts")), (200, 200));
             vec!["radius", "velocity", "spin", "id"]
         }
         _ => {
             assert_eq!(count("NumberOfPoints"), 2 * count("NumberOfLines"));
-            vec![
-                "normal_force",
-                "tangential_force",
-                "normal",
-                "point",
-                "first",
-                "second_grain",
-                "second_wall",
-            ]
+            vec!["normal_force", "tangential_force", "normal", "point", "first", "second_grain", "second_wall"]
         }
     };
     for name in names {
-        assert!(
-            piece
-                .descendants()
-                .any(|node| node.attribute("Name") == Some(name)),
-            "no array {name}"
-        );
+        assert!(piece.descendants().any(|node| node.attribute("Name") == Some(name)), "no array {name}");
     }
-    for array in piece
-        .descendants()
-        .filter(|node| node.has_tag_name("DataArray"))
-    {
-        let bytes = base64::engine::general_purpose::STANDARD
-            .decode(array.text().unwrap())
-            .unwrap();
+    for array in piece.descendants().filter(|node| node.has_tag_name("DataArray")) {
+        let bytes = base64::engine::general_purpose::STANDARD.decode(array.text().unwrap()).unwrap();
         let size = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
         assert_eq!(bytes.len(), 8 + size);
-        let components: usize = array
-            .attribute("NumberOfComponents")
-            .unwrap()
-            .parse()
-            .unwrap();
+        let components: usize = array.attribute("NumberOfComponents").unwrap().parse().unwrap();
         let tuples = size / 4 / components;
-        let expected = match (
-            array.parent().unwrap().tag_name().name(),
-            array.attribute("Name"),
-        ) {
+        let expected = match (array.parent().unwrap().tag_name().name(), array.attribute("Name")) {
             ("PointData" | "Points", _) => count("NumberOfPoints"),
             ("Verts", _) => count("NumberOfVerts"),
             ("Lines", Some("connectivity")) => 2 * count("NumberOfLines"),
@@ -209,28 +130,17 @@ fn observables_are_a_table_over_time() {
     let summary = run(folder.path(), &["-q"]);
     let mut table = csv::Reader::from_path(folder.path().join("out/observables.csv")).unwrap();
     let head = table.headers().unwrap().clone();
-    assert_eq!(
-        head.iter().take(4).collect::<Vec<_>>(),
-        ["time", "step", "contacts", "kinetic_energy"]
-    );
+    assert_eq!(head.iter().take(4).collect::<Vec<_>>(), ["time", "step", "contacts", "kinetic_energy"]);
     assert!(head.iter().any(|name| name == "largest_overlap"));
     let rows: Vec<csv::StringRecord> = table.records().collect::<Result<_, _>>().unwrap();
     assert_eq!(rows.len() as u64, summary["frames"].as_u64().unwrap());
-    assert!(
-        rows.iter()
-            .flatten()
-            .all(|cell| cell.is_empty() || cell.parse::<f64>().unwrap().is_finite())
-    );
+    assert!(rows.iter().flatten().all(|cell| cell.is_empty() || cell.parse::<f64>().unwrap().is_finite()));
 }
 
 #[test]
 fn a_prepared_flow_is_made_once() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = changed(
-        folder.path(),
-        "[measure]",
-        "[prepare]\nduration = 0.05\nstep = 1e-3\n\n[measure]",
-    );
+    let scene = changed(folder.path(), "[measure]", "[prepare]\nduration = 0.05\nstep = 1e-3\n\n[measure]");
     let run = || {
         let output = makadam(folder.path())
             .arg("run")
@@ -238,19 +148,12 @@ fn a_prepared_flow_is_made_once() {
             .args(["--steps", "20", "--json", "--output", "out"])
             .output()
             .unwrap();
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_slice::<Value>(&output.stdout).unwrap()
     };
     let states = || -> Vec<_> {
         let folder = folder.path().join("cache/makadam/prepared");
-        std::fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().path())
-            .collect()
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
     };
     let first = run();
     assert_eq!(states().len(), 1);
@@ -267,29 +170,13 @@ fn a_prepared_flow_is_made_once() {
 #[test]
 fn a_scene_is_found_by_name_and_described_for_people() {
     let folder = tempfile::tempdir().unwrap();
-    let output = makadam(folder.path())
-        .args(["run", "packing", "--steps", "20", "--output", "out"])
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let output = makadam(folder.path()).args(["run", "packing", "--steps", "20", "--output", "out"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
-    for word in [
-        "state hash",
-        "time by phase",
-        "bytes a particle",
-        "2000 grains",
-    ] {
+    for word in ["state hash", "time by phase", "bytes a particle", "2000 grains"] {
         assert!(text.contains(word), "no '{word}' in\n{text}");
     }
     // Nothing but results on standard output, no progress off a terminal, no colours in a pipe.
-    assert!(
-        output.stderr.is_empty(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(!text.contains('\x1b'));
 }

@@ -14,27 +14,14 @@ fn main() {
     println!("cargo::rustc-env=MAKADAM_DIRTY={dirty}");
     println!("cargo::rustc-env=MAKADAM_COMPILER={compiler}");
     for (name, variable) in [("MAKADAM_TARGET", "TARGET"), ("MAKADAM_PROFILE", "PROFILE")] {
-        println!(
-            "cargo::rustc-env={name}={}",
-            std::env::var(variable).unwrap_or_default()
-        );
+        println!("cargo::rustc-env={name}={}", std::env::var(variable).unwrap_or_default());
     }
     // The commit and the dirty flag change with the sources, the index and the head.
-    for path in [
-        "src",
-        "build.rs",
-        "Cargo.toml",
-        "../solver",
-        "../Cargo.toml",
-        "../Cargo.lock",
-    ] {
+    for path in ["src", "build.rs", "Cargo.toml", "../solver", "../Cargo.toml", "../Cargo.lock"] {
         println!("cargo::rerun-if-changed={path}");
     }
     for name in ["HEAD", "index", "logs/HEAD"] {
-        if let Some(path) = output(
-            "git",
-            &["rev-parse", "--path-format=absolute", "--git-path", name],
-        ) {
+        if let Some(path) = output("git", &["rev-parse", "--path-format=absolute", "--git-path", name]) {
             println!("cargo::rerun-if-changed={path}");
         }
     }
@@ -42,8 +29,5 @@ fn main() {
 
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).output().ok()?;
-    output
-        .status
-        .success()
-        .then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
 }

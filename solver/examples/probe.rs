@@ -5,20 +5,14 @@ use std::path::Path;
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let file = Path::new(&arguments[1]);
-    let seed = arguments
-        .get(2)
-        .map_or(1, |text| text.parse().expect("a seed"));
+    let seed = arguments.get(2).map_or(1, |text| text.parse().expect("a seed"));
     let mut scene = Scene::load(file).unwrap_or_else(|error| panic!("{error}"));
     for setting in &arguments[4.min(arguments.len())..] {
         let (key, value) = setting.split_once('=').expect("key=value");
         let number: f64 = value.parse().expect("a number");
         match key {
             "step" => scene.solver.step = number,
-            "sweeps" => {
-                scene.solver.stop = makadam::scene::Stop::Sweeps {
-                    sweeps: number as u32,
-                }
-            }
+            "sweeps" => scene.solver.stop = makadam::scene::Stop::Sweeps { sweeps: number as u32 },
             "skin" => scene.solver.skin = number,
             "relaxation" => scene.solver.over_relaxation = number,
             "tau" => scene.solver.damping_steps = number,
@@ -26,8 +20,7 @@ fn main() {
             _ => panic!("{key}"),
         }
     }
-    let mut simulation =
-        Simulation::new(&scene, seed, file).unwrap_or_else(|error| panic!("{error}"));
+    let mut simulation = Simulation::new(&scene, seed, file).unwrap_or_else(|error| panic!("{error}"));
     let steps = arguments
         .get(3)
         .and_then(|text| text.parse().ok())
@@ -55,17 +48,9 @@ fn main() {
     );
     println!("{phases:?}\n{report:?}");
     let snapshot = simulation.snapshot();
-    let top = snapshot
-        .particles
-        .iter()
-        .map(|p| p.position[2])
-        .fold(f64::MIN, f64::max);
+    let top = snapshot.particles.iter().map(|p| p.position[2]).fold(f64::MIN, f64::max);
     let weight: f64 = scene.gravity[2].abs()
-        * snapshot
-            .particles
-            .iter()
-            .map(|p| 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * p.radius.powi(3))
-            .sum::<f64>();
+        * snapshot.particles.iter().map(|p| 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * p.radius.powi(3)).sum::<f64>();
     let up: f64 = snapshot
         .contacts
         .iter()
@@ -78,14 +63,9 @@ fn main() {
             let r = p.position[0].hypot(p.position[1]);
             r >= inner && r < outer
         });
-        let (count, top) =
-            heights.fold((0, 0.0_f64), |(n, top), p| (n + 1, top.max(p.position[2])));
+        let (count, top) = heights.fold((0, 0.0_f64), |(n, top), p| (n + 1, top.max(p.position[2])));
         print!("[{count} {top:.3}] ");
     }
     println!();
-    println!(
-        "top {top:.4}, walls / weight {:.6}, contacts {}",
-        up / weight,
-        snapshot.contacts.len()
-    );
+    println!("top {top:.4}, walls / weight {:.6}, contacts {}", up / weight, snapshot.contacts.len());
 }

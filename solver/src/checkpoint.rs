@@ -69,39 +69,20 @@ impl Simulation {
             material: world.materials[i],
         });
         let live = |impulse: &Impulse| impulse.normal > 0.0;
-        let pairs = self
-            .candidates
-            .pairs
-            .iter()
-            .zip(&self.candidates.pair_impulses)
-            .filter(|(_, i)| live(i));
-        let walls = self
-            .candidates
-            .walls
-            .iter()
-            .zip(&self.candidates.wall_impulses)
-            .filter(|(_, i)| live(i));
+        let pairs = self.candidates.pairs.iter().zip(&self.candidates.pair_impulses).filter(|(_, i)| live(i));
+        let walls = self.candidates.walls.iter().zip(&self.candidates.wall_impulses).filter(|(_, i)| live(i));
         let state = State {
             step: self.settings.step,
             grains: grains.collect(),
-            pairs: pairs
-                .map(|(pair, i)| (pair.first, pair.second, i.normal, i.tangential))
-                .collect(),
-            walls: walls
-                .map(|(wall, i)| (wall.body, wall.surface, i.normal, i.tangential))
-                .collect(),
+            pairs: pairs.map(|(pair, i)| (pair.first, pair.second, i.normal, i.tangential)).collect(),
+            walls: walls.map(|(wall, i)| (wall.body, wall.surface, i.normal, i.tangential)).collect(),
         };
         let mut bytes = MAGIC.to_vec();
-        let body = postcard::to_stdvec(&state).map_err(|error| CheckpointError::Format {
-            file: file.into(),
-            problem: error.to_string(),
-        })?;
+        let body = postcard::to_stdvec(&state)
+            .map_err(|error| CheckpointError::Format { file: file.into(), problem: error.to_string() })?;
         bytes.extend(checksum(&body).to_le_bytes());
         bytes.extend(body);
-        let io = |source| CheckpointError::Io {
-            file: file.into(),
-            source,
-        };
+        let io = |source| CheckpointError::Io { file: file.into(), source };
         if let Some(folder) = file.parent() {
             std::fs::create_dir_all(folder).map_err(io)?;
         }
@@ -115,14 +96,8 @@ impl Simulation {
     /// # Errors
     /// [`CheckpointError`] if the file cannot be read, is damaged, or holds another number of grains than the scene.
     pub fn resume(scene: &Scene, file: &Path) -> Result<Simulation, CheckpointError> {
-        let bytes = std::fs::read(file).map_err(|source| CheckpointError::Io {
-            file: file.into(),
-            source,
-        })?;
-        let refuse = |problem: String| CheckpointError::Format {
-            file: file.into(),
-            problem,
-        };
+        let bytes = std::fs::read(file).map_err(|source| CheckpointError::Io { file: file.into(), source })?;
+        let refuse = |problem: String| CheckpointError::Format { file: file.into(), problem };
         let Some((head, body)) = bytes.split_at_checked(MAGIC.len() + 8) else {
             return Err(refuse("is too short for a state".into()));
         };
@@ -133,17 +108,9 @@ impl Simulation {
             return Err(refuse("its checksum does not fit: it is damaged".into()));
         }
         let state: State = postcard::from_bytes(body).map_err(|error| refuse(error.to_string()))?;
-        let expected = scene.grain.len()
-            + scene
-                .population
-                .iter()
-                .map(|group| group.count)
-                .sum::<usize>();
+        let expected = scene.grain.len() + scene.population.iter().map(|group| group.count).sum::<usize>();
         if state.grains.len() != expected {
-            return Err(refuse(format!(
-                "holds {} grains where the scene has {expected}",
-                state.grains.len()
-            )));
+            return Err(refuse(format!("holds {} grains where the scene has {expected}", state.grains.len())));
         }
         let mut simulation = Simulation::of_world(scene, restore(scene, &state, &refuse)?);
         let scale = scene.solver.step / state.step;
@@ -151,10 +118,7 @@ impl Simulation {
             normal: normal * scale,
             tangential: tangential.map(|component| component * scale),
         };
-        let (grains, surfaces) = (
-            state.grains.len() as u32,
-            simulation.world.surfaces.len() as u32,
-        );
+        let (grains, surfaces) = (state.grains.len() as u32, simulation.world.surfaces.len() as u32);
         let candidates = &mut simulation.candidates;
         for &(first, second, normal, tangential) in &state.pairs {
             if first >= grains || second >= grains {
@@ -200,7 +164,5 @@ fn restore(
 
 /// FNV-1a, 64 bits.
 pub(crate) fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }

@@ -52,38 +52,22 @@ impl Constrainer {
         layout.clear();
         self.packer.resize(world.grains());
         self.poses.clear();
-        self.poses
-            .extend(world.surfaces.iter().map(|surface| surface.at(world.time)));
+        self.poses.extend(world.surfaces.iter().map(|surface| surface.at(world.time)));
         let boxes = (candidates.pair_tasks.len() - 1) / crate::partition::STAGES;
         for task in 0..candidates.pair_tasks.len() - 1 {
             let (pairs_before, walls_before) = (layout.pairs.len(), layout.walls.len());
             self.gather_pairs(world, candidates, task, &constants);
-            self.packer
-                .pack_pairs(&self.pair_entries, world.grains() as u32, layout);
+            self.packer.pack_pairs(&self.pair_entries, world.grains() as u32, layout);
             self.gather_walls(world, candidates, task, &constants);
-            self.packer
-                .pack_walls(&self.wall_entries, world.grains() as u32, layout);
-            let (pairs, walls) = (
-                pairs_before..layout.pairs.len(),
-                walls_before..layout.walls.len(),
-            );
+            self.packer.pack_walls(&self.wall_entries, world.grains() as u32, layout);
+            let (pairs, walls) = (pairs_before..layout.pairs.len(), walls_before..layout.walls.len());
             if !pairs.is_empty() || !walls.is_empty() {
-                layout.tasks.push(Task {
-                    stage: (task / boxes) as u8,
-                    pairs,
-                    walls,
-                });
+                layout.tasks.push(Task { stage: (task / boxes) as u8, pairs, walls });
             }
         }
     }
 
-    fn gather_pairs(
-        &mut self,
-        world: &World,
-        candidates: &mut Candidates,
-        task: usize,
-        constants: &StepConstants,
-    ) {
+    fn gather_pairs(&mut self, world: &World, candidates: &mut Candidates, task: usize, constants: &StepConstants) {
         self.pair_entries.clear();
         for source in candidates.pair_tasks[task]..candidates.pair_tasks[task + 1] {
             let pair = candidates.pairs[source as usize];
@@ -98,15 +82,9 @@ impl Constrainer {
             }
             let distance = square.sqrt();
             // Two grains with one centre have no normal; any direction parts them.
-            let normal = if distance > 0.0 {
-                arm / distance
-            } else {
-                Vector3::z()
-            };
+            let normal = if distance > 0.0 { arm / distance } else { Vector3::z() };
             let velocity = normal.dot(&(Vector3::from(b.velocity) - Vector3::from(a.velocity)));
-            let material = world
-                .table
-                .between_grains(world.materials[i], world.materials[j]);
+            let material = world.table.between_grains(world.materials[i], world.materials[j]);
             let contact = NormalContact {
                 overlap: a.radius + b.radius - distance,
                 velocity,
@@ -116,30 +94,13 @@ impl Constrainer {
                 damping_ratio: material.damping_ratio,
             };
             if let Some(constraint) = normal_constraint(&contact, material, constants) {
-                let constraint = assemble(
-                    constraint,
-                    normal,
-                    material,
-                    remembered,
-                    constants.warm_start,
-                    source,
-                );
-                self.pair_entries.push(PairEntry {
-                    first: pair.first,
-                    second: pair.second,
-                    constraint,
-                });
+                let constraint = assemble(constraint, normal, material, remembered, constants.warm_start, source);
+                self.pair_entries.push(PairEntry { first: pair.first, second: pair.second, constraint });
             }
         }
     }
 
-    fn gather_walls(
-        &mut self,
-        world: &World,
-        candidates: &mut Candidates,
-        task: usize,
-        constants: &StepConstants,
-    ) {
+    fn gather_walls(&mut self, world: &World, candidates: &mut Candidates, task: usize, constants: &StepConstants) {
         self.wall_entries.clear();
         for source in candidates.wall_tasks[task]..candidates.wall_tasks[task + 1] {
             let wall = candidates.walls[source as usize];
@@ -154,9 +115,7 @@ impl Constrainer {
             }
             let wall_velocity = pose.velocity_at(&(centre + normal * distance));
             let velocity = normal.dot(&(wall_velocity - Vector3::from(body.velocity)));
-            let material = world
-                .table
-                .with_wall(world.materials[grain], surface.material);
+            let material = world.table.with_wall(world.materials[grain], surface.material);
             let contact = NormalContact {
                 overlap: body.radius - distance,
                 velocity,
@@ -166,19 +125,8 @@ impl Constrainer {
                 damping_ratio: material.damping_ratio,
             };
             if let Some(constraint) = normal_constraint(&contact, material, constants) {
-                let constraint = assemble(
-                    constraint,
-                    normal,
-                    material,
-                    remembered,
-                    constants.warm_start,
-                    source,
-                );
-                self.wall_entries.push(WallEntry {
-                    body: wall.body,
-                    wall_velocity: wall_velocity.into(),
-                    constraint,
-                });
+                let constraint = assemble(constraint, normal, material, remembered, constants.warm_start, source);
+                self.wall_entries.push(WallEntry { body: wall.body, wall_velocity: wall_velocity.into(), constraint });
             }
         }
     }
@@ -193,15 +141,7 @@ fn normal_constraint(
     let constraint = contact.constraint(constants.law, constants.h, constants.damping_steps);
     let (overlap, velocity) = (contact.overlap, contact.velocity);
     let (restitution, threshold) = (material.restitution, constants.threshold);
-    with_restitution(
-        constraint,
-        constants.law,
-        overlap,
-        velocity,
-        restitution,
-        threshold,
-        constants.h,
-    )
+    with_restitution(constraint, constants.law, overlap, velocity, restitution, threshold, constants.h)
 }
 
 /// Puts a constraint together; the remembered tangential impulse is projected onto the new tangent plane.
@@ -221,10 +161,7 @@ fn assemble(
         bias: constraint.bias,
         regularisation: constraint.regularisation,
         friction: material.friction,
-        impulse: Impulse {
-            normal: remembered.normal * warm_start,
-            tangential: tangential.into(),
-        },
+        impulse: Impulse { normal: remembered.normal * warm_start, tangential: tangential.into() },
         source,
     }
 }

@@ -22,14 +22,11 @@ impl Simulation {
         for (position, body) in self.world.positions.iter().zip(&self.world.bodies) {
             let mass = 1.0 / body.inverse_mass;
             let square = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>();
-            energy.kinetic +=
-                0.5 * mass * (square(&body.velocity) + 0.4 * square(&body.surface_speed));
+            energy.kinetic += 0.5 * mass * (square(&body.velocity) + 0.4 * square(&body.surface_speed));
             energy.potential -= mass * self.world.gravity.dot(position);
         }
         let contacts = self.overlapping_pairs().chain(self.overlapping_walls());
-        energy.elastic = contacts
-            .map(|contact| contact.elastic_energy(self.settings.normal_law))
-            .sum();
+        energy.elastic = contacts.map(|contact| contact.elastic_energy(self.settings.normal_law)).sum();
         energy
     }
 
@@ -38,9 +35,7 @@ impl Simulation {
         let contacts = self.candidates.pairs.iter().map(|pair| {
             let (i, j) = (pair.first as usize, pair.second as usize);
             let (a, b) = (&world.bodies[i], &world.bodies[j]);
-            let material = world
-                .table
-                .between_grains(world.materials[i], world.materials[j]);
+            let material = world.table.between_grains(world.materials[i], world.materials[j]);
             NormalContact {
                 overlap: a.radius + b.radius - (world.positions[j] - world.positions[i]).norm(),
                 velocity: 0.0,
@@ -55,17 +50,11 @@ impl Simulation {
 
     fn overlapping_walls(&self) -> impl Iterator<Item = NormalContact> + '_ {
         let world = &self.world;
-        let poses: Vec<_> = world
-            .surfaces
-            .iter()
-            .map(|surface| surface.at(world.time))
-            .collect();
+        let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
         let contacts = self.candidates.walls.iter().map(move |wall| {
             let (grain, surface) = (wall.body as usize, wall.surface as usize);
             let body = &world.bodies[grain];
-            let material = world
-                .table
-                .with_wall(world.materials[grain], world.surfaces[surface].material);
+            let material = world.table.with_wall(world.materials[grain], world.surfaces[surface].material);
             NormalContact {
                 overlap: body.radius - poses[surface].nearest(&world.positions[grain]).0,
                 velocity: 0.0,

@@ -67,10 +67,7 @@ impl Simulation {
         Simulation {
             boxes: BoxGrid::new(&world.domain, world.grains(), largest, skin),
             skin,
-            relaxation: Relaxation {
-                instruction_set: InstructionSet::detect(),
-                friction: world.table.any_friction(),
-            },
+            relaxation: Relaxation { instruction_set: InstructionSet::detect(), friction: world.table.any_friction() },
             world,
             settings: scene.solver.clone(),
             candidates: Candidates::default(),
@@ -91,38 +88,21 @@ impl Simulation {
         }
         let clock = clock.lap(&mut self.phases.detect);
         // Which do, as constraints laid out in boxes, stages and lane groups.
-        self.constrainer.constrain(
-            &self.world,
-            &mut self.candidates,
-            &self.settings,
-            &mut self.layout,
-        );
+        self.constrainer.constrain(&self.world, &mut self.candidates, &self.settings, &mut self.layout);
         let clock = clock.lap(&mut self.phases.constrain);
         // Forces, then the impulses of the last step, then sweeps until the settings say stop.
         self.apply_gravity();
         let clock = clock.lap(&mut self.phases.integrate);
-        self.relaxation.warm_start(
-            &mut self.world.bodies,
-            &self.layout.pairs,
-            &self.layout.walls,
-        );
+        self.relaxation.warm_start(&mut self.world.bodies, &self.layout.pairs, &self.layout.walls);
         let clock = clock.lap(&mut self.phases.constrain);
-        let solve = solve(
-            &mut self.world,
-            &mut self.layout,
-            &self.relaxation,
-            &self.settings,
-        );
+        let solve = solve(&mut self.world, &mut self.layout, &self.relaxation, &self.settings);
         let clock = clock.lap(&mut self.phases.sweep);
         // Motion with the new velocities.
         self.remember_impulses();
         self.move_bodies();
         clock.lap(&mut self.phases.integrate);
         self.contact_sweeps += u64::from(solve.sweeps) * self.layout.contacts as u64;
-        StepReport {
-            solve,
-            contacts: self.layout.contacts,
-        }
+        StepReport { solve, contacts: self.layout.contacts }
     }
 
     fn apply_gravity(&mut self) {
@@ -206,10 +186,7 @@ impl Simulation {
     pub fn state_hash(&self) -> u64 {
         let mut bytes = self.world.time.to_bits().to_le_bytes().to_vec();
         for (position, body) in self.world.positions.iter().zip(&self.world.bodies) {
-            let values = position
-                .iter()
-                .chain(&body.velocity)
-                .chain(&body.surface_speed);
+            let values = position.iter().chain(&body.velocity).chain(&body.surface_speed);
             bytes.extend(values.flat_map(|value| value.to_bits().to_le_bytes()));
         }
         checksum(&bytes)

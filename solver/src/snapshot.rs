@@ -69,15 +69,8 @@ impl Simulation {
             velocity: body.velocity,
             spin: body.surface_speed.map(|component| component / body.radius),
         });
-        let contacts = self
-            .pair_contacts()
-            .chain(self.wall_contacts())
-            .filter(|contact| contact.normal_force > 0.0);
-        Snapshot {
-            time: world.time,
-            particles: particles.collect(),
-            contacts: contacts.collect(),
-        }
+        let contacts = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force > 0.0);
+        Snapshot { time: world.time, particles: particles.collect(), contacts: contacts.collect() }
     }
 
     fn pair_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
@@ -91,13 +84,7 @@ impl Simulation {
                 let depth = 0.5 * (distance + world.bodies[i].radius - world.bodies[j].radius);
                 let normal = group.contacts.normal(lane);
                 let point = world.positions[i] + Vector3::from(normal) * depth;
-                self.contact(
-                    first,
-                    Partner::Grain(second),
-                    point,
-                    normal,
-                    group.contacts.impulse(lane),
-                )
+                self.contact(first, Partner::Grain(second), point, normal, group.contacts.impulse(lane))
             })
         })
     }
@@ -112,25 +99,12 @@ impl Simulation {
                 let normal = group.contacts.normal(lane);
                 let reach = Vector3::from(normal) * world.bodies[grain as usize].radius;
                 let point = world.positions[grain as usize] + reach;
-                self.contact(
-                    grain,
-                    Partner::Wall(wall),
-                    point,
-                    normal,
-                    group.contacts.impulse(lane),
-                )
+                self.contact(grain, Partner::Wall(wall), point, normal, group.contacts.impulse(lane))
             })
         })
     }
 
-    fn contact(
-        &self,
-        first: u32,
-        second: Partner,
-        point: Vector3<f64>,
-        normal: [f64; 3],
-        impulse: Impulse,
-    ) -> Contact {
+    fn contact(&self, first: u32, second: Partner, point: Vector3<f64>, normal: [f64; 3], impulse: Impulse) -> Contact {
         let h = self.settings.step;
         Contact {
             first,

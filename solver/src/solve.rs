@@ -65,8 +65,7 @@ pub fn solve(
     let mut last = f64::INFINITY;
     loop {
         let sweep = report.sweeps + 1;
-        let measure =
-            sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || tolerance.is_some();
+        let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || tolerance.is_some();
         let sums = sweep_serial(relaxation, &mut world.bodies, layout, factor, measure);
         report.sweeps = sweep;
         if measure {
@@ -89,8 +88,7 @@ pub fn solve(
             };
             return report;
         }
-        if matches!(settings.stop, Stop::TimeBudget { seconds, .. } if start.elapsed().as_secs_f64() >= seconds)
-        {
+        if matches!(settings.stop, Stop::TimeBudget { seconds, .. } if start.elapsed().as_secs_f64() >= seconds) {
             report.reason = StopReason::TimeBudget;
             return report;
         }

@@ -16,11 +16,7 @@ fn oblique(angle: f64, speed: f64, restitution: f64, friction: f64) -> ([f64; 3]
         wall_friction: friction,
         body: format!(
             "{FLOOR}{}",
-            grain(
-                RADIUS,
-                [0.0, 0.0, RADIUS * (1.0 - 1e-9)],
-                [speed * sine, 0.0, -speed * cosine]
-            )
+            grain(RADIUS, [0.0, 0.0, RADIUS * (1.0 - 1e-9)], [speed * sine, 0.0, -speed * cosine])
         ),
         ..Setup::default()
     }
@@ -47,20 +43,12 @@ fn oblique_impacts_stick_or_slip_as_the_closed_form_says() {
                 sticks += 1;
                 (5.0 / 7.0 * speed * sine, 5.0 / 7.0 * speed * sine / RADIUS)
             };
-            assert_relative_eq!(
-                velocity[2],
-                restitution * speed * cosine,
-                max_relative = 1e-6,
-                epsilon = 1e-6
-            );
+            assert_relative_eq!(velocity[2], restitution * speed * cosine, max_relative = 1e-6, epsilon = 1e-6);
             assert_relative_eq!(velocity[0], tangential, max_relative = 1e-6);
             assert_relative_eq!(spin[1], spun, max_relative = 1e-6);
             assert_eq!([velocity[1], spin[0], spin[2]], [0.0; 3]);
         }
-        assert!(
-            sticks > 0 && slips > 0,
-            "both regimes are met: {sticks} and {slips}"
-        );
+        assert!(sticks > 0 && slips > 0, "both regimes are met: {sticks} and {slips}");
     }
 }
 
@@ -116,10 +104,7 @@ fn hertzian_restitution(asked: f64, speed: f64, gap: f64, step: f64) -> f64 {
         gravity: [0.0; 3],
         restitution: asked,
         solver: common::CONVERGED_HERTZ.replace("1e-4", &format!("{step:e}")),
-        body: format!(
-            "{FLOOR}{}",
-            grain(0.005, [0.0, 0.0, 0.005 + gap], [0.0, 0.0, -speed])
-        ),
+        body: format!("{FLOOR}{}", grain(0.005, [0.0, 0.0, 0.005 + gap], [0.0, 0.0, -speed])),
         ..Setup::default()
     }
     .start();
@@ -132,10 +117,7 @@ fn hertzian_impacts_have_the_restitution_where_the_step_resolves_them() {
     for asked in [0.05, 0.1, 0.3, 0.6, 0.9] {
         for speed in [0.1, 0.5] {
             let restitution = hertzian_restitution(asked, speed, 1e-4, 2e-6);
-            assert!(
-                (restitution - asked).abs() < 3e-3,
-                "asked {asked} at {speed} m/s: {restitution}"
-            );
+            assert!((restitution - asked).abs() < 3e-3, "asked {asked} at {speed} m/s: {restitution}");
         }
     }
 }
@@ -149,18 +131,12 @@ fn linear_impacts_have_the_restitution_where_the_step_resolves_them() {
             solver: common::CONVERGED_HERTZ
                 .replace("1e-4", "2e-6")
                 .replace("{ kind = 'hertz' }", "{ kind = 'linear', stiffness = 1e4 }"),
-            body: format!(
-                "{FLOOR}{}",
-                grain(0.005, [0.0, 0.0, 0.0051], [0.0, 0.0, -0.5])
-            ),
+            body: format!("{FLOOR}{}", grain(0.005, [0.0, 0.0, 0.0051], [0.0, 0.0, -0.5])),
             ..Setup::default()
         }
         .start();
         run_until(&mut simulation, 0.01);
         let restitution = simulation.snapshot().particles[0].velocity[2] / 0.5;
-        assert!(
-            (restitution - asked).abs() < 3e-3,
-            "asked {asked}: {restitution}"
-        );
+        assert!((restitution - asked).abs() < 3e-3, "asked {asked}: {restitution}");
     }
 }

@@ -21,10 +21,7 @@ fn population(agitation: f64) -> String {
 }
 
 fn reference_scene(name: &str, seed: u64) -> Simulation {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../reference-scenes")
-        .join(name)
-        .join("scene.toml");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes").join(name).join("scene.toml");
     let scene = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     Simulation::new(&scene, seed, &file).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -42,37 +39,26 @@ fn hash_after(name: &str, seed: u64, steps: usize, set: InstructionSet) -> u64 {
 fn the_same_scene_gives_the_same_bits_on_every_instruction_set() {
     for scene in ["packing", "drum", "heap"] {
         let first = hash_after(scene, 1, 300, InstructionSet::detect());
-        for set in [
-            InstructionSet::Generic,
-            InstructionSet::Avx2,
-            InstructionSet::Avx512,
-        ] {
+        for set in [InstructionSet::Generic, InstructionSet::Avx2, InstructionSet::Avx512] {
             if set.is_available() {
                 assert_eq!(first, hash_after(scene, 1, 300, set), "{scene} on {set:?}");
             }
         }
-        assert_ne!(
-            first,
-            hash_after(scene, 2, 300, InstructionSet::detect()),
-            "{scene}: another seed, another state"
-        );
+        assert_ne!(first, hash_after(scene, 2, 300, InstructionSet::detect()), "{scene}: another seed, another state");
     }
 }
 
 #[test]
 fn no_energy_comes_from_nothing() {
-    for (law, restitution) in [
-        ("rigid", 1.0),
-        ("rigid", 0.5),
-        ("hertz", 0.8),
-        ("hertz", 0.3),
-    ] {
+    for (law, restitution) in [("rigid", 1.0), ("rigid", 0.5), ("hertz", 0.8), ("hertz", 0.3)] {
         for friction in [0.0, 0.5] {
             let mut simulation = Setup {
                 restitution,
                 friction,
                 wall_friction: friction,
-                solver: format!("step = 2e-4\nnormal_law = {{ kind = '{law}' }}\nstop = {{ kind = 'sweeps', sweeps = 50 }}"),
+                solver: format!(
+                    "step = 2e-4\nnormal_law = {{ kind = '{law}' }}\nstop = {{ kind = 'sweeps', sweeps = 50 }}"
+                ),
                 body: format!("{BOX}{}", population(0.5)),
                 ..Setup::default()
             }
@@ -88,15 +74,9 @@ fn no_energy_comes_from_nothing() {
                 run_until(&mut simulation, next);
                 highest = highest.max(total(&simulation));
             }
-            assert!(
-                highest <= start * (1.0 + 1e-3),
-                "{law}, e = {restitution}, mu = {friction}: {start} -> {highest}"
-            );
+            assert!(highest <= start * (1.0 + 1e-3), "{law}, e = {restitution}, mu = {friction}: {start} -> {highest}");
             if restitution < 1.0 {
-                assert!(
-                    total(&simulation) < 0.9 * start,
-                    "{law}: impacts at e = {restitution} dissipate"
-                );
+                assert!(total(&simulation) < 0.9 * start, "{law}: impacts at e = {restitution} dissipate");
             }
         }
     }
@@ -114,13 +94,7 @@ fn grains_without_friction_do_not_spin() {
     .start();
     run_until(&mut simulation, 0.2);
     assert!(simulation.snapshot().contacts.len() > 200);
-    assert!(
-        simulation
-            .snapshot()
-            .particles
-            .iter()
-            .all(|particle| particle.spin == [0.0; 3])
-    );
+    assert!(simulation.snapshot().particles.iter().all(|particle| particle.spin == [0.0; 3]));
 }
 
 #[test]
@@ -135,9 +109,7 @@ fn collisions_keep_linear_momentum() {
     let momentum = |simulation: &Simulation| {
         let particles = simulation.snapshot().particles;
         particles.iter().fold([0.0; 3], |sum: [f64; 3], particle| {
-            std::array::from_fn(|axis| {
-                sum[axis] + particle.radius.powi(3) * particle.velocity[axis]
-            })
+            std::array::from_fn(|axis| sum[axis] + particle.radius.powi(3) * particle.velocity[axis])
         })
     };
     let before = momentum(&simulation);
@@ -163,29 +135,16 @@ fn check_layout(layout: &Layout, grains: u32) {
         let mut own = HashSet::new();
         for group in &layout.pairs[task.pairs.clone()] {
             let bodies: Vec<u32> = group.first.iter().chain(&group.second).copied().collect();
-            assert_eq!(
-                bodies.iter().collect::<HashSet<_>>().len(),
-                2 * LANES,
-                "a body twice in {bodies:?}"
-            );
+            assert_eq!(bodies.iter().collect::<HashSet<_>>().len(), 2 * LANES, "a body twice in {bodies:?}");
             contacts += group.first.iter().filter(|&&body| body < grains).count();
             own.extend(bodies.into_iter().filter(|&body| body < grains));
         }
         for group in &layout.walls[task.walls.clone()] {
-            assert_eq!(
-                group.body.iter().collect::<HashSet<_>>().len(),
-                LANES,
-                "a body twice in {:?}",
-                group.body
-            );
+            assert_eq!(group.body.iter().collect::<HashSet<_>>().len(), LANES, "a body twice in {:?}", group.body);
             contacts += group.body.iter().filter(|&&body| body < grains).count();
             own.extend(group.body.iter().copied().filter(|&body| body < grains));
         }
-        assert!(
-            stage.1.is_disjoint(&own),
-            "two tasks of stage {} share a body",
-            task.stage
-        );
+        assert!(stage.1.is_disjoint(&own), "two tasks of stage {} share a body", task.stage);
         stage.1.extend(own);
     }
     assert_eq!(contacts, layout.contacts);
@@ -198,33 +157,16 @@ fn lane_groups_and_stages_share_no_body() {
         simulation.step();
     }
     assert!(simulation.layout().contacts > 4000);
-    assert!(
-        simulation.layout().lane_occupancy() > 0.9,
-        "{}",
-        simulation.layout().lane_occupancy()
-    );
+    assert!(simulation.layout().lane_occupancy() > 0.9, "{}", simulation.layout().lane_occupancy());
     check_layout(simulation.layout(), 2000);
 }
 
 #[test]
 fn one_grain_and_none_are_scenes_too() {
-    for body in [
-        String::from(FLOOR),
-        format!("{FLOOR}{}", common::grain(0.005, [0.0, 0.0, 0.1], [0.0; 3])),
-    ] {
-        let mut simulation = Setup {
-            body,
-            ..Setup::default()
-        }
-        .start();
+    for body in [String::from(FLOOR), format!("{FLOOR}{}", common::grain(0.005, [0.0, 0.0, 0.1], [0.0; 3]))] {
+        let mut simulation = Setup { body, ..Setup::default() }.start();
         run_until(&mut simulation, 0.5);
-        assert!(
-            simulation
-                .snapshot()
-                .particles
-                .iter()
-                .all(|particle| particle.position[2] > 0.0049)
-        );
+        assert!(simulation.snapshot().particles.iter().all(|particle| particle.position[2] > 0.0049));
     }
 }
 
@@ -242,34 +184,16 @@ fn a_saved_state_is_resumed_and_a_damaged_one_refused() {
     resumed.step();
     let contacts = |simulation: &Simulation| simulation.layout().contacts;
     assert_eq!(contacts(&simulation), contacts(&resumed));
-    for (a, b) in simulation
-        .snapshot()
-        .particles
-        .iter()
-        .zip(&resumed.snapshot().particles)
-    {
+    for (a, b) in simulation.snapshot().particles.iter().zip(&resumed.snapshot().particles) {
         // The candidate list is built anew, so the order of relaxation may differ; the state may not, beyond that.
-        assert!(
-            (0..3).all(|axis| (a.velocity[axis] - b.velocity[axis]).abs() < 1e-3),
-            "{a:?} {b:?}"
-        );
+        assert!((0..3).all(|axis| (a.velocity[axis] - b.velocity[axis]).abs() < 1e-3), "{a:?} {b:?}");
     }
     let mut bytes = std::fs::read(&file).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     std::fs::write(&file, &bytes).unwrap();
-    assert!(
-        Simulation::resume(&scene, &file)
-            .unwrap_err()
-            .to_string()
-            .contains("damaged")
-    );
+    assert!(Simulation::resume(&scene, &file).unwrap_err().to_string().contains("damaged"));
     std::fs::write(&file, &bytes[..10]).unwrap();
-    assert!(
-        Simulation::resume(&scene, &file)
-            .unwrap_err()
-            .to_string()
-            .contains("too short")
-    );
+    assert!(Simulation::resume(&scene, &file).unwrap_err().to_string().contains("too short"));
     std::fs::remove_dir_all(&folder).unwrap();
 }

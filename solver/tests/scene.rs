@@ -4,36 +4,20 @@ use makadam::scene::{Scene, populate};
 use std::path::{Path, PathBuf};
 
 fn reference_scene(name: &str) -> (PathBuf, Scene) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../reference-scenes")
-        .join(name)
-        .join("scene.toml");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes").join(name).join("scene.toml");
     let scene = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     (file, scene)
 }
 
 #[test]
 fn reference_scenes_populate_reproducibly() {
-    for (name, count) in [
-        ("packing", 2000),
-        ("drum", 1600),
-        ("drum-caps", 1600),
-        ("heap", 1500),
-        ("drum-50k", 50_000),
-    ] {
+    for (name, count) in [("packing", 2000), ("drum", 1600), ("drum-caps", 1600), ("heap", 1500), ("drum-50k", 50_000)]
+    {
         let (file, scene) = reference_scene(name);
         let grains = populate(&scene, 1, &file).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(grains.len(), count, "{name}");
-        assert_eq!(
-            grains,
-            populate(&scene, 1, &file).unwrap(),
-            "{name}: same seed, same grains"
-        );
-        assert_ne!(
-            grains,
-            populate(&scene, 2, &file).unwrap(),
-            "{name}: another seed, other grains"
-        );
+        assert_eq!(grains, populate(&scene, 1, &file).unwrap(), "{name}: same seed, same grains");
+        assert_ne!(grains, populate(&scene, 2, &file).unwrap(), "{name}: another seed, other grains");
     }
 }
 
@@ -44,34 +28,20 @@ fn refusal(from: &str, to: &str) -> String {
     let text = text.replacen(from, to, 1);
     match Scene::parse(&text, Path::new("bad.toml")) {
         Err(error) => error.to_string(),
-        Ok(scene) => populate(&scene, 1, Path::new("bad.toml"))
-            .expect_err("accepted")
-            .to_string(),
+        Ok(scene) => populate(&scene, 1, Path::new("bad.toml")).expect_err("accepted").to_string(),
     }
 }
 
 #[test]
 fn bad_input_names_file_line_and_remedy() {
     let message = refusal("duration = 1.5", "duraton = 1.5");
-    assert!(
-        message.starts_with("bad.toml:3:") && message.contains("duraton"),
-        "{message}"
-    );
+    assert!(message.starts_with("bad.toml:3:") && message.contains("duraton"), "{message}");
     let message = refusal("density = 2500.0", "density = \"2500 kg/m3\"");
-    assert!(
-        message.starts_with("bad.toml:8:") && message.contains("SI units"),
-        "{message}"
-    );
+    assert!(message.starts_with("bad.toml:8:") && message.contains("SI units"), "{message}");
     let message = refusal("restitution = 0.3", "restitution = 1.3");
-    assert!(
-        message.starts_with("bad.toml:12:") && message.contains("from 0 to 1"),
-        "{message}"
-    );
+    assert!(message.starts_with("bad.toml:12:") && message.contains("from 0 to 1"), "{message}");
     let message = refusal("material = \"grain\"", "material = \"gravel\"");
-    assert!(
-        message.starts_with("bad.toml:") && message.contains("name one of: grain, wall"),
-        "{message}"
-    );
+    assert!(message.starts_with("bad.toml:") && message.contains("name one of: grain, wall"), "{message}");
     let message = refusal("count = 2000", "count = 20000");
     assert!(message.contains("do not fit"), "{message}");
 }
@@ -88,19 +58,9 @@ fn overlapping_and_outlying_grains_are_refused() {
     };
     let refuse = |text: String| {
         let scene = Scene::parse(&text, Path::new("x.toml")).unwrap();
-        populate(&scene, 1, Path::new("x.toml"))
-            .map(|grains| grains.len())
-            .map_err(|error| error.to_string())
+        populate(&scene, 1, Path::new("x.toml")).map(|grains| grains.len()).map_err(|error| error.to_string())
     };
     assert_eq!(refuse(scene("[0.1995, 0, 0]", "0.1")).unwrap(), 2);
-    assert!(
-        refuse(scene("[0.19, 0, 0]", "0.1"))
-            .unwrap_err()
-            .contains("overlap by")
-    );
-    assert!(
-        refuse(scene("[3.0, 0, 0]", "0.1"))
-            .unwrap_err()
-            .contains("outside the domain")
-    );
+    assert!(refuse(scene("[0.19, 0, 0]", "0.1")).unwrap_err().contains("overlap by"));
+    assert!(refuse(scene("[3.0, 0, 0]", "0.1")).unwrap_err().contains("outside the domain"));
 }

@@ -16,9 +16,7 @@ pub fn smoke() -> PathBuf {
 /// The command, with a cache folder of its own.
 pub fn makadam(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_makadam"));
-    command
-        .env("XDG_CACHE_HOME", folder.join("cache"))
-        .current_dir(folder);
+    command.env("XDG_CACHE_HOME", folder.join("cache")).current_dir(folder);
     command
 }
 
@@ -36,8 +34,5 @@ pub fn changed(folder: &Path, from: &str, to: &str) -> PathBuf {
 #[allow(dead_code, reason = "not every test changes the scene")]
 pub fn line_of(file: &Path, text: &str) -> usize {
     let content = std::fs::read_to_string(file).unwrap();
-    1 + content
-        .lines()
-        .position(|line| line.contains(text))
-        .unwrap()
+    1 + content.lines().position(|line| line.contains(text)).unwrap()
 }

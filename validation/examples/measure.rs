@@ -32,7 +32,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if !pools.iter().any(|pool| pool.code == recording.code) {
             pools.push(ForcePool::new(&recording.code));
         }
-        pools.iter_mut().filter(|pool| pool.code == recording.code).for_each(|pool| pool.add_recording(&scene, &recording));
+        pools
+            .iter_mut()
+            .filter(|pool| pool.code == recording.code)
+            .for_each(|pool| pool.add_recording(&scene, &recording));
     }
     for (index, first) in pools.iter().enumerate() {
         for second in &pools[index + 1..] {

@@ -49,11 +49,7 @@ impl Build {
     /// Version and commit in a few words, such as "0.1.0 (1a2b3c4d, modified)".
     pub fn summary(&self) -> String {
         let commit: String = self.commit.chars().take(8).collect();
-        let modified = if self.dirty == Some(true) {
-            ", modified"
-        } else {
-            ""
-        };
+        let modified = if self.dirty == Some(true) { ", modified" } else { "" };
         format!("{} ({commit}{modified})", self.version)
     }
 }
@@ -119,56 +115,37 @@ pub fn account(threads: usize, scenes: &[&Scene]) -> BTreeMap<String, String> {
         .map(|(name, value)| (name.to_string(), value)),
     );
     for scene in scenes {
-        account.insert(
-            format!("scene_hash_of_{}", scene.name),
-            format!("{:016x}", scene_hash(scene)),
-        );
+        account.insert(format!("scene_hash_of_{}", scene.name), format!("{:016x}", scene_hash(scene)));
     }
     account
 }
 
 /// Hash of everything that a scene says (64-bit FNV-1a over its JSON form), the same on every machine.
 pub fn scene_hash(scene: &Scene) -> u64 {
-    let text = serde_json::to_vec(scene)
-        .expect("a checked scene holds only finite numbers and plain text");
+    let text = serde_json::to_vec(scene).expect("a checked scene holds only finite numbers and plain text");
     fnv1a(&text)
 }
 
 /// 64-bit FNV-1a hash.
 pub fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
-    })
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
 }
 
 /// The command line of this process, with the program's name in place of its path.
 pub fn command_line() -> String {
-    let arguments =
-        std::env::args()
-            .skip(1)
-            .map(|argument| match argument.contains(char::is_whitespace) {
-                true => format!("'{argument}'"),
-                false => argument,
-            });
-    std::iter::once("makadam".to_string())
-        .chain(arguments)
-        .collect::<Vec<_>>()
-        .join(" ")
+    let arguments = std::env::args().skip(1).map(|argument| match argument.contains(char::is_whitespace) {
+        true => format!("'{argument}'"),
+        false => argument,
+    });
+    std::iter::once("makadam".to_string()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
 /// A time as ISO 8601 in UTC, to the second.
 pub fn utc(time: SystemTime) -> String {
-    let seconds = time
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |elapsed| elapsed.as_secs());
+    let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs());
     let (days, rest) = (seconds / 86_400, seconds % 86_400);
     let (year, month, day) = civil_date(days);
-    format!(
-        "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z",
-        rest / 3600,
-        rest / 60 % 60,
-        rest % 60
-    )
+    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", rest / 3600, rest / 60 % 60, rest % 60)
 }
 
 /// Year, month and day of a number of days after 1970-01-01, by whole 400-year eras of the Gregorian calendar that
@@ -176,39 +153,26 @@ pub fn utc(time: SystemTime) -> String {
 fn civil_date(days: u64) -> (u64, u64, u64) {
     let shifted = days + 719_468;
     let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
     let month_from_march = (5 * day_of_year + 2) / 153;
     let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
-    let month = if month_from_march < 10 {
-        month_from_march + 3
-    } else {
-        month_from_march - 9
-    };
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
     (era * 400 + year_of_era + u64::from(month <= 2), month, day)
 }
 
 /// Model of the processor, from the system.
 pub fn processor() -> String {
     let information = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = information
-        .lines()
-        .find_map(|line| line.strip_prefix("model name")?.split_once(':'));
-    model.map_or_else(
-        || std::env::consts::ARCH.to_string(),
-        |(_, name)| name.trim().to_string(),
-    )
+    let model = information.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    model.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
 }
 
 /// Largest resident memory of this process so far, bytes; 0 where the system does not tell.
 pub fn peak_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let peak = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix("kB"));
-    peak.and_then(|kilobytes| kilobytes.trim().parse::<u64>().ok())
-        .map_or(0, |kilobytes| kilobytes * 1024)
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix("kB"));
+    peak.and_then(|kilobytes| kilobytes.trim().parse::<u64>().ok()).map_or(0, |kilobytes| kilobytes * 1024)
 }
 
 #[cfg(test)]
@@ -219,18 +183,9 @@ mod tests {
     #[test]
     fn times_are_written_as_utc() {
         assert_eq!(utc(UNIX_EPOCH), "1970-01-01T00:00:00Z");
-        assert_eq!(
-            utc(UNIX_EPOCH + Duration::from_secs(951_782_399)),
-            "2000-02-28T23:59:59Z"
-        );
-        assert_eq!(
-            utc(UNIX_EPOCH + Duration::from_secs(951_782_400)),
-            "2000-02-29T00:00:00Z"
-        );
-        assert_eq!(
-            utc(UNIX_EPOCH + Duration::from_secs(4_107_542_400)),
-            "2100-03-01T00:00:00Z"
-        );
+        assert_eq!(utc(UNIX_EPOCH + Duration::from_secs(951_782_399)), "2000-02-28T23:59:59Z");
+        assert_eq!(utc(UNIX_EPOCH + Duration::from_secs(951_782_400)), "2000-02-29T00:00:00Z");
+        assert_eq!(utc(UNIX_EPOCH + Duration::from_secs(4_107_542_400)), "2100-03-01T00:00:00Z");
     }
 
     #[test]

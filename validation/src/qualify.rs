@@ -1,8 +1,7 @@
 //! The whole judgement: every reference scene against the recorded references, live runs of the peers, one report.
 
 use crate::compare::{
-    Announce, CodeRuns, CodeSummary, Comparison, Harvest, Reference, ReferenceError, Runs,
-    comparison, live_checks,
+    Announce, CodeRuns, CodeSummary, Comparison, Harvest, Reference, ReferenceError, Runs, comparison, live_checks,
 };
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
 use crate::provenance::account;
@@ -48,9 +47,7 @@ pub enum QualifyError {
     #[error(transparent)]
     Reference(#[from] ReferenceError),
     /// Nothing is recorded of a code.
-    #[error(
-        "nothing is recorded of {code} on the scene {scene}; record it with 'makadam compare {scene} --record'"
-    )]
+    #[error("nothing is recorded of {code} on the scene {scene}; record it with 'makadam compare {scene} --record'")]
     NotRecorded {
         /// The code.
         code: String,
@@ -97,10 +94,7 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
     if settings.live
         && let Some(missing) = peers.iter().find(|code| code.version().is_none())
     {
-        return Err(CodeError::Missing {
-            code: missing.name(),
-        }
-        .into());
+        return Err(CodeError::Missing { code: missing.name() }.into());
     }
     let mut cases = SCENES
         .iter()
@@ -111,9 +105,7 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
     for name in TIMED {
         let case = cases.iter_mut().find(|case| case.scene.name == name);
         let Some(case) = case else { continue };
-        (settings.say)(&format!(
-            "{name}: timed runs of seed {LIVE_SEED}, one core each, one after the other"
-        ));
+        (settings.say)(&format!("{name}: timed runs of seed {LIVE_SEED}, one core each, one after the other"));
         case.time(settings, &Makadam)?;
         if !settings.live {
             continue;
@@ -122,10 +114,7 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
             match case.time(settings, peer.as_ref()) {
                 Ok(harvest) => outside_spread.extend(case.check(&harvest)),
                 Err(error @ CodeError::Interrupted { .. }) => return Err(error.into()),
-                Err(error) => failed.push(format!(
-                    "{name}: the live run of {} failed: {error}",
-                    peer.name()
-                )),
+                Err(error) => failed.push(format!("{name}: the live run of {} failed: {error}", peer.name())),
             }
         }
     }
@@ -139,10 +128,7 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
     (settings.say)("Makadam over the recorded seeds of every scene");
     let comparisons = judge(settings, cases)?;
     notes.extend(failed.iter().cloned());
-    let scenes: Vec<&Scene> = comparisons
-        .iter()
-        .map(|comparison| &comparison.scene)
-        .collect();
+    let scenes: Vec<&Scene> = comparisons.iter().map(|comparison| &comparison.scene).collect();
     let provenance = account(rayon::current_num_threads(), &scenes);
     let qualification = Qualification {
         title: "Makadam: quick qualification".into(),
@@ -153,19 +139,13 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
         notes,
         outside_spread,
     };
-    Ok(Qualified {
-        qualification,
-        failed,
-    })
+    Ok(Qualified { qualification, failed })
 }
 
 /// Runs Makadam over as many seeds as are recorded, all scenes at once, and compares.
 fn judge(settings: &Settings<'_>, cases: Vec<Case>) -> Result<Vec<Comparison>, QualifyError> {
-    let jobs: Vec<(usize, u64)> = cases
-        .iter()
-        .enumerate()
-        .flat_map(|(place, case)| (1..=case.seeds).map(move |seed| (place, seed)))
-        .collect();
+    let jobs: Vec<(usize, u64)> =
+        cases.iter().enumerate().flat_map(|(place, case)| (1..=case.seeds).map(move |seed| (place, seed))).collect();
     // One job at a time is taken from the list, so the long ones at its head do not pile up on one thread.
     let harvests: Vec<(usize, Harvest)> = jobs
         .into_par_iter()
@@ -173,9 +153,7 @@ fn judge(settings: &Settings<'_>, cases: Vec<Case>) -> Result<Vec<Comparison>, Q
         .map(|(place, seed)| Ok((place, cases[place].run(settings, &Makadam, seed)?)))
         .collect::<Result<_, CodeError>>()?;
     let mut by_case: Vec<Vec<Harvest>> = cases.iter().map(|_| Vec::new()).collect();
-    harvests
-        .into_iter()
-        .for_each(|(place, harvest)| by_case[place].push(harvest));
+    harvests.into_iter().for_each(|(place, harvest)| by_case[place].push(harvest));
     let threads = rayon::current_num_threads();
     let mut comparisons: Vec<Comparison> = cases
         .into_iter()
@@ -213,27 +191,16 @@ impl Case {
         };
         for peer in peers {
             let code = peer.name();
-            let missing = || QualifyError::NotRecorded {
-                code: code.into(),
-                scene: name.into(),
-            };
-            case.recorded
-                .push(reference.code(code).ok_or_else(missing)?);
+            let missing = || QualifyError::NotRecorded { code: code.into(), scene: name.into() };
+            case.recorded.push(reference.code(code).ok_or_else(missing)?);
             if reference.is_current(code, &case.scene) == Some(false) {
-                case.notes.push(format!(
-                    "the scene has changed since {code} was recorded: record anew"
-                ));
+                case.notes.push(format!("the scene has changed since {code} was recorded: record anew"));
             }
         }
         Ok(case)
     }
 
-    fn run(
-        &self,
-        settings: &Settings<'_>,
-        code: &dyn Code,
-        seed: u64,
-    ) -> Result<Harvest, CodeError> {
+    fn run(&self, settings: &Settings<'_>, code: &dyn Code, seed: u64) -> Result<Harvest, CodeError> {
         let runs = Runs {
             scene: &self.scene,
             scene_file: &self.file,
@@ -269,41 +236,26 @@ impl Case {
     /// Holds a live run of a peer against the spread of its recorded runs; what lies outside, in words.
     fn check(&mut self, harvest: &Harvest) -> Vec<String> {
         let run = &harvest.run;
-        let Some(recorded) = self
-            .recorded
-            .iter()
-            .find(|recorded| recorded.code == run.code)
-        else {
+        let Some(recorded) = self.recorded.iter().find(|recorded| recorded.code == run.code) else {
             return Vec::new();
         };
         let checks = live_checks(&self.scene, run, recorded);
         let percent = 100.0 * LIVE_FRACTION;
-        let head = format!(
-            "live {} (seed {}, {percent:.0}% of the Rayleigh step)",
-            run.code, run.seed
-        );
+        let head = format!("live {} (seed {}, {percent:.0}% of the Rayleigh step)", run.code, run.seed);
         let (inside, outside): (Vec<_>, Vec<_>) = checks.iter().partition(|check| check.inside);
         let words = |check: &&crate::compare::LiveCheck| {
             let [low, high] = check.interval;
-            format!(
-                "{} {:.4} ({low:.4} to {high:.4})",
-                check.observable, check.value
-            )
+            format!("{} {:.4} ({low:.4} to {high:.4})", check.observable, check.value)
         };
         if !inside.is_empty() {
             let listed = inside.iter().map(words).collect::<Vec<_>>().join(", ");
-            self.notes.push(format!(
-                "{head} lies inside the 99% interval of the recorded seeds: {listed}"
-            ));
+            self.notes.push(format!("{head} lies inside the 99% interval of the recorded seeds: {listed}"));
         }
         let scene = &self.scene.name;
         outside
             .iter()
             .map(|check| {
-                format!(
-                    "{scene}: {head} lies outside the 99% interval of the recorded seeds: {}",
-                    words(check)
-                )
+                format!("{scene}: {head} lies outside the 99% interval of the recorded seeds: {}", words(check))
             })
             .collect()
     }

@@ -142,7 +142,9 @@ fn tilted_drum(frames: usize, degrees: f64, offset: f64, radius: f64) -> Vec<Sna
     (0..frames)
         .map(|index| {
             let places = random_crystal(&mut random, 0.12).into_iter().filter(|p| {
-                p.x.hypot(p.z) < 0.1 - radius && p.y.abs() < 0.06 - radius && p.z * cosine - p.x * sine < offset - radius
+                p.x.hypot(p.z) < 0.1 - radius
+                    && p.y.abs() < 0.06 - radius
+                    && p.z * cosine - p.x * sine < offset - radius
             });
             frame(index as f64 * 0.05, particles(places, radius))
         })
@@ -311,9 +313,7 @@ shape = { kind = "plane", point = [0.0, 0.0, -0.5], normal = [0.0, 0.0, 1.0] }
 fn close_pairs_match_all_pairs() {
     let mut random = Random(5);
     let mut grains: Vec<Particle> = (0..400)
-        .flat_map(|_| {
-            particles([Vector3::from_fn(|_, _| random.uniform() * 0.1)], 0.002 + 0.003 * random.uniform())
-        })
+        .flat_map(|_| particles([Vector3::from_fn(|_, _| random.uniform() * 0.1)], 0.002 + 0.003 * random.uniform()))
         .collect();
     grains.extend(particles([Vector3::new(50.0, -3.0, 2.0)], 0.004));
     let mut pairs: Vec<(usize, usize)> = close_pairs(&grains, 5e-4).iter().map(|p| (p.first, p.second)).collect();
@@ -420,10 +420,8 @@ shape = { kind = "plane", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
         normal_force: force,
         tangential_force: [0.0; 3],
     };
-    let contacts = vec![
-        contact(Partner::Wall(0), -1.0, 2.0 * mass * 9.81),
-        contact(Partner::Grain(1), 1.0, mass * 9.81),
-    ];
+    let contacts =
+        vec![contact(Partner::Wall(0), -1.0, 2.0 * mass * 9.81), contact(Partner::Grain(1), 1.0, mass * 9.81)];
     let run = recording(vec![Snapshot { time: 0.0, particles: grains, contacts }]);
     let measurements = measure(&scene, &run);
     assert_abs_diff_eq!(value(&measurements, "wall_force_over_weight"), 1.0, epsilon = 1e-12);
@@ -454,7 +452,13 @@ fn literature_curves_have_the_numbers_derived_from_the_fits() {
         assert_abs_diff_eq!(sum(&|f| f * f), second, epsilon = 1e-2);
         // Gini: the integral of F (1 - F) over the mean.
         let mut below = 0.0;
-        let area: f64 = mass.iter().map(|m| { below += m; below * (1.0 - below) * step }).sum();
+        let area: f64 = mass
+            .iter()
+            .map(|m| {
+                below += m;
+                below * (1.0 - below) * step
+            })
+            .sum();
         assert_abs_diff_eq!(area, gini, epsilon = 4e-3);
     }
 }

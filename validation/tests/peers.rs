@@ -168,7 +168,13 @@ fn grain(position: [f64; 3], velocity: [f64; 3]) -> String {
     format!("[[grain]]\nmaterial = 'm'\nradius = 0.005\nposition = {position:?}\nvelocity = {velocity:?}\n")
 }
 
-fn simulate(code: &dyn Code, scene: &Scene, fraction: f64, folder: &Path, seconds: f64) -> Result<Recording, CodeError> {
+fn simulate(
+    code: &dyn Code,
+    scene: &Scene,
+    fraction: f64,
+    folder: &Path,
+    seconds: f64,
+) -> Result<Recording, CodeError> {
     code.simulate(&Job {
         scene,
         scene_file: Path::new("peers.toml"),

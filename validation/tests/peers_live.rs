@@ -94,7 +94,11 @@ fn restitution_of_a_pair_and_on_every_kind_of_wall() {
     let body = wall("slick", "kind = 'box', min = [-0.2, -0.2, -0.2], max = [0.2, 0.2, 0.2]", FIXED)
         + &wall("slick", "kind = 'plane', point = [0, 0, -0.15], normal = [0, 0, 1]", FIXED)
         + &wall("slick", "kind = 'disc', centre = [0.1, 0.1, -0.1], normal = [0, 0, 2], radius = 0.03", FIXED)
-        + &wall("slick", "kind = 'cylinder', base = [-0.1, -0.05, 0], axis = [0, 1, 0], radius = 0.04, length = 0.1", FIXED)
+        + &wall(
+            "slick",
+            "kind = 'cylinder', base = [-0.1, -0.05, 0], axis = [0, 1, 0], radius = 0.04, length = 0.1",
+            FIXED,
+        )
         + &grain([-0.007, -0.1, 0.1], [speed, 0.0, 0.0])
         + &grain([0.007, -0.1, 0.1], [-speed, 0.0, 0.0])
         + &grain([0.19, 0.013, 0.027], [speed, 0.0, 0.0])
@@ -103,7 +107,8 @@ fn restitution_of_a_pair_and_on_every_kind_of_wall() {
         + &grain([-0.1 + 0.03 * angle.cos(), 0.007, 0.03 * angle.sin()], towards);
     in_each(&scene(0.0, 0.03, 0.03, &body), 0.02, |code, recording| {
         let last = recording.frames.last().unwrap();
-        for (id, what) in ["first of a pair", "second of a pair", "box", "plane", "disc", "cylinder"].iter().enumerate() {
+        for (id, what) in ["first of a pair", "second of a pair", "box", "plane", "disc", "cylinder"].iter().enumerate()
+        {
             let before = velocity(&recording.frames[0], id);
             let after = -velocity(last, id).dot(&before) / before.norm_squared();
             if code == "YADE" && *what == "cylinder" {
@@ -130,7 +135,11 @@ fn grains_on_slopes_belts_lifts_and_in_drums() {
     let body = wall("rough", &disc(-0.1, -0.1, up.into()), FIXED)
         + &wall("slick", &disc(-0.1, 0.1, up.into()), FIXED)
         + &wall("grain", &disc(0.1, -0.1, flat.into()), "kind = 'translating', velocity = [0, 0.1, 0]")
-        + &wall("grain", &disc(0.1, 0.1, flat.into()), "kind = 'translating', velocity = [0, 0, 0.05], start = 0.02, stop = 0.05")
+        + &wall(
+            "grain",
+            &disc(0.1, 0.1, flat.into()),
+            "kind = 'translating', velocity = [0, 0, 0.05], start = 0.02, stop = 0.05",
+        )
         + &wall(
             "grain",
             "kind = 'cylinder', base = [0, -0.05, 0.2], axis = [0, 1, 0], radius = 0.05, length = 0.1",
@@ -158,15 +167,33 @@ fn grains_on_slopes_belts_lifts_and_in_drums() {
         let sliding = GRAVITY * (sine - 0.05 * cosine) * time;
         close(code, "speed on the slick slope", velocity(last, 1).dot(&down), sliding, 0.01 * sliding);
         let touch = contact(last, 1, 1);
-        close(code, "friction on the slick slope", Vector3::from(touch.tangential_force).dot(&down) / weight, 0.05 * cosine, 0.002);
-        close(code, "spin on the slick slope", last.particles[1].spin[1] * RADIUS, 2.5 * 0.05 * GRAVITY * cosine * time, 0.003);
+        close(
+            code,
+            "friction on the slick slope",
+            Vector3::from(touch.tangential_force).dot(&down) / weight,
+            0.05 * cosine,
+            0.002,
+        );
+        close(
+            code,
+            "spin on the slick slope",
+            last.particles[1].spin[1] * RADIUS,
+            2.5 * 0.05 * GRAVITY * cosine * time,
+            0.003,
+        );
         // On a belt that starts at once, 2/7 of its speed when slipping ends, give or take the spring that winds up meanwhile.
         close(code, "speed on the belt", last.particles[2].velocity[1], 0.1 * 2.0 / 7.0, 0.002);
         close(code, "spin on the belt", last.particles[2].spin[0] * RADIUS, 0.1 * 5.0 / 7.0, 0.004);
         // A lift that goes 1.5 mm up and stops; the overlap is Hertz's.
         let stiffness = 4.0 / 3.0 * 1e7 / (2.0 * (1.0 - 0.09)) * RADIUS.sqrt();
         let overlap = (weight / stiffness).powf(2.0 / 3.0);
-        close(code, "overlap on the lift", RADIUS + 0.05 * 0.03 - last.particles[3].position[2], overlap, 0.02 * overlap);
+        close(
+            code,
+            "overlap on the lift",
+            RADIUS + 0.05 * 0.03 - last.particles[3].position[2],
+            overlap,
+            0.02 * overlap,
+        );
         let touch = contact(last, 3, 3);
         close(code, "weight on the lift", touch.normal_force / weight, 1.0, 0.01);
         close(code, "height of the lift", touch.point[2], 0.0015, overlap);
@@ -187,7 +214,10 @@ fn every_grain_of_a_small_packing_is_in_balance() {
         let (layer, place) = (index / 4, index % 4);
         let shift = 0.001 * f64::from(layer);
         let (x, y) = (f64::from(place % 2), f64::from(place / 2));
-        body += &grain([0.007 + 0.012 * x + shift, 0.008 + 0.011 * y + 0.5 * shift, 0.007 + 0.011 * f64::from(layer)], [0.0; 3]);
+        body += &grain(
+            [0.007 + 0.012 * x + shift, 0.008 + 0.011 * y + 0.5 * shift, 0.007 + 0.011 * f64::from(layer)],
+            [0.0; 3],
+        );
     }
     in_each(&scene(GRAVITY, 1.5, 0.5, &body), 0.2, |code, recording| {
         let last = recording.frames.last().unwrap();
@@ -197,7 +227,8 @@ fn every_grain_of_a_small_packing_is_in_balance() {
         let mut on_walls = 0.0;
         let mut pairs = 0;
         for contact in &last.contacts {
-            let on_partner = Vector3::from(contact.normal) * contact.normal_force + Vector3::from(contact.tangential_force);
+            let on_partner =
+                Vector3::from(contact.normal) * contact.normal_force + Vector3::from(contact.tangential_force);
             let arm = |id: usize| Vector3::from(contact.point) - Vector3::from(last.particles[id].position);
             let first = contact.first as usize;
             force[first] -= on_partner;

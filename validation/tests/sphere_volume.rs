@@ -51,7 +51,15 @@ fn box_inside_the_sphere_is_the_box() {
 /// Simpson's rule over slices: the volume beyond X > a is the integral of the area of a cut disc.
 fn simpson(from: f64, to: f64, area: impl Fn(f64) -> f64) -> f64 {
     let (steps, width) = (20_000, (to - from) / 20_000.0);
-    let weight = |n: usize| if n == 0 || n == steps { 1.0 } else if n % 2 == 1 { 4.0 } else { 2.0 };
+    let weight = |n: usize| {
+        if n == 0 || n == steps {
+            1.0
+        } else if n % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        }
+    };
     (0..=steps).map(|n| weight(n) * area(from + n as f64 * width)).sum::<f64>() * width / 3.0
 }
 

@@ -13,7 +13,9 @@ fn ensemble(values: &[f64]) -> Ensemble {
 
 #[test]
 fn student_quantiles_match_the_tables() {
-    for (freedom, at95, at975) in [(1.0, 6.3138, 12.7062), (2.0, 2.9200, 4.3027), (4.0, 2.1318, 2.7764), (10.0, 1.8125, 2.2281)] {
+    for (freedom, at95, at975) in
+        [(1.0, 6.3138, 12.7062), (2.0, 2.9200, 4.3027), (4.0, 2.1318, 2.7764), (10.0, 1.8125, 2.2281)]
+    {
         assert_abs_diff_eq!(student_quantile(0.95, freedom), at95, epsilon = 1e-4);
         assert_abs_diff_eq!(student_quantile(0.975, freedom), at975, epsilon = 1e-4);
     }

@@ -92,11 +92,9 @@ impl Candidates {
         self.built_at = world.time;
         self.rebuilds += 1;
         self.box_of.clear();
-        self.box_of
-            .extend(world.positions.iter().map(|position| boxes.of(position)));
+        self.box_of.extend(world.positions.iter().map(|position| boxes.of(position)));
 
-        self.grid
-            .sort(&world.positions, &world.domain, 2.0 * largest + skin);
+        self.grid.sort(&world.positions, &world.domain, 2.0 * largest + skin);
         self.found.clear();
         let (found, box_of) = (&mut self.found, &self.box_of);
         self.grid.for_each_pair(|a, b| {
@@ -104,36 +102,19 @@ impl Candidates {
             let (i, j) = (first as usize, second as usize);
             let reach = world.bodies[i].radius + world.bodies[j].radius + skin;
             if (world.positions[j] - world.positions[i]).norm_squared() < reach * reach {
-                found.push((
-                    boxes.task(box_of[i], box_of[j]) as u32,
-                    PairCandidate { first, second },
-                ));
+                found.push((boxes.task(box_of[i], box_of[j]) as u32, PairCandidate { first, second }));
             }
         });
         let pair_key = |pair: &PairCandidate| (pair.first, pair.second);
-        self.remembered
-            .collect(world.grains(), &self.pairs, &self.pair_impulses, pair_key);
-        sort_by_task(
-            &self.found,
-            boxes.tasks(),
-            &mut self.pairs,
-            &mut self.pair_tasks,
-        );
-        self.remembered
-            .recall(&self.pairs, &mut self.pair_impulses, pair_key);
+        self.remembered.collect(world.grains(), &self.pairs, &self.pair_impulses, pair_key);
+        sort_by_task(&self.found, boxes.tasks(), &mut self.pairs, &mut self.pair_tasks);
+        self.remembered.recall(&self.pairs, &mut self.pair_impulses, pair_key);
 
         self.find_walls(world, boxes, skin);
         let wall_key = |wall: &WallCandidate| (wall.body, wall.surface);
-        self.remembered
-            .collect(world.grains(), &self.walls, &self.wall_impulses, wall_key);
-        sort_by_task(
-            &self.found_walls,
-            boxes.tasks(),
-            &mut self.walls,
-            &mut self.wall_tasks,
-        );
-        self.remembered
-            .recall(&self.walls, &mut self.wall_impulses, wall_key);
+        self.remembered.collect(world.grains(), &self.walls, &self.wall_impulses, wall_key);
+        sort_by_task(&self.found_walls, boxes.tasks(), &mut self.walls, &mut self.wall_tasks);
+        self.remembered.recall(&self.walls, &mut self.wall_impulses, wall_key);
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
@@ -145,9 +126,7 @@ impl Candidates {
             + self.reference.capacity() * size_of::<Vector3<f64>>()
             + self.box_of.capacity() * size_of::<[u16; 3]>()
             + self.remembered.entries.capacity() * size_of::<(u32, Impulse)>()
-            + (self.remembered.start.capacity()
-                + self.pair_tasks.capacity()
-                + self.wall_tasks.capacity())
+            + (self.remembered.start.capacity() + self.pair_tasks.capacity() + self.wall_tasks.capacity())
                 * size_of::<u32>()
             + self.grid.memory_bytes()
     }
@@ -159,12 +138,8 @@ impl Candidates {
             for (grain, position) in world.positions.iter().enumerate() {
                 if pose.nearest(position).0 < world.bodies[grain].radius + skin {
                     let here = self.box_of[grain];
-                    let candidate = WallCandidate {
-                        body: grain as u32,
-                        surface: number as u32,
-                    };
-                    self.found_walls
-                        .push((boxes.task(here, here) as u32, candidate));
+                    let candidate = WallCandidate { body: grain as u32, surface: number as u32 };
+                    self.found_walls.push((boxes.task(here, here) as u32, candidate));
                 }
             }
         }
@@ -172,12 +147,7 @@ impl Candidates {
 }
 
 /// Counting sort by task; keeps the order within a task.
-fn sort_by_task<T: Copy>(
-    found: &[(u32, T)],
-    tasks: usize,
-    sorted: &mut Vec<T>,
-    start: &mut Vec<u32>,
-) {
+fn sort_by_task<T: Copy>(found: &[(u32, T)], tasks: usize, sorted: &mut Vec<T>, start: &mut Vec<u32>) {
     start.clear();
     start.resize(tasks + 1, 0);
     for (task, _) in found {
@@ -204,20 +174,10 @@ fn sort_by_task<T: Copy>(
 
 impl Remembered {
     /// Groups the non-zero impulses of the old list by their first grain.
-    fn collect<T>(
-        &mut self,
-        grains: usize,
-        old: &[T],
-        impulses: &[Impulse],
-        key: impl Fn(&T) -> (u32, u32),
-    ) {
+    fn collect<T>(&mut self, grains: usize, old: &[T], impulses: &[Impulse], key: impl Fn(&T) -> (u32, u32)) {
         self.start.clear();
         self.start.resize(grains + 1, 0);
-        let live = || {
-            old.iter()
-                .zip(impulses)
-                .filter(|(_, impulse)| impulse.normal > 0.0)
-        };
+        let live = || old.iter().zip(impulses).filter(|(_, impulse)| impulse.normal > 0.0);
         for (candidate, _) in live() {
             self.start[key(candidate).0 as usize + 1] += 1;
         }
@@ -225,8 +185,7 @@ impl Remembered {
             self.start[grain + 1] += self.start[grain];
         }
         self.entries.clear();
-        self.entries
-            .resize(self.start[grains] as usize, (0, Impulse::default()));
+        self.entries.resize(self.start[grains] as usize, (0, Impulse::default()));
         for (candidate, impulse) in live() {
             let (first, second) = key(candidate);
             let place = &mut self.start[first as usize];
@@ -244,11 +203,8 @@ impl Remembered {
         impulses.clear();
         impulses.extend(new.iter().map(|candidate| {
             let (first, second) = key(candidate);
-            let own = &self.entries
-                [self.start[first as usize] as usize..self.start[first as usize + 1] as usize];
-            own.iter()
-                .find(|entry| entry.0 == second)
-                .map_or_else(Impulse::default, |entry| entry.1)
+            let own = &self.entries[self.start[first as usize] as usize..self.start[first as usize + 1] as usize];
+            own.iter().find(|entry| entry.0 == second).map_or_else(Impulse::default, |entry| entry.1)
         }));
     }
 }

@@ -34,19 +34,13 @@ const FORWARD: [[i64; 3]; 13] = [
 
 impl CellGrid {
     /// Sorts grains into cells no smaller than `reach` (m). Grains outside the domain count to its outermost cells.
-    pub fn sort(
-        &mut self,
-        positions: &[Vector3<f64>],
-        domain: &(Vector3<f64>, Vector3<f64>),
-        reach: f64,
-    ) {
+    pub fn sort(&mut self, positions: &[Vector3<f64>], domain: &(Vector3<f64>, Vector3<f64>), reach: f64) {
         self.origin = domain.0;
         let extent = (domain.1 - domain.0).map(|width| width.max(1e-300));
         // Empty cells cost time too: no more than about eight a grain.
         let most = 8.0 * positions.len() as f64 + 512.0;
         self.size = reach.max(libm::cbrt(extent.product() / most));
-        self.count = [extent.x, extent.y, extent.z]
-            .map(|width| (width / self.size).ceil().clamp(1.0, 4096.0) as usize);
+        self.count = [extent.x, extent.y, extent.z].map(|width| (width / self.size).ceil().clamp(1.0, 4096.0) as usize);
         let cells: usize = self.count.iter().product();
         self.start.clear();
         self.start.resize(cells + 1, 0);

@@ -61,11 +61,7 @@ pub fn damping_ratio(restitution: f64) -> f64 {
             high = middle;
         }
     }
-    if restitution >= 1.0 {
-        0.0
-    } else {
-        0.5 * (low + high)
-    }
+    if restitution >= 1.0 { 0.0 } else { 0.5 * (low + high) }
 }
 
 fn log_restitution(z: f64) -> f64 {
@@ -103,15 +99,9 @@ impl NormalContact {
             }
             NormalLaw::Hertz => {
                 let smallest = SMALLEST_RELATIVE_OVERLAP * self.effective_radius;
-                let stiffness =
-                    |depth: f64| 1.25 * self.hertz_stiffness() * depth.max(smallest).sqrt();
+                let stiffness = |depth: f64| 1.25 * self.hertz_stiffness() * depth.max(smallest).sqrt();
                 let now = stiffness(self.overlap);
-                (
-                    1.0 / now,
-                    0.8 * self.overlap,
-                    self.damping_time(now),
-                    self.damping_time(stiffness(ahead)),
-                )
+                (1.0 / now, 0.8 * self.overlap, self.damping_time(now), self.damping_time(stiffness(ahead)))
             }
         };
         let damping = 1.0 / (1.0 + 4.0 * (damping_time / h).max(damping_steps));

@@ -28,27 +28,14 @@ pub fn with_restitution(
     match law {
         NormalLaw::Rigid if overlap < 0.0 => {
             let resting = !impact && velocity <= threshold;
-            resting.then_some(NormalConstraint {
-                bias: overlap / h,
-                ..constraint
-            })
+            resting.then_some(NormalConstraint { bias: overlap / h, ..constraint })
         }
-        NormalLaw::Rigid if impact => Some(NormalConstraint {
-            bias: -restitution * velocity,
-            ..constraint
-        }),
+        NormalLaw::Rigid if impact => Some(NormalConstraint { bias: -restitution * velocity, ..constraint }),
         NormalLaw::Rigid if velocity > threshold => None,
-        NormalLaw::Rigid => Some(NormalConstraint {
-            bias: constraint.bias.min(threshold),
-            ..constraint
-        }),
+        NormalLaw::Rigid => Some(NormalConstraint { bias: constraint.bias.min(threshold), ..constraint }),
         _ if impact && !constraint.resolves_impact => {
             let bias = constraint.bias.max(-restitution * velocity);
-            Some(NormalConstraint {
-                bias,
-                regularisation: 0.0,
-                ..constraint
-            })
+            Some(NormalConstraint { bias, regularisation: 0.0, ..constraint })
         }
         _ => Some(constraint),
     }

@@ -24,26 +24,13 @@ impl BoxGrid {
     ///
     /// A box is never narrower than three times the reach of a pair, so that no body takes part in contacts across two
     /// opposite faces.
-    pub fn new(
-        domain: &(Vector3<f64>, Vector3<f64>),
-        grains: usize,
-        largest_radius: f64,
-        skin: f64,
-    ) -> BoxGrid {
+    pub fn new(domain: &(Vector3<f64>, Vector3<f64>), grains: usize, largest_radius: f64, skin: f64) -> BoxGrid {
         let size = domain.1 - domain.0;
         // In a domain that is mostly empty, wider boxes: empty ones cost time and memory.
         let sparse = libm::cbrt(size.product() / (64.0 + grains as f64 / 8.0));
-        let width = (2.0 * WIDTH * largest_radius)
-            .max(3.0 * (2.0 * largest_radius + skin))
-            .max(sparse)
-            .max(1e-12);
-        let count = [size.x, size.y, size.z]
-            .map(|length| (length / width).ceil().clamp(1.0, 1024.0) as u32);
-        BoxGrid {
-            origin: domain.0,
-            width,
-            count,
-        }
+        let width = (2.0 * WIDTH * largest_radius).max(3.0 * (2.0 * largest_radius + skin)).max(sparse).max(1e-12);
+        let count = [size.x, size.y, size.z].map(|length| (length / width).ceil().clamp(1.0, 1024.0) as u32);
+        BoxGrid { origin: domain.0, width, count }
     }
 
     /// Number of boxes.
@@ -70,8 +57,7 @@ impl BoxGrid {
     /// Number of a box.
     #[inline]
     fn number(&self, cell: [u16; 3]) -> usize {
-        (cell[2] as usize * self.count[1] as usize + cell[1] as usize) * self.count[0] as usize
-            + cell[0] as usize
+        (cell[2] as usize * self.count[1] as usize + cell[1] as usize) * self.count[0] as usize + cell[0] as usize
     }
 
     /// Task of a contact of grains in two boxes, the same or neighbours: stage by stage, box by box.

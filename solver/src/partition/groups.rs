@@ -90,11 +90,7 @@ impl ContactLanes {
     /// Lanes that hold a contact, with the candidates that these came from.
     pub fn occupied(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let occupied = |&(_, &source): &(usize, &u32)| source != NO_SOURCE;
-        self.source
-            .iter()
-            .enumerate()
-            .filter(occupied)
-            .map(|(lane, &source)| (lane, source as usize))
+        self.source.iter().enumerate().filter(occupied).map(|(lane, &source)| (lane, source as usize))
     }
 
     /// Impulse of the contact in a lane, N s.

@@ -47,8 +47,7 @@ pub struct Layout {
 impl Layout {
     /// Share of lanes that hold a contact, 0 to 1.
     pub fn lane_occupancy(&self) -> f64 {
-        self.contacts as f64
-            / (crate::world::LANES * (self.pairs.len() + self.walls.len())).max(1) as f64
+        self.contacts as f64 / (crate::world::LANES * (self.pairs.len() + self.walls.len())).max(1) as f64
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {

@@ -41,13 +41,7 @@ pub(crate) struct Packer {
 
 impl Default for Packer {
     fn default() -> Packer {
-        Packer {
-            taken: Vec::new(),
-            start: 0,
-            opened: 0,
-            open: 0,
-            filled: [0; WINDOW as usize],
-        }
+        Packer { taken: Vec::new(), start: 0, opened: 0, open: 0, filled: [0; WINDOW as usize] }
     }
 }
 

@@ -15,12 +15,8 @@ pub(super) fn check(scene: &Scene) -> Checked {
     walls(scene)?;
     grains(scene)?;
     if let Some(prepare) = &scene.prepare {
-        root.key("prepare")
-            .key("duration")
-            .range(prepare.duration, 0.0, 1e5, "s")?;
-        root.key("prepare")
-            .key("step")
-            .range(prepare.step, 1e-9, 0.1, "s")?;
+        root.key("prepare").key("duration").range(prepare.duration, 0.0, 1e5, "s")?;
+        root.key("prepare").key("step").range(prepare.step, 1e-9, 0.1, "s")?;
     }
     solver(scene)?;
     measure(scene)
@@ -29,26 +25,19 @@ pub(super) fn check(scene: &Scene) -> Checked {
 fn materials(scene: &Scene) -> Checked {
     for (name, material) in &scene.material {
         let at = Place::default().key("material").name(name);
-        at.key("density")
-            .range(material.density, 1.0, 30_000.0, "kg/m3")?;
-        at.key("youngs_modulus")
-            .range(material.youngs_modulus, 1e2, 1e13, "Pa")?;
-        at.key("poisson_ratio")
-            .range(material.poisson_ratio, 0.0, 0.4999, "(no unit)")?;
-        at.key("friction")
-            .range(material.friction, 0.0, 1e9, "(no unit)")?;
-        at.key("restitution")
-            .range(material.restitution, 0.0, 1.0, "(no unit)")?;
+        at.key("density").range(material.density, 1.0, 30_000.0, "kg/m3")?;
+        at.key("youngs_modulus").range(material.youngs_modulus, 1e2, 1e13, "Pa")?;
+        at.key("poisson_ratio").range(material.poisson_ratio, 0.0, 0.4999, "(no unit)")?;
+        at.key("friction").range(material.friction, 0.0, 1e9, "(no unit)")?;
+        at.key("restitution").range(material.restitution, 0.0, 1.0, "(no unit)")?;
     }
     for (index, rule) in scene.pair.iter().enumerate() {
         let at = Place::default().key("pair").index(index);
         for name in &rule.between {
             known_material(scene, &at.key("between"), name)?;
         }
-        at.key("friction")
-            .range(rule.friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
-        at.key("restitution")
-            .range(rule.restitution.unwrap_or(0.0), 0.0, 1.0, "(no unit)")?;
+        at.key("friction").range(rule.friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
+        at.key("restitution").range(rule.restitution.unwrap_or(0.0), 0.0, 1.0, "(no unit)")?;
     }
     Ok(())
 }
@@ -67,29 +56,19 @@ fn walls(scene: &Scene) -> Checked {
                 extent(&shape, min, max)?;
                 for face in open {
                     if !["-x", "+x", "-y", "+y", "-z", "+z"].contains(&face.as_str()) {
-                        return Err(shape.key("open").fault(
-                            format!("'{face}' is not a face"),
-                            "use -x, +x, -y, +y, -z or +z",
-                        ));
+                        return Err(shape
+                            .key("open")
+                            .fault(format!("'{face}' is not a face"), "use -x, +x, -y, +y, -z or +z"));
                     }
                 }
             }
-            Shape::Cylinder {
-                base,
-                axis,
-                radius,
-                length,
-            } => {
+            Shape::Cylinder { base, axis, radius, length } => {
                 shape.key("base").finite(base)?;
                 shape.key("axis").direction(axis)?;
                 shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
                 shape.key("length").range(*length, 1e-9, 1e4, "m")?;
             }
-            Shape::Disc {
-                centre,
-                normal,
-                radius,
-            } => {
+            Shape::Disc { centre, normal, radius } => {
                 shape.key("centre").finite(centre)?;
                 shape.key("normal").direction(normal)?;
                 shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
@@ -98,21 +77,11 @@ fn walls(scene: &Scene) -> Checked {
         let motion = at.key("motion");
         match &wall.motion {
             Motion::Fixed => {}
-            Motion::Translating {
-                velocity,
-                start,
-                stop,
-            } => {
+            Motion::Translating { velocity, start, stop } => {
                 motion.key("velocity").finite(velocity)?;
                 interval(&motion, *start, *stop)?;
             }
-            Motion::Rotating {
-                point,
-                axis,
-                rate,
-                start,
-                stop,
-            } => {
+            Motion::Rotating { point, axis, rate, start, stop } => {
                 motion.key("point").finite(point)?;
                 motion.key("axis").direction(axis)?;
                 motion.key("rate").range(*rate, -1e5, 1e5, "rad/s")?;
@@ -127,21 +96,13 @@ fn grains(scene: &Scene) -> Checked {
     for (index, population) in scene.population.iter().enumerate() {
         let at = Place::default().key("population").index(index);
         known_material(scene, &at.key("material"), &population.material)?;
-        at.key("count")
-            .range(population.count as f64, 0.0, 1e8, "grains")?;
-        at.key("spacing")
-            .range(population.spacing, 1.0, 100.0, "largest diameters")?;
-        at.key("agitation")
-            .range(population.agitation, 0.0, 1e3, "m/s")?;
+        at.key("count").range(population.count as f64, 0.0, 1e8, "grains")?;
+        at.key("spacing").range(population.spacing, 1.0, 100.0, "largest diameters")?;
+        at.key("agitation").range(population.agitation, 0.0, 1e3, "m/s")?;
         radii(&at.key("radius"), &population.radius)?;
         match &population.region {
             Region::Box { min, max } => extent(&at.key("region"), min, max)?,
-            Region::Cylinder {
-                base,
-                axis,
-                radius,
-                length,
-            } => {
+            Region::Cylinder { base, axis, radius, length } => {
                 let region = at.key("region");
                 region.key("base").finite(base)?;
                 region.key("axis").direction(axis)?;
@@ -168,12 +129,7 @@ fn radii(at: &Place, distribution: &RadiusDistribution) -> Checked {
             at.key("mean").range(*mean, 1e-9, 100.0, "m")?;
             at.key("spread").range(*spread, 0.0, 0.99, "(no unit)")
         }
-        RadiusDistribution::Normal {
-            mean,
-            deviation,
-            min,
-            max,
-        } => {
+        RadiusDistribution::Normal { mean, deviation, min, max } => {
             at.key("mean").range(*mean, *min, *max, "m")?;
             at.key("deviation").range(*deviation, 0.0, *max, "m")?;
             at.key("min").range(*min, 1e-9, *max, "m")?;
@@ -201,59 +157,35 @@ fn solver(scene: &Scene) -> Checked {
     let at = Place::default().key("solver");
     let settings = &scene.solver;
     at.key("step").range(settings.step, 1e-9, 0.1, "s")?;
-    at.key("over_relaxation")
-        .range(settings.over_relaxation, 0.1, 1.9, "(no unit)")?;
-    at.key("damping_steps")
-        .range(settings.damping_steps, 0.0, 1e3, "time steps")?;
-    at.key("restitution_threshold")
-        .range(settings.restitution_threshold, 0.0, 1e3, "m/s")?;
-    at.key("skin")
-        .range(settings.skin, 1e-3, 10.0, "mean radii")?;
-    at.key("warm_start")
-        .range(settings.warm_start, 0.0, 1.0, "(no unit)")?;
+    at.key("over_relaxation").range(settings.over_relaxation, 0.1, 1.9, "(no unit)")?;
+    at.key("damping_steps").range(settings.damping_steps, 0.0, 1e3, "time steps")?;
+    at.key("restitution_threshold").range(settings.restitution_threshold, 0.0, 1e3, "m/s")?;
+    at.key("skin").range(settings.skin, 1e-3, 10.0, "mean radii")?;
+    at.key("warm_start").range(settings.warm_start, 0.0, 1.0, "(no unit)")?;
     if let NormalLaw::Linear { stiffness } = settings.normal_law {
-        at.key("normal_law")
-            .key("stiffness")
-            .range(stiffness, 1e-6, 1e15, "N/m")?;
+        at.key("normal_law").key("stiffness").range(stiffness, 1e-6, 1e15, "N/m")?;
     }
     let stop = at.key("stop");
     match settings.stop {
-        Stop::Sweeps { sweeps } => stop
-            .key("sweeps")
-            .range(f64::from(sweeps), 1.0, 1e6, "sweeps"),
-        Stop::Residual {
-            tolerance,
-            max_sweeps,
-        } => {
+        Stop::Sweeps { sweeps } => stop.key("sweeps").range(f64::from(sweeps), 1.0, 1e6, "sweeps"),
+        Stop::Residual { tolerance, max_sweeps } => {
             stop.key("tolerance").range(tolerance, 1e-16, 1e6, "g h")?;
-            stop.key("max_sweeps")
-                .range(f64::from(max_sweeps), 1.0, 1e6, "sweeps")
+            stop.key("max_sweeps").range(f64::from(max_sweeps), 1.0, 1e6, "sweeps")
         }
-        Stop::TimeBudget {
-            seconds,
-            max_sweeps,
-        } => {
+        Stop::TimeBudget { seconds, max_sweeps } => {
             stop.key("seconds").range(seconds, 1e-9, 1e3, "s")?;
-            stop.key("max_sweeps")
-                .range(f64::from(max_sweeps), 1.0, 1e6, "sweeps")
+            stop.key("max_sweeps").range(f64::from(max_sweeps), 1.0, 1e6, "sweeps")
         }
     }
 }
 
 fn measure(scene: &Scene) -> Checked {
     let at = Place::default().key("measure");
-    at.key("interval")
-        .range(scene.measure.interval, 1e-6, 1e5, "s")?;
-    at.key("from")
-        .range(scene.measure.from.unwrap_or(0.0), 0.0, scene.duration, "s")?;
+    at.key("interval").range(scene.measure.interval, 1e-6, 1e5, "s")?;
+    at.key("from").range(scene.measure.from.unwrap_or(0.0), 0.0, scene.duration, "s")?;
     for (index, expectation) in scene.compare.iter().enumerate() {
         let margin = Place::default().key("compare").index(index).key("margin");
-        margin.range(
-            expectation.margin.unwrap_or(1.0),
-            1e-12,
-            1e6,
-            "in the observable's unit",
-        )?;
+        margin.range(expectation.margin.unwrap_or(1.0), 1e-12, 1e6, "in the observable's unit")?;
     }
     Ok(())
 }
@@ -286,12 +218,7 @@ fn known_material(scene: &Scene, at: &Place, name: &str) -> Checked {
 }
 
 fn join(scene: &Scene) -> String {
-    scene
-        .material
-        .keys()
-        .cloned()
-        .collect::<Vec<_>>()
-        .join(", ")
+    scene.material.keys().cloned().collect::<Vec<_>>().join(", ")
 }
 
 /// A place in the document, built up as the check goes down into it.
@@ -330,30 +257,23 @@ impl Place {
     }
 
     fn fault(&self, problem: String, remedy: &str) -> Fault {
-        Fault {
-            path: self.0.clone(),
-            problem: format!("{}: {problem}", self.label()),
-            remedy: remedy.to_string(),
-        }
+        Fault { path: self.0.clone(), problem: format!("{}: {problem}", self.label()), remedy: remedy.to_string() }
     }
 
     fn range(&self, value: f64, low: f64, high: f64, unit: &str) -> Checked {
         match value.is_finite() && value >= low && value <= high {
             true => Ok(()),
-            false => Err(self.fault(
-                format!("{value} is out of range"),
-                &format!("give a number from {low} to {high} {unit}"),
-            )),
+            false => {
+                Err(self
+                    .fault(format!("{value} is out of range"), &format!("give a number from {low} to {high} {unit}")))
+            }
         }
     }
 
     fn finite(&self, vector: &[f64; 3]) -> Checked {
         match vector.iter().all(|x| x.is_finite() && x.abs() < 1e6) {
             true => Ok(()),
-            false => Err(self.fault(
-                format!("{vector:?} is not usable"),
-                "give three finite SI numbers below 1e6",
-            )),
+            false => Err(self.fault(format!("{vector:?} is not usable"), "give three finite SI numbers below 1e6")),
         }
     }
 

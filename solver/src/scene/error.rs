@@ -39,22 +39,16 @@ impl SceneError {
     pub(super) fn from_toml(file: &Path, text: &str, error: &toml::de::Error) -> SceneError {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         let problem = error.message().replace('\n', " ");
-        let remedy =
-            if problem.starts_with("unknown field") || problem.starts_with("unknown variant") {
-                "use one of the names listed"
-            } else if problem.starts_with("missing field") {
-                "add that key to the table"
-            } else if problem.contains("expected f64") {
-                "write a plain number in SI units, such as radius = 0.005 for 5 mm"
-            } else {
-                "see the scenes under reference-scenes/ for the form"
-            };
-        SceneError::Invalid {
-            file: file.to_path_buf(),
-            line,
-            problem,
-            remedy: remedy.to_string(),
-        }
+        let remedy = if problem.starts_with("unknown field") || problem.starts_with("unknown variant") {
+            "use one of the names listed"
+        } else if problem.starts_with("missing field") {
+            "add that key to the table"
+        } else if problem.contains("expected f64") {
+            "write a plain number in SI units, such as radius = 0.005 for 5 mm"
+        } else {
+            "see the scenes under reference-scenes/ for the form"
+        };
+        SceneError::Invalid { file: file.to_path_buf(), line, problem, remedy: remedy.to_string() }
     }
 }
 
@@ -77,12 +71,7 @@ impl Fault {
     /// Finds the line of the value, or of the nearest table around it that the file spells out.
     pub(super) fn locate(self, file: &Path, text: &str) -> SceneError {
         let line = span_start(text, &self.path).map_or(1, |at| line_at(text, at));
-        SceneError::Invalid {
-            file: file.to_path_buf(),
-            line,
-            problem: self.problem,
-            remedy: self.remedy,
-        }
+        SceneError::Invalid { file: file.to_path_buf(), line, problem: self.problem, remedy: self.remedy }
     }
 }
 
@@ -96,8 +85,7 @@ fn span_start(text: &str, path: &[Step]) -> Option<usize> {
             Step::Key(key) => *key,
             Step::Name(name) => name.as_str(),
             Step::Index(index) => {
-                let Some(next) = value.and_then(|v| v.as_array()).and_then(|a| a.get(*index))
-                else {
+                let Some(next) = value.and_then(|v| v.as_array()).and_then(|a| a.get(*index)) else {
                     break;
                 };
                 at = Some(next.span().start);
@@ -119,8 +107,5 @@ fn span_start(text: &str, path: &[Step]) -> Option<usize> {
 }
 
 fn line_at(text: &str, at: usize) -> usize {
-    1 + text.as_bytes()[..at.min(text.len())]
-        .iter()
-        .filter(|&&byte| byte == b'\n')
-        .count()
+    1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count()
 }

@@ -14,8 +14,8 @@ pub use error::SceneError;
 pub use populate::{Grain, populate};
 pub use settings::{NormalLaw, SolverSettings, Stop};
 pub use types::{
-    Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population,
-    Prepare, RadiusDistribution, Region, Shape, Wall,
+    Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population, Prepare,
+    RadiusDistribution, Region, Shape, Wall,
 };
 
 use serde::{Deserialize, Serialize};
@@ -74,10 +74,8 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] if the file is missing, is not TOML, has an unknown key, or holds a value out of range.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
-        let text = std::fs::read_to_string(path).map_err(|source| SceneError::Missing {
-            file: path.to_path_buf(),
-            source,
-        })?;
+        let text =
+            std::fs::read_to_string(path).map_err(|source| SceneError::Missing { file: path.to_path_buf(), source })?;
         Scene::parse(&text, path)
     }
 
@@ -86,8 +84,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
-        let scene: Scene =
-            toml::from_str(text).map_err(|error| SceneError::from_toml(file, text, &error))?;
+        let scene: Scene = toml::from_str(text).map_err(|error| SceneError::from_toml(file, text, &error))?;
         check::check(&scene).map_err(|fault| fault.locate(file, text))?;
         Ok(scene)
     }
@@ -101,18 +98,12 @@ impl Scene {
         if as_path.is_file() {
             return Ok(as_path);
         }
-        let candidates = std::iter::once(as_path.join("scene.toml")).chain(
-            roots
-                .iter()
-                .map(|root| root.join("reference-scenes").join(name).join("scene.toml")),
-        );
+        let candidates = std::iter::once(as_path.join("scene.toml"))
+            .chain(roots.iter().map(|root| root.join("reference-scenes").join(name).join("scene.toml")));
         candidates
             .into_iter()
             .find(|path| path.is_file())
-            .ok_or_else(|| SceneError::Unknown {
-                name: name.to_string(),
-                known: known_scenes(roots),
-            })
+            .ok_or_else(|| SceneError::Unknown { name: name.to_string(), known: known_scenes(roots) })
     }
 
     /// The same scene with every Young's modulus multiplied by `factor` (for the bias of soft grains).
@@ -140,10 +131,7 @@ impl Scene {
             (a.friction.min(b.friction), a.restitution.min(b.restitution))
         };
         match rule {
-            Some(rule) => (
-                rule.friction.unwrap_or(friction),
-                rule.restitution.unwrap_or(restitution),
-            ),
+            Some(rule) => (rule.friction.unwrap_or(friction), rule.restitution.unwrap_or(restitution)),
             None => (friction, restitution),
         }
     }

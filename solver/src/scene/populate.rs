@@ -53,9 +53,8 @@ fn place(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Fault> {
             spin: entry.spin,
         })
         .collect();
-    let mut origin: Vec<Vec<Step>> = (0..grains.len())
-        .map(|i| vec![Step::Key("grain"), Step::Index(i), Step::Key("position")])
-        .collect();
+    let mut origin: Vec<Vec<Step>> =
+        (0..grains.len()).map(|i| vec![Step::Key("grain"), Step::Index(i), Step::Key("position")]).collect();
     for (index, population) in scene.population.iter().enumerate() {
         let at = vec![Step::Key("population"), Step::Index(index)];
         let placed = lattice_gas(scene, population, &mut random).map_err(|sites| {
@@ -63,10 +62,7 @@ fn place(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Fault> {
             path.push(Step::Key("count"));
             Fault {
                 path,
-                problem: format!(
-                    "{} grains do not fit their region: it has {sites} lattice sites",
-                    population.count
-                ),
+                problem: format!("{} grains do not fit their region: it has {sites} lattice sites", population.count),
                 remedy: "enlarge the region, lower the count, or lower the spacing".into(),
             }
         })?;
@@ -91,12 +87,7 @@ fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f6
     match distribution {
         RadiusDistribution::Fixed { value } => *value,
         RadiusDistribution::Uniform { mean, spread } => mean * (1.0 + spread * symmetric(random)),
-        RadiusDistribution::Normal {
-            mean,
-            deviation,
-            min,
-            max,
-        } => loop {
+        RadiusDistribution::Normal { mean, deviation, min, max } => loop {
             // Marsaglia's polar method: no trigonometric function, and a logarithm with the same bits everywhere.
             let (u, v) = (symmetric(random), symmetric(random));
             let s = u * u + v * v;
@@ -121,11 +112,7 @@ fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f6
 }
 
 /// Fills the lowest lattice sites of the region; fails with the number of sites if there are too few.
-fn lattice_gas(
-    scene: &Scene,
-    population: &Population,
-    random: &mut ChaCha8Rng,
-) -> Result<Vec<Grain>, usize> {
+fn lattice_gas(scene: &Scene, population: &Population, random: &mut ChaCha8Rng) -> Result<Vec<Grain>, usize> {
     let largest = population.radius.bounds().1;
     let pitch = 2.0 * largest * population.spacing;
     let jitter = 0.5 * (pitch - 2.0 * largest);
@@ -135,9 +122,7 @@ fn lattice_gas(
     }
     // Lowest first, so that the bed forms without a long fall; ties keep lattice order.
     let up = -Vector3::from(scene.gravity);
-    let layer = |site: &Vector3<f64>| {
-        (site.dot(&up) / (up.norm().max(1e-300) * 0.5 * pitch)).round() as i64
-    };
+    let layer = |site: &Vector3<f64>| (site.dot(&up) / (up.norm().max(1e-300) * 0.5 * pitch)).round() as i64;
     sites.sort_by_key(layer);
     sites.truncate(population.count);
     let grains = sites.into_iter().map(|site| {
@@ -159,12 +144,7 @@ fn lattice_sites(region: &Region, pitch: f64, largest: f64, jitter: f64) -> Vec<
     let reach = largest + jitter;
     let (min, max) = match region {
         Region::Box { min, max } => (Vector3::from(*min), Vector3::from(*max)),
-        Region::Cylinder {
-            base,
-            axis,
-            radius,
-            length,
-        } => {
+        Region::Cylinder { base, axis, radius, length } => {
             let axis = Vector3::from(*axis).normalize();
             let (a, b) = (Vector3::from(*base), Vector3::from(*base) + axis * *length);
             let side = axis.map(|c| radius * (1.0 - c * c).max(0.0).sqrt());
@@ -173,20 +153,13 @@ fn lattice_sites(region: &Region, pitch: f64, largest: f64, jitter: f64) -> Vec<
     };
     let inside = |site: &Vector3<f64>| match region {
         Region::Box { .. } => true,
-        Region::Cylinder {
-            base,
-            axis,
-            radius,
-            length,
-        } => {
+        Region::Cylinder { base, axis, radius, length } => {
             let axis = Vector3::from(*axis).normalize();
             let arm = site - Vector3::from(*base);
             let along = arm.dot(&axis);
             // The jitter may move a grain along a diagonal of the cross-section.
             let spare = largest + jitter * std::f64::consts::SQRT_2;
-            (arm - axis * along).norm() <= radius - spare
-                && along >= reach
-                && along <= length - reach
+            (arm - axis * along).norm() <= radius - spare && along >= reach && along <= length - reach
         }
     };
     let room = (max - min).map(|width| width - 2.0 * reach);
@@ -217,16 +190,10 @@ fn inside_container(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Re
         remedy: remedy.into(),
     };
     for (index, grain) in grains.iter().enumerate() {
-        let outside = (0..3).any(|axis| {
-            grain.position[axis] < scene.domain.min[axis]
-                || grain.position[axis] > scene.domain.max[axis]
-        });
+        let outside = (0..3)
+            .any(|axis| grain.position[axis] < scene.domain.min[axis] || grain.position[axis] > scene.domain.max[axis]);
         if outside {
-            return Err(fault(
-                index,
-                "lies outside the domain".into(),
-                "move it inside or enlarge [domain]",
-            ));
+            return Err(fault(index, "lies outside the domain".into(), "move it inside or enlarge [domain]"));
         }
         for wall in &scene.wall {
             let overlap = wall_overlap(&wall.shape, grain);
@@ -247,10 +214,7 @@ fn wall_overlap(shape: &Shape, grain: &Grain) -> f64 {
     let centre = Vector3::from(grain.position);
     match shape {
         Shape::Plane { point, normal } => {
-            grain.radius
-                - Vector3::from(*normal)
-                    .normalize()
-                    .dot(&(centre - Vector3::from(*point)))
+            grain.radius - Vector3::from(*normal).normalize().dot(&(centre - Vector3::from(*point)))
         }
         Shape::Box { min, max, open } => {
             let mut deepest = f64::NEG_INFINITY;
@@ -264,12 +228,7 @@ fn wall_overlap(shape: &Shape, grain: &Grain) -> f64 {
             }
             deepest
         }
-        Shape::Cylinder {
-            base,
-            axis,
-            radius,
-            length,
-        } => {
+        Shape::Cylinder { base, axis, radius, length } => {
             let axis = Vector3::from(*axis).normalize();
             let arm = centre - Vector3::from(*base);
             let along = arm.dot(&axis);
@@ -277,11 +236,7 @@ fn wall_overlap(shape: &Shape, grain: &Grain) -> f64 {
             let past_end = (-along).max(along - length).max(0.0);
             grain.radius - (across - radius).hypot(past_end)
         }
-        Shape::Disc {
-            centre: middle,
-            normal,
-            radius,
-        } => {
+        Shape::Disc { centre: middle, normal, radius } => {
             let normal = Vector3::from(*normal).normalize();
             let arm = centre - Vector3::from(*middle);
             let height = normal.dot(&arm);
@@ -294,11 +249,7 @@ fn wall_overlap(shape: &Shape, grain: &Grain) -> f64 {
 }
 
 fn no_overlap(grains: &[Grain], origin: &[Vec<Step>]) -> Result<(), Fault> {
-    let size = 2.0
-        * grains
-            .iter()
-            .map(|grain| grain.radius)
-            .fold(1e-12, f64::max);
+    let size = 2.0 * grains.iter().map(|grain| grain.radius).fold(1e-12, f64::max);
     let cell = |position: &[f64; 3]| position.map(|x| (x / size).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
     for (index, grain) in grains.iter().enumerate() {
@@ -306,17 +257,13 @@ fn no_overlap(grains: &[Grain], origin: &[Vec<Step>]) -> Result<(), Fault> {
         for neighbour in (0..27).map(|n| [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1]) {
             for &other in cells.get(&neighbour).into_iter().flatten() {
                 let there = &grains[other];
-                let distance =
-                    (Vector3::from(grain.position) - Vector3::from(there.position)).norm();
+                let distance = (Vector3::from(grain.position) - Vector3::from(there.position)).norm();
                 let overlap = grain.radius + there.radius - distance;
                 if overlap > MAX_INITIAL_OVERLAP * grain.radius.min(there.radius) {
                     return Err(Fault {
                         path: origin[index].clone(),
-                        problem: format!(
-                            "grains {other} and {index} overlap by {overlap:.3e} m at the start"
-                        ),
-                        remedy: "move them apart: at most 1% of the smaller radius is accepted"
-                            .into(),
+                        problem: format!("grains {other} and {index} overlap by {overlap:.3e} m at the start"),
+                        remedy: "move them apart: at most 1% of the smaller radius is accepted".into(),
                     });
                 }
             }

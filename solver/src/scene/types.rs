@@ -207,9 +207,7 @@ impl RadiusDistribution {
             Self::Uniform { mean, spread } => (mean * (1.0 - spread), mean * (1.0 + spread)),
             Self::Normal { min, max, .. } => (*min, *max),
             Self::Discrete { radii, .. } => {
-                radii.iter().fold((f64::INFINITY, 0.0), |(low, high), &r| {
-                    (low.min(r), high.max(r))
-                })
+                radii.iter().fold((f64::INFINITY, 0.0), |(low, high), &r| (low.min(r), high.max(r)))
             }
         }
     }
@@ -271,11 +269,7 @@ pub struct Measure {
 
 impl Default for Measure {
     fn default() -> Self {
-        Self {
-            interval: 0.05,
-            from: None,
-            observables: Vec::new(),
-        }
+        Self { interval: 0.05, from: None, observables: Vec::new() }
     }
 }
 

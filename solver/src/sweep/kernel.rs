@@ -68,12 +68,7 @@ fn store<const FRICTION: bool>(bodies: &mut [Body], indices: &[u32; LANES], eigh
 
 /// Adds `sign` times an impulse to eight bodies; `lever` is n x P.
 #[inline(always)]
-fn push<const FRICTION: bool>(
-    eight: &mut EightBodies,
-    sign: f64,
-    impulse: [Lanes; 3],
-    lever: [Lanes; 3],
-) {
+fn push<const FRICTION: bool>(eight: &mut EightBodies, sign: f64, impulse: [Lanes; 3], lever: [Lanes; 3]) {
     let spin_factor = eight.inverse_mass * Lanes::splat(-INVERSE_INERTIA);
     let factor = eight.inverse_mass * Lanes::splat(sign);
     for axis in 0..3 {
@@ -97,8 +92,7 @@ fn relax<const FRICTION: bool, const MEASURE: bool>(
     // Normal impulse, projected onto repulsion.
     let normal_velocity = dot(normal, velocity);
     let operator = inverse_mass + contacts.regularisation;
-    let violation =
-        contacts.bias - normal_velocity - contacts.regularisation * contacts.impulse_normal;
+    let violation = contacts.bias - normal_velocity - contacts.regularisation * contacts.impulse_normal;
     let updated = (contacts.impulse_normal + relaxation * violation / operator).at_least_zero();
     let change = updated - contacts.impulse_normal;
     contacts.impulse_normal = updated;
@@ -195,13 +189,8 @@ pub(super) fn sweep_walls<const FRICTION: bool, const MEASURE: bool>(
                 velocity[axis] = velocity[axis] - rolling[axis];
             }
         }
-        let impulse = relax::<FRICTION, MEASURE>(
-            &mut group.contacts,
-            velocity,
-            grain.inverse_mass,
-            relaxation,
-            residual,
-        );
+        let impulse =
+            relax::<FRICTION, MEASURE>(&mut group.contacts, velocity, grain.inverse_mass, relaxation, residual);
         let lever = cross(group.contacts.normal, impulse);
         push::<FRICTION>(&mut grain, -1.0, impulse, lever);
         store::<FRICTION>(bodies, &group.body, &grain);
@@ -227,12 +216,7 @@ pub(super) fn apply_walls<const FRICTION: bool>(bodies: &mut [Body], groups: &[W
     for group in groups {
         let mut grain = load::<FRICTION>(bodies, &group.body);
         let impulse = total_impulse(&group.contacts);
-        push::<FRICTION>(
-            &mut grain,
-            -1.0,
-            impulse,
-            cross(group.contacts.normal, impulse),
-        );
+        push::<FRICTION>(&mut grain, -1.0, impulse, cross(group.contacts.normal, impulse));
         store::<FRICTION>(bodies, &group.body, &grain);
     }
 }

@@ -82,11 +82,7 @@ impl Lanes {
     pub fn select(mask: LaneMask, yes: Lanes, no: Lanes) -> Lanes {
         let mut out = [0.0; LANES];
         for lane in 0..LANES {
-            out[lane] = if mask.0[lane] {
-                yes.0[lane]
-            } else {
-                no.0[lane]
-            };
+            out[lane] = if mask.0[lane] { yes.0[lane] } else { no.0[lane] };
         }
         Lanes(out)
     }
@@ -136,9 +132,5 @@ pub fn dot(a: [Lanes; 3], b: [Lanes; 3]) -> Lanes {
 /// Vector product of two vectors of lanes.
 #[inline(always)]
 pub fn cross(a: [Lanes; 3], b: [Lanes; 3]) -> [Lanes; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -60,11 +60,7 @@ impl GroupResidual {
         let sign = Lanes::select(Lanes::splat(0.0).at_most(normal[2]), one, -one);
         let a = -(one / (sign + normal[2]));
         let b = normal[0] * normal[1] * a;
-        let u = [
-            one + sign * normal[0] * normal[0] * a,
-            sign * b,
-            -(sign * normal[0]),
-        ];
+        let u = [one + sign * normal[0] * normal[0] * a, sign * b, -(sign * normal[0])];
         let v = [b, sign + normal[1] * normal[1] * a, -normal[1]];
         self.add(1, dot(u, value));
         self.add(2, dot(v, value));
@@ -84,10 +80,6 @@ impl GroupResidual {
             rms: (self.squares[direction].sum() / contacts.max(1) as f64).sqrt(),
             max: self.largest[direction].max(),
         };
-        Residuals {
-            normal: residual(0),
-            tangential_u: residual(1),
-            tangential_v: residual(2),
-        }
+        Residuals { normal: residual(0), tangential_u: residual(1), tangential_v: residual(2) }
     }
 }

@@ -34,34 +34,21 @@ impl MaterialTable {
                     let (friction, restitution) = scene.contact_coefficients(first, second, wall);
                     let softness = |name: &String| {
                         let material = &scene.material[name];
-                        (1.0 - material.poisson_ratio * material.poisson_ratio)
-                            / material.youngs_modulus
+                        (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus
                     };
                     let effective_modulus = 1.0 / (softness(first) + softness(second));
                     let damping_ratio = damping_ratio(restitution);
-                    table.push(ContactMaterial {
-                        friction,
-                        restitution,
-                        damping_ratio,
-                        effective_modulus,
-                    });
+                    table.push(ContactMaterial { friction, restitution, damping_ratio, effective_modulus });
                 }
             }
             table
         };
-        MaterialTable {
-            between_grains: pairs(false),
-            with_wall: pairs(true),
-            names,
-        }
+        MaterialTable { between_grains: pairs(false), with_wall: pairs(true), names }
     }
 
     /// Number of a material that the scene's check has found to exist.
     pub(super) fn number(&self, name: &str) -> u8 {
-        self.names
-            .iter()
-            .position(|known| known == name)
-            .unwrap_or(0) as u8
+        self.names.iter().position(|known| known == name).unwrap_or(0) as u8
     }
 
     /// Properties of a contact of two grains.
@@ -78,9 +65,6 @@ impl MaterialTable {
 
     /// Whether any contact can have friction.
     pub fn any_friction(&self) -> bool {
-        self.between_grains
-            .iter()
-            .chain(&self.with_wall)
-            .any(|pair| pair.friction > 0.0)
+        self.between_grains.iter().chain(&self.with_wall).any(|pair| pair.friction > 0.0)
     }
 }

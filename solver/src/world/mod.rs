@@ -60,8 +60,7 @@ impl World {
         let mut bodies: Vec<Body> = grains
             .iter()
             .map(|grain| {
-                let volume =
-                    4.0 / 3.0 * std::f64::consts::PI * grain.radius * grain.radius * grain.radius;
+                let volume = 4.0 / 3.0 * std::f64::consts::PI * grain.radius * grain.radius * grain.radius;
                 Body {
                     velocity: grain.velocity,
                     inverse_mass: 1.0 / (scene.material[&grain.material].density * volume),
@@ -70,37 +69,21 @@ impl World {
                 }
             })
             .collect();
-        let dummy = Body {
-            velocity: [0.0; 3],
-            inverse_mass: 1.0,
-            surface_speed: [0.0; 3],
-            radius: 1.0,
-        };
+        let dummy = Body { velocity: [0.0; 3], inverse_mass: 1.0, surface_speed: [0.0; 3], radius: 1.0 };
         bodies.extend([dummy; DUMMIES]);
         World {
             bodies,
-            positions: grains
-                .iter()
-                .map(|grain| Vector3::from(grain.position))
-                .collect(),
-            materials: grains
-                .iter()
-                .map(|grain| table.number(&grain.material))
-                .collect(),
+            positions: grains.iter().map(|grain| Vector3::from(grain.position)).collect(),
+            materials: grains.iter().map(|grain| table.number(&grain.material)).collect(),
             surfaces: scene
                 .wall
                 .iter()
                 .enumerate()
-                .flat_map(|(index, wall)| {
-                    Surface::of_wall(wall, index as u32, table.number(&wall.material))
-                })
+                .flat_map(|(index, wall)| Surface::of_wall(wall, index as u32, table.number(&wall.material)))
                 .collect(),
             table,
             gravity: Vector3::from(scene.gravity),
-            domain: (
-                Vector3::from(scene.domain.min),
-                Vector3::from(scene.domain.max),
-            ),
+            domain: (Vector3::from(scene.domain.min), Vector3::from(scene.domain.max)),
             time: 0.0,
         }
     }
@@ -119,9 +102,6 @@ impl World {
     /// Largest and mean radius, m; (0, 0) in an empty world.
     pub fn largest_and_mean_radius(&self) -> (f64, f64) {
         let radii = || self.bodies[..self.grains()].iter().map(|body| body.radius);
-        (
-            radii().fold(0.0, f64::max),
-            radii().sum::<f64>() / self.grains().max(1) as f64,
-        )
+        (radii().fold(0.0, f64::max), radii().sum::<f64>() / self.grains().max(1) as f64)
     }
 }

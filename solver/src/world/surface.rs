@@ -20,21 +20,9 @@ pub struct Surface {
 
 #[derive(Clone, Copy, Debug)]
 enum Face {
-    Plane {
-        point: Vector,
-        normal: Vector,
-    },
-    Disc {
-        centre: Vector,
-        normal: Vector,
-        radius: f64,
-    },
-    Shell {
-        base: Vector,
-        axis: Vector,
-        radius: f64,
-        length: f64,
-    },
+    Plane { point: Vector, normal: Vector },
+    Disc { centre: Vector, normal: Vector, radius: f64 },
+    Shell { base: Vector, axis: Vector, radius: f64, length: f64 },
 }
 
 /// A face at a moment: its geometry and its velocity field.
@@ -51,26 +39,14 @@ impl Surface {
     pub fn of_wall(wall: &Wall, index: u32, material: u8) -> Vec<Surface> {
         let faces = match &wall.shape {
             Shape::Plane { point, normal } => {
-                vec![Face::Plane {
-                    point: Vector::from(*point),
-                    normal: Vector::from(*normal).normalize(),
-                }]
+                vec![Face::Plane { point: Vector::from(*point), normal: Vector::from(*normal).normalize() }]
             }
-            Shape::Disc {
-                centre,
-                normal,
-                radius,
-            } => vec![Face::Disc {
+            Shape::Disc { centre, normal, radius } => vec![Face::Disc {
                 centre: Vector::from(*centre),
                 normal: Vector::from(*normal).normalize(),
                 radius: *radius,
             }],
-            Shape::Cylinder {
-                base,
-                axis,
-                radius,
-                length,
-            } => vec![Face::Shell {
+            Shape::Cylinder { base, axis, radius, length } => vec![Face::Shell {
                 base: Vector::from(*base),
                 axis: Vector::from(*axis).normalize(),
                 radius: *radius,
@@ -83,12 +59,8 @@ impl Surface {
                     .enumerate()
                     .filter(|(_, name)| !open.iter().any(|face| face == *name))
                     .map(|(number, _)| {
-                        let inward =
-                            Vector::ith(number / 2, if number % 2 == 0 { 1.0 } else { -1.0 });
-                        Face::Plane {
-                            point: if number % 2 == 0 { min } else { max },
-                            normal: inward,
-                        }
+                        let inward = Vector::ith(number / 2, if number % 2 == 0 { 1.0 } else { -1.0 });
+                        Face::Plane { point: if number % 2 == 0 { min } else { max }, normal: inward }
                     })
                     .collect()
             }
@@ -105,39 +77,21 @@ impl Surface {
 
     /// The face at a time.
     pub fn at(&self, time: f64) -> Pose {
-        let mut pose = Pose {
-            shape: self.shape,
-            velocity: Vector::zeros(),
-            spin: Vector::zeros(),
-            centre: Vector::zeros(),
-        };
+        let mut pose =
+            Pose { shape: self.shape, velocity: Vector::zeros(), spin: Vector::zeros(), centre: Vector::zeros() };
         match &self.motion {
             Motion::Fixed => {}
-            Motion::Translating {
-                velocity,
-                start,
-                stop,
-            } => {
+            Motion::Translating { velocity, start, stop } => {
                 let velocity = Vector::from(*velocity);
-                pose.shape = self
-                    .shape
-                    .moved(velocity * active_time(time, *start, *stop));
+                pose.shape = self.shape.moved(velocity * active_time(time, *start, *stop));
                 if is_active(time, *start, *stop) {
                     pose.velocity = velocity;
                 }
             }
-            Motion::Rotating {
-                point,
-                axis,
-                rate,
-                start,
-                stop,
-            } => {
+            Motion::Rotating { point, axis, rate, start, stop } => {
                 let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
                 if !self.in_place {
-                    pose.shape =
-                        self.shape
-                            .turned(centre, axis, rate * active_time(time, *start, *stop));
+                    pose.shape = self.shape.turned(centre, axis, rate * active_time(time, *start, *stop));
                 }
                 if is_active(time, *start, *stop) {
                     pose.spin = axis * *rate;
@@ -153,20 +107,11 @@ impl Surface {
         match &self.motion {
             _ if self.in_place => 0.0,
             Motion::Fixed => 0.0,
-            Motion::Translating {
-                velocity,
-                start,
-                stop,
-            } => {
-                Vector::from(*velocity).norm()
-                    * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
+            Motion::Translating { velocity, start, stop } => {
+                Vector::from(*velocity).norm() * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
             }
-            Motion::Rotating {
-                rate, start, stop, ..
-            } => {
-                rate.abs()
-                    * reach
-                    * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
+            Motion::Rotating { rate, start, stop, .. } => {
+                rate.abs() * reach * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
             }
         }
     }
@@ -187,15 +132,11 @@ fn keeps_in_place(shape: &Face, motion: &Motion) -> bool {
     };
     let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
     let along = |direction: Vector| direction.cross(&axis).norm() < 1e-12;
-    let on_axis = |place: Vector| {
-        (place - centre).cross(&axis).norm() < 1e-12 * (1.0 + (place - centre).norm())
-    };
+    let on_axis = |place: Vector| (place - centre).cross(&axis).norm() < 1e-12 * (1.0 + (place - centre).norm());
     match *shape {
         Face::Plane { normal, .. } => along(normal),
         Face::Disc { centre, normal, .. } => along(normal) && on_axis(centre),
-        Face::Shell {
-            base, axis: own, ..
-        } => along(own) && on_axis(base),
+        Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
     }
 }
 
@@ -208,30 +149,9 @@ fn rotated(vector: Vector, axis: Vector, angle: f64) -> Vector {
 impl Face {
     fn moved(self, by: Vector) -> Face {
         match self {
-            Face::Plane { point, normal } => Face::Plane {
-                point: point + by,
-                normal,
-            },
-            Face::Disc {
-                centre,
-                normal,
-                radius,
-            } => Face::Disc {
-                centre: centre + by,
-                normal,
-                radius,
-            },
-            Face::Shell {
-                base,
-                axis,
-                radius,
-                length,
-            } => Face::Shell {
-                base: base + by,
-                axis,
-                radius,
-                length,
-            },
+            Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
+            Face::Disc { centre, normal, radius } => Face::Disc { centre: centre + by, normal, radius },
+            Face::Shell { base, axis, radius, length } => Face::Shell { base: base + by, axis, radius, length },
         }
     }
 
@@ -239,30 +159,13 @@ impl Face {
         let place = |point: Vector| centre + rotated(point - centre, about, angle);
         let turn = |direction: Vector| rotated(direction, about, angle);
         match self {
-            Face::Plane { point, normal } => Face::Plane {
-                point: place(point),
-                normal: turn(normal),
-            },
-            Face::Disc {
-                centre: middle,
-                normal,
-                radius,
-            } => Face::Disc {
-                centre: place(middle),
-                normal: turn(normal),
-                radius,
-            },
-            Face::Shell {
-                base,
-                axis,
-                radius,
-                length,
-            } => Face::Shell {
-                base: place(base),
-                axis: turn(axis),
-                radius,
-                length,
-            },
+            Face::Plane { point, normal } => Face::Plane { point: place(point), normal: turn(normal) },
+            Face::Disc { centre: middle, normal, radius } => {
+                Face::Disc { centre: place(middle), normal: turn(normal), radius }
+            }
+            Face::Shell { base, axis, radius, length } => {
+                Face::Shell { base: place(base), axis: turn(axis), radius, length }
+            }
         }
     }
 }
@@ -276,39 +179,21 @@ impl Pose {
     pub fn nearest(&self, centre: &Vector) -> (f64, Vector) {
         match self.shape {
             Face::Plane { point, normal } => (normal.dot(&(centre - point)), -normal),
-            Face::Disc {
-                centre: middle,
-                normal,
-                radius,
-            } => {
+            Face::Disc { centre: middle, normal, radius } => {
                 let arm = centre - middle;
                 let height = normal.dot(&arm);
                 let beside = (arm - normal * height).norm_squared() > radius * radius;
                 (if beside { f64::INFINITY } else { height }, -normal)
             }
-            Face::Shell {
-                base,
-                axis,
-                radius,
-                length,
-            } => {
+            Face::Shell { base, axis, radius, length } => {
                 let arm = centre - base;
                 let along = axis.dot(&arm);
                 let across = arm - axis * along;
                 let distance = across.norm();
-                let outward = if distance > 0.0 {
-                    across / distance
-                } else {
-                    perpendicular(axis)
-                };
-                let to_shell =
-                    outward * (radius - distance) + axis * (along.clamp(0.0, length) - along);
+                let outward = if distance > 0.0 { across / distance } else { perpendicular(axis) };
+                let to_shell = outward * (radius - distance) + axis * (along.clamp(0.0, length) - along);
                 let gap = to_shell.norm();
-                let side = if distance <= radius {
-                    outward
-                } else {
-                    -outward
-                };
+                let side = if distance <= radius { outward } else { -outward };
                 (gap, if gap > 0.0 { to_shell / gap } else { side })
             }
         }
@@ -322,10 +207,6 @@ impl Pose {
 }
 
 fn perpendicular(axis: Vector) -> Vector {
-    let other = if axis.x.abs() < 0.9 {
-        Vector::x()
-    } else {
-        Vector::y()
-    };
+    let other = if axis.x.abs() < 0.9 { Vector::x() } else { Vector::y() };
     axis.cross(&other).normalize()
 }

@@ -43,7 +43,8 @@ pub const CONVERGED_HERTZ: &str = "step = 1e-4\nnormal_law = { kind = 'hertz' }\
                                    stop = { kind = 'residual', tolerance = 1e-13, max_sweeps = 20000 }";
 
 /// A plane through the origin with the normal along z.
-pub const FLOOR: &str = "[[wall]]\nname = 'floor'\nmaterial = 'wall'\nshape = { kind = 'plane', point = [0, 0, 0], normal = [0, 0, 1] }\n";
+pub const FLOOR: &str =
+    "[[wall]]\nname = 'floor'\nmaterial = 'wall'\nshape = { kind = 'plane', point = [0, 0, 0], normal = [0, 0, 1] }\n";
 
 impl Setup {
     /// Parses the scene and places its grains.
@@ -64,17 +65,14 @@ impl Setup {
             self.solver,
             self.body
         );
-        let scene = Scene::parse(&text, Path::new("test.toml"))
-            .unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let scene = Scene::parse(&text, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"));
         Simulation::new(&scene, 1, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
     }
 }
 
 /// TOML of one grain.
 pub fn grain(radius: f64, position: [f64; 3], velocity: [f64; 3]) -> String {
-    format!(
-        "[[grain]]\nmaterial = 'grain'\nradius = {radius:?}\nposition = {position:?}\nvelocity = {velocity:?}\n"
-    )
+    format!("[[grain]]\nmaterial = 'grain'\nradius = {radius:?}\nposition = {position:?}\nvelocity = {velocity:?}\n")
 }
 
 /// Steps until the given simulated time, s.

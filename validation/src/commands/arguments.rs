@@ -145,9 +145,6 @@ fn positive(text: &str) -> Result<f64, String> {
 fn rayleigh_fraction(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value <= 0.5 => Ok(value),
-        _ => Err(
-            "give a number above 0 and at most 0.5; beyond it the peers lose their restitution"
-                .into(),
-        ),
+        _ => Err("give a number above 0 and at most 0.5; beyond it the peers lose their restitution".into()),
     }
 }

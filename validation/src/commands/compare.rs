@@ -2,9 +2,7 @@
 
 use super::arguments::{CodeName, CompareArguments};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, load, use_threads};
-use crate::compare::{
-    CodeRuns, CodeSummary, Comparison, Reference, Row, Runs, comparison, physics_hash,
-};
+use crate::compare::{CodeRuns, CodeSummary, Comparison, Reference, Row, Runs, comparison, physics_hash};
 use crate::output::JSON_VERSION;
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
 use crate::prepared::cache_folder;
@@ -36,10 +34,7 @@ struct CompareDocument<'a> {
 }
 
 /// Compares codes on a scene, or records references.
-pub(super) fn compare(
-    arguments: &CompareArguments,
-    console: &Console,
-) -> Result<ExitCode, Failure> {
+pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result<ExitCode, Failure> {
     use_threads(arguments.threads)?;
     let (file, scene) = load(&arguments.scene)?;
     match arguments.record {
@@ -48,18 +43,10 @@ pub(super) fn compare(
     }
 }
 
-fn judge(
-    arguments: &CompareArguments,
-    scene: &Scene,
-    file: &Path,
-    console: &Console,
-) -> Result<ExitCode, Failure> {
+fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
     let clock = Instant::now();
     let reference = Reference::load(&Reference::folder(file))?;
-    let seeds = arguments
-        .seeds
-        .or_else(|| reference.as_ref().map(Reference::seeds))
-        .unwrap_or(FEW_SEEDS);
+    let seeds = arguments.seeds.or_else(|| reference.as_ref().map(Reference::seeds)).unwrap_or(FEW_SEEDS);
     let announce = announce(console);
     let runs = Runs {
         scene,
@@ -80,18 +67,10 @@ fn judge(
             }
             live.push(code);
         } else {
-            recorded.push(from_reference(
-                code.name(),
-                reference.as_ref(),
-                scene,
-                &mut notes,
-            )?);
+            recorded.push(from_reference(code.name(), reference.as_ref(), scene, &mut notes)?);
         }
     }
-    let simulated: Vec<_> = live
-        .par_iter()
-        .map(|code| (code.name(), runs.simulate(code.as_ref())))
-        .collect();
+    let simulated: Vec<_> = live.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
     let (mut measured, mut failure) = (Vec::new(), None);
     for (code, simulated) in simulated {
         for (seed, error) in simulated.failures {
@@ -101,10 +80,7 @@ fn judge(
             }
             failure = failure.or(Some(Failure::from(error)));
         }
-        let provenance = format!(
-            "run by this command, up to {} runs side by side",
-            rayon::current_num_threads()
-        );
+        let provenance = format!("run by this command, up to {} runs side by side", rayon::current_num_threads());
         measured.push(CodeRuns::live(code, provenance, simulated.harvests));
     }
     if let Some(Failure::Scene(error)) = failure {
@@ -126,11 +102,7 @@ fn judge(
     let comparison = &qualification.comparisons[0];
     let mut text = match arguments.json {
         true => json(&document(comparison, &verdict, &qualification.provenance)),
-        false => format!(
-            "{}\n{}",
-            report::comparison_table(comparison, console.colour()),
-            verdict.sentence
-        ),
+        false => format!("{}\n{}", report::comparison_table(comparison, console.colour()), verdict.sentence),
     };
     if let Some(folder) = &arguments.output {
         let paths = report::write(&qualification, folder)?;
@@ -160,14 +132,9 @@ fn from_reference(
             scene.name
         )));
     };
-    notes.push(format!(
-        "{code} was not run: its numbers are the recorded references ({})",
-        runs.provenance
-    ));
+    notes.push(format!("{code} was not run: its numbers are the recorded references ({})", runs.provenance));
     if reference.and_then(|reference| reference.is_current(code, scene)) == Some(false) {
-        notes.push(format!(
-            "the scene has changed since {code} was recorded: record anew with --record"
-        ));
+        notes.push(format!("the scene has changed since {code} was recorded: record anew with --record"));
     }
     Ok(runs)
 }
@@ -191,17 +158,10 @@ fn document<'a>(
 }
 
 /// Runs the peers, or reads what was kept of their runs, and writes the scene's references.
-fn record(
-    arguments: &CompareArguments,
-    scene: &Scene,
-    file: &Path,
-    console: &Console,
-) -> Result<ExitCode, Failure> {
+fn record(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
     let folder = Reference::folder(file);
     let mut reference = Reference::load(&folder)?.unwrap_or_default();
-    let seeds = arguments
-        .seeds
-        .unwrap_or_else(|| reference.seeds().max(FEW_SEEDS));
+    let seeds = arguments.seeds.unwrap_or_else(|| reference.seeds().max(FEW_SEEDS));
     let announce = announce(console);
     let runs = Runs {
         scene,
@@ -210,22 +170,11 @@ fn record(
         rayleigh_fraction: arguments.rayleigh_fraction,
         stiffness_factor: arguments.stiffness_factor,
         time_limit: Duration::from_secs_f64(arguments.time_limit),
-        recordings: Some(
-            arguments
-                .recordings
-                .clone()
-                .unwrap_or_else(|| cache_folder().join("recordings")),
-        ),
+        recordings: Some(arguments.recordings.clone().unwrap_or_else(|| cache_folder().join("recordings"))),
         announce: &announce,
     };
-    let peers: Vec<_> = codes(&arguments.codes)
-        .into_iter()
-        .filter(|code| code.name() != "Makadam")
-        .collect();
-    let simulated: Vec<_> = peers
-        .par_iter()
-        .map(|code| (code.name(), runs.simulate(code.as_ref())))
-        .collect();
+    let peers: Vec<_> = codes(&arguments.codes).into_iter().filter(|code| code.name() != "Makadam").collect();
+    let simulated: Vec<_> = peers.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
     let (mut failure, mut changed) = (None, false);
     for (code, simulated) in simulated {
         let failed = !simulated.failures.is_empty();
@@ -234,9 +183,7 @@ fn record(
             failure = failure.or(Some(Failure::from(error)));
         }
         if failed {
-            console.warn(&format!(
-                "{code}: its references stay as they were; runs that ended are kept, so try again"
-            ));
+            console.warn(&format!("{code}: its references stay as they were; runs that ended are kept, so try again"));
             continue;
         }
         let recorded = CodeRuns::live(code, String::new(), simulated.harvests);
@@ -245,10 +192,7 @@ fn record(
             if let Some(ensemble) = crate::statistics::Ensemble::of(&values) {
                 console.result(&format!(
                     "{code:<10} {:<28} {:.5} +- {:.5} ({} seeds)",
-                    expectation.observable,
-                    ensemble.mean,
-                    ensemble.standard_deviation,
-                    ensemble.seeds
+                    expectation.observable, ensemble.mean, ensemble.standard_deviation, ensemble.seeds
                 ))?;
             }
         }
@@ -269,8 +213,5 @@ fn codes(names: &[CodeName]) -> Vec<Box<dyn Code>> {
         (CodeName::Yade, Box::new(Yade::default())),
         (CodeName::Liggghts, Box::new(Liggghts::default())),
     ];
-    all.into_iter()
-        .filter(|(name, _)| names.contains(name))
-        .map(|(_, code)| code)
-        .collect()
+    all.into_iter().filter(|(name, _)| names.contains(name)).map(|(_, code)| code).collect()
 }

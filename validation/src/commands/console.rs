@@ -16,19 +16,10 @@ impl Console {
     /// Progress is drawn only on a terminal and unless `quiet`; colours follow `NO_COLOR`.
     pub fn new(quiet: bool, verbose: bool) -> Console {
         let drawn = !quiet && std::io::stderr().is_terminal();
-        let target = if drawn {
-            ProgressDrawTarget::stderr()
-        } else {
-            ProgressDrawTarget::hidden()
-        };
-        let colour = std::io::stdout().is_terminal()
-            && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-        Console {
-            quiet,
-            verbose,
-            colour,
-            bars: MultiProgress::with_draw_target(target),
-        }
+        let target = if drawn { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let colour =
+            std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+        Console { quiet, verbose, colour, bars: MultiProgress::with_draw_target(target) }
     }
 
     /// Prints a result.
@@ -37,16 +28,12 @@ impl Console {
     /// [`Failure`] if standard output is closed or full.
     pub fn result(&self, text: &str) -> Result<(), Failure> {
         let mut output = std::io::stdout().lock();
-        output
-            .write_all(text.as_bytes())
-            .and_then(|()| output.write_all(b"\n"))
-            .and_then(|()| output.flush())
-            .map_err(|error| match error.kind() {
+        output.write_all(text.as_bytes()).and_then(|()| output.write_all(b"\n")).and_then(|()| output.flush()).map_err(
+            |error| match error.kind() {
                 ErrorKind::BrokenPipe => Failure::ClosedOutput,
-                _ => Failure::Running(format!(
-                    "standard output: {error}; check that the disk has room"
-                )),
-            })
+                _ => Failure::Running(format!("standard output: {error}; check that the disk has room")),
+            },
+        )
     }
 
     /// Says something that a user should know, unless quiet.
@@ -82,9 +69,8 @@ impl Console {
 
     /// A progress bar over a share of work, 0 to 1.
     pub fn bar(&self, label: &str) -> Bar {
-        let style =
-            ProgressStyle::with_template("{prefix:<24} [{bar:30}] {percent:>3}% {msg} {eta} left")
-                .unwrap_or_else(|_| ProgressStyle::default_bar());
+        let style = ProgressStyle::with_template("{prefix:<24} [{bar:30}] {percent:>3}% {msg} {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = self.bars.add(ProgressBar::new(Bar::TICKS));
         bar.set_style(style.progress_chars("=> "));
         bar.set_prefix(label.to_string());
@@ -116,8 +102,7 @@ impl Bar {
 
     /// Sets the share that is done.
     pub fn set(&self, share: f64) {
-        self.bar
-            .set_position((share.clamp(0.0, 1.0) * Self::TICKS as f64) as u64);
+        self.bar.set_position((share.clamp(0.0, 1.0) * Self::TICKS as f64) as u64);
     }
 
     /// Sets the text beside the bar.

@@ -41,10 +41,7 @@ pub fn main() -> ExitCode {
 fn roots() -> Vec<PathBuf> {
     let here = std::env::current_dir().unwrap_or_default();
     let built = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    here.ancestors()
-        .map(PathBuf::from)
-        .chain(built.parent().map(PathBuf::from))
-        .collect()
+    here.ancestors().map(PathBuf::from).chain(built.parent().map(PathBuf::from)).collect()
 }
 
 /// Finds, reads and checks a scene.

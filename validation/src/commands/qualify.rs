@@ -31,15 +31,9 @@ struct QualifyDocument<'a> {
 }
 
 /// Judges the reference scenes.
-pub(super) fn qualify(
-    arguments: &QualifyArguments,
-    console: &Console,
-) -> Result<ExitCode, Failure> {
+pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result<ExitCode, Failure> {
     use_threads(arguments.threads)?;
-    let folder = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("results/qualification"));
+    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/qualification"));
     // Minutes of work are not begun for a report that cannot be written.
     crate::output::create_folder(&folder)?;
     let announce = announce(console);
@@ -64,18 +58,10 @@ pub(super) fn qualify(
     if !qualified.failed.is_empty() {
         return Err(Failure::Running(qualified.failed.join("; ")));
     }
-    Ok(if qualified.passes() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(OUTSIDE_TOLERANCE)
-    })
+    Ok(if qualified.passes() { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
 }
 
-fn document<'a>(
-    qualified: &'a Qualified,
-    verdict: &'a Verdict,
-    report: String,
-) -> QualifyDocument<'a> {
+fn document<'a>(qualified: &'a Qualified, verdict: &'a Verdict, report: String) -> QualifyDocument<'a> {
     let qualification = &qualified.qualification;
     let comparisons: &[Comparison] = &qualification.comparisons;
     QualifyDocument {
@@ -88,10 +74,7 @@ fn document<'a>(
         failed: &qualified.failed,
         wall_seconds: qualification.wall_seconds,
         report,
-        rows: comparisons
-            .iter()
-            .flat_map(|comparison| &comparison.rows)
-            .collect(),
+        rows: comparisons.iter().flat_map(|comparison| &comparison.rows).collect(),
         codes: comparisons
             .iter()
             .map(|comparison| (comparison.scene.name.as_str(), comparison.codes.as_slice()))
@@ -111,23 +94,12 @@ fn describe(qualified: &Qualified, verdict: &Verdict, report: &str, console: &Co
     for note in &qualification.notes {
         text += &format!("note: {note}\n");
     }
-    let word = if qualified.passes() {
-        "pass"
-    } else {
-        "not passed"
-    };
-    text += &format!(
-        "verdict: {}: {}\n",
-        console.paint(word, qualified.passes()),
-        verdict.sentence
-    );
+    let word = if qualified.passes() { "pass" } else { "not passed" };
+    text += &format!("verdict: {}: {}\n", console.paint(word, qualified.passes()), verdict.sentence);
     for outside in &qualified.qualification.outside_spread {
         text += &format!("         {outside}\n");
     }
-    text + &format!(
-        "report:  {report} ({:.0} s of wall time)",
-        qualification.wall_seconds
-    )
+    text + &format!("report:  {report} ({:.0} s of wall time)", qualification.wall_seconds)
 }
 
 impl From<QualifyError> for Failure {

@@ -4,8 +4,7 @@ use super::arguments::RunArguments;
 use super::{Console, Failure, json, load};
 use crate::observables;
 use crate::output::{
-    FrameWriter, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary, TimeTable,
-    create_folder, write_whole,
+    FrameWriter, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary, TimeTable, create_folder, write_whole,
 };
 use crate::peers::frame_is_due;
 use crate::prepared::{Start, StartError, file_stem, start, steps_in};
@@ -35,30 +34,21 @@ const COLUMNS: [&str; 8] = [
 pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.scene)?;
     let seed = arguments.seed.unwrap_or(scene.seed);
-    let output = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("results").join(file_stem(&scene.name)));
+    let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join(file_stem(&scene.name)));
     if arguments.threads.is_some_and(|threads| threads > 1) {
         console.note("note: this version steps on one thread; --threads above 1 changes nothing");
     }
     let provenance = Provenance::of_run(&scene, &file, seed, 1);
     let simulation = {
         let bar = console.bar("preparing the flow");
-        let (simulation, start) =
-            start(&scene, seed, &file, &|share| bar.set(share)).map_err(|error| match error {
-                StartError::Scene(error) => Failure::Scene(error),
-                StartError::Write(error) => error.into(),
-                StartError::Checkpoint(error) => Failure::Running(error.to_string()),
-                StartError::Interrupted => {
-                    Failure::Interrupted("nothing: the flowing state was not finished".into())
-                }
-            })?;
+        let (simulation, start) = start(&scene, seed, &file, &|share| bar.set(share)).map_err(|error| match error {
+            StartError::Scene(error) => Failure::Scene(error),
+            StartError::Write(error) => error.into(),
+            StartError::Checkpoint(error) => Failure::Running(error.to_string()),
+            StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
+        })?;
         if let Start::Prepared(file) = start {
-            console.note(&format!(
-                "starting from the flowing state {}",
-                file.display()
-            ));
+            console.note(&format!("starting from the flowing state {}", file.display()));
         }
         simulation
     };
@@ -79,18 +69,12 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         seed,
         simulation,
     };
-    let steps = arguments
-        .steps
-        .unwrap_or_else(|| steps_in(scene.duration, session.simulation.time_step()));
+    let steps = arguments.steps.unwrap_or_else(|| steps_in(scene.duration, session.simulation.time_step()));
     let played = session.play(steps, console);
     let summary = session.summary(provenance, &output, &played);
     let text = json(&summary);
     let written = write_whole(&output.join("run.json"), text.as_bytes());
-    console.result(&if arguments.json {
-        text
-    } else {
-        describe(&summary)
-    })?;
+    console.result(&if arguments.json { text } else { describe(&summary) })?;
     played?;
     written?;
     Ok(ExitCode::SUCCESS)
@@ -129,18 +113,11 @@ impl Session<'_> {
             self.worst_normal_rms = self.worst_normal_rms.max(report.solve.residuals.normal.rms);
             self.last = Some(report);
             let interrupted = crate::interrupt::requested();
-            if interrupted
-                || self.steps == steps
-                || frame_is_due(self.steps, step_seconds, interval)
-            {
+            if interrupted || self.steps == steps || frame_is_due(self.steps, step_seconds, interval) {
                 self.frame()?;
             }
             bar.set(self.steps as f64 / steps as f64);
-            bar.say(format!(
-                "{:.2} s, {} contacts",
-                self.simulation.time() - self.started,
-                report.contacts
-            ));
+            bar.say(format!("{:.2} s, {} contacts", self.simulation.time() - self.started, report.contacts));
             if interrupted {
                 return Err(Failure::Interrupted("in the output folder".into()));
             }
@@ -153,11 +130,7 @@ impl Session<'_> {
         let clock = Instant::now();
         let frame = self.simulation.snapshot();
         let finite = |values: &[f64; 3]| values.iter().all(|value| value.is_finite());
-        if let Some(lost) = frame
-            .particles
-            .iter()
-            .find(|p| !finite(&p.position) || !finite(&p.velocity))
-        {
+        if let Some(lost) = frame.particles.iter().find(|p| !finite(&p.position) || !finite(&p.velocity)) {
             return Err(Failure::Running(format!(
                 "grain {} has no finite position or velocity after step {}: the scene diverged; lower solver.step",
                 lost.id, self.steps
@@ -165,12 +138,9 @@ impl Session<'_> {
         }
         self.frames.write(&frame)?;
         let energy = self.simulation.energy();
-        let (sweeps, residual) = self.last.map_or((f64::NAN, f64::NAN), |last| {
-            (
-                f64::from(last.solve.sweeps),
-                last.solve.residuals.normal.rms,
-            )
-        });
+        let (sweeps, residual) = self
+            .last
+            .map_or((f64::NAN, f64::NAN), |last| (f64::from(last.solve.sweeps), last.solve.residuals.normal.rms));
         let values = [
             frame.time,
             self.steps as f64,
@@ -181,21 +151,11 @@ impl Session<'_> {
             sweeps,
             residual,
         ];
-        let known = COLUMNS
-            .iter()
-            .map(ToString::to_string)
-            .zip(values)
-            .filter(|(_, value)| value.is_finite());
-        let measured = instant(self.scene, &frame)
-            .into_iter()
-            .filter(|(name, _)| !COLUMNS.contains(&name.as_str()));
+        let known = COLUMNS.iter().map(ToString::to_string).zip(values).filter(|(_, value)| value.is_finite());
+        let measured = instant(self.scene, &frame).into_iter().filter(|(name, _)| !COLUMNS.contains(&name.as_str()));
         let row: Vec<(String, f64)> = known.chain(measured).collect();
         self.table.push(row)?;
-        let measured = self
-            .scene
-            .measure
-            .from
-            .is_some_and(|from| frame.time - self.started >= from - 1e-9);
+        let measured = self.scene.measure.from.is_some_and(|from| frame.time - self.started >= from - 1e-9);
         if !measured {
             self.kept.clear();
         }
@@ -237,13 +197,7 @@ impl Session<'_> {
             contact_sweeps,
             nanoseconds_per_contact_sweep: some.then(|| 1e9 * sweep / contact_sweeps as f64),
             contact_sweeps_per_second: some.then(|| contact_sweeps as f64 / sweep),
-            phase_seconds: PhaseTimes {
-                detect,
-                constrain,
-                sweep,
-                integrate,
-                output: self.output_time.as_secs_f64(),
-            },
+            phase_seconds: PhaseTimes { detect, constrain, sweep, integrate, output: self.output_time.as_secs_f64() },
             peak_bytes: peak_bytes(),
             simulation_bytes: bytes,
             bytes_per_particle: bytes as f64 / particles.max(1) as f64,
@@ -278,16 +232,7 @@ impl Session<'_> {
         let measured = observables::measure(self.scene, &recording).into_iter();
         measured
             .filter(|m| m.value.is_finite())
-            .map(|m| {
-                (
-                    m.observable,
-                    Measured {
-                        value: m.value,
-                        standard_error: m.standard_error,
-                        unit: m.unit,
-                    },
-                )
-            })
+            .map(|m| (m.observable, Measured { value: m.value, standard_error: m.standard_error, unit: m.unit }))
             .collect()
     }
 }
@@ -310,39 +255,23 @@ fn instant(scene: &Scene, frame: &Snapshot) -> Vec<(String, f64)> {
         frames: vec![frame.clone()],
     };
     let measured = observables::measure(&scene, &recording).into_iter();
-    measured
-        .filter(|m| m.value.is_finite())
-        .map(|m| (m.observable, m.value))
-        .collect()
+    measured.filter(|m| m.value.is_finite()).map(|m| (m.observable, m.value)).collect()
 }
 
 fn phases(simulation: &Simulation) -> [f64; 4] {
     let phases = simulation.phase_seconds();
-    [
-        phases.detect,
-        phases.constrain,
-        phases.sweep,
-        phases.integrate,
-    ]
+    [phases.detect, phases.constrain, phases.sweep, phases.integrate]
 }
 
 /// A value to six significant digits.
 fn significant(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
-    }
+    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
 /// The summary for people.
 fn describe(summary: &RunSummary) -> String {
-    let ended = if summary.complete {
-        ""
-    } else {
-        " (not complete)"
-    };
+    let ended = if summary.complete { "" } else { " (not complete)" };
     let mut text = format!(
         "{}: {} grains, {} steps of {:e} s, {:.4} s simulated in {:.2} s of wall time{ended}\n",
         summary.scene,
@@ -353,10 +282,7 @@ fn describe(summary: &RunSummary) -> String {
         summary.wall_seconds
     );
     text += &format!("state hash       {}\n", summary.state_hash);
-    if let (Some(rate), Some(cost)) = (
-        summary.contact_sweeps_per_second,
-        summary.nanoseconds_per_contact_sweep,
-    ) {
+    if let (Some(rate), Some(cost)) = (summary.contact_sweeps_per_second, summary.nanoseconds_per_contact_sweep) {
         text += &format!(
             "contact sweeps   {} ({:.1} million a second, {cost:.1} ns each)\n",
             summary.contact_sweeps,
@@ -372,8 +298,7 @@ fn describe(summary: &RunSummary) -> String {
         ("output", phases.output),
     ];
     let total: f64 = shares.iter().map(|(_, seconds)| seconds).sum();
-    let shares =
-        shares.map(|(name, seconds)| format!("{name} {:.1}%", 100.0 * seconds / total.max(1e-300)));
+    let shares = shares.map(|(name, seconds)| format!("{name} {:.1}%", 100.0 * seconds / total.max(1e-300)));
     text += &format!("time by phase    {}\n", shares.join(", "));
     text += &format!(
         "memory           {:.0} bytes a particle in the simulation, {:.1} MB at the peak of the process\n",
@@ -387,14 +312,8 @@ fn describe(summary: &RunSummary) -> String {
         );
     }
     for (name, measured) in &summary.observables {
-        let error = measured
-            .standard_error
-            .map_or(String::new(), |error| format!(" +- {error:.2}"));
-        text += &format!(
-            "{name:<36} {}{error} {}\n",
-            significant(measured.value),
-            measured.unit
-        );
+        let error = measured.standard_error.map_or(String::new(), |error| format!(" +- {error:.2}"));
+        text += &format!("{name:<36} {}{error} {}\n", significant(measured.value), measured.unit);
     }
     text + &format!("frames, observables.csv and run.json: {}", summary.output)
 }

@@ -32,19 +32,14 @@ impl CodeRuns {
     pub fn live(code: &str, provenance: String, mut harvests: Vec<Harvest>) -> CodeRuns {
         harvests.sort_by_key(|harvest| harvest.run.seed);
         let mut pool = ForcePool::new(code);
-        harvests
-            .iter()
-            .for_each(|harvest| pool.merge(&harvest.forces));
+        harvests.iter().for_each(|harvest| pool.merge(&harvest.forces));
         let (bins, width) = FORCE_BINS;
         CodeRuns {
             code: code.into(),
             source: Source::Live,
             provenance,
             forces: (pool.samples() > 0).then(|| pool.distribution(bins, width)),
-            series: harvests
-                .first()
-                .map(|first| first.series.clone())
-                .unwrap_or_default(),
+            series: harvests.first().map(|first| first.series.clone()).unwrap_or_default(),
             final_state: harvests.first().and_then(|first| first.final_state.clone()),
             runs: harvests.into_iter().map(|harvest| harvest.run).collect(),
             stiff_runs: Vec::new(),
@@ -53,20 +48,13 @@ impl CodeRuns {
 
     /// Values of an observable, one a run that has it.
     pub fn values(&self, observable: &str) -> Vec<f64> {
-        self.runs
-            .iter()
-            .filter_map(|run| run.value(observable))
-            .collect()
+        self.runs.iter().filter_map(|run| run.value(observable)).collect()
     }
 
     /// How the code was run; `None` without runs.
     pub fn summary(&self) -> Option<CodeSummary> {
         let first = self.runs.first()?;
-        let mut pace: Vec<f64> = self
-            .runs
-            .iter()
-            .map(|run| run.wall_seconds / run.simulated_seconds)
-            .collect();
+        let mut pace: Vec<f64> = self.runs.iter().map(|run| run.wall_seconds / run.simulated_seconds).collect();
         pace.sort_by(f64::total_cmp);
         let middle = (pace[(pace.len() - 1) / 2] + pace[pace.len() / 2]) / 2.0;
         Some(CodeSummary {

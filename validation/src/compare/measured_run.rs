@@ -36,10 +36,7 @@ pub struct MeasuredRun {
 impl MeasuredRun {
     /// Value of an observable, if it was measured.
     pub fn value(&self, observable: &str) -> Option<f64> {
-        self.measurements
-            .iter()
-            .find(|measurement| measurement.observable == observable)
-            .map(|found| found.value)
+        self.measurements.iter().find(|measurement| measurement.observable == observable).map(|found| found.value)
     }
 }
 

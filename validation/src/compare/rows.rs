@@ -11,28 +11,12 @@ pub const STIFF: f64 = 10.0;
 pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comparison {
     Comparison {
         scene: scene.clone(),
-        rows: scene
-            .compare
-            .iter()
-            .flat_map(|expectation| rows(scene, expectation, codes))
-            .collect(),
+        rows: scene.compare.iter().flat_map(|expectation| rows(scene, expectation, codes)).collect(),
         codes: codes.iter().filter_map(CodeRuns::summary).collect(),
-        series: codes
-            .iter()
-            .flat_map(|code| code.series.iter().cloned())
-            .collect(),
-        forces: codes
-            .iter()
-            .filter_map(|code| code.forces.clone())
-            .collect(),
-        final_states: codes
-            .iter()
-            .filter_map(|code| code.final_state.clone())
-            .collect(),
-        soft_bias: codes
-            .iter()
-            .flat_map(|code| soft_bias(scene, code))
-            .collect(),
+        series: codes.iter().flat_map(|code| code.series.iter().cloned()).collect(),
+        forces: codes.iter().filter_map(|code| code.forces.clone()).collect(),
+        final_states: codes.iter().filter_map(|code| code.final_state.clone()).collect(),
+        soft_bias: codes.iter().flat_map(|code| soft_bias(scene, code)).collect(),
         notes,
     }
 }
@@ -40,10 +24,8 @@ pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comp
 /// Rows of one observable: each code against each one after it, then the last code by itself.
 fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
     let name = &expectation.observable;
-    let known: Vec<(&CodeRuns, Ensemble)> = codes
-        .iter()
-        .filter_map(|code| Some((code, Ensemble::of(&code.values(name))?)))
-        .collect();
+    let known: Vec<(&CodeRuns, Ensemble)> =
+        codes.iter().filter_map(|code| Some((code, Ensemble::of(&code.values(name))?))).collect();
     let mut rows = Vec::new();
     for (place, (code, ensemble)) in known.iter().enumerate() {
         let alone = row(scene, name, &code.code, &code.runs, ensemble);
@@ -61,10 +43,7 @@ fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row
             });
         }
         if place + 1 == known.len() {
-            rows.push(Row {
-                margin: expectation.margin,
-                ..alone
-            });
+            rows.push(Row { margin: expectation.margin, ..alone });
         }
     }
     rows
@@ -74,11 +53,7 @@ fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row
 fn soft_bias(scene: &Scene, code: &CodeRuns) -> Vec<Row> {
     let shifts = scene.compare.iter().filter_map(|expectation| {
         let name = &expectation.observable;
-        let stiff: Vec<f64> = code
-            .stiff_runs
-            .iter()
-            .filter_map(|run| run.value(name))
-            .collect();
+        let stiff: Vec<f64> = code.stiff_runs.iter().filter_map(|run| run.value(name)).collect();
         let (stiff, soft) = (Ensemble::of(&stiff)?, Ensemble::of(&code.values(name))?);
         let test = equivalence(&stiff, &soft, expectation.margin, 2);
         Some(Row {
@@ -93,23 +68,12 @@ fn soft_bias(scene: &Scene, code: &CodeRuns) -> Vec<Row> {
 }
 
 /// A row that stands alone.
-fn row(
-    scene: &Scene,
-    observable: &str,
-    code: &str,
-    runs: &[MeasuredRun],
-    ensemble: &Ensemble,
-) -> Row {
-    let unit = runs
-        .iter()
-        .flat_map(|run| &run.measurements)
-        .find(|measurement| measurement.observable == observable);
+fn row(scene: &Scene, observable: &str, code: &str, runs: &[MeasuredRun], ensemble: &Ensemble) -> Row {
+    let unit = runs.iter().flat_map(|run| &run.measurements).find(|measurement| measurement.observable == observable);
     Row {
         scene: scene.name.clone(),
         observable: observable.into(),
-        unit: unit
-            .map(|measurement| measurement.unit.clone())
-            .unwrap_or_default(),
+        unit: unit.map(|measurement| measurement.unit.clone()).unwrap_or_default(),
         code: code.into(),
         mean: ensemble.mean,
         standard_deviation: ensemble.standard_deviation,
@@ -139,21 +103,12 @@ pub struct LiveCheck {
 
 /// Checks every observable that has a margin.
 pub fn live_checks(scene: &Scene, live: &MeasuredRun, recorded: &CodeRuns) -> Vec<LiveCheck> {
-    let checked = scene
-        .compare
-        .iter()
-        .filter(|expectation| expectation.margin.is_some())
-        .filter_map(|expectation| {
-            let value = live.value(&expectation.observable)?;
-            let spread = inside_recorded_spread(value, &recorded.values(&expectation.observable))?;
-            let observable = expectation.observable.clone();
-            Some(LiveCheck {
-                observable,
-                value,
-                interval: spread.interval,
-                inside: spread.inside,
-            })
-        });
+    let checked = scene.compare.iter().filter(|expectation| expectation.margin.is_some()).filter_map(|expectation| {
+        let value = live.value(&expectation.observable)?;
+        let spread = inside_recorded_spread(value, &recorded.values(&expectation.observable))?;
+        let observable = expectation.observable.clone();
+        Some(LiveCheck { observable, value, interval: spread.interval, inside: spread.inside })
+    });
     checked.collect()
 }
 
@@ -165,8 +120,7 @@ mod tests {
     use std::path::Path;
 
     fn packing() -> Scene {
-        let file =
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
         Scene::load(&file).unwrap()
     }
 
@@ -211,17 +165,8 @@ mod tests {
             code("LIGGGHTS", &[0.605, 0.606, 0.607, 0.606]),
         ];
         let comparison = comparison(&packing(), &codes, Vec::new());
-        let pairs: Vec<_> = comparison
-            .rows
-            .iter()
-            .map(|row| {
-                (
-                    row.code.as_str(),
-                    row.reference_code.as_deref(),
-                    row.outcome,
-                )
-            })
-            .collect();
+        let pairs: Vec<_> =
+            comparison.rows.iter().map(|row| (row.code.as_str(), row.reference_code.as_deref(), row.outcome)).collect();
         assert_eq!(
             pairs,
             [

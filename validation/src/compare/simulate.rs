@@ -48,15 +48,8 @@ impl Runs<'_> {
     /// Runs the code over the seeds, as many at a time as the thread pool has threads.
     pub fn simulate(&self, code: &dyn Code) -> Simulated {
         let scene = self.scene.with_stiffness_factor(self.stiffness_factor);
-        let ended: Vec<_> = self
-            .seeds
-            .par_iter()
-            .map(|&seed| (seed, self.one(code, &scene, seed)))
-            .collect();
-        let mut simulated = Simulated {
-            harvests: Vec::new(),
-            failures: Vec::new(),
-        };
+        let ended: Vec<_> = self.seeds.par_iter().map(|&seed| (seed, self.one(code, &scene, seed))).collect();
+        let mut simulated = Simulated { harvests: Vec::new(), failures: Vec::new() };
         for (seed, result) in ended {
             match result {
                 Ok(harvest) => simulated.harvests.push(harvest),
@@ -72,25 +65,17 @@ impl Runs<'_> {
     /// [`CodeError`]; what the code wrote is kept then.
     pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
         let name = self.file_stem(code.name(), seed);
-        let kept = self
-            .recordings
-            .as_ref()
-            .map(|folder| folder.join(format!("{name}.rec")));
+        let kept = self.recordings.as_ref().map(|folder| folder.join(format!("{name}.rec")));
         if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
             let recording = Recording::load(file)?;
-            let ended = file
-                .metadata()
-                .and_then(|data| data.modified())
-                .unwrap_or_else(|_| SystemTime::now());
+            let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
             return Ok(Harvest::of(scene, &recording, utc(ended)));
         }
         if crate::interrupt::requested() {
             return Err(CodeError::Interrupted { code: code.name() });
         }
         let progress = (self.announce)(&format!("{} {} seed {seed}", scene.name, code.name()));
-        let work_folder = cache_folder()
-            .join("runs")
-            .join(format!("{name}-{}", std::process::id()));
+        let work_folder = cache_folder().join("runs").join(format!("{name}-{}", std::process::id()));
         let recording = code.simulate(&Job {
             scene,
             scene_file: self.scene_file,

@@ -87,9 +87,9 @@ pub fn surface(setting: &Setting<'_>, drum: &Drum, field: &Field) -> Option<BedS
         let offset = line.above([0.0; 2]).abs();
         let half_chord = (drum.radius.powi(2) - offset.powi(2)).max(0.0).sqrt();
         let middle = Line { point: line.foot([0.0; 2]), ..line };
-        let pieces = free.iter().filter_map(|piece| {
-            clip(*piece, |point| middle.along(point), -0.5 * half_chord, 0.5 * half_chord)
-        });
+        let pieces = free
+            .iter()
+            .filter_map(|piece| clip(*piece, |point| middle.along(point), -0.5 * half_chord, 0.5 * half_chord));
         line = Line::fit(pieces)?;
     }
     let centre = line.foot([0.0; 2]);

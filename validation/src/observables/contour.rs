@@ -99,8 +99,7 @@ pub fn segments(line: &Loop) -> impl Iterator<Item = Segment> + '_ {
 /// Whether a closed line encloses a point.
 pub fn encloses(line: &Loop, point: [f64; 2]) -> bool {
     let crosses = |[a, b]: Segment| {
-        (a[1] > point[1]) != (b[1] > point[1])
-            && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        (a[1] > point[1]) != (b[1] > point[1]) && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
     };
     segments(line).filter(|segment| crosses(*segment)).count() % 2 == 1
 }

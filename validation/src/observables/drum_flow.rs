@@ -1,9 +1,9 @@
 //! Flow in a rotating drum: slip at the shell, the flowing layer, torque, mixing.
 
 use super::balances::force_on_partner;
+use super::bed_surface::{BedFields, BedSurface, surface};
 use super::drum::Drum;
 use super::field::Field;
-use super::bed_surface::{BedFields, BedSurface, surface};
 use super::measurement::{Measurement, Quantity, Readings};
 use super::setting::Setting;
 use super::view::View;
@@ -91,9 +91,7 @@ pub fn measure_span(setting: &Setting<'_>, bed: &BedFields, frames: &[&Snapshot]
     let Some(drum) = &setting.drum else {
         return Vec::new();
     };
-    let layer = |field: &Field, part: &[&Snapshot]| {
-        flowing_layer(setting, drum, &surface(setting, drum, field)?, part)
-    };
+    let layer = |field: &Field, part: &[&Snapshot]| flowing_layer(setting, drum, &surface(setting, drum, field)?, part);
     let mut measurements = Vec::new();
     if let Some((thickness, speed)) = layer(&bed.whole, frames) {
         let parts: Vec<(f64, f64)> = (bed.blocks.iter().zip(&bed.fields))
@@ -110,12 +108,7 @@ pub fn measure_span(setting: &Setting<'_>, bed: &BedFields, frames: &[&Snapshot]
 }
 
 /// Thickness of the flowing layer (diameters) and speed at the surface (m/s).
-fn flowing_layer(
-    setting: &Setting<'_>,
-    drum: &Drum,
-    surface: &BedSurface,
-    frames: &[&Snapshot],
-) -> Option<(f64, f64)> {
+fn flowing_layer(setting: &Setting<'_>, drum: &Drum, surface: &BedSurface, frames: &[&Snapshot]) -> Option<(f64, f64)> {
     let line = surface.line;
     let middle = line.foot([0.0; 2]);
     let bin = 0.5 * setting.diameter;

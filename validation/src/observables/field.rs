@@ -36,10 +36,7 @@ impl Field {
 
     /// Centre of a cell, m; also of cells outside the grid.
     pub fn centre(&self, column: isize, row: isize) -> [f64; 2] {
-        [
-            self.origin[0] + (column as f64 + 0.5) * self.cell,
-            self.origin[1] + (row as f64 + 0.5) * self.cell,
-        ]
+        [self.origin[0] + (column as f64 + 0.5) * self.cell, self.origin[1] + (row as f64 + 0.5) * self.cell]
     }
 
     /// Adds a sphere's exact volume, divided by `volume` (m3), to the cells that it reaches, each cell being a
@@ -48,9 +45,7 @@ impl Field {
         let first = |axis: usize| ((centre[axis] - radius - self.origin[axis]) / self.cell).floor() as isize;
         let last = |axis: usize| ((centre[axis] + radius - self.origin[axis]) / self.cell).floor() as isize;
         let (left, right, bottom, top) = (first(0), last(0), first(1), last(1));
-        let line = |axis: usize, index: isize| {
-            (self.origin[axis] + index as f64 * self.cell - centre[axis]) / radius
-        };
+        let line = |axis: usize, index: isize| (self.origin[axis] + index as f64 * self.cell - centre[axis]) / radius;
         // A cell is a difference of quadrants whose corners are the grid's nodes; nodes are shared by four cells.
         let node = |column: isize, row: isize| quadrant(line(0, column), line(1, row));
         let share = radius.powi(3) / volume;

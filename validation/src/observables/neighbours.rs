@@ -44,7 +44,8 @@ pub fn close_pairs(grains: &[Particle], reach: f64) -> Vec<Pair> {
     let mut pairs = Vec::with_capacity(4 * grains.len());
     for (first, place) in places.iter().enumerate() {
         let cell = cell_of(place);
-        let (from, to) = (cell.map(|c| c.saturating_sub(1)), (cell.add_scalar(1)).inf(&dims.add_scalar(0).map(|d| d - 1)));
+        let (from, to) =
+            (cell.map(|c| c.saturating_sub(1)), (cell.add_scalar(1)).inf(&dims.add_scalar(0).map(|d| d - 1)));
         for z in from.z..=to.z {
             for y in from.y..=to.y {
                 let row = flat(Vector3::new(from.x, y, z))..=flat(Vector3::new(to.x, y, z));

@@ -64,9 +64,8 @@ fn fraction_in_cubes(view: &View<'_>) -> Option<f64> {
 
     // Cubes near grains of the bulk, whose corners all lie in it.
     let mut nodes = std::collections::HashMap::new();
-    let mut inside = |node: [i64; 3]| {
-        *nodes.entry(node).or_insert_with(|| view.bulk.contains(&view.walls, &corner(node)))
-    };
+    let mut inside =
+        |node: [i64; 3]| *nodes.entry(node).or_insert_with(|| view.bulk.contains(&view.walls, &corner(node)));
     let (mut cubes, mut seen) = (HashSet::new(), HashSet::new());
     let reach = 2;
     for grain in grains.iter().zip(view.in_bulk()).filter(|(_, bulk)| **bulk).map(|(grain, _)| grain) {

@@ -18,10 +18,7 @@ impl FrameWriter {
     pub fn create(output: &Path) -> Result<FrameWriter, WriteError> {
         let folder = output.join("frames");
         create_folder(&folder)?;
-        Ok(FrameWriter {
-            folder: output.to_path_buf(),
-            written: Vec::new(),
-        })
+        Ok(FrameWriter { folder: output.to_path_buf(), written: Vec::new() })
     }
 
     /// Writes one frame and lists it in `grains.pvd` and `contacts.pvd`.
@@ -30,26 +27,13 @@ impl FrameWriter {
     /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn write(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
         let number = self.written.len();
-        write_whole(
-            &self.folder.join(file_name("grains", number)),
-            vtk::grains(frame).as_bytes(),
-        )?;
-        write_whole(
-            &self.folder.join(file_name("contacts", number)),
-            vtk::contacts(frame).as_bytes(),
-        )?;
+        write_whole(&self.folder.join(file_name("grains", number)), vtk::grains(frame).as_bytes())?;
+        write_whole(&self.folder.join(file_name("contacts", number)), vtk::contacts(frame).as_bytes())?;
         self.written.push(frame.time);
         for kind in ["grains", "contacts"] {
-            let files: Vec<_> = self
-                .written
-                .iter()
-                .enumerate()
-                .map(|(number, &time)| (time, file_name(kind, number)))
-                .collect();
-            write_whole(
-                &self.folder.join(format!("{kind}.pvd")),
-                vtk::collection(&files).as_bytes(),
-            )?;
+            let files: Vec<_> =
+                self.written.iter().enumerate().map(|(number, &time)| (time, file_name(kind, number))).collect();
+            write_whole(&self.folder.join(format!("{kind}.pvd")), vtk::collection(&files).as_bytes())?;
         }
         Ok(())
     }

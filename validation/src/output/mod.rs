@@ -24,10 +24,7 @@ pub struct WriteError {
 impl WriteError {
     /// An error about a path.
     pub fn new(path: &Path, source: std::io::Error) -> WriteError {
-        WriteError {
-            path: path.display().to_string(),
-            source,
-        }
+        WriteError { path: path.display().to_string(), source }
     }
 }
 

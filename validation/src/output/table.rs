@@ -15,32 +15,21 @@ impl TimeTable {
     /// A table that will be written to `path`, with these columns first.
     pub fn new(path: &Path, columns: &[&str]) -> TimeTable {
         let columns = columns.iter().map(ToString::to_string).collect();
-        TimeTable {
-            path: path.to_path_buf(),
-            columns,
-            rows: Vec::new(),
-        }
+        TimeTable { path: path.to_path_buf(), columns, rows: Vec::new() }
     }
 
     /// Adds a row of named values and writes the file. What a row does not name stays empty.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses; the file before it stays as it was.
-    pub fn push(
-        &mut self,
-        values: impl IntoIterator<Item = (String, f64)>,
-    ) -> Result<(), WriteError> {
+    pub fn push(&mut self, values: impl IntoIterator<Item = (String, f64)>) -> Result<(), WriteError> {
         let mut row = vec![None; self.columns.len()];
         for (name, value) in values {
-            let column = self
-                .columns
-                .iter()
-                .position(|column| *column == name)
-                .unwrap_or_else(|| {
-                    self.columns.push(name);
-                    row.push(None);
-                    row.len() - 1
-                });
+            let column = self.columns.iter().position(|column| *column == name).unwrap_or_else(|| {
+                self.columns.push(name);
+                row.push(None);
+                row.len() - 1
+            });
             row[column] = Some(value);
         }
         self.rows.push(row);
@@ -50,16 +39,8 @@ impl TimeTable {
     fn text(&self) -> String {
         let mut text = self.columns.join(",") + "\n";
         for row in &self.rows {
-            let cell = |column| {
-                row.get(column)
-                    .copied()
-                    .flatten()
-                    .map_or(String::new(), |value| format!("{value:?}"))
-            };
-            text += &(0..self.columns.len())
-                .map(cell)
-                .collect::<Vec<_>>()
-                .join(",");
+            let cell = |column| row.get(column).copied().flatten().map_or(String::new(), |value| format!("{value:?}"));
+            text += &(0..self.columns.len()).map(cell).collect::<Vec<_>>().join(",");
             text.push('\n');
         }
         text
@@ -76,12 +57,7 @@ mod tests {
         let path = folder.path().join("table.csv");
         let mut table = TimeTable::new(&path, &["time"]);
         table.push([("time".to_string(), 0.0)]).unwrap();
-        table
-            .push([("time".to_string(), 0.5), ("angle".to_string(), 31.0)])
-            .unwrap();
-        assert_eq!(
-            std::fs::read_to_string(path).unwrap(),
-            "time,angle\n0.0,\n0.5,31.0\n"
-        );
+        table.push([("time".to_string(), 0.5), ("angle".to_string(), 31.0)]).unwrap();
+        assert_eq!(std::fs::read_to_string(path).unwrap(), "time,angle\n0.0,\n0.5,31.0\n");
     }
 }

@@ -9,16 +9,12 @@ use std::fmt::Write;
 pub(super) fn grains(frame: &Snapshot) -> String {
     let particles = &frame.particles;
     let mut file = PolyData::open(frame.time, particles.len(), Cells::Points);
-    file.section(
-        "PointData",
-        "Scalars=\"radius\" Vectors=\"velocity\"",
-        |data| {
-            data.floats("radius", 1, particles.iter().map(|p| p.radius));
-            data.floats("velocity", 3, particles.iter().flat_map(|p| p.velocity));
-            data.floats("spin", 3, particles.iter().flat_map(|p| p.spin));
-            data.integers("id", particles.iter().map(|p| p.id as i32));
-        },
-    );
+    file.section("PointData", "Scalars=\"radius\" Vectors=\"velocity\"", |data| {
+        data.floats("radius", 1, particles.iter().map(|p| p.radius));
+        data.floats("velocity", 3, particles.iter().flat_map(|p| p.velocity));
+        data.floats("spin", 3, particles.iter().flat_map(|p| p.spin));
+        data.integers("id", particles.iter().map(|p| p.id as i32));
+    });
     file.points(particles.iter().flat_map(|p| p.position));
     file.close()
 }
@@ -29,27 +25,15 @@ pub(super) fn contacts(frame: &Snapshot) -> String {
     let mut file = PolyData::open(frame.time, contacts.len(), Cells::Lines);
     file.section("CellData", "Scalars=\"normal_force\"", |data| {
         data.floats("normal_force", 1, contacts.iter().map(|c| c.normal_force));
-        data.floats(
-            "tangential_force",
-            3,
-            contacts.iter().flat_map(|c| c.tangential_force),
-        );
+        data.floats("tangential_force", 3, contacts.iter().flat_map(|c| c.tangential_force));
         data.floats("normal", 3, contacts.iter().flat_map(|c| c.normal));
         data.floats("point", 3, contacts.iter().flat_map(|c| c.point));
         data.integers("first", contacts.iter().map(|c| c.first as i32));
         let grain = |partner| {
-            if let Partner::Grain(id) = partner {
-                id as i32
-            } else {
-                -1
-            }
+            if let Partner::Grain(id) = partner { id as i32 } else { -1 }
         };
         let wall = |partner| {
-            if let Partner::Wall(place) = partner {
-                place as i32
-            } else {
-                -1
-            }
+            if let Partner::Wall(place) = partner { place as i32 } else { -1 }
         };
         data.integers("second_grain", contacts.iter().map(|c| grain(c.second)));
         data.integers("second_wall", contacts.iter().map(|c| wall(c.second)));
@@ -71,10 +55,7 @@ pub(super) fn collection(files: &[(f64, String)]) -> String {
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
     );
     for (time, file) in files {
-        let _ = writeln!(
-            text,
-            "<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>"
-        );
+        let _ = writeln!(text, "<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>");
     }
     text + "</Collection>\n</VTKFile>\n"
 }
@@ -97,11 +78,7 @@ struct PolyData {
 
 impl PolyData {
     fn open(time: f64, count: usize, cells: Cells) -> PolyData {
-        let mut file = PolyData {
-            text: String::new(),
-            cells,
-            count,
-        };
+        let mut file = PolyData { text: String::new(), cells, count };
         let (points, vertices, lines) = match cells {
             Cells::Points => (count, count, 0),
             Cells::Lines => (2 * count, 0, count),
@@ -109,12 +86,7 @@ impl PolyData {
         file.text += "<?xml version=\"1.0\"?>\n\
             <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n";
         file.section("FieldData", "", |data| {
-            data.array(
-                "Float64",
-                "TimeValue",
-                "NumberOfTuples=\"1\"",
-                &time.to_le_bytes(),
-            );
+            data.array("Float64", "TimeValue", "NumberOfTuples=\"1\"", &time.to_le_bytes());
         });
         let _ = writeln!(
             file.text,
@@ -146,15 +118,8 @@ impl PolyData {
 
     /// Single precision is far finer than a pixel and halves the files.
     fn floats(&mut self, name: &str, components: usize, values: impl Iterator<Item = f64>) {
-        let bytes: Vec<u8> = values
-            .flat_map(|value| (value as f32).to_le_bytes())
-            .collect();
-        self.array(
-            "Float32",
-            name,
-            &format!("NumberOfComponents=\"{components}\""),
-            &bytes,
-        );
+        let bytes: Vec<u8> = values.flat_map(|value| (value as f32).to_le_bytes()).collect();
+        self.array("Float32", name, &format!("NumberOfComponents=\"{components}\""), &bytes);
     }
 
     fn integers(&mut self, name: &str, values: impl Iterator<Item = i32>) {
@@ -164,10 +129,7 @@ impl PolyData {
 
     /// An array as base64: the number of bytes as an eight-byte integer, then the bytes.
     fn array(&mut self, kind: &str, name: &str, size: &str, bytes: &[u8]) {
-        let _ = write!(
-            self.text,
-            "<DataArray type=\"{kind}\" Name=\"{name}\" {size} format=\"binary\">"
-        );
+        let _ = write!(self.text, "<DataArray type=\"{kind}\" Name=\"{name}\" {size} format=\"binary\">");
         let mut block = Vec::with_capacity(8 + bytes.len());
         block.extend((bytes.len() as u64).to_le_bytes());
         block.extend(bytes);

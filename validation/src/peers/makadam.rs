@@ -22,13 +22,12 @@ impl Code for Makadam {
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
         let interrupted = || CodeError::Interrupted { code: "Makadam" };
-        let (mut simulation, _) =
-            start(scene, job.seed, job.scene_file, &|_| {}).map_err(|error| match error {
-                StartError::Scene(error) => CodeError::Scene(error),
-                StartError::Write(WriteError { path, source }) => CodeError::Io { path, source },
-                StartError::Checkpoint(error) => CodeError::State(error),
-                StartError::Interrupted => interrupted(),
-            })?;
+        let (mut simulation, _) = start(scene, job.seed, job.scene_file, &|_| {}).map_err(|error| match error {
+            StartError::Scene(error) => CodeError::Scene(error),
+            StartError::Write(WriteError { path, source }) => CodeError::Io { path, source },
+            StartError::Checkpoint(error) => CodeError::State(error),
+            StartError::Interrupted => interrupted(),
+        })?;
         let (started, step_seconds) = (simulation.time(), simulation.time_step());
         let steps = steps_in(scene.duration, step_seconds);
         let mut frames = vec![simulation.snapshot()];
@@ -74,13 +73,9 @@ mod tests {
 
     #[test]
     fn frames_fall_on_multiples_of_the_interval() {
-        let due: Vec<u64> = (0..=300)
-            .filter(|&step| frame_is_due(step, 5e-4, 0.05))
-            .collect();
+        let due: Vec<u64> = (0..=300).filter(|&step| frame_is_due(step, 5e-4, 0.05)).collect();
         assert_eq!(due, [100, 200, 300]);
-        let due: Vec<u64> = (0..=10)
-            .filter(|&step| frame_is_due(step, 1.0, 2.5))
-            .collect();
+        let due: Vec<u64> = (0..=10).filter(|&step| frame_is_due(step, 1.0, 2.5)).collect();
         assert_eq!(due, [3, 5, 8, 10]);
     }
 }

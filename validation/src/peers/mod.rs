@@ -56,9 +56,7 @@ pub trait Code: Sync {
 #[derive(Debug, thiserror::Error)]
 pub enum CodeError {
     /// It is not on this machine.
-    #[error(
-        "{code} is not installed; run scripts/install-peers, or leave out --live to use the recorded references"
-    )]
+    #[error("{code} is not installed; run scripts/install-peers, or leave out --live to use the recorded references")]
     Missing {
         /// The code.
         code: &'static str,
@@ -131,17 +129,8 @@ pub enum CodeError {
 }
 
 /// What no soft peer can do with a scene, told before it is started.
-fn refuse_unsupported(
-    code: &'static str,
-    scene: &Scene,
-    grains: &[::makadam::scene::Grain],
-) -> Result<(), CodeError> {
-    let refuse = |reason: &str| {
-        Err(CodeError::Unsupported {
-            code,
-            reason: reason.into(),
-        })
-    };
+fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::scene::Grain]) -> Result<(), CodeError> {
+    let refuse = |reason: &str| Err(CodeError::Unsupported { code, reason: reason.into() });
     if scene.prepare.is_some() {
         return refuse("it starts from a prepared state");
     }

@@ -8,7 +8,7 @@ use super::process::{self, Run, io};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
 use makadam::scene::{Grain, Motion, populate};
-use makadam::snapshot::{Partner, Particle, Snapshot};
+use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
@@ -151,12 +151,8 @@ impl Code for Yade {
         .execute()?;
 
         let result_path = folder.join("result.json");
-        let problem = |path: &Path, problem: String| CodeError::Output {
-            code: NAME,
-            file: path.to_path_buf(),
-            line: 1,
-            problem,
-        };
+        let problem =
+            |path: &Path, problem: String| CodeError::Output { code: NAME, file: path.to_path_buf(), line: 1, problem };
         process::disk_has_room(folder)?;
         let text = std::fs::read(&result_path)
             .map_err(|_| problem(&folder.join("yade.log"), "the run ended early, without an error".into()))?;
@@ -165,8 +161,7 @@ impl Code for Yade {
         let frames_path = folder.join("frames.bin");
         let bytes = std::fs::read(&frames_path).map_err(|source| io(&frames_path, source))?;
         let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
-        let frames =
-            read_frames(&bytes, &radii, scene.wall.len()).map_err(|what| problem(&frames_path, what))?;
+        let frames = read_frames(&bytes, &radii, scene.wall.len()).map_err(|what| problem(&frames_path, what))?;
         if result.steps != plan.steps || frames.len() != plan.frames().len() {
             return Err(problem(&frames_path, format!("{} frames after {} steps", frames.len(), result.steps)));
         }
@@ -246,9 +241,7 @@ fn motion_entry(motion: &Motion, plan: &Plan) -> Option<MotionEntry> {
     let (first, last) = plan.motion_steps(motion)?;
     let (kind, point, direction, rate) = match motion {
         Motion::Fixed => return None,
-        Motion::Translating { velocity, .. } => {
-            ("translating", [0.0; 3], *velocity, Vector3::from(*velocity).norm())
-        }
+        Motion::Translating { velocity, .. } => ("translating", [0.0; 3], *velocity, Vector3::from(*velocity).norm()),
         Motion::Rotating { point, axis, rate, .. } => ("rotating", *point, *axis, *rate),
     };
     let axis = Vector3::from(direction).try_normalize(0.0)?.into();

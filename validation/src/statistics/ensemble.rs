@@ -29,7 +29,8 @@ impl Ensemble {
         if self.seeds < 2 {
             return None;
         }
-        let half = student_quantile(0.95, (self.seeds - 1) as f64) * self.standard_deviation / (self.seeds as f64).sqrt();
+        let half =
+            student_quantile(0.95, (self.seeds - 1) as f64) * self.standard_deviation / (self.seeds as f64).sqrt();
         Some([self.mean - half, self.mean + half])
     }
 }

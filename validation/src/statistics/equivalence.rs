@@ -38,7 +38,8 @@ pub struct Equivalence {
 pub fn equivalence(first: &Ensemble, second: &Ensemble, margin: Option<f64>, codes: usize) -> Equivalence {
     let alpha = SIGNIFICANCE / (codes.max(2) - 1) as f64;
     let difference = first.mean - second.mean;
-    let interval = |alpha: f64| welch_half_width(first, second, alpha).map(|half| [difference - half, difference + half]);
+    let interval =
+        |alpha: f64| welch_half_width(first, second, alpha).map(|half| [difference - half, difference + half]);
     let interval_of_verdict = interval(alpha);
     let outcome = margin.map(|margin| match interval_of_verdict {
         Some([low, high]) if -margin < low && high < margin => Outcome::Agree,

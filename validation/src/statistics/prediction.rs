@@ -23,9 +23,7 @@ pub struct Spread {
 pub fn prediction_interval(recorded: &[f64], live_seeds: usize, confidence: f64) -> Option<[f64; 2]> {
     let ensemble = Ensemble::of(recorded).filter(|ensemble| ensemble.seeds >= 2 && live_seeds >= 1)?;
     let quantile = student_quantile(0.5 * (1.0 + confidence), (ensemble.seeds - 1) as f64);
-    let half = quantile
-        * ensemble.standard_deviation
-        * (1.0 / live_seeds as f64 + 1.0 / ensemble.seeds as f64).sqrt();
+    let half = quantile * ensemble.standard_deviation * (1.0 / live_seeds as f64 + 1.0 / ensemble.seeds as f64).sqrt();
     Some([ensemble.mean - half, ensemble.mean + half])
 }
 

@@ -65,9 +65,8 @@ impl Reference {
     pub fn code(&self, code: &str) -> Option<CodeRuns> {
         let runs: Vec<MeasuredRun> = self.at(code, 1.0).cloned().collect();
         let first = runs.first()?;
-        let fraction = first.rayleigh_fraction.map_or(String::new(), |f| {
-            format!(" at {:.0}% of the Rayleigh step", 100.0 * f)
-        });
+        let fraction =
+            first.rayleigh_fraction.map_or(String::new(), |f| format!(" at {:.0}% of the Rayleigh step", 100.0 * f));
         let provenance = format!(
             "recorded {} on {} with {} {}: {} seeds{fraction}",
             first.date.split('T').next().unwrap_or_default(),
@@ -80,22 +79,9 @@ impl Reference {
             code: code.into(),
             source: Source::Recorded,
             provenance,
-            forces: self
-                .forces
-                .iter()
-                .find(|forces| forces.code == code)
-                .cloned(),
-            series: self
-                .series
-                .iter()
-                .filter(|series| series.code == code)
-                .cloned()
-                .collect(),
-            final_state: self
-                .final_states
-                .iter()
-                .find(|state| state.code == code)
-                .cloned(),
+            forces: self.forces.iter().find(|forces| forces.code == code).cloned(),
+            series: self.series.iter().filter(|series| series.code == code).cloned().collect(),
+            final_state: self.final_states.iter().find(|state| state.code == code).cloned(),
             stiff_runs: self.at(code, super::STIFF).cloned().collect(),
             runs,
         })
@@ -104,16 +90,11 @@ impl Reference {
     /// Whether a code was recorded on the scene as it is now; `None` where nothing is known.
     pub fn is_current(&self, code: &str, scene: &Scene) -> Option<bool> {
         let now = physics_hash(scene);
-        self.physics
-            .iter()
-            .find(|(name, _)| name == code)
-            .map(|(_, hash)| *hash == now)
+        self.physics.iter().find(|(name, _)| name == code).map(|(_, hash)| *hash == now)
     }
 
     fn at(&self, code: &str, factor: f64) -> impl Iterator<Item = &MeasuredRun> {
-        self.runs
-            .iter()
-            .filter(move |run| run.code == code && run.stiffness_factor == factor)
+        self.runs.iter().filter(move |run| run.code == code && run.stiffness_factor == factor)
     }
 }
 
@@ -126,8 +107,7 @@ pub fn physics_hash(scene: &Scene) -> String {
         for key in ["name", "description", "seed", "solver", "compare"] {
             table.remove(key);
         }
-        if let Some(measure) = table.get_mut("measure").and_then(|measure| measure.as_object_mut())
-        {
+        if let Some(measure) = table.get_mut("measure").and_then(|measure| measure.as_object_mut()) {
             measure.remove("observables");
         }
     }
@@ -238,9 +218,7 @@ const FORCE_COLUMNS: [&str; 4] = ["code", "force_over_mean", "density", "samples
 const SERIES_COLUMNS: [&str; 5] = ["code", "seed", "observable", "time", "value"];
 
 /// Names of the columns of `final-state-CODE.csv`.
-const GRAIN_COLUMNS: [&str; 11] = [
-    "id", "radius", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz",
-];
+const GRAIN_COLUMNS: [&str; 11] = ["id", "radius", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz"];
 
 /// Name of the file with a code's final state.
 fn final_state_file(code: &str) -> String {

@@ -1,8 +1,8 @@
 //! Reading recorded references; an error names the file and the line.
 
 use super::{
-    FinalState, ForceDistribution, ForceLine, GrainLine, MeasuredRun, MeasurementLine, Reference,
-    RunLine, Series, SeriesLine, final_state_file,
+    FinalState, ForceDistribution, ForceLine, GrainLine, MeasuredRun, MeasurementLine, Reference, RunLine, Series,
+    SeriesLine, final_state_file,
 };
 use crate::observables::Measurement;
 use makadam::snapshot::Particle;
@@ -45,9 +45,7 @@ impl Reference {
         let mut reference = Reference::default();
         for (_, line) in lines::<RunLine>(&runs_file)? {
             if !reference.physics.iter().any(|(code, _)| *code == line.code) {
-                reference
-                    .physics
-                    .push((line.code.clone(), line.scene_hash.clone()));
+                reference.physics.push((line.code.clone(), line.scene_hash.clone()));
             }
             reference.runs.push(run(line));
         }
@@ -62,27 +60,17 @@ impl Reference {
         for (at, line) in lines::<MeasurementLine>(file)? {
             if !line.value.is_finite() {
                 let problem = format!("the value of {} is not a finite number", line.observable);
-                return Err(ReferenceError::Line {
-                    file: file.to_path_buf(),
-                    line: at,
-                    problem,
-                });
+                return Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
             }
             let run = self.runs.iter_mut().find(|run| {
-                run.code == line.code
-                    && run.seed == line.seed
-                    && run.stiffness_factor == line.stiffness_factor
+                run.code == line.code && run.seed == line.seed && run.stiffness_factor == line.stiffness_factor
             });
             let Some(run) = run else {
                 let problem = format!(
                     "{} seed {} at {} times the stiffness has no line in runs.csv",
                     line.code, line.seed, line.stiffness_factor
                 );
-                return Err(ReferenceError::Line {
-                    file: file.to_path_buf(),
-                    line: at,
-                    problem,
-                });
+                return Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
             };
             run.measurements.push(Measurement {
                 observable: line.observable,
@@ -99,17 +87,9 @@ impl Reference {
         for (_, line) in lines::<ForceLine>(file)? {
             if self.forces.last().is_none_or(|last| last.code != line.code) {
                 let (force, density) = (Vec::new(), Vec::new());
-                self.forces.push(ForceDistribution {
-                    code: line.code,
-                    force,
-                    density,
-                    samples: line.samples,
-                });
+                self.forces.push(ForceDistribution { code: line.code, force, density, samples: line.samples });
             }
-            let forces = self
-                .forces
-                .last_mut()
-                .expect("one was pushed if there was none");
+            let forces = self.forces.last_mut().expect("one was pushed if there was none");
             forces.force.push(line.force_over_mean);
             forces.density.push(line.density);
         }
@@ -118,25 +98,13 @@ impl Reference {
 
     fn read_series(&mut self, file: &Path) -> Result<(), ReferenceError> {
         for (_, line) in lines::<SeriesLine>(file)? {
-            let same = |last: &Series| {
-                last.code == line.code
-                    && last.seed == line.seed
-                    && last.observable == line.observable
-            };
+            let same =
+                |last: &Series| last.code == line.code && last.seed == line.seed && last.observable == line.observable;
             if !self.series.last().is_some_and(same) {
                 let (time, value) = (Vec::new(), Vec::new());
-                self.series.push(Series {
-                    code: line.code,
-                    seed: line.seed,
-                    observable: line.observable,
-                    time,
-                    value,
-                });
+                self.series.push(Series { code: line.code, seed: line.seed, observable: line.observable, time, value });
             }
-            let series = self
-                .series
-                .last_mut()
-                .expect("one was pushed if there was none");
+            let series = self.series.last_mut().expect("one was pushed if there was none");
             series.time.push(line.time);
             series.value.push(line.value);
         }
@@ -151,16 +119,8 @@ impl Reference {
                 continue;
             };
             let (seed, time) = (first.seed, first.simulated_seconds);
-            let particles = lines::<GrainLine>(&file)?
-                .into_iter()
-                .map(|(_, grain)| particle(&grain))
-                .collect();
-            self.final_states.push(FinalState {
-                code,
-                seed,
-                time,
-                particles,
-            });
+            let particles = lines::<GrainLine>(&file)?.into_iter().map(|(_, grain)| particle(&grain)).collect();
+            self.final_states.push(FinalState { code, seed, time, particles });
         }
         Ok(())
     }
@@ -197,30 +157,15 @@ fn lines<T: DeserializeOwned>(file: &Path) -> Result<Vec<(u64, T)>, ReferenceErr
     let failed = |error: csv::Error| {
         let line = error.position().map_or(1, csv::Position::line);
         match error.into_kind() {
-            csv::ErrorKind::Io(source) => ReferenceError::Io {
-                file: file.to_path_buf(),
-                source,
-            },
-            csv::ErrorKind::Deserialize { err, .. } => ReferenceError::Line {
-                file: file.to_path_buf(),
-                line,
-                problem: err.to_string(),
-            },
-            csv::ErrorKind::UnequalLengths {
-                expected_len, len, ..
-            } => {
-                let problem = format!("{len} fields where the head has {expected_len}");
-                ReferenceError::Line {
-                    file: file.to_path_buf(),
-                    line,
-                    problem,
-                }
+            csv::ErrorKind::Io(source) => ReferenceError::Io { file: file.to_path_buf(), source },
+            csv::ErrorKind::Deserialize { err, .. } => {
+                ReferenceError::Line { file: file.to_path_buf(), line, problem: err.to_string() }
             }
-            other => ReferenceError::Line {
-                file: file.to_path_buf(),
-                line,
-                problem: format!("{other:?}"),
-            },
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                let problem = format!("{len} fields where the head has {expected_len}");
+                ReferenceError::Line { file: file.to_path_buf(), line, problem }
+            }
+            other => ReferenceError::Line { file: file.to_path_buf(), line, problem: format!("{other:?}") },
         }
     };
     let mut reader = csv::Reader::from_path(file).map_err(failed)?;

@@ -26,13 +26,8 @@ fn sample() -> (Scene, Reference) {
     };
     let mut reference = Reference::default();
     for code in ["LIGGGHTS", "YADE"] {
-        let particle = Particle {
-            id: 0,
-            position: [0.1, 0.2, 0.3],
-            radius: 0.005,
-            velocity: [1e-9, 0.0, -0.25],
-            spin: [0.0; 3],
-        };
+        let particle =
+            Particle { id: 0, position: [0.1, 0.2, 0.3], radius: 0.005, velocity: [1e-9, 0.0, -0.25], spin: [0.0; 3] };
         let runs = |factor| CodeRuns {
             code: code.into(),
             source: Source::Live,
@@ -52,12 +47,7 @@ fn sample() -> (Scene, Reference) {
                 time: vec![0.0, 0.5],
                 value: vec![30.0, 31.5],
             }],
-            final_state: Some(FinalState {
-                code: code.into(),
-                seed: 1,
-                time: 1.5,
-                particles: vec![particle],
-            }),
+            final_state: Some(FinalState { code: code.into(), seed: 1, time: 1.5, particles: vec![particle] }),
         };
         reference.replace(runs(1.0), 1.0, physics_hash(&scene));
         reference.replace(runs(10.0), 10.0, physics_hash(&scene));
@@ -114,28 +104,16 @@ fn a_bad_line_is_named() {
     let message = spoil(",packing_fraction,,", ",packing_fraction,");
     assert!(message.contains("measurements.csv:2:"), "{message}");
     let message = spoil("LIGGGHTS,\"1.0, Debian\",2", "LIGGGHTS,\"1.0, Debian\",9");
-    assert!(
-        message.contains("measurements.csv:3:") && message.contains("runs.csv"),
-        "{message}"
-    );
+    assert!(message.contains("measurements.csv:3:") && message.contains("runs.csv"), "{message}");
     std::fs::remove_file(&file).unwrap();
     let message = Reference::load(folder.path()).unwrap_err().to_string();
-    assert!(
-        message.contains("measurements.csv: cannot be read"),
-        "{message}"
-    );
+    assert!(message.contains("measurements.csv: cannot be read"), "{message}");
 }
 
 #[test]
 fn nothing_recorded_is_no_error() {
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(Reference::load(folder.path()).unwrap(), None);
-    assert_eq!(
-        Reference::folder(Path::new("a/scene.toml")),
-        Path::new("a/reference")
-    );
-    assert_eq!(
-        Reference::folder(Path::new("a/smoke.toml")),
-        Path::new("a/smoke-reference")
-    );
+    assert_eq!(Reference::folder(Path::new("a/scene.toml")), Path::new("a/reference"));
+    assert_eq!(Reference::folder(Path::new("a/smoke.toml")), Path::new("a/smoke-reference"));
 }

@@ -12,7 +12,7 @@ use super::process::{self, Run, io};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
 use makadam::scene::populate;
-use makadam::snapshot::{Partner, Particle, Snapshot};
+use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::ffi::OsString;
 use std::fs::File;
@@ -180,7 +180,9 @@ fn frames_of(
         let steps: Vec<u64> = frames.iter().map(|frame| frame.step).collect();
         match steps == plan.frames() {
             true => Ok(frames),
-            false => Err(fault(file, 1, format!("{} frames where {} were asked for", steps.len(), plan.frames().len()))),
+            false => {
+                Err(fault(file, 1, format!("{} frames where {} were asked for", steps.len(), plan.frames().len())))
+            }
         }
     };
     let states = read(&dumps[0], deck::GRAIN_COLUMNS)?;
