@@ -1,7 +1,7 @@
 //! Statistics of the contact forces between grains in the bulk.
 //!
 //! The shape of the distribution of normal forces: share of contacts below the mean, Gini coefficient, second moment
-//! <f^2>/<f>^2, share of the load that the contacts below the mean carry (the weak network of Radjai et al., Phys. Rev.
+//! `<f^2>/<f>^2`, share of the load that the contacts below the mean carry (the weak network of Radjai et al., Phys. Rev.
 //! Lett. 77, 274, 1996). Friction: mean of ft/(mu fn), and the share of contacts at 99% of Coulomb's bound or above.
 //! Fabric: with F the mean of n n^T over contacts, a = 15/2 (F - 1/3) is the second-order coefficient of the
 //! distribution of contact directions, and its size is sqrt(3/2 a:a) (Guo & Zhao, J. Mech. Phys. Solids 61, 1, 2013).

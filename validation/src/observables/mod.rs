@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Nothing is taken from a simulator's own estimators: every quantity follows from the two tables of a
-//! [`Snapshot`](makadam::snapshot::Snapshot) and from the scene. Directions come from the scene: up is against
+//! [`Snapshot`] and from the scene. Directions come from the scene: up is against
 //! gravity, a drum is the cylinder that turns about its own level axis.
 //!
 //! **Bulk.** Grains whose centres, and contacts whose points, lie at least two mean diameters from every wall and

@@ -23,7 +23,7 @@ pub fn gini(values: &[f64]) -> f64 {
     ranked / (count * sorted.iter().sum::<f64>())
 }
 
-/// Second moment over the square of the mean, <f^2>/<f>^2.
+/// Second moment over the square of the mean, `<f^2>/<f>^2`.
 pub fn second_moment(values: &[f64]) -> f64 {
     let middle = mean(values);
     values.iter().map(|value| value * value).sum::<f64>() / (values.len() as f64 * middle * middle)
