@@ -33,10 +33,16 @@ const FORWARD: [[i64; 3]; 13] = [
 ];
 
 impl CellGrid {
-    /// Sorts grains into cells no smaller than `reach` (m). Grains outside the domain count to its outermost cells.
+    /// Sorts grains into cells no smaller than `reach` (m), over the part of the domain that holds grains. Grains outside
+    /// it count to its outermost cells.
     pub fn sort(&mut self, positions: &[Vector3<f64>], domain: &(Vector3<f64>, Vector3<f64>), reach: f64) {
-        self.origin = domain.0;
-        let extent = (domain.1 - domain.0).map(|width| width.max(1e-300));
+        let (mut low, mut high) = (domain.1, domain.0);
+        for position in positions {
+            low = low.inf(position);
+            high = high.sup(position);
+        }
+        self.origin = low.sup(&domain.0);
+        let extent = (high.inf(&domain.1) - self.origin).map(|width| width.max(reach));
         // Empty cells cost time too: no more than about eight a grain.
         let most = 8.0 * positions.len() as f64 + 512.0;
         self.size = reach.max(libm::cbrt(extent.product() / most));
