@@ -295,8 +295,8 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
             .collect();
         if !soft.is_empty() {
             limits.push(format!(
-                "{}: in {} grains ten times stiffer shift it by more than a third of the margin; at this stiffness the \
-                 comparison is not valid for it.",
+                "{}: in {} grains ten times stiffer shift it by more than a third of the margin; the codes share one \
+                 stiffness and may be compared, but the value is not that of stiff grains.",
                 names::observable(observable),
                 join(&soft),
             ));
