@@ -38,7 +38,7 @@ pub struct SolveReport {
     pub fell_back: bool,
 }
 
-/// A sweep is measured when it is the first, the last, or this many after the one measured before it.
+/// Where the number of sweeps is fixed, the first, the last and every sweep whose number this divides are measured.
 const MEASURE_EVERY: u32 = 4;
 
 /// Relaxes the contacts of a step until the settings say stop.
@@ -61,11 +61,13 @@ pub fn solve(
         Stop::Residual { tolerance, .. } => Some(tolerance * residual_unit(world, settings.step)),
         _ => None,
     };
+    // A solve that may stop after any sweep must know the residual of each.
+    let open_ended = !matches!(settings.stop, Stop::Sweeps { .. });
     let mut factor = settings.over_relaxation;
     let mut last = f64::INFINITY;
     loop {
         let sweep = report.sweeps + 1;
-        let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || tolerance.is_some();
+        let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || open_ended;
         let sums = sweep_serial(relaxation, &mut world.bodies, layout, factor, measure);
         report.sweeps = sweep;
         if measure {
