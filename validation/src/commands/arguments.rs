@@ -135,9 +135,13 @@ pub struct CompareArguments {
     /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
     #[arg(long, default_value_t = 7200.0, value_parser = positive)]
     pub time_limit: f64,
-    /// Run YADE and LIGGGHTS and write their numbers as the scene's recorded references.
+    /// Write numbers of YADE and LIGGGHTS as the scene's recorded references; only seeds that are not recorded yet, of
+    /// the same scene, version and time step, are measured from raw recordings or run.
     #[arg(long)]
     pub record: bool,
+    /// Measure or run all seeds anew and replace what is recorded; with --record only.
+    #[arg(long, requires = "record")]
+    pub again: bool,
     /// Factor on every Young's modulus; with --record only.
     #[arg(long, default_value_t = 1.0, value_parser = positive, requires = "record")]
     pub stiffness_factor: f64,
