@@ -3,7 +3,7 @@
 use super::CellGrid;
 use super::drift::Drift;
 use super::grid::DIRECTIONS;
-use super::memory::{OldList, Remembered};
+use super::memory::{OldList, Remembered, resize};
 use super::search::{Found, PairSearch};
 use crate::lanes::InstructionSet;
 use crate::partition::{BoxGrid, Plan, STAGES};
@@ -205,10 +205,10 @@ impl Candidates {
         let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
         let pairs: usize = found.iter().map(|found| found.pairs.len()).sum();
         let walls: usize = found.iter().map(|found| found.walls.len()).sum();
-        self.pairs.resize(pairs, PairCandidate { first: 0, second: 0 });
-        self.walls.resize(walls, WallCandidate { body: 0, surface: 0 });
-        self.pair_impulses.resize(pairs + 1, Impulse::default());
-        self.wall_impulses.resize(walls + 1, Impulse::default());
+        resize(&mut self.pairs, pairs, PairCandidate { first: 0, second: 0 });
+        resize(&mut self.walls, walls, WallCandidate { body: 0, surface: 0 });
+        resize(&mut self.pair_impulses, pairs + 1, Impulse::default());
+        resize(&mut self.wall_impulses, walls + 1, Impulse::default());
         (self.pair_impulses[pairs], self.wall_impulses[walls]) = (Impulse::default(), Impulse::default());
         let (pair_parts, wall_parts) = (Disjoint::new(&mut self.pairs), Disjoint::new(&mut self.walls));
         team.each(Phase::Detect, found.len(), |number| {

@@ -8,7 +8,8 @@ use std::ops::Range;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Remembered {
     start: Vec<u32>,
-    entries: Vec<(u32, Impulse)>,
+    partners: Vec<u32>,
+    impulses: Vec<Impulse>,
 }
 
 /// An old list: what each candidate is known by (new place of its first grain, anything for its partner), its impulse, and
@@ -40,9 +41,11 @@ impl Remembered {
             for grain in 0..grains {
                 self.start[grain + 1] += self.start[grain];
             }
-            self.entries.resize(self.start[grains] as usize, (0, Impulse::default()));
+            resize(&mut self.partners, self.start[grains] as usize, 0);
+            resize(&mut self.impulses, self.start[grains] as usize, Impulse::default());
         });
-        let (starts, entries) = (Disjoint::new(&mut self.start), Disjoint::new(&mut self.entries));
+        let (starts, partners) = (Disjoint::new(&mut self.start), Disjoint::new(&mut self.partners));
+        let impulses = Disjoint::new(&mut self.impulses);
         for tasks in old.stages {
             team.each(Phase::Detect, tasks.len(), |task| {
                 for candidate in live(&tasks[task]) {
@@ -50,7 +53,8 @@ impl Remembered {
                     // SAFETY: as above; a grain's entries are its own.
                     unsafe {
                         let place = starts.at(first as usize);
-                        *entries.at(*place as usize) = (partner, old.impulses[candidate]);
+                        *partners.at(*place as usize) = partner;
+                        *impulses.at(*place as usize) = old.impulses[candidate];
                         *place += 1;
                     }
                 }
@@ -64,11 +68,21 @@ impl Remembered {
     /// The impulse of a candidate; zero if it had none.
     #[inline]
     pub fn recall(&self, (first, partner): (u32, u32)) -> Impulse {
-        let own = &self.entries[self.start[first as usize] as usize..self.start[first as usize + 1] as usize];
-        own.iter().find(|entry| entry.0 == partner).map_or_else(Impulse::default, |entry| entry.1)
+        let start = self.start[first as usize] as usize;
+        let own = &self.partners[start..self.start[first as usize + 1] as usize];
+        own.iter().position(|&known| known == partner).map_or_else(Impulse::default, |at| self.impulses[start + at])
     }
 
     pub fn memory_bytes(&self) -> usize {
-        self.start.capacity() * size_of::<u32>() + self.entries.capacity() * size_of::<(u32, Impulse)>()
+        (self.start.capacity() + self.partners.capacity()) * size_of::<u32>()
+            + self.impulses.capacity() * size_of::<Impulse>()
     }
+}
+
+/// Resizes a vector whose length wavers: with a sixteenth to spare where it must grow, not twice the memory.
+pub(super) fn resize<T: Clone>(vector: &mut Vec<T>, length: usize, value: T) {
+    if length > vector.capacity() {
+        vector.reserve_exact(length + length / 16 - vector.len());
+    }
+    vector.resize(length, value);
 }

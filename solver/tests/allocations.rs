@@ -1,0 +1,83 @@
+//! A steady step allocates nothing: memory is reused from step to step.
+
+use makadam::Simulation;
+use makadam::scene::Scene;
+use makadam::schedule::Scheduler;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The system's allocator, counting what it is asked for.
+struct Counting;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: every call is handed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations in each of `steps` steps.
+fn allocations(simulation: &mut Simulation, steps: usize) -> Vec<u64> {
+    let mut counts = Vec::with_capacity(steps);
+    for _ in 0..steps {
+        let before = ALLOCATIONS.load(Ordering::Relaxed);
+        simulation.step();
+        counts.push(ALLOCATIONS.load(Ordering::Relaxed) - before);
+    }
+    counts
+}
+
+/// One test, because the count is of the whole process.
+#[test]
+fn steady_steps_allocate_nothing() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
+    let scene = Scene::load(&file).unwrap();
+    let mut settled = Simulation::new(&scene, 1, &file).unwrap();
+    assert!(allocations(&mut settled, 2400).iter().sum::<u64>() > 0, "the count counts");
+    let (lists, steps) = (settled.rebuilds(), 600);
+    assert_eq!(allocations(&mut settled, steps).iter().sum::<u64>(), 0, "a settled packing on one thread");
+    println!("{} candidate lists in {steps} steps", settled.rebuilds() - lists);
+
+    for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
+        let mut simulation = settled.clone();
+        simulation.use_team(scheduler, 2).unwrap();
+        allocations(&mut simulation, 20);
+        let counts = allocations(&mut simulation, steps);
+        // Handing a step to the pool takes a block of its queue from time to time; nothing grows with the grains.
+        let total: u64 = counts.iter().sum();
+        println!("{scheduler:?}: {total} allocations in {steps} steps");
+        assert!(total <= steps as u64 / 16, "{scheduler:?}: {total} allocations in {steps} steps");
+    }
+
+    // Where grains flow, lists are built all the time; their memory is found within the first of them.
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum/scene.toml");
+    let scene = Scene::load(&file).unwrap();
+    let mut flowing = Simulation::new(&scene, 1, &file).unwrap();
+    allocations(&mut flowing, 4000);
+    let lists = flowing.rebuilds();
+    let counts = allocations(&mut flowing, steps);
+    let lists = flowing.rebuilds() - lists;
+    let without = counts.iter().filter(|&&count| count == 0).count();
+    println!("{lists} lists; {} of {steps} steps without allocation, {} in all", without, counts.iter().sum::<u64>());
+    assert!(lists > 20, "the drum flows: {lists} lists");
+    assert!(without >= steps * 9 / 10, "{without} of {steps} steps of a flowing drum allocate nothing");
+}
