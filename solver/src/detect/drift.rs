@@ -5,6 +5,7 @@
 //! distance between points of the two boxes. Grains of patches that are not adjacent start a patch apart.
 
 use super::CellGrid;
+use crate::lanes::Number;
 use crate::partition::BoxGrid;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::Sphere;
@@ -20,8 +21,8 @@ pub(super) struct Drift {
 /// Smallest and largest displacement along each axis, m.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
-    low: Vector3<f64>,
-    high: Vector3<f64>,
+    low: [f64; 3],
+    high: [f64; 3],
 }
 
 /// What has moved, m.
@@ -52,21 +53,35 @@ const AHEAD: [[i32; 3]; 14] = [
 ];
 
 impl Bounds {
-    const EMPTY: Bounds = Bounds {
-        low: Vector3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
-        high: Vector3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
-    };
+    const EMPTY: Bounds = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
-    /// Largest distance between a point of each, squared; negative infinity where one is empty.
-    #[inline]
+    fn is_empty(&self) -> bool {
+        self.low[0] > self.high[0]
+    }
+
+    #[inline(always)]
+    fn add(&mut self, shift: Vector3<f64>) {
+        for axis in 0..3 {
+            self.low[axis] = shift[axis].smaller(self.low[axis]);
+            self.high[axis] = shift[axis].larger(self.high[axis]);
+        }
+    }
+
+    /// Largest distance between a point of each, squared; neither may be empty.
+    #[inline(always)]
     fn largest_distance_squared(&self, other: &Bounds) -> f64 {
-        let span = (self.high - other.low).sup(&(other.high - self.low));
-        if span.x < 0.0 { f64::NEG_INFINITY } else { span.norm_squared() }
+        let mut square = 0.0;
+        for axis in 0..3 {
+            let span = (self.high[axis] - other.low[axis]).larger(other.high[axis] - self.low[axis]);
+            square += span * span;
+        }
+        square
     }
 
     /// Largest length, squared.
+    #[inline(always)]
     fn largest_squared(&self) -> f64 {
-        if self.low.x > self.high.x { 0.0 } else { self.low.abs().sup(&self.high.abs()).norm_squared() }
+        (0..3).map(|axis| self.low[axis].abs().larger(self.high[axis].abs())).map(|length| length * length).sum()
     }
 }
 
@@ -89,11 +104,11 @@ impl Drift {
             grid.for_each_cell(number, |patch, places| {
                 // SAFETY: a patch belongs to one box.
                 let bounds = unsafe { patches.at(patch) };
+                let mut own = *bounds;
                 for (sphere, then) in spheres[places.clone()].iter().zip(&reference[places]) {
-                    let shift = sphere.centre - then;
-                    bounds.low = bounds.low.inf(&shift);
-                    bounds.high = bounds.high.sup(&shift);
+                    own.add(sphere.centre - then);
                 }
+                *bounds = own;
             });
         });
         self.layers.resize(layers, Moved::default());
@@ -103,15 +118,18 @@ impl Drift {
             for row in 0..rows {
                 for column in 0..columns {
                     let own = &patches[(layer * rows + row) * columns + column];
-                    if own.low.x > own.high.x {
+                    if own.is_empty() {
                         continue;
                     }
-                    squares.shift = squares.shift.max(own.largest_squared());
+                    squares.shift = squares.shift.larger(own.largest_squared());
                     for step in AHEAD {
                         let at = [column as i32 + step[0], row as i32 + step[1], layer as i32 + step[2]];
                         if (0..3).all(|axis| at[axis] >= 0 && at[axis] < counts[axis] as i32) {
                             let other = (at[2] as usize * rows + at[1] as usize) * columns + at[0] as usize;
-                            squares.approach = squares.approach.max(own.largest_distance_squared(&patches[other]));
+                            if !patches[other].is_empty() {
+                                squares.approach =
+                                    squares.approach.larger(own.largest_distance_squared(&patches[other]));
+                            }
                         }
                     }
                 }
@@ -133,10 +151,9 @@ mod tests {
     use super::*;
 
     fn bounds(points: &[[f64; 3]]) -> Bounds {
-        points.iter().fold(Bounds::EMPTY, |bounds, point| Bounds {
-            low: bounds.low.inf(&Vector3::from(*point)),
-            high: bounds.high.sup(&Vector3::from(*point)),
-        })
+        let mut bounds = Bounds::EMPTY;
+        points.iter().for_each(|point| bounds.add(Vector3::from(*point)));
+        bounds
     }
 
     #[test]
@@ -147,7 +164,6 @@ mod tests {
         assert_eq!(a.largest_distance_squared(&a), 1.0);
         assert_eq!(b.largest_distance_squared(&b), 0.0, "what moves together comes no closer");
         assert_eq!(b.largest_squared(), 25.0);
-        assert_eq!(a.largest_distance_squared(&Bounds::EMPTY), f64::NEG_INFINITY);
-        assert_eq!(Bounds::EMPTY.largest_squared(), 0.0);
+        assert!(Bounds::EMPTY.is_empty() && !a.is_empty());
     }
 }
