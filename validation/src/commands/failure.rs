@@ -3,6 +3,7 @@
 use crate::compare::ReferenceError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
+use crate::prepared::StartError;
 use crate::recording::RecordingError;
 use crate::report::ReportError;
 use makadam::scene::SceneError;
@@ -54,6 +55,17 @@ impl From<WriteError> for Failure {
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Failure {
         Failure::Running(error.to_string())
+    }
+}
+
+impl From<StartError> for Failure {
+    fn from(error: StartError) -> Failure {
+        match error {
+            StartError::Scene(error) => Failure::Scene(error),
+            StartError::Write(error) => error.into(),
+            StartError::Checkpoint(error) => Failure::Running(error.to_string()),
+            StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
+        }
     }
 }
 

@@ -6,6 +6,7 @@ mod console;
 mod failure;
 mod qualify;
 mod run;
+mod scaling;
 
 pub use console::Console;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
@@ -26,6 +27,7 @@ pub fn main() -> ExitCode {
         Command::Run(run) => run::run(run, &console),
         Command::Compare(compare) => compare::compare(compare, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
+        Command::Scaling(scaling) => scaling::scaling(scaling, &console),
     };
     match done {
         Ok(code) => code,
