@@ -15,9 +15,11 @@ mod findings;
 mod machine;
 mod measure;
 mod page;
+mod predict;
 mod replay;
 mod rows;
 mod study;
+mod tasks;
 mod terminal;
 mod write;
 

@@ -1,13 +1,14 @@
 //! A scaling study: rows made of a measurement, and replays of its traces on models of machines.
 
 use super::costs::{Bandwidth, median};
-use super::machine::{MOST_WORKERS, Machine, worker_counts};
-use super::measure::{Measurement, Plan, Timing, Traces, WARM_UP};
-use super::replay::{Replayed, Traffic, replay};
+use super::machine::Machine;
+use super::measure::{Measurement, Plan, Timing, WARM_UP};
+use super::predict::{checks, curves};
 use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
+use super::tasks::task_rows;
 use crate::output::JSON_VERSION;
 use crate::provenance::Provenance;
-use makadam::schedule::{Phase, Region, Scheduler};
+use makadam::schedule::Scheduler;
 use makadam::sweep::InstructionSet;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -142,7 +143,7 @@ pub(super) fn word(value: impl Serialize) -> String {
     }
 }
 
-fn mean(values: &[f64]) -> f64 {
+pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
@@ -192,162 +193,4 @@ fn measured_rows(measurement: &Measurement) -> Vec<MeasuredRow> {
         }
     });
     rows.collect()
-}
-
-/// Replays the traces of some instruction sets on a machine, by scheduler and number of workers.
-fn curves(machine: &Machine, traces: &[Traces], measurement: &Measurement, threads: &[usize]) -> Vec<ReplayedRow> {
-    let mut jobs = Vec::new();
-    for traces in traces {
-        jobs.push((traces, Scheduler::Serial, 1));
-        for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
-            let counts = worker_counts(machine.most_workers(), threads);
-            jobs.extend(counts.into_iter().map(|workers| (traces, scheduler, workers)));
-        }
-    }
-    let replays: Vec<Replayed> = jobs
-        .par_iter()
-        .map(|&(traces, scheduler, workers)| {
-            let traffic = traffic(machine, traces, measurement);
-            mean_replay(traces, scheduler, machine, traffic, workers)
-        })
-        .collect();
-    let rows = jobs.iter().zip(&replays).map(|(&(traces, scheduler, workers), own)| {
-        let is_serial = |job: &&(&Traces, Scheduler, usize)| {
-            job.1 == Scheduler::Serial && job.0.instruction_set == traces.instruction_set
-        };
-        let serial = jobs.iter().zip(&replays).find(|(job, _)| is_serial(job)).map_or(own, |(_, serial)| serial);
-        ReplayedRow {
-            source: "replayed".into(),
-            machine: machine.name.clone(),
-            instruction_set: traces.instruction_set,
-            scheduler,
-            workers,
-            step_seconds: own.seconds,
-            sweep_seconds: own.sweep_seconds,
-            speedup: serial.seconds / own.seconds,
-            sweep_speedup: serial.sweep_seconds / own.sweep_seconds,
-            waiting_share: own.waiting / (own.seconds * workers as f64),
-        }
-    });
-    rows.collect()
-}
-
-/// Mean over the traced steps.
-fn mean_replay(
-    traces: &Traces,
-    scheduler: Scheduler,
-    machine: &Machine,
-    traffic: Option<Traffic>,
-    workers: usize,
-) -> Replayed {
-    let mut sum = Replayed::default();
-    for step in &traces.steps {
-        let own = replay(&step.regions, scheduler, machine, traffic, workers);
-        sum.seconds += own.seconds;
-        sum.sweep_seconds += own.sweep_seconds;
-        sum.waiting += own.waiting;
-    }
-    let steps = traces.steps.len().max(1) as f64;
-    Replayed { seconds: sum.seconds / steps, sweep_seconds: sum.sweep_seconds / steps, waiting: sum.waiting / steps }
-}
-
-/// The traffic of a running sweep: its bytes over its traced time. None where the machine's memory is not known to limit,
-/// or the simulation fits into its last-level cache.
-fn traffic(machine: &Machine, traces: &Traces, measurement: &Measurement) -> Option<Traffic> {
-    let ceiling = machine.memory_bytes_per_second?;
-    if measurement.simulation_bytes as u64 <= machine.cache_bytes {
-        return None;
-    }
-    let sweeping = |region: &&Region| region.phase == Phase::Sweep;
-    let regions = traces.steps.iter().flat_map(|step| &step.regions).filter(sweeping);
-    let seconds: f64 = regions.map(|region| region.tasks.iter().sum::<f64>()).sum();
-    let sweeps: u32 = traces.sweeps.iter().sum();
-    let bytes = f64::from(sweeps) * measurement.bytes_per_sweep;
-    (seconds > 0.0).then(|| Traffic { bytes_per_second: bytes / (seconds * machine.duration_factor), ceiling })
-}
-
-/// The replay on this machine beside what was measured, over the same steps.
-fn checks(plan: &Plan, measurement: &Measurement, here: &Machine, replayed: &[ReplayedRow]) -> Vec<Check> {
-    let traced = plan.traced_steps as usize;
-    let checks = measurement.timings.iter().filter_map(|timing| {
-        let own = timing.configuration;
-        let row = replayed.iter().find(|row| {
-            row.machine == here.name
-                && row.instruction_set == own.instruction_set
-                && row.scheduler == own.scheduler
-                && row.workers == own.threads
-        })?;
-        let of_step =
-            |step: usize| median(timing.repetitions.iter().filter_map(|times| times.steps.get(step)).copied());
-        let measured_seconds = mean(&(0..traced).map(of_step).collect::<Vec<_>>());
-        Some(Check {
-            instruction_set: own.instruction_set,
-            scheduler: own.scheduler,
-            threads: own.threads,
-            measured_seconds,
-            replayed_seconds: row.step_seconds,
-            deviation_percent: 100.0 * (row.step_seconds / measured_seconds - 1.0),
-        })
-    });
-    checks.filter(|check| check.threads <= MOST_WORKERS).collect()
-}
-
-/// Durations of tasks, by phase, and by stage in sweeps.
-fn task_rows(traces: &Traces) -> Vec<TaskRow> {
-    let mut kinds: Vec<Kind> = Vec::new();
-    for (step, &sweeps) in traces.steps.iter().zip(&traces.sweeps) {
-        let in_sweeps = step.regions.iter().filter(|region| region.phase == Phase::Sweep).count();
-        // Every sweep goes through the same stages.
-        let stages = in_sweeps.checked_div(sweeps as usize).filter(|stages| stages * sweeps as usize == in_sweeps);
-        let mut sweep_region = 0;
-        for region in &step.regions {
-            let mut stage = None;
-            if region.phase == Phase::Sweep {
-                stage = stages.map(|stages| sweep_region % stages + 1);
-                sweep_region += 1;
-            }
-            let serial = stage.is_none() && region.tasks.len() < 2;
-            let known = |kind: &Kind| (kind.phase, kind.stage, kind.serial) == (region.phase, stage, serial);
-            let place = kinds.iter().position(known).unwrap_or_else(|| {
-                kinds.push(Kind { phase: region.phase, stage, serial, regions: 0, most_tasks: 0, tasks: Vec::new() });
-                kinds.len() - 1
-            });
-            let kind = &mut kinds[place];
-            kind.regions += 1;
-            kind.most_tasks = kind.most_tasks.max(region.tasks.len());
-            kind.tasks.extend(&region.tasks);
-        }
-    }
-    let total: f64 = kinds.iter().flat_map(|kind| &kind.tasks).sum();
-    let rows = kinds.into_iter().filter(|kind| !kind.tasks.is_empty()).map(|mut kind| {
-        kind.tasks.sort_by(f64::total_cmp);
-        let tasks = &kind.tasks;
-        let quantile = |share: f64| tasks[((tasks.len() - 1) as f64 * share).round() as usize];
-        TaskRow {
-            instruction_set: traces.instruction_set,
-            phase: kind.phase,
-            stage: kind.stage,
-            regions: kind.regions as f64 / traces.steps.len() as f64,
-            tasks: tasks.len() as f64 / kind.regions as f64,
-            most_tasks: kind.most_tasks,
-            share: tasks.iter().sum::<f64>() / total,
-            mean: mean(tasks),
-            least: quantile(0.0),
-            tenth: quantile(0.1),
-            median: quantile(0.5),
-            ninetieth: quantile(0.9),
-            most: quantile(1.0),
-        }
-    });
-    rows.collect()
-}
-
-/// The regions of one kind, gathered over steps.
-struct Kind {
-    phase: Phase,
-    stage: Option<usize>,
-    serial: bool,
-    regions: usize,
-    most_tasks: usize,
-    tasks: Vec<f64>,
 }
