@@ -41,10 +41,18 @@ fn one_worker_takes_the_sum_and_the_costs() {
     assert_relative_eq!(serial.seconds, 21.0);
     let costs = Costs { pop_alone: 0.1, pop_contended: 9.0, task_start: 0.2, steal: 9.0, region: 0.5 };
     let [queue, stealing] = both(&regions, costs, 1);
-    // Five tasks are handed out in two regions; the lone task is serial work.
-    assert_relative_eq!(queue.seconds, 21.0 + 5.0 * 0.1 + 2.0 * 0.5, epsilon = 1e-12);
-    assert_relative_eq!(stealing.seconds, 21.0 + 5.0 * 0.2 + 2.0 * 0.5, epsilon = 1e-12);
     assert_relative_eq!(queue.waiting, 0.0);
+    // Five tasks are popped; the lone task is serial work. Nobody is there to steal from.
+    assert_relative_eq!(queue.seconds, 21.0 + 5.0 * 0.1, epsilon = 1e-12);
+    assert_relative_eq!(stealing.seconds, 21.0, epsilon = 1e-12);
+    // Two workers pay for the region, the start of each task, and two steals (the second worker's arrival, its last task).
+    let [queue, stealing] = both(&regions[..2], Costs { steal: 0.1, ..costs }, 2);
+    // Pops end at 9.5 and 18.5: 9.5 + 1, 18.5 + 2 and 27.5 + 3.
+    assert_relative_eq!(queue.seconds, 30.5 + 4.0, epsilon = 1e-12);
+    // The first worker has the task of 1, the second those of 2 and 3; the first steals the 3 while the second is at 2.
+    assert_relative_eq!(stealing.seconds, 0.5 + (0.2 + 1.0) + (0.1 + 0.2 + 3.0) + 4.0, epsilon = 1e-12);
+    // The second worker comes at 0.6 and waits until 9.5; the first comes back at 10.5 and waits until 18.5.
+    assert_relative_eq!(queue.waiting, 8.9 + 8.0, epsilon = 1e-12);
 }
 
 #[test]

@@ -168,7 +168,7 @@ fn pair(name: &str, about: &str, machine: &Machine, series: &[Series], serial: O
 /// Shades the numbers of threads at which cores are shared.
 fn window(plot: &mut Plot, machine: &Machine) {
     if machine.cores < machine.most_workers() {
-        plot.window(machine.cores as f64, machine.most_workers() as f64, "several threads a core");
+        plot.window(machine.cores as f64, machine.most_workers() as f64, "cores shared");
     }
 }
 
@@ -202,6 +202,6 @@ fn legend_words(measured: bool, bars: bool) -> String {
     match (measured, bars) {
         (true, true) => "Points are measured (bars: fastest and slowest repetition), lines are replayed.".into(),
         (true, false) => "Points are measured, lines are replayed.".into(),
-        (false, _) => "Everything here is replayed; nothing was measured on such a machine.".into(),
+        (false, _) => "Everything here is replayed; nothing was measured on such a machine. In the shaded range threads share cores.".into(),
     }
 }

@@ -233,15 +233,21 @@ fn bytes_per_sweep(layout: &Layout, simulation: &Simulation) -> f64 {
     (groups + grains) as f64
 }
 
-/// The traced steps with the median duration of every task over the repetitions. The tasks depend on the scene alone, so
-/// they are the same ones each time.
+/// What reading the clock adds to the traced duration of a task, s.
+fn clock_seconds() -> f64 {
+    median((0..1001).map(|_| Instant::now().elapsed().as_secs_f64()))
+}
+
+/// The traced steps with the median duration of every task over the repetitions, less what reading the clock adds. The
+/// tasks depend on the scene alone, so they are the same ones each time.
 fn medians(instruction_set: InstructionSet, mut runs: Vec<TracedRun>) -> Traces {
     let Some(first) = runs.pop() else {
         return Traces { instruction_set, steps: Vec::new(), sweeps: Vec::new() };
     };
+    let clock = clock_seconds();
     let median_of = |step: usize, region: usize, task: usize, own: f64| {
         let others = runs.iter().filter_map(|run| run.steps.get(step)?.regions.get(region)?.tasks.get(task));
-        median(others.copied().chain([own]))
+        (median(others.copied().chain([own])) - clock).max(0.0)
     };
     let steps = first.steps.iter().enumerate().map(|(step, trace)| StepTrace {
         regions: (trace.regions.iter().enumerate())

@@ -7,10 +7,12 @@
 //! ```
 //!
 //! - A region of one task is serial work: it runs on one worker that has its core to itself, and costs nothing besides.
-//! - A region of several tasks first costs [`Costs::region`].
+//! - One worker does every task in turn; only the central queue costs it something, a pop a task.
+//! - Several workers pay [`Costs::region`] for a region of several tasks. They come to it by stealing, so worker i begins
+//!   after log2(i + 1) steals, rounded up. Workers beyond the number of tasks stay idle and leave their core to others.
 //! - **Central queue:** a free worker takes the lock, first come first served, for one pop, and runs what it popped.
-//! - **Work stealing:** the tasks are split among the workers as stretches. Work is spread by stealing, so worker i begins
-//!   after log2(i + 1) steals, rounded up. A worker with nothing left steals the later half of what the fullest has.
+//! - **Work stealing:** the tasks are split among the workers as stretches, down to single tasks. A worker with nothing left
+//!   steals the later half of what the fullest has.
 //! - **Memory:** running tasks ask for bytes at a fixed rate. Where all of them ask for more than the memory delivers, all
 //!   are slowed alike (processor sharing). As the slow-down is common, the ends of running tasks stay in order, and one
 //!   clock of work done, that runs slower than time, says when they come.
@@ -57,12 +59,17 @@ pub fn replay(
 ) -> Replayed {
     assert!(workers > 0, "a replay needs a worker");
     let mut done = Replayed::default();
-    let speeds = machine.speeds(workers);
+    let mut speeds = Vec::new();
     for region in regions {
-        let serial = scheduler == Scheduler::Serial || region.tasks.len() < 2;
-        let seconds = if serial {
-            machine.duration_factor * region.tasks.iter().sum::<f64>()
+        let seconds = if region.tasks.len() < 2 || workers == 1 || scheduler == Scheduler::Serial {
+            let queued = scheduler == Scheduler::CentralQueue && region.tasks.len() > 1;
+            let pops = if queued { region.tasks.len() as f64 } else { 0.0 };
+            machine.duration_factor * region.tasks.iter().sum::<f64>() + pops * machine.costs.pop_alone
         } else {
+            let active = workers.min(region.tasks.len());
+            if speeds.len() != active {
+                speeds = machine.speeds(active);
+            }
             let traffic = traffic.filter(|_| region.phase == Phase::Sweep);
             let mut floor = Floor::new(region, scheduler, machine, traffic, &speeds);
             let seconds = floor.run();
@@ -127,7 +134,6 @@ enum Work {
     Queue {
         next: usize,
         free_at: f64,
-        pop: f64,
     },
     /// One a worker, and how many tasks they hold together.
     Deques(Vec<VecDeque<usize>>, usize),
@@ -148,17 +154,10 @@ impl<'a> Floor<'a> {
                 let stretch = |w: usize| (w * tasks / workers..(w + 1) * tasks / workers).collect();
                 Work::Deques((0..workers).map(stretch).collect(), tasks)
             }
-            _ => Work::Queue {
-                next: 0,
-                free_at: 0.0,
-                pop: if workers == 1 { costs.pop_alone } else { costs.pop_contended },
-            },
+            _ => Work::Queue { next: 0, free_at: 0.0 },
         };
         for worker in 0..workers {
-            let late = match work {
-                Work::Queue { .. } => 0.0,
-                Work::Deques(..) => ((worker + 1) as f64).log2().ceil() * costs.steal,
-            };
+            let late = ((worker + 1) as f64).log2().ceil() * costs.steal;
             soon.push(Reverse((Moment(costs.region + late), worker, Next::Ask)));
         }
         Floor {
@@ -230,11 +229,11 @@ impl<'a> Floor<'a> {
     fn ask(&mut self, worker: usize) {
         let (now, costs) = (self.time, self.costs);
         match &mut self.work {
-            Work::Queue { next, free_at, pop } => {
+            Work::Queue { next, free_at } => {
                 if *next < self.tasks.len() {
                     let locked = free_at.max(now);
                     self.waiting += locked - now;
-                    *free_at = locked + *pop;
+                    *free_at = locked + costs.pop_contended;
                     self.soon.push(Reverse((Moment(*free_at), worker, Next::Begin(*next))));
                     *next += 1;
                 }
