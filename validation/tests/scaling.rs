@@ -11,7 +11,7 @@ const NOTHING: Costs = Costs { pop_alone: 0.0, pop_contended: 0.0, task_start: 0
 
 /// Cores that are all alike.
 fn machine(costs: Costs) -> Machine {
-    Machine::here(costs, None, 0)
+    Machine::here(costs, (1e9, 256), 0)
 }
 
 fn region(tasks: &[f64]) -> Region {

@@ -160,7 +160,8 @@ pub struct ScalingArguments {
     /// Times that everything is measured, in turn.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub repetitions: u64,
-    /// What this machine's memory delivers to all of its cores, GB/s; measured on the cores at hand, if absent.
+    /// What this machine's memory delivers to any number of cores, GB/s, for the replay; if absent, what the cores at hand
+    /// get is measured, and more cores are taken to bring more memory.
     #[arg(long, value_parser = positive)]
     pub memory_bandwidth: Option<f64>,
     /// Write the tables beside the scene too, in a folder named after processor and instruction set.

@@ -6,6 +6,7 @@ use crate::peers::CodeError;
 use crate::prepared::StartError;
 use crate::recording::RecordingError;
 use crate::report::ReportError;
+use crate::scaling::MeasureError;
 use makadam::scene::SceneError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
@@ -65,6 +66,15 @@ impl From<StartError> for Failure {
             StartError::Write(error) => error.into(),
             StartError::Checkpoint(error) => Failure::Running(error.to_string()),
             StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
+        }
+    }
+}
+
+impl From<MeasureError> for Failure {
+    fn from(error: MeasureError) -> Failure {
+        match error {
+            MeasureError::Threads(_) => Failure::Running(error.to_string()),
+            MeasureError::Interrupted => Failure::Interrupted("nothing: the measurement was not finished".into()),
         }
     }
 }

@@ -40,19 +40,23 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     };
     let started = simulation.time();
     console.detail("measuring what handing out work costs, and the memory");
-    let no_threads = |error| Failure::Running(format!("cannot start threads: {error}"));
-    let costs = Costs::measure(cores).map_err(no_threads)?;
-    let bandwidth = Bandwidth::measure(cores).map_err(no_threads)?;
+    let costs = Costs::measure(cores)?;
+    if !costs.threads_met() {
+        console.warn("two threads hardly ran at the same time: the machine is busy, and measured speed-ups say little");
+    }
+    let bandwidth = Bandwidth::measure(cores)?;
     let measurement = {
         let bar = console.bar(&scene.name);
-        plan.measure(&simulation, &|share| bar.set(share))
-            .ok_or_else(|| Failure::Interrupted("nothing: the measurement was not finished".into()))?
+        plan.measure(&simulation, &|share| bar.set(share))?
     };
     drop(simulation);
     console.detail("replaying");
-    let ceiling = arguments.memory_bandwidth.map(|gigabytes| 1e9 * gigabytes).or(bandwidth.ceiling());
+    let memory = match arguments.memory_bandwidth {
+        Some(gigabytes) => (1e9 * gigabytes, scaling::MOST_WORKERS),
+        None => (bandwidth.all_threads, bandwidth.threads),
+    };
     let machines =
-        vec![Machine::here(costs, ceiling, scaling::cache_bytes()), Machine::xeon_phi_3120(&costs, scaling::clock())];
+        vec![Machine::here(costs, memory, scaling::cache_bytes()), Machine::xeon_phi_3120(&costs, scaling::clock())];
     let setting = Setting { scene: scene.name.clone(), started, cores, bandwidth, machines, provenance };
     let study = Study::new(&plan, &measurement, setting);
 

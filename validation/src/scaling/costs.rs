@@ -1,12 +1,13 @@
 //! What handing out work costs on this machine, and what its memory delivers: measured apart from the solver, so that a
 //! replay predicts a measurement and is not fitted to it.
 
+use super::measure::MeasureError;
+use makadam::schedule::CentralQueue;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
-use std::collections::VecDeque;
 use std::hint::{black_box, spin_loop};
-use std::sync::{Barrier, Mutex};
+use std::sync::Barrier;
 use std::time::{Duration, Instant};
 
 /// Times of handing out work, s.
@@ -24,47 +25,87 @@ pub struct Costs {
     pub region: f64,
 }
 
-/// How often each of these measurements is taken; the median counts.
-const TRIALS: usize = 15;
+/// How often each of these measurements is taken: batches, and trials of one batch. Batches lie apart in time, so that
+/// another program that holds a core spoils some and not all. Of the trials the fastest tenth counts: what a cost is, not
+/// what else the machine does.
+const BATCHES: usize = 30;
+const TRIALS: usize = 10;
+/// Pause before a batch.
+const PAUSE: Duration = Duration::from_millis(10);
 /// Pops of one trial.
-const POPS: usize = 20_000;
-/// Regions of one trial.
-const REGIONS: usize = 200;
+const POPS: usize = 2_000;
+/// Tasks of a region of many.
+const MANY: usize = 1_000;
 /// A task long enough to be stolen, s.
 const LONG_TASK: f64 = 50e-6;
 
 impl Costs {
-    /// Measures on up to `threads` threads; about a second.
+    /// Measures on up to `threads` threads; about two seconds.
     ///
     /// # Errors
-    /// What the system said, if it starts no threads.
-    pub fn measure(threads: usize) -> Result<Costs, rayon::ThreadPoolBuildError> {
-        let alone = pool(1)?;
-        let pop_alone = median((0..TRIALS).map(|_| pop_seconds(1)));
-        let tasks = 1000;
+    /// [`MeasureError`] if the system starts no threads.
+    pub fn measure(threads: usize) -> Result<Costs, MeasureError> {
         let empty = |count: usize| {
             (0..count).into_par_iter().with_max_len(1).for_each(|task| {
                 black_box(task);
-            })
+            });
         };
-        let region = median((0..TRIALS).map(|_| alone.install(|| seconds_of(REGIONS, || empty(2)))));
-        let many = median((0..TRIALS).map(|_| alone.install(|| seconds_of(REGIONS / 10, || empty(tasks)))));
-        let task_start = ((many - region) / (tasks - 2) as f64).max(0.0);
-        let mut costs = Costs { pop_alone, pop_contended: pop_alone, task_start, steal: 0.0, region };
+        let alone = pool(1)?;
+        let region = alone.install(|| fastest(|| empty(2)));
+        let many = alone.install(|| fastest(|| empty(MANY)));
+        let pop_alone = tenth(trials(|| pop_seconds(1))).unwrap_or_default();
+        let mut costs = Costs {
+            pop_alone,
+            pop_contended: pop_alone,
+            task_start: ((many - region) / (MANY - 2) as f64).max(0.0),
+            steal: 0.0,
+            region,
+        };
         if threads > 1 {
-            costs.pop_contended = median((0..TRIALS).map(|_| pop_seconds(threads.min(4)))).max(pop_alone);
-            // Two long tasks on two threads take as long as one, and what it costs to wake the other thread and to steal.
-            let pair = pool(2)?;
-            let long = |count: usize| (0..count).into_par_iter().with_max_len(1).for_each(|_| spin(LONG_TASK));
-            let two = median((0..TRIALS).map(|_| pair.install(|| seconds_of(REGIONS / 4, || long(2)))));
+            let contended = median(trials(|| pop_seconds(threads.min(4))).into_iter().flatten());
+            costs.pop_contended = if contended.is_finite() { contended.max(pop_alone) } else { pop_alone };
+            // Two long tasks on two threads take as long as one, and what it costs to call the other thread and to steal.
+            let long = || (0..2).into_par_iter().with_max_len(1).for_each(|_| spin(LONG_TASK));
+            let two = pool(2)?.install(|| fastest(long));
             costs.steal = (two - LONG_TASK - region).max(0.0);
         }
         Ok(costs)
     }
+
+    /// Whether another thread took its task before the first could have done both: otherwise the cores were busy, and no
+    /// measurement on several threads is worth much.
+    pub fn threads_met(&self) -> bool {
+        self.steal < 0.5 * LONG_TASK
+    }
 }
 
-fn pool(threads: usize) -> Result<ThreadPool, rayon::ThreadPoolBuildError> {
-    ThreadPoolBuilder::new().num_threads(threads).build()
+/// Takes a measurement often.
+fn trials<T>(mut trial: impl FnMut() -> T) -> Vec<T> {
+    let mut all = Vec::with_capacity(BATCHES * TRIALS);
+    for _ in 0..BATCHES {
+        std::thread::sleep(PAUSE);
+        // The first trials wake the threads.
+        for _ in 0..2 {
+            trial();
+        }
+        all.extend((0..TRIALS).map(|_| trial()));
+    }
+    all
+}
+
+/// Where the fastest tenth ends; none without trials.
+fn tenth(trials: impl IntoIterator<Item = Option<f64>>) -> Option<f64> {
+    let mut times: Vec<f64> = trials.into_iter().flatten().collect();
+    times.sort_by(f64::total_cmp);
+    times.get(times.len() / 10).copied()
+}
+
+fn fastest(call: impl Fn()) -> f64 {
+    tenth(trials(|| Some(seconds_of(&call)))).unwrap_or_default()
+}
+
+fn pool(threads: usize) -> Result<ThreadPool, MeasureError> {
+    Ok(ThreadPoolBuilder::new().num_threads(threads).build()?)
 }
 
 /// Median of a few numbers; not a number if there are none.
@@ -78,13 +119,10 @@ pub(super) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     }
 }
 
-/// Time of one of a number of calls, s.
-fn seconds_of(calls: usize, call: impl Fn()) -> f64 {
+fn seconds_of(call: impl Fn()) -> f64 {
     let clock = Instant::now();
-    for _ in 0..calls {
-        call();
-    }
-    clock.elapsed().as_secs_f64() / calls as f64
+    call();
+    clock.elapsed().as_secs_f64()
 }
 
 fn spin(seconds: f64) {
@@ -94,25 +132,28 @@ fn spin(seconds: f64) {
     }
 }
 
-/// Time between two pops of one locked queue that a number of threads empty, s.
-fn pop_seconds(threads: usize) -> f64 {
-    let queue: Mutex<VecDeque<usize>> = Mutex::new((0..POPS).collect());
+/// Time between two pops of the solver's queue that a number of threads empty, s. None if one of the threads got hardly
+/// anything: then it did not run at the same time.
+fn pop_seconds(threads: usize) -> Option<f64> {
+    let queue = CentralQueue::new(POPS);
     let barrier = Barrier::new(threads);
     let drain = || {
         barrier.wait();
-        let clock = Instant::now();
-        // A worker lets go of the lock before it works on what it popped.
-        while let Some(task) = queue.lock().map_or(None, |mut queue| queue.pop_front()) {
+        let (clock, mut pops) = (Instant::now(), 0);
+        while let Some(task) = queue.pop() {
             black_box(task);
+            pops += 1;
         }
-        clock.elapsed().as_secs_f64()
+        (clock.elapsed().as_secs_f64(), pops)
     };
-    let longest = std::thread::scope(|scope| {
+    let own = std::thread::scope(|scope| {
         let others: Vec<_> = (1..threads).map(|_| scope.spawn(drain)).collect();
         let own = drain();
-        others.into_iter().filter_map(|other| other.join().ok()).fold(own, f64::max)
+        others.into_iter().filter_map(|other| other.join().ok()).chain([own]).collect::<Vec<_>>()
     });
-    longest / POPS as f64
+    let longest = own.iter().map(|(seconds, _)| *seconds).fold(0.0, f64::max);
+    let together = own.iter().all(|(_, pops)| pops * 4 * threads >= POPS);
+    together.then_some(longest / POPS as f64)
 }
 
 /// What the memory delivers, bytes/s.
@@ -126,6 +167,8 @@ pub struct Bandwidth {
     pub threads: usize,
 }
 
+/// How often a triad is run; the fastest counts.
+const TRIADS: usize = 12;
 /// Doubles in each of three arrays; well beyond the last-level cache of most machines.
 const TRIAD_LENGTH: usize = 16 << 20;
 
@@ -133,15 +176,16 @@ impl Bandwidth {
     /// Measures with a triad, a = b + s c, counted as three arrays (what is fetched before it is overwritten is left out).
     ///
     /// # Errors
-    /// What the system said, if it starts no threads.
-    pub fn measure(threads: usize) -> Result<Bandwidth, rayon::ThreadPoolBuildError> {
+    /// [`MeasureError`] if the system starts no threads.
+    pub fn measure(threads: usize) -> Result<Bandwidth, MeasureError> {
         let (b, c) = (vec![1.0; TRIAD_LENGTH], vec![2.0; TRIAD_LENGTH]);
         let mut a = vec![0.0; TRIAD_LENGTH];
-        let mut best = |threads: usize| -> Result<f64, rayon::ThreadPoolBuildError> {
+        let mut best = |threads: usize| -> Result<f64, MeasureError> {
             let pool = pool(threads)?;
             let piece = TRIAD_LENGTH / threads;
             let mut shortest = f64::INFINITY;
-            for _ in 0..6 {
+            for _ in 0..TRIADS {
+                std::thread::sleep(PAUSE);
                 let clock = Instant::now();
                 pool.install(|| {
                     (a.par_chunks_mut(piece).zip(b.par_chunks(piece)).zip(c.par_chunks(piece))).for_each(
@@ -160,13 +204,6 @@ impl Bandwidth {
         let one_thread = best(1)?;
         let all_threads = if threads > 1 { best(threads)? } else { one_thread };
         Ok(Bandwidth { one_thread, all_threads, threads })
-    }
-
-    /// What all cores together get, if they get less than three quarters of what as many times one would: then they
-    /// exhaust the memory. Otherwise its limit lies beyond them, and is not known.
-    pub fn ceiling(&self) -> Option<f64> {
-        (self.threads > 1 && self.all_threads < 0.75 * self.threads as f64 * self.one_thread)
-            .then_some(self.all_threads)
     }
 }
 

@@ -7,8 +7,8 @@ use super::rows::MeasuredRow;
 use super::study::{Study, word};
 use crate::report::names::{CodeStyle, Marker};
 use crate::report::plot::{Axis, Key, Plot};
+use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
-use makadam::sweep::InstructionSet;
 use serde::Serialize;
 
 /// A finished figure.

@@ -22,8 +22,10 @@ pub struct Machine {
     pub duration_factor: f64,
     /// What handing out work costs.
     pub costs: Costs,
-    /// What the memory delivers, bytes/s; absent where it is not known to limit.
-    pub memory_bytes_per_second: Option<f64>,
+    /// What the memory delivers, bytes/s.
+    pub memory_bytes_per_second: f64,
+    /// Threads that share this memory; more of them bring as much more.
+    pub threads_a_memory: usize,
     /// Last-level cache, bytes; a simulation that fits is not held up by memory.
     pub cache_bytes: u64,
 }
@@ -42,23 +44,27 @@ impl Machine {
     /// Name of the thesis's machine.
     pub const XEON_PHI: &str = "xeon-phi-3120";
 
-    /// As many cores as one asks for, each like those of this machine.
-    pub fn here(costs: Costs, memory_bytes_per_second: Option<f64>, cache_bytes: u64) -> Machine {
-        let memory = match memory_bytes_per_second {
-            Some(bytes) => format!("All of them share {:.0} GB/s of memory.", bytes / 1e9),
-            None => "Its cores do not exhaust the memory, so no ceiling is known and none is applied.".into(),
+    /// As many cores as one asks for, each like those of this machine. `memory` is what the cores at hand get and their
+    /// number: further cores are taken to bring memory of their own, as further sockets do.
+    pub fn here(costs: Costs, memory: (f64, usize), cache_bytes: u64) -> Machine {
+        let (bytes, threads) = memory;
+        let beyond = match threads < MOST_WORKERS {
+            true => format!("; every {threads} more are taken to bring as much memory of their own"),
+            false => String::new(),
         };
         Machine {
             name: Machine::HERE.into(),
             description: format!(
                 "The machine of the measurement with as many cores as workers, all alike. What handing out a task costs \
-                 was measured on the cores at hand. {memory}"
+                 was measured on the cores at hand. {threads} threads share {:.0} GB/s of memory{beyond}.",
+                bytes / 1e9
             ),
             cores: MOST_WORKERS,
             core_throughput: vec![1.0],
             duration_factor: 1.0,
             costs,
-            memory_bytes_per_second,
+            memory_bytes_per_second: bytes,
+            threads_a_memory: threads,
             cache_bytes,
         }
     }
@@ -91,9 +97,15 @@ impl Machine {
                 steal: hand_over,
                 region: slower * here.region,
             },
-            memory_bytes_per_second: Some(150e9),
+            memory_bytes_per_second: 150e9,
+            threads_a_memory: 57 * 4,
             cache_bytes: 57 * 512 * 1024,
         }
+    }
+
+    /// What the memory delivers to a number of workers, bytes/s.
+    pub(super) fn ceiling(&self, workers: usize) -> f64 {
+        self.memory_bytes_per_second * (workers as f64 / self.threads_a_memory as f64).max(1.0)
     }
 
     /// Most workers: every thread of every core, but no more than [`MOST_WORKERS`].

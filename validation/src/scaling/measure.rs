@@ -3,9 +3,9 @@
 
 use super::costs::median;
 use makadam::Simulation;
+use makadam::lanes::InstructionSet;
 use makadam::partition::{Layout, PairGroup, WallGroup};
 use makadam::schedule::{Region, Scheduler, StepTrace};
-use makadam::sweep::InstructionSet;
 use std::time::Instant;
 
 /// Steps that are taken before any is timed: they fill caches and buffers.
@@ -85,6 +85,17 @@ pub struct Measurement {
     pub traces_same_bits: bool,
 }
 
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureError {
+    /// The system starts no more threads.
+    #[error("cannot start threads: {0}; ask for fewer with --threads-list")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The user asked to stop.
+    #[error("interrupted while measuring")]
+    Interrupted,
+}
+
 /// Instruction sets that this processor has, narrowest first.
 pub fn instruction_sets() -> Vec<InstructionSet> {
     let all = [InstructionSet::Generic, InstructionSet::Avx2, InstructionSet::Avx512];
@@ -104,8 +115,11 @@ impl Plan {
         all
     }
 
-    /// Measures from a state; `progress` is told the share that is done. None if the user asked to stop.
-    pub fn measure(&self, start: &Simulation, progress: &dyn Fn(f64)) -> Option<Measurement> {
+    /// Measures from a state; `progress` is told the share that is done.
+    ///
+    /// # Errors
+    /// [`MeasureError`].
+    pub fn measure(&self, start: &Simulation, progress: &dyn Fn(f64)) -> Result<Measurement, MeasureError> {
         let configurations = self.configurations();
         let sets = instruction_sets();
         let mut timings: Vec<Timing> = configurations
@@ -135,7 +149,7 @@ impl Plan {
             }
         }
         let traces_same_bits = traced.iter().flatten().all(|run| Some(run.hash) == hash_when_traced);
-        Some(Measurement {
+        Ok(Measurement {
             particles: start.snapshot().particles.len(),
             contacts: facts.contacts,
             contact_sweeps: facts.contact_sweeps,
@@ -147,8 +161,13 @@ impl Plan {
         })
     }
 
-    fn timed(&self, start: &Simulation, configuration: Configuration, facts: &mut Facts) -> Option<TimedRun> {
-        let mut simulation = warmed_up(start, configuration);
+    fn timed(
+        &self,
+        start: &Simulation,
+        configuration: Configuration,
+        facts: &mut Facts,
+    ) -> Result<TimedRun, MeasureError> {
+        let mut simulation = warmed_up(start, configuration)?;
         let (mut times, mut contacts) = (Times::default(), 0);
         let before = simulation.contact_sweeps();
         let mut hash_when_traced = simulation.state_hash();
@@ -162,7 +181,7 @@ impl Plan {
                 hash_when_traced = simulation.state_hash();
             }
             if crate::interrupt::requested() {
-                return None;
+                return Err(MeasureError::Interrupted);
             }
         }
         *facts = Facts {
@@ -171,22 +190,22 @@ impl Plan {
             simulation_bytes: simulation.memory_bytes(),
             bytes_per_sweep: bytes_per_sweep(simulation.layout(), start),
         };
-        Some(TimedRun { times, hash: simulation.state_hash(), hash_when_traced })
+        Ok(TimedRun { times, hash: simulation.state_hash(), hash_when_traced })
     }
 
-    fn traced(&self, start: &Simulation, instruction_set: InstructionSet) -> Option<TracedRun> {
+    fn traced(&self, start: &Simulation, instruction_set: InstructionSet) -> Result<TracedRun, MeasureError> {
         let serial = Configuration { instruction_set, scheduler: Scheduler::Serial, threads: 1 };
-        let mut simulation = warmed_up(start, serial);
+        let mut simulation = warmed_up(start, serial)?;
         let (mut steps, mut sweeps) = (Vec::new(), Vec::new());
         for _ in 0..self.traced_steps {
             let (report, trace) = simulation.trace_step();
             steps.push(trace);
             sweeps.push(report.solve.sweeps);
             if crate::interrupt::requested() {
-                return None;
+                return Err(MeasureError::Interrupted);
             }
         }
-        Some(TracedRun { steps, sweeps, hash: simulation.state_hash() })
+        Ok(TracedRun { steps, sweeps, hash: simulation.state_hash() })
     }
 }
 
@@ -211,15 +230,14 @@ struct Facts {
     bytes_per_sweep: f64,
 }
 
-fn warmed_up(start: &Simulation, configuration: Configuration) -> Simulation {
+fn warmed_up(start: &Simulation, configuration: Configuration) -> Result<Simulation, MeasureError> {
     let mut simulation = start.clone();
     simulation.use_instruction_set(configuration.instruction_set);
-    simulation.use_scheduler(configuration.scheduler);
-    simulation.use_threads(configuration.threads);
+    simulation.use_team(configuration.scheduler, configuration.threads)?;
     for _ in 0..WARM_UP {
         simulation.step();
     }
-    simulation
+    Ok(simulation)
 }
 
 /// Bytes of a sweep: the lane groups are read, three impulses of each lane written, each grain read and written once (a
@@ -227,8 +245,12 @@ fn warmed_up(start: &Simulation, configuration: Configuration) -> Simulation {
 fn bytes_per_sweep(layout: &Layout, simulation: &Simulation) -> f64 {
     const CACHE_LINE: usize = 64;
     let impulses = 8 * 3 * size_of::<f64>();
-    let groups = layout.pairs.len() * (size_of::<PairGroup>() + impulses)
-        + layout.walls.len() * (size_of::<WallGroup>() + impulses);
+    let groups: usize = (layout.tasks())
+        .map(|(_, task)| {
+            task.pairs.len() * (size_of::<PairGroup>() + impulses)
+                + task.walls.len() * (size_of::<WallGroup>() + impulses)
+        })
+        .sum();
     let grains = 2 * CACHE_LINE * simulation.snapshot().particles.len();
     (groups + grains) as f64
 }

@@ -27,7 +27,7 @@ pub(super) fn curves(
     let replays: Vec<Replayed> = jobs
         .par_iter()
         .map(|&(traces, scheduler, workers)| {
-            let traffic = traffic(machine, traces, measurement);
+            let traffic = traffic(machine, traces, measurement, workers);
             mean_replay(traces, scheduler, machine, traffic, workers)
         })
         .collect();
@@ -71,10 +71,9 @@ fn mean_replay(
     Replayed { seconds: sum.seconds / steps, sweep_seconds: sum.sweep_seconds / steps, waiting: sum.waiting / steps }
 }
 
-/// The traffic of a running sweep: its bytes over its traced time. None where the machine's memory is not known to limit,
-/// or the simulation fits into its last-level cache.
-fn traffic(machine: &Machine, traces: &Traces, measurement: &Measurement) -> Option<Traffic> {
-    let ceiling = machine.memory_bytes_per_second?;
+/// The traffic of a running sweep: its bytes over its traced time. None where the simulation fits into its last-level cache.
+fn traffic(machine: &Machine, traces: &Traces, measurement: &Measurement, workers: usize) -> Option<Traffic> {
+    let ceiling = machine.ceiling(workers);
     if measurement.simulation_bytes as u64 <= machine.cache_bytes {
         return None;
     }

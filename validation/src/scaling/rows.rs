@@ -1,7 +1,7 @@
 //! The rows of a scaling study: what was measured, what was replayed, how far apart the two are, how long tasks take.
 
+use makadam::lanes::InstructionSet;
 use makadam::schedule::{Phase, Scheduler};
-use makadam::sweep::InstructionSet;
 use serde::Serialize;
 
 /// One measured configuration. Times are medians over the repetitions; speed-ups are medians of the ratios to the serial

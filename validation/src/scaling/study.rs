@@ -8,8 +8,8 @@ use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 use super::tasks::task_rows;
 use crate::output::JSON_VERSION;
 use crate::provenance::Provenance;
+use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
-use makadam::sweep::InstructionSet;
 use rayon::prelude::*;
 use serde::Serialize;
 

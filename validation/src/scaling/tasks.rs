@@ -31,6 +31,8 @@ pub(super) fn task_rows(traces: &Traces) -> Vec<TaskRow> {
             kind.tasks.extend(&region.tasks);
         }
     }
+    let phases = [Phase::Detect, Phase::Constrain, Phase::Sweep, Phase::Integrate];
+    kinds.sort_by_key(|kind| (phases.iter().position(|&phase| phase == kind.phase), kind.stage, kind.serial));
     let total: f64 = kinds.iter().flat_map(|kind| &kind.tasks).sum();
     let rows = kinds.into_iter().filter(|kind| !kind.tasks.is_empty()).map(|mut kind| {
         kind.tasks.sort_by(f64::total_cmp);

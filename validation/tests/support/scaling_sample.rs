@@ -1,8 +1,8 @@
 //! A scaling study of invented traces: a drum of 50,000 grains as one might trace it, and times that are its replays,
 //! a little slower.
 
+use makadam::lanes::InstructionSet;
 use makadam::schedule::{Phase, Region, Scheduler, StepTrace};
-use makadam::sweep::InstructionSet;
 use makadam_validation::provenance::Provenance;
 use makadam_validation::scaling::{
     Bandwidth, Configuration, Costs, Machine, Measurement, Plan, Setting, Study, Times, Timing, Traces, replay,
@@ -47,7 +47,7 @@ fn step(factor: f64) -> StepTrace {
 /// What a study is made of.
 pub fn parts() -> (Plan, Measurement, Setting) {
     let plan = Plan { threads: vec![1, 2, 4, 8, 16], steps: 2, traced_steps: 2, repetitions: 3 };
-    let here = Machine::here(COSTS, None, 32 << 20);
+    let here = Machine::here(COSTS, (300e9, 16), 32 << 20);
     let mut timings = Vec::new();
     for (instruction_set, factor) in SETS {
         let mut add = |scheduler, threads| {
