@@ -132,10 +132,10 @@ fn recording_reads_kept_recordings_and_writes_references() {
     }
     let folder = tempfile::tempdir().unwrap();
     let scene = changed(folder.path(), "duration = 0.4", "duration = 0.1");
-    let record = |program: Option<&str>| {
+    let record = |program: Option<&str>, again: &[&str]| {
         let mut command = makadam(folder.path());
         command.arg("compare").arg(&scene).args(["--record", "--seeds", "2", "--codes", "liggghts"]);
-        command.args(["--recordings", "kept", "--rayleigh-fraction", "0.2"]);
+        command.args(["--recordings", "kept", "--rayleigh-fraction", "0.2"]).args(again);
         if let Some(program) = program {
             command.env("MAKADAM_LIGGGHTS", program);
         }
@@ -143,8 +143,9 @@ fn recording_reads_kept_recordings_and_writes_references() {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         std::fs::read_to_string(folder.path().join("changed-reference/measurements.csv")).unwrap()
     };
-    let first = record(None);
+    let first = record(None, &[]);
     assert!(folder.path().join("kept/smoke-liggghts-s2-f0.2-e1.rec").is_file());
-    // The second time nothing is run: the program is not even there.
-    assert_eq!(record(Some("/nowhere/liggghts")), first);
+    // From then on nothing is run, the program is not even there: lines are kept, or measured from raw recordings.
+    assert_eq!(record(Some("/nowhere/liggghts"), &[]), first);
+    assert_eq!(record(Some("/nowhere/liggghts"), &["--again"]), first);
 }

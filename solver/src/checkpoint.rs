@@ -2,8 +2,9 @@
 
 use crate::Simulation;
 use crate::detect::{Impulse, PairCandidate, WallCandidate};
+use crate::partition::Plan;
 use crate::scene::Scene;
-use crate::world::World;
+use crate::world::{Body, Sphere, World};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -60,22 +61,23 @@ impl Simulation {
     /// [`CheckpointError::Io`] if the file cannot be written.
     pub fn save(&self, file: &Path) -> Result<(), CheckpointError> {
         let world = &self.world;
-        let grains = (0..world.grains()).map(|i| GrainState {
-            position: world.positions[i].into(),
+        let grains = self.places_by_id().into_iter().map(|place| place as usize).map(|i| GrainState {
+            position: world.spheres[i].centre.into(),
             velocity: world.bodies[i].velocity,
             surface_speed: world.bodies[i].surface_speed,
-            radius: world.bodies[i].radius,
+            radius: world.spheres[i].radius,
             inverse_mass: world.bodies[i].inverse_mass,
             material: world.materials[i],
         });
+        let id = |place: u32| world.ids[place as usize];
         let live = |impulse: &Impulse| impulse.normal > 0.0;
         let pairs = self.candidates.pairs.iter().zip(&self.candidates.pair_impulses).filter(|(_, i)| live(i));
         let walls = self.candidates.walls.iter().zip(&self.candidates.wall_impulses).filter(|(_, i)| live(i));
         let state = State {
             step: self.settings.step,
             grains: grains.collect(),
-            pairs: pairs.map(|(pair, i)| (pair.first, pair.second, i.normal, i.tangential)).collect(),
-            walls: walls.map(|(wall, i)| (wall.body, wall.surface, i.normal, i.tangential)).collect(),
+            pairs: pairs.map(|(pair, i)| (id(pair.first), id(pair.second), i.normal, i.tangential)).collect(),
+            walls: walls.map(|(wall, i)| (id(wall.body), wall.surface, i.normal, i.tangential)).collect(),
         };
         let mut bytes = MAGIC.to_vec();
         let body = postcard::to_stdvec(&state)
@@ -119,7 +121,10 @@ impl Simulation {
             tangential: tangential.map(|component| component * scale),
         };
         let (grains, surfaces) = (state.grains.len() as u32, simulation.world.surfaces.len() as u32);
+        // Grains lie in the order of their ids until the first list is built.
         let candidates = &mut simulation.candidates;
+        candidates.pair_impulses.clear();
+        candidates.wall_impulses.clear();
         for &(first, second, normal, tangential) in &state.pairs {
             if first >= grains || second >= grains {
                 return Err(refuse("names a grain that is not there".into()));
@@ -134,6 +139,9 @@ impl Simulation {
             candidates.walls.push(WallCandidate { body, surface });
             candidates.wall_impulses.push(impulse(normal, tangential));
         }
+        candidates.pair_impulses.push(Impulse::default());
+        candidates.wall_impulses.push(Impulse::default());
+        simulation.layout.plan = Plan::single(state.pairs.len() as u32, state.walls.len() as u32);
         Ok(simulation)
     }
 }
@@ -144,21 +152,20 @@ fn restore(
     refuse: &impl Fn(String) -> CheckpointError,
 ) -> Result<World, CheckpointError> {
     let mut world = World::new(scene, &[]);
-    let dummies = std::mem::take(&mut world.bodies);
-    for grain in &state.grains {
+    for (id, grain) in state.grains.iter().enumerate() {
         if usize::from(grain.material) >= scene.material.len() {
             return Err(refuse("names a material that is not there".into()));
         }
-        world.positions.push(Vector3::from(grain.position));
+        world.ids.push(id as u32);
+        world.spheres.push(Sphere { centre: Vector3::from(grain.position), radius: grain.radius });
         world.materials.push(grain.material);
-        world.bodies.push(crate::world::Body {
+        world.bodies.push(Body {
             velocity: grain.velocity,
             inverse_mass: grain.inverse_mass,
             surface_speed: grain.surface_speed,
-            radius: grain.radius,
+            spare: 0.0,
         });
     }
-    world.bodies.extend(dummies);
     Ok(world)
 }
 

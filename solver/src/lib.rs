@@ -9,18 +9,19 @@
 //!        +------------------------------------------------------+
 //! ```
 //!
-//! **Same bits.** A scene and a seed give the same bits on any instruction set: boxes, stages and lane groups depend on the
-//! scene alone, the lane width of eight is a part of the algorithm, and every lane does the same IEEE operations, without
-//! fused multiply-add and without approximate division or roots.
+//! **Same bits.** A scene and a seed give the same bits on any number of threads, with any scheduler and on any instruction
+//! set: boxes, stages and lane groups depend on the scene alone, the lane width of eight is a part of the algorithm, and
+//! every lane does the same IEEE operations, without fused multiply-add and without approximate division or roots.
 
 pub mod checkpoint;
 pub mod constrain;
 pub mod detect;
 pub mod effects;
 mod energy;
+pub mod lanes;
 pub mod partition;
 pub mod scene;
-mod schedule;
+pub mod schedule;
 mod simulation;
 pub mod snapshot;
 pub mod solve;

@@ -3,12 +3,15 @@
 use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
-use crate::partition::{BoxGrid, Layout};
+use crate::lanes::InstructionSet;
+use crate::partition::{BoxGrid, Layout, STAGES};
 use crate::scene::{Scene, SceneError, SolverSettings, populate};
+use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
-use crate::sweep::{InstructionSet, Relaxation};
-use crate::world::World;
+use crate::sweep::{Relaxation, TaskResidual};
+use crate::world::{World, chunk, chunks};
 use nalgebra::Vector3;
+use rayon::ThreadPoolBuildError;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::Instant;
@@ -19,11 +22,11 @@ pub struct Simulation {
     pub(crate) world: World,
     pub(crate) settings: SolverSettings,
     pub(crate) candidates: Candidates,
-    boxes: BoxGrid,
-    skin: f64,
     relaxation: Relaxation,
     constrainer: Constrainer,
     pub(crate) layout: Layout,
+    residuals: Vec<TaskResidual>,
+    team: Team,
     pub(crate) steps: u64,
     contact_sweeps: u64,
     phases: PhaseSeconds,
@@ -61,18 +64,25 @@ impl Simulation {
         Ok(Simulation::of_world(scene, World::new(scene, &grains)))
     }
 
-    pub(crate) fn of_world(scene: &Scene, world: World) -> Simulation {
+    pub(crate) fn of_world(scene: &Scene, mut world: World) -> Simulation {
         let (largest, mean) = world.largest_and_mean_radius();
         let skin = scene.solver.skin * mean;
+        let boxes = BoxGrid::new(&world.domain, world.grains(), largest, skin);
+        world.add_dummies(boxes.boxes());
         Simulation {
-            boxes: BoxGrid::new(&world.domain, world.grains(), largest, skin),
-            skin,
-            relaxation: Relaxation { instruction_set: InstructionSet::detect(), friction: world.table.any_friction() },
+            relaxation: Relaxation {
+                instruction_set: InstructionSet::detect(),
+                scalar: false,
+                friction: world.table.any_friction(),
+                prefetch: 0,
+            },
+            candidates: Candidates::new(&boxes, world.grains(), largest, skin),
             world,
             settings: scene.solver.clone(),
-            candidates: Candidates::default(),
             constrainer: Constrainer::default(),
-            layout: Layout::default(),
+            layout: Layout::new(boxes.tasks()),
+            residuals: Vec::new(),
+            team: Team::default(),
             steps: 0,
             contact_sweeps: 0,
             phases: PhaseSeconds::default(),
@@ -81,45 +91,84 @@ impl Simulation {
 
     /// Advances by one time step.
     pub fn step(&mut self) -> StepReport {
+        let team = self.team.clone();
+        team.enter(|| self.step_of(&team))
+    }
+
+    /// Advances by one time step, task after task, and tells how long each took.
+    pub fn trace_step(&mut self) -> (StepReport, StepTrace) {
+        let team = Team::traced();
+        let report = self.step_of(&team);
+        (report, team.take_trace())
+    }
+
+    fn step_of(&mut self, team: &Team) -> StepReport {
+        let set = self.relaxation.instruction_set;
         let clock = Clock::start();
         // Which grains and walls may touch.
-        if self.candidates.are_stale(&self.world, self.skin) {
-            self.candidates.rebuild(&self.world, &self.boxes, self.skin);
+        if self.candidates.are_stale(&self.world, team) {
+            self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, team);
         }
         let clock = clock.lap(&mut self.phases.detect);
         // Which do, as constraints laid out in boxes, stages and lane groups.
-        self.constrainer.constrain(&self.world, &mut self.candidates, &self.settings, &mut self.layout);
+        let Simulation { world, settings, candidates, layout, .. } = self;
+        self.constrainer.constrain(world, candidates, settings, set, team, layout);
         let clock = clock.lap(&mut self.phases.constrain);
         // Forces, then the impulses of the last step, then sweeps until the settings say stop.
-        self.apply_gravity();
+        self.apply_gravity(team);
         let clock = clock.lap(&mut self.phases.integrate);
-        self.relaxation.warm_start(&mut self.world.bodies, &self.layout.pairs, &self.layout.walls);
+        self.start_from_last_impulses(team);
         let clock = clock.lap(&mut self.phases.constrain);
-        let solve = solve(&mut self.world, &mut self.layout, &self.relaxation, &self.settings);
+        let Simulation { world, settings, layout, relaxation, residuals, .. } = self;
+        let solve = solve(world, layout, relaxation, settings, team, residuals);
         let clock = clock.lap(&mut self.phases.sweep);
         // Motion with the new velocities.
-        self.remember_impulses();
-        self.move_bodies();
+        self.remember_impulses(team);
+        self.move_bodies(team);
         clock.lap(&mut self.phases.integrate);
-        self.contact_sweeps += u64::from(solve.sweeps) * self.layout.contacts as u64;
+        let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.inner_sweeps.max(1));
+        self.contact_sweeps += sweeps * self.layout.contacts as u64;
         StepReport { solve, contacts: self.layout.contacts }
     }
 
-    fn apply_gravity(&mut self) {
+    fn apply_gravity(&mut self, team: &Team) {
         let change = self.world.gravity * self.settings.step;
         let grains = self.world.grains();
-        for body in &mut self.world.bodies[..grains] {
-            for axis in 0..3 {
-                body.velocity[axis] += change[axis];
+        let bodies = Disjoint::new(&mut self.world.bodies);
+        team.each(Phase::Integrate, chunks(grains), |number| {
+            // SAFETY: chunks do not overlap.
+            for body in unsafe { bodies.range(chunk(number, grains)) } {
+                for axis in 0..3 {
+                    body.velocity[axis] += change[axis];
+                }
             }
+        });
+    }
+
+    fn start_from_last_impulses(&mut self, team: &Team) {
+        let (relaxation, layout) = (&self.relaxation, &self.layout);
+        let bodies = Disjoint::new(&mut self.world.bodies);
+        for stage in 0..STAGES {
+            let tasks = layout.plan.stage(stage);
+            team.each(Phase::Constrain, tasks.len(), |task| {
+                // SAFETY: tasks of a stage share no body.
+                unsafe { relaxation.start(bodies.as_ptr(), &layout.groups[tasks[task].number as usize]) };
+            });
         }
     }
 
-    fn move_bodies(&mut self) {
-        let h = self.settings.step;
-        for (position, body) in self.world.positions.iter_mut().zip(&self.world.bodies) {
-            *position += Vector3::from(body.velocity) * h;
-        }
+    fn move_bodies(&mut self, team: &Team) {
+        let (h, grains) = (self.settings.step, self.world.grains());
+        let World { spheres, bodies, .. } = &mut self.world;
+        let spheres = Disjoint::new(spheres);
+        team.each(Phase::Integrate, chunks(grains), |number| {
+            let places = chunk(number, grains);
+            // SAFETY: chunks do not overlap.
+            let spheres = unsafe { spheres.range(places.clone()) };
+            for (sphere, body) in spheres.iter_mut().zip(&bodies[places]) {
+                sphere.centre += Vector3::from(body.velocity) * h;
+            }
+        });
         self.steps += 1;
         self.world.time = self.world_time_after(self.steps);
     }
@@ -129,17 +178,15 @@ impl Simulation {
         steps as f64 * self.settings.step
     }
 
-    fn remember_impulses(&mut self) {
-        for group in &self.layout.pairs {
-            for (lane, source) in group.contacts.occupied() {
-                self.candidates.pair_impulses[source] = group.contacts.impulse(lane);
-            }
-        }
-        for group in &self.layout.walls {
-            for (lane, source) in group.contacts.occupied() {
-                self.candidates.wall_impulses[source] = group.contacts.impulse(lane);
-            }
-        }
+    fn remember_impulses(&mut self, team: &Team) {
+        let (relaxation, layout) = (&self.relaxation, &self.layout);
+        let pairs = Disjoint::new(&mut self.candidates.pair_impulses);
+        let walls = Disjoint::new(&mut self.candidates.wall_impulses);
+        let tasks = layout.plan.tasks();
+        team.each(Phase::Integrate, tasks.len(), |task| {
+            // SAFETY: each task has its own candidates.
+            unsafe { relaxation.remember(&layout.groups[tasks[task].number as usize], &pairs, &walls) };
+        });
     }
 
     /// Simulated time, s.
@@ -182,28 +229,66 @@ impl Simulation {
         self.candidates.rebuilds
     }
 
-    /// Hash of the state (time, positions, velocities, spins): FNV-1a, 64 bits, over their bits.
+    /// Hash of the state (time, positions, velocities, spins, grain by grain): FNV-1a, 64 bits, over their bits.
     pub fn state_hash(&self) -> u64 {
         let mut bytes = self.world.time.to_bits().to_le_bytes().to_vec();
-        for (position, body) in self.world.positions.iter().zip(&self.world.bodies) {
-            let values = position.iter().chain(&body.velocity).chain(&body.surface_speed);
+        for place in self.places_by_id() {
+            let (sphere, body) = (&self.world.spheres[place as usize], &self.world.bodies[place as usize]);
+            let values = sphere.centre.iter().chain(&body.velocity).chain(&body.surface_speed);
             bytes.extend(values.flat_map(|value| value.to_bits().to_le_bytes()));
         }
         checksum(&bytes)
     }
 
-    /// Bytes that the simulation holds for its bodies, candidates and contacts.
-    pub fn memory_bytes(&self) -> usize {
-        self.world.memory_bytes() + self.candidates.memory_bytes() + self.layout.memory_bytes()
+    /// Place of each grain, by id.
+    pub(crate) fn places_by_id(&self) -> Vec<u32> {
+        let mut places = vec![0; self.world.grains()];
+        for (place, &id) in self.world.ids.iter().enumerate() {
+            places[id as usize] = place as u32;
+        }
+        places
     }
 
-    /// Sweeps on another instruction set than the one found at start; all give the same bits.
+    /// Bytes that the simulation holds for its bodies, candidates and contacts.
+    pub fn memory_bytes(&self) -> usize {
+        self.world.memory_bytes()
+            + self.candidates.memory_bytes()
+            + self.layout.memory_bytes()
+            + self.constrainer.memory_bytes()
+            + self.residuals.capacity() * size_of::<TaskResidual>()
+    }
+
+    /// Works on another instruction set than the one found at start; all give the same bits.
     ///
     /// Ignored where the processor lacks it.
     pub fn use_instruction_set(&mut self, instruction_set: InstructionSet) {
         if instruction_set.is_available() {
             self.relaxation.instruction_set = instruction_set;
         }
+    }
+
+    /// Sweeps one contact at a time instead of eight, with the same bits: the baseline that lanes are measured against.
+    pub fn use_scalar_sweeps(&mut self, scalar: bool) {
+        self.relaxation.scalar = scalar;
+    }
+
+    /// Fetches bodies into the cache so many lane groups before a sweep needs them; 0 leaves it to the processor.
+    pub fn use_prefetch(&mut self, groups: usize) {
+        self.relaxation.prefetch = groups;
+    }
+
+    /// Steps on so many threads that share tasks in this way; any choice gives the same bits.
+    ///
+    /// # Errors
+    /// The system gives no more threads.
+    pub fn use_team(&mut self, scheduler: Scheduler, threads: usize) -> Result<(), ThreadPoolBuildError> {
+        self.team = Team::new(scheduler, threads)?;
+        Ok(())
+    }
+
+    /// Threads and the way in which they share tasks.
+    pub fn team(&self) -> &Team {
+        &self.team
     }
 }
 

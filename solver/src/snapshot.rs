@@ -1,7 +1,7 @@
 //! What leaves a simulation: two tables, particles and contacts. Every code delivers the same two.
 
 use crate::Simulation;
-use crate::detect::Impulse;
+use crate::partition::ContactLanes;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -61,58 +61,60 @@ impl Simulation {
     /// Grains as they are now, and the contacts of the last step with their forces (impulse over time step).
     pub fn snapshot(&self) -> Snapshot {
         let world = &self.world;
-        let particles = world.positions.iter().zip(&world.bodies).enumerate();
-        let particles = particles.map(|(id, (position, body))| Particle {
-            id: id as u32,
-            position: (*position).into(),
-            radius: body.radius,
-            velocity: body.velocity,
-            spin: body.surface_speed.map(|component| component / body.radius),
-        });
+        let particle = |(id, place): (usize, u32)| {
+            let (sphere, body) = (&world.spheres[place as usize], &world.bodies[place as usize]);
+            Particle {
+                id: id as u32,
+                position: sphere.centre.into(),
+                radius: sphere.radius,
+                velocity: body.velocity,
+                spin: body.surface_speed.map(|component| component / sphere.radius),
+            }
+        };
+        let particles = self.places_by_id().into_iter().enumerate().map(particle).collect();
         let contacts = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force > 0.0);
-        Snapshot { time: world.time, particles: particles.collect(), contacts: contacts.collect() }
+        Snapshot { time: world.time, particles, contacts: contacts.collect() }
     }
 
     fn pair_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
         let world = &self.world;
-        self.layout.pairs.iter().flat_map(move |group| {
-            group.contacts.occupied().map(move |(lane, _)| {
-                let (first, second) = (group.first[lane], group.second[lane]);
-                let (i, j) = (first as usize, second as usize);
+        let groups = self.layout.tasks().flat_map(|(_, task)| task.pairs.iter().zip(&task.pair_sources));
+        groups.flat_map(move |(group, sources)| {
+            sources.occupied().map(move |(lane, _)| {
+                let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
+                let (a, b) = (&world.spheres[i], &world.spheres[j]);
                 // The contact point lies in the middle of the overlap.
-                let distance = (world.positions[j] - world.positions[i]).norm();
-                let depth = 0.5 * (distance + world.bodies[i].radius - world.bodies[j].radius);
-                let normal = group.contacts.normal(lane);
-                let point = world.positions[i] + Vector3::from(normal) * depth;
-                self.contact(first, Partner::Grain(second), point, normal, group.contacts.impulse(lane))
+                let distance = (b.centre - a.centre).norm();
+                let depth = 0.5 * (distance + a.radius - b.radius);
+                let point = a.centre + Vector3::from(group.contacts.normal(lane)) * depth;
+                self.contact(world.ids[i], Partner::Grain(world.ids[j]), point, &group.contacts, lane)
             })
         })
     }
 
     fn wall_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
         let world = &self.world;
-        self.layout.walls.iter().flat_map(move |group| {
-            group.contacts.occupied().map(move |(lane, source)| {
-                let grain = group.body[lane];
-                let surface = self.candidates.walls[source].surface;
-                let wall = world.surfaces[surface as usize].wall;
-                let normal = group.contacts.normal(lane);
-                let reach = Vector3::from(normal) * world.bodies[grain as usize].radius;
-                let point = world.positions[grain as usize] + reach;
-                self.contact(grain, Partner::Wall(wall), point, normal, group.contacts.impulse(lane))
+        let groups = self.layout.tasks().flat_map(|(_, task)| task.walls.iter().zip(&task.wall_sources));
+        groups.flat_map(move |(group, sources)| {
+            sources.occupied().map(move |(lane, source)| {
+                let grain = group.body[lane] as usize;
+                let wall = world.surfaces[self.candidates.walls[source].surface as usize].wall;
+                let sphere = &world.spheres[grain];
+                let point = sphere.centre + Vector3::from(group.contacts.normal(lane)) * sphere.radius;
+                self.contact(world.ids[grain], Partner::Wall(wall), point, &group.contacts, lane)
             })
         })
     }
 
-    fn contact(&self, first: u32, second: Partner, point: Vector3<f64>, normal: [f64; 3], impulse: Impulse) -> Contact {
+    fn contact(&self, first: u32, second: Partner, point: Vector3<f64>, lanes: &ContactLanes, lane: usize) -> Contact {
         let h = self.settings.step;
         Contact {
             first,
             second,
             point: point.into(),
-            normal,
-            normal_force: impulse.normal / h,
-            tangential_force: impulse.tangential.map(|component| component / h),
+            normal: lanes.normal(lane),
+            normal_force: lanes.normal_impulse(lane) / h,
+            tangential_force: lanes.tangential_impulse(lane).map(|component| component / h),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! The loop around sweeps: over-relaxation and its fall-back, when to stop, what to report.
 
-use crate::partition::Layout;
+use crate::partition::{Layout, STAGES};
 use crate::scene::{SolverSettings, Stop};
-use crate::schedule::sweep_serial;
-use crate::sweep::{Relaxation, Residuals};
-use crate::world::World;
+use crate::schedule::{Disjoint, Phase, Team};
+use crate::sweep::{Relaxation, Residuals, TaskResidual};
+use crate::world::{Body, World};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -45,16 +45,19 @@ const MEASURE_EVERY: u32 = 4;
 ///
 /// The residual of a sweep is |delta lambda| S in m/s. If it has grown since it was last measured, over-relaxation falls
 /// back to 1 for the rest of the solve: factors that speed up most systems never converge on some.
-pub fn solve(
+pub(crate) fn solve(
     world: &mut World,
     layout: &mut Layout,
     relaxation: &Relaxation,
     settings: &SolverSettings,
+    team: &Team,
+    residuals: &mut Vec<TaskResidual>,
 ) -> SolveReport {
     let mut report = SolveReport::default();
     if layout.contacts == 0 {
         return report;
     }
+    let inner = settings.inner_sweeps.max(1);
     let start = Instant::now();
     let limit = settings.stop.max_sweeps();
     let tolerance = match settings.stop {
@@ -68,7 +71,8 @@ pub fn solve(
     loop {
         let sweep = report.sweeps + 1;
         let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || open_ended;
-        let sums = sweep_serial(relaxation, &mut world.bodies, layout, factor, measure);
+        let sums =
+            sweep_all(&mut world.bodies, layout, relaxation, factor, inner, measure.then_some(&mut *residuals), team);
         report.sweeps = sweep;
         if measure {
             report.residuals = sums.finish(layout.contacts);
@@ -95,6 +99,46 @@ pub fn solve(
             return report;
         }
     }
+}
+
+/// Relaxes every task `inner` times, stage after stage; returns the summed residuals of the last time if there is room
+/// for them.
+fn sweep_all(
+    bodies: &mut [Body],
+    layout: &mut Layout,
+    relaxation: &Relaxation,
+    factor: f64,
+    inner: u32,
+    residuals: Option<&mut Vec<TaskResidual>>,
+    team: &Team,
+) -> TaskResidual {
+    let (plan, bodies, groups) = (&layout.plan, Disjoint::new(bodies), Disjoint::new(&mut layout.groups));
+    let measure = residuals.is_some();
+    let mut nowhere = Vec::new();
+    let residuals = residuals.unwrap_or(&mut nowhere);
+    residuals.clear();
+    residuals.resize(if measure { plan.tasks().len() } else { 0 }, TaskResidual::default());
+    let parts = Disjoint::new(residuals);
+    for stage in 0..STAGES {
+        let places = plan.stage_range(stage);
+        team.each(Phase::Sweep, places.len(), |task| {
+            let place = places.start + task;
+            // SAFETY: tasks of a stage share no body, and each has its own groups and its own residual.
+            unsafe {
+                let groups = groups.at(plan.tasks()[place].number as usize);
+                let mut unused = TaskResidual::default();
+                for time in 1..=inner {
+                    let last = measure && time == inner;
+                    let residual = if last { parts.at(place) } else { &mut unused };
+                    relaxation.sweep(bodies.as_ptr(), groups, factor, last, residual);
+                }
+            }
+        });
+    }
+    // Summed in the order of tasks, whoever did them.
+    let mut total = TaskResidual::default();
+    residuals.iter().for_each(|own| total.merge(own));
+    total
 }
 
 /// Velocity that residuals are measured against: g h, or 1 m/s where there is no gravity.

@@ -6,6 +6,7 @@
 
 pub mod commands;
 pub mod compare;
+pub mod execution;
 pub mod interrupt;
 pub mod observables;
 pub mod output;

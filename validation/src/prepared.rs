@@ -1,5 +1,6 @@
 //! Where a run starts: at the lattice gas, or at a flowing state that was prepared once and is kept on the machine.
 
+use crate::execution::{Execution, ExecutionError};
 use crate::output::{WriteError, create_folder};
 use crate::provenance::{VERSION, scene_hash};
 use makadam::Simulation;
@@ -19,6 +20,9 @@ pub enum StartError {
     /// The state cannot be kept or read back.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// The machine cannot run it as asked.
+    #[error(transparent)]
+    Execution(#[from] ExecutionError),
     /// The user asked to stop while the state was prepared.
     #[error("interrupted while the flowing state was prepared")]
     Interrupted,
@@ -51,10 +55,13 @@ pub fn start(
     scene: &Scene,
     seed: u64,
     scene_file: &Path,
+    execution: &Execution,
     progress: &dyn Fn(f64),
 ) -> Result<(Simulation, Start), StartError> {
     let Some(prepare) = &scene.prepare else {
-        return Ok((Simulation::new(scene, seed, scene_file)?, Start::Fresh));
+        let mut simulation = Simulation::new(scene, seed, scene_file)?;
+        execution.apply(&mut simulation)?;
+        return Ok((simulation, Start::Fresh));
     };
     let file = cache_folder().join("prepared").join(format!(
         "{}-s{seed}-{:016x}-{VERSION}.state",
@@ -63,13 +70,15 @@ pub fn start(
     ));
     // A state that cannot be read is made anew.
     if file.is_file()
-        && let Ok(simulation) = Simulation::resume(scene, &file)
+        && let Ok(mut simulation) = Simulation::resume(scene, &file)
     {
+        execution.apply(&mut simulation)?;
         return Ok((simulation, Start::Prepared(file)));
     }
     let mut beforehand = scene.clone();
     beforehand.solver.step = prepare.step;
     let mut simulation = Simulation::new(&beforehand, seed, scene_file)?;
+    execution.apply(&mut simulation)?;
     let steps = steps_in(prepare.duration, prepare.step);
     for step in 1..=steps {
         simulation.step();
@@ -82,7 +91,9 @@ pub fn start(
         create_folder(folder)?;
     }
     simulation.save(&file)?;
-    Ok((Simulation::resume(scene, &file)?, Start::Prepared(file)))
+    let mut simulation = Simulation::resume(scene, &file)?;
+    execution.apply(&mut simulation)?;
+    Ok((simulation, Start::Prepared(file)))
 }
 
 /// Whole steps nearest to a duration.

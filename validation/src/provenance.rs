@@ -1,7 +1,9 @@
 //! Where a result came from: version, commit, compiler, machine, seed, scene, settings.
 
+use crate::execution::Execution;
+use makadam::lanes::InstructionSet;
 use makadam::scene::{Scene, SolverSettings};
-use makadam::sweep::InstructionSet;
+use makadam::schedule::Scheduler;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -41,7 +43,7 @@ impl Build {
             compiler: env!("MAKADAM_COMPILER").into(),
             target: env!("MAKADAM_TARGET").into(),
             profile: env!("MAKADAM_PROFILE").into(),
-            instruction_set: format!("{:?}", InstructionSet::detect()).to_lowercase(),
+            instruction_set: InstructionSet::detect().name().into(),
             processor: processor(),
         }
     }
@@ -62,6 +64,8 @@ pub struct Provenance {
     pub build: Build,
     /// Threads used.
     pub threads: usize,
+    /// Way in which they shared tasks.
+    pub scheduler: Scheduler,
     /// Seed of the initial positions.
     pub seed: u64,
     /// File that the scene came from.
@@ -78,10 +82,11 @@ pub struct Provenance {
 
 impl Provenance {
     /// Provenance of a run that starts now.
-    pub fn of_run(scene: &Scene, scene_file: &Path, seed: u64, threads: usize) -> Provenance {
+    pub fn of_run(scene: &Scene, scene_file: &Path, seed: u64, execution: &Execution) -> Provenance {
         Provenance {
-            build: Build::here(),
-            threads,
+            build: Build { instruction_set: execution.instruction_set.name().into(), ..Build::here() },
+            threads: execution.threads,
+            scheduler: execution.scheduler,
             seed,
             scene_file: scene_file.display().to_string(),
             scene_hash: format!("{:016x}", scene_hash(scene)),

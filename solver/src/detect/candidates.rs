@@ -1,11 +1,17 @@
 //! The candidate list: pairs and grain-wall pairs that may touch before it is rebuilt, sorted by task.
 
 use super::CellGrid;
-use crate::partition::BoxGrid;
-use crate::world::World;
+use super::grid::DIRECTIONS;
+use super::memory::{OldList, Remembered};
+use super::search::{Found, PairSearch};
+use crate::lanes::InstructionSet;
+use crate::partition::{BoxGrid, Plan, STAGES};
+use crate::schedule::{Disjoint, Phase, Team};
+use crate::world::{Pose, ReorderBuffers, World, chunk, chunks};
 use nalgebra::Vector3;
+use std::ops::Range;
 
-/// Two grains that may touch; the first has the smaller id.
+/// Two grains that may touch, by their places; the first has the smaller id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PairCandidate {
     /// First grain.
@@ -14,7 +20,7 @@ pub struct PairCandidate {
     pub second: u32,
 }
 
-/// A grain and a surface that may touch.
+/// A grain, by its place, and a surface that may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WallCandidate {
     /// Grain.
@@ -23,8 +29,9 @@ pub struct WallCandidate {
     pub surface: u32,
 }
 
-/// Impulse that a candidate bore in the last step, N s; the tangential part is a world vector.
+/// Impulse that a candidate bore in the last step, N s; the tangential part is a world vector. One quad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
 pub struct Impulse {
     /// Normal impulse.
     pub normal: f64,
@@ -33,178 +40,226 @@ pub struct Impulse {
 }
 
 /// Candidates and the impulses remembered for them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Candidates {
     /// Pairs of grains, task after task.
     pub pairs: Vec<PairCandidate>,
     /// Grains and surfaces, task after task.
     pub walls: Vec<WallCandidate>,
-    /// Impulse of each pair.
+    /// Impulse of each pair, and one of zero behind them.
     pub pair_impulses: Vec<Impulse>,
-    /// Impulse of each grain and surface.
+    /// Impulse of each grain and surface, and one of zero behind them.
     pub wall_impulses: Vec<Impulse>,
-    /// First pair of each task; one more entry than tasks.
-    pub pair_tasks: Vec<u32>,
-    /// First wall candidate of each task; one more entry than tasks.
-    pub wall_tasks: Vec<u32>,
     /// Number of times that the list was built.
     pub rebuilds: u64,
+    boxes: BoxGrid,
+    skin: f64,
+    grid: CellGrid,
     reference: Vec<Vector3<f64>>,
     built_at: f64,
-    grid: CellGrid,
-    found: Vec<(u32, PairCandidate)>,
-    found_walls: Vec<(u32, WallCandidate)>,
-    box_of: Vec<[u16; 3]>,
-    remembered: Remembered,
+    buffers: Buffers,
 }
 
-/// Impulses carried over a rebuild, grouped by grain.
+/// What a rebuild needs, kept from one to the next.
 #[derive(Clone, Debug, Default)]
-struct Remembered {
-    start: Vec<u32>,
-    entries: Vec<(u32, Impulse)>,
+struct Buffers {
+    shifts: Vec<f64>,
+    new_places: Vec<u32>,
+    reorder: ReorderBuffers,
+    found: Vec<Found>,
+    pair_starts: Vec<u32>,
+    wall_starts: Vec<u32>,
+    poses: Vec<Pose>,
+    remembered_pairs: Remembered,
+    remembered_walls: Remembered,
+    stages: [Vec<Range<u32>>; STAGES],
 }
 
 impl Candidates {
-    /// Whether grains, or a grain and a wall, may have come closer by more than `skin` (m) since the list was built.
-    pub fn are_stale(&self, world: &World, skin: f64) -> bool {
+    /// No candidates yet, for a world of so many grains; `largest_radius` and `skin` in m.
+    pub fn new(boxes: &BoxGrid, grains: usize, largest_radius: f64, skin: f64) -> Candidates {
+        Candidates {
+            pairs: Vec::new(),
+            walls: Vec::new(),
+            pair_impulses: vec![Impulse::default()],
+            wall_impulses: vec![Impulse::default()],
+            rebuilds: 0,
+            boxes: boxes.clone(),
+            skin,
+            grid: CellGrid::new(boxes, grains, 2.0 * largest_radius + skin),
+            reference: Vec::new(),
+            built_at: 0.0,
+            buffers: Buffers::default(),
+        }
+    }
+
+    /// Whether grains, or a grain and a wall, may have come closer by more than the skin since the list was built.
+    pub fn are_stale(&mut self, world: &World, team: &Team) -> bool {
         if self.reference.len() != world.grains() || self.rebuilds == 0 {
             return true;
         }
-        let mut largest = 0.0_f64;
-        for (now, then) in world.positions.iter().zip(&self.reference) {
-            largest = largest.max((now - then).norm_squared());
-        }
-        let shift = largest.sqrt();
+        let shifts = &mut self.buffers.shifts;
+        shifts.resize(chunks(world.grains()), 0.0);
+        let parts = Disjoint::new(shifts);
+        team.each(Phase::Detect, chunks(world.grains()), |number| {
+            let places = chunk(number, world.grains());
+            let mut largest = 0.0_f64;
+            for (sphere, then) in world.spheres[places.clone()].iter().zip(&self.reference[places]) {
+                largest = largest.max((sphere.centre - then).norm_squared());
+            }
+            // SAFETY: each chunk has its own entry.
+            *unsafe { parts.at(number) } = largest;
+        });
+        let shift = shifts.iter().copied().fold(0.0, f64::max).sqrt();
         let reach = (world.domain.1 - world.domain.0).norm();
         let wall_shift = world
             .surfaces
             .iter()
             .map(|surface| surface.largest_shift(self.built_at, world.time, reach))
             .fold(0.0, f64::max);
-        shift + shift.max(wall_shift) > skin
+        shift + shift.max(wall_shift) > self.skin
     }
 
-    /// Builds the list anew, keeping the impulses of candidates that stay.
-    pub fn rebuild(&mut self, world: &World, boxes: &BoxGrid, skin: f64) {
-        let (largest, _) = world.largest_and_mean_radius();
-        self.reference.clone_from(&world.positions);
+    /// Puts the grains in the order of boxes and cells, builds the list anew and plans its tasks, keeping the impulses of
+    /// candidates that stay.
+    pub fn rebuild(&mut self, world: &mut World, plan: &mut Plan, set: InstructionSet, team: &Team) {
+        let order = self.grid.sort(world, team);
+        world.reorder(order, &mut self.buffers.reorder, team);
+        self.buffers.new_places.resize(order.len(), 0);
+        for (new, &old) in order.iter().enumerate() {
+            self.buffers.new_places[old as usize] = new as u32;
+        }
+        self.remember(world.grains(), plan, team);
+        self.search(world, set, team);
+        self.plan(plan, team);
+        self.fill(plan, team);
+        self.reference.clear();
+        self.reference.extend(world.spheres[..world.grains()].iter().map(|sphere| sphere.centre));
         self.built_at = world.time;
         self.rebuilds += 1;
-        self.box_of.clear();
-        self.box_of.extend(world.positions.iter().map(|position| boxes.of(position)));
+    }
 
-        self.grid.sort(&world.positions, &world.domain, 2.0 * largest + skin);
-        self.found.clear();
-        let (found, box_of) = (&mut self.found, &self.box_of);
-        self.grid.for_each_pair(|a, b| {
-            let (first, second) = (a.min(b), a.max(b));
-            let (i, j) = (first as usize, second as usize);
-            let reach = world.bodies[i].radius + world.bodies[j].radius + skin;
-            if (world.positions[j] - world.positions[i]).norm_squared() < reach * reach {
-                found.push((boxes.task(box_of[i], box_of[j]) as u32, PairCandidate { first, second }));
+    /// Keeps the impulses of the old list, under the grains' new places.
+    fn remember(&mut self, grains: usize, plan: &Plan, team: &Team) {
+        let Buffers { new_places, remembered_pairs, remembered_walls, stages, .. } = &mut self.buffers;
+        for (stage, tasks) in stages.iter_mut().enumerate() {
+            tasks.clear();
+            tasks.extend(plan.stage(stage).iter().map(|task| task.pairs.clone()));
+        }
+        let (pairs, walls, places) = (&self.pairs, &self.walls, &*new_places);
+        let key = |candidate: usize| {
+            let PairCandidate { first, second } = pairs[candidate];
+            (places[first as usize], places[second as usize])
+        };
+        remembered_pairs.collect(grains, &OldList { key, impulses: &self.pair_impulses, stages }, team);
+        stages[0].clear();
+        stages[0].extend(plan.stage(0).iter().map(|task| task.walls.clone()));
+        let key = |candidate: usize| (places[walls[candidate].body as usize], walls[candidate].surface);
+        remembered_walls.collect(grains, &OldList { key, impulses: &self.wall_impulses, stages: &stages[..1] }, team);
+    }
+
+    /// Each box looks for pairs and walls.
+    fn search(&mut self, world: &World, set: InstructionSet, team: &Team) {
+        let Buffers { found, poses, .. } = &mut self.buffers;
+        poses.clear();
+        poses.extend(world.surfaces.iter().map(|surface| surface.at(world.time)));
+        let boxes = self.boxes.boxes();
+        found.resize_with(boxes, Found::default);
+        let parts = Disjoint::new(found);
+        let (grid, skin) = (&self.grid, self.skin);
+        team.each(Phase::Detect, boxes, |number| {
+            // SAFETY: each box has its own entry.
+            let found = unsafe { parts.at(number) };
+            found.search_walls(world, grid, poses, number, skin);
+            set.run(PairSearch { spheres: &world.spheres, ids: &world.ids, grid, number, skin, found });
+        });
+    }
+
+    /// Counts the candidates of each task and finds their places in the list.
+    fn plan(&mut self, plan: &mut Plan, team: &Team) {
+        let (boxes, grid) = (&self.boxes, &self.grid);
+        let Buffers { found, pair_starts, wall_starts, .. } = &mut self.buffers;
+        team.alone(Phase::Detect, || {
+            pair_starts.clear();
+            pair_starts.resize(boxes.tasks() + 1, 0);
+            wall_starts.clear();
+            wall_starts.push(0);
+            for (number, found) in found.iter().enumerate() {
+                for direction in (0..DIRECTIONS).filter(|&direction| found.counts[direction] > 0) {
+                    let task = boxes.task(boxes.at(number), grid.neighbour(number, direction));
+                    pair_starts[task + 1] += found.counts[direction];
+                }
+                wall_starts.push(wall_starts[number] + found.walls.len() as u32);
+            }
+            for task in 0..boxes.tasks() {
+                pair_starts[task + 1] += pair_starts[task];
+            }
+            plan.set(pair_starts, wall_starts);
+            // From here on the starts run ahead with what is placed.
+            for (number, found) in found.iter_mut().enumerate() {
+                for direction in (0..DIRECTIONS).filter(|&direction| found.counts[direction] > 0) {
+                    let task = boxes.task(boxes.at(number), grid.neighbour(number, direction));
+                    found.targets[direction] = pair_starts[task];
+                    pair_starts[task] += found.counts[direction];
+                }
             }
         });
-        let pair_key = |pair: &PairCandidate| (pair.first, pair.second);
-        self.remembered.collect(world.grains(), &self.pairs, &self.pair_impulses, pair_key);
-        sort_by_task(&self.found, boxes.tasks(), &mut self.pairs, &mut self.pair_tasks);
-        self.remembered.recall(&self.pairs, &mut self.pair_impulses, pair_key);
+    }
 
-        self.find_walls(world, boxes, skin);
-        let wall_key = |wall: &WallCandidate| (wall.body, wall.surface);
-        self.remembered.collect(world.grains(), &self.walls, &self.wall_impulses, wall_key);
-        sort_by_task(&self.found_walls, boxes.tasks(), &mut self.walls, &mut self.wall_tasks);
-        self.remembered.recall(&self.walls, &mut self.wall_impulses, wall_key);
+    /// Writes the list, and gives candidates that stay their impulses back.
+    fn fill(&mut self, plan: &Plan, team: &Team) {
+        let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
+        let pairs: usize = found.iter().map(|found| found.pairs.len()).sum();
+        let walls: usize = found.iter().map(|found| found.walls.len()).sum();
+        self.pairs.resize(pairs, PairCandidate { first: 0, second: 0 });
+        self.walls.resize(walls, WallCandidate { body: 0, surface: 0 });
+        self.pair_impulses.resize(pairs + 1, Impulse::default());
+        self.wall_impulses.resize(walls + 1, Impulse::default());
+        (self.pair_impulses[pairs], self.wall_impulses[walls]) = (Impulse::default(), Impulse::default());
+        let (pair_parts, wall_parts) = (Disjoint::new(&mut self.pairs), Disjoint::new(&mut self.walls));
+        team.each(Phase::Detect, found.len(), |number| {
+            let found = &found[number];
+            let mut targets = found.targets;
+            for &(direction, pair) in &found.pairs {
+                let target = &mut targets[direction as usize];
+                // SAFETY: each box has its own places in the list.
+                *unsafe { pair_parts.at(*target as usize) } = pair;
+                *target += 1;
+            }
+            let start = wall_starts[number] as usize;
+            // SAFETY: as above.
+            unsafe { wall_parts.range(start..start + found.walls.len()) }.copy_from_slice(&found.walls);
+        });
+        let (pairs, walls) = (&self.pairs, &self.walls);
+        let pair_impulses = Disjoint::new(&mut self.pair_impulses);
+        let wall_impulses = Disjoint::new(&mut self.wall_impulses);
+        team.each(Phase::Detect, plan.tasks().len(), |task| {
+            let task = &plan.tasks()[task];
+            for candidate in task.pairs.start as usize..task.pairs.end as usize {
+                let key = (pairs[candidate].first, pairs[candidate].second);
+                // SAFETY: each task has its own candidates.
+                *unsafe { pair_impulses.at(candidate) } = remembered_pairs.recall(key);
+            }
+            for candidate in task.walls.start as usize..task.walls.end as usize {
+                let key = (walls[candidate].body, walls[candidate].surface);
+                // SAFETY: as above.
+                *unsafe { wall_impulses.at(candidate) } = remembered_walls.recall(key);
+            }
+        });
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
+        let buffers = &self.buffers;
         self.pairs.capacity() * size_of::<PairCandidate>()
             + self.walls.capacity() * size_of::<WallCandidate>()
             + (self.pair_impulses.capacity() + self.wall_impulses.capacity()) * size_of::<Impulse>()
-            + self.found.capacity() * size_of::<(u32, PairCandidate)>()
-            + self.found_walls.capacity() * size_of::<(u32, WallCandidate)>()
             + self.reference.capacity() * size_of::<Vector3<f64>>()
-            + self.box_of.capacity() * size_of::<[u16; 3]>()
-            + self.remembered.entries.capacity() * size_of::<(u32, Impulse)>()
-            + (self.remembered.start.capacity() + self.pair_tasks.capacity() + self.wall_tasks.capacity())
-                * size_of::<u32>()
             + self.grid.memory_bytes()
-    }
-
-    fn find_walls(&mut self, world: &World, boxes: &BoxGrid, skin: f64) {
-        self.found_walls.clear();
-        for (number, surface) in world.surfaces.iter().enumerate() {
-            let pose = surface.at(world.time);
-            for (grain, position) in world.positions.iter().enumerate() {
-                if pose.nearest(position).0 < world.bodies[grain].radius + skin {
-                    let here = self.box_of[grain];
-                    let candidate = WallCandidate { body: grain as u32, surface: number as u32 };
-                    self.found_walls.push((boxes.task(here, here) as u32, candidate));
-                }
-            }
-        }
-    }
-}
-
-/// Counting sort by task; keeps the order within a task.
-fn sort_by_task<T: Copy>(found: &[(u32, T)], tasks: usize, sorted: &mut Vec<T>, start: &mut Vec<u32>) {
-    start.clear();
-    start.resize(tasks + 1, 0);
-    for (task, _) in found {
-        start[*task as usize + 1] += 1;
-    }
-    for task in 0..tasks {
-        start[task + 1] += start[task];
-    }
-    sorted.clear();
-    let Some((_, any)) = found.first() else {
-        return;
-    };
-    sorted.resize(found.len(), *any);
-    for (task, item) in found {
-        let place = &mut start[*task as usize];
-        sorted[*place as usize] = *item;
-        *place += 1;
-    }
-    for task in (1..=tasks).rev() {
-        start[task] = start[task - 1];
-    }
-    start[0] = 0;
-}
-
-impl Remembered {
-    /// Groups the non-zero impulses of the old list by their first grain.
-    fn collect<T>(&mut self, grains: usize, old: &[T], impulses: &[Impulse], key: impl Fn(&T) -> (u32, u32)) {
-        self.start.clear();
-        self.start.resize(grains + 1, 0);
-        let live = || old.iter().zip(impulses).filter(|(_, impulse)| impulse.normal > 0.0);
-        for (candidate, _) in live() {
-            self.start[key(candidate).0 as usize + 1] += 1;
-        }
-        for grain in 0..grains {
-            self.start[grain + 1] += self.start[grain];
-        }
-        self.entries.clear();
-        self.entries.resize(self.start[grains] as usize, (0, Impulse::default()));
-        for (candidate, impulse) in live() {
-            let (first, second) = key(candidate);
-            let place = &mut self.start[first as usize];
-            self.entries[*place as usize] = (second, *impulse);
-            *place += 1;
-        }
-        for grain in (1..=grains).rev() {
-            self.start[grain] = self.start[grain - 1];
-        }
-        self.start[0] = 0;
-    }
-
-    /// Gives the new list its impulses back.
-    fn recall<T>(&self, new: &[T], impulses: &mut Vec<Impulse>, key: impl Fn(&T) -> (u32, u32)) {
-        impulses.clear();
-        impulses.extend(new.iter().map(|candidate| {
-            let (first, second) = key(candidate);
-            let own = &self.entries[self.start[first as usize] as usize..self.start[first as usize + 1] as usize];
-            own.iter().find(|entry| entry.0 == second).map_or_else(Impulse::default, |entry| entry.1)
-        }));
+            + buffers.reorder.memory_bytes()
+            + buffers.found.iter().map(Found::memory_bytes).sum::<usize>()
+            + buffers.remembered_pairs.memory_bytes()
+            + buffers.remembered_walls.memory_bytes()
+            + (buffers.new_places.capacity() + buffers.pair_starts.capacity() + buffers.wall_starts.capacity())
+                * size_of::<u32>()
     }
 }

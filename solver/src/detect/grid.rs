@@ -1,22 +1,28 @@
-//! Grains sorted into cells by counting.
+//! Grains sorted into cells by counting. Cells are a whole part of a box, so that grains in the order of cells are in the
+//! order of boxes too.
 
+use crate::partition::BoxGrid;
+use crate::schedule::{Disjoint, Phase, Team};
+use crate::world::{World, chunk, chunks};
 use nalgebra::Vector3;
+use std::ops::Range;
 
-/// A grid of cubic cells over the domain, with the grains of each cell in a row.
-#[derive(Clone, Debug, Default)]
+/// Cubic cells over the domain: the boxes, each cut into the same number of cells.
+#[derive(Clone, Debug)]
 pub struct CellGrid {
-    origin: Vector3<f64>,
+    boxes: BoxGrid,
+    /// Cells of a box along an axis.
+    per_box: u32,
     size: f64,
-    count: [usize; 3],
-    /// Place in `order` of each cell's first grain; one more entry than cells.
+    /// Place of each cell's first grain; one more entry than cells.
     start: Vec<u32>,
-    /// Grains, cell after cell, by id within a cell.
+    /// Old places of the grains, cell after cell.
     order: Vec<u32>,
     cell_of: Vec<u32>,
 }
 
 /// Neighbours of a cell that come after it, so that each pair of cells is visited once.
-const FORWARD: [[i64; 3]; 13] = [
+const FORWARD: [[i32; 3]; 13] = [
     [1, 0, 0],
     [-1, 1, 0],
     [0, 1, 0],
@@ -33,43 +39,60 @@ const FORWARD: [[i64; 3]; 13] = [
 ];
 
 impl CellGrid {
-    /// Sorts grains into cells no smaller than `reach` (m), over the part of the domain that holds grains. Grains outside
-    /// it count to its outermost cells.
-    pub fn sort(&mut self, positions: &[Vector3<f64>], domain: &(Vector3<f64>, Vector3<f64>), reach: f64) {
-        let (mut low, mut high) = (domain.1, domain.0);
-        for position in positions {
-            low = low.inf(position);
-            high = high.sup(position);
-        }
-        self.origin = low.sup(&domain.0);
-        let extent = (high.inf(&domain.1) - self.origin).map(|width| width.max(reach));
+    /// Cells no smaller than `reach` (m) in the boxes of a world of so many grains.
+    pub fn new(boxes: &BoxGrid, grains: usize, reach: f64) -> CellGrid {
         // Empty cells cost time too: no more than about eight a grain.
-        let most = 8.0 * positions.len() as f64 + 512.0;
-        self.size = reach.max(libm::cbrt(extent.product() / most));
-        self.count = [extent.x, extent.y, extent.z].map(|width| (width / self.size).ceil().clamp(1.0, 4096.0) as usize);
-        let cells: usize = self.count.iter().product();
+        let most = libm::cbrt((8.0 * grains as f64 + 4096.0) / boxes.boxes() as f64);
+        let per_box = (boxes.width() / reach.max(1e-300)).floor().min(most.floor()).clamp(1.0, 1024.0);
+        CellGrid {
+            boxes: boxes.clone(),
+            per_box: per_box as u32,
+            size: boxes.width() / per_box,
+            start: Vec::new(),
+            order: Vec::new(),
+            cell_of: Vec::new(),
+        }
+    }
+
+    /// Sorts the grains of a world; grains outside the domain count to its outermost cells. Returns the old place of the
+    /// grain that belongs at each new place. Grains of a cell keep their order.
+    pub fn sort(&mut self, world: &World, team: &Team) -> &[u32] {
+        let grains = world.grains();
+        self.cell_of.resize(grains, 0);
+        let mut cell_of = std::mem::take(&mut self.cell_of);
+        let cells = Disjoint::new(&mut cell_of);
+        team.each(Phase::Detect, chunks(world.grains()), |number| {
+            let places = chunk(number, world.grains());
+            // SAFETY: chunks do not overlap.
+            let cells = unsafe { cells.range(places.clone()) };
+            for (cell, sphere) in cells.iter_mut().zip(&world.spheres[places]) {
+                *cell = self.cell(&sphere.centre);
+            }
+        });
+        self.cell_of = cell_of;
+        team.alone(Phase::Detect, || self.count());
+        &self.order
+    }
+
+    /// Sorts by counting.
+    fn count(&mut self) {
+        let cells = self.boxes.boxes() * self.cells_of_box();
         self.start.clear();
         self.start.resize(cells + 1, 0);
-        self.cell_of.clear();
-        for position in positions {
-            let cell = self.cell(position) as u32;
-            self.cell_of.push(cell);
+        for &cell in &self.cell_of {
             self.start[cell as usize + 1] += 1;
         }
         for cell in 0..cells {
             self.start[cell + 1] += self.start[cell];
         }
-        self.order.clear();
-        self.order.resize(positions.len(), 0);
+        self.order.resize(self.cell_of.len(), 0);
         for (grain, &cell) in self.cell_of.iter().enumerate() {
             let place = &mut self.start[cell as usize];
             self.order[*place as usize] = grain as u32;
             *place += 1;
         }
         // Filling moved each start to its end: shift back.
-        for cell in (1..=cells).rev() {
-            self.start[cell] = self.start[cell - 1];
-        }
+        self.start.copy_within(0..cells, 1);
         self.start[0] = 0;
     }
 
@@ -77,47 +100,110 @@ impl CellGrid {
         (self.start.capacity() + self.order.capacity() + self.cell_of.capacity()) * size_of::<u32>()
     }
 
-    fn cell(&self, position: &Vector3<f64>) -> usize {
-        let mut cell = [0; 3];
+    /// Number of cells along each axis.
+    fn counts(&self) -> [i32; 3] {
+        self.boxes.counts().map(|count| (count * self.per_box) as i32)
+    }
+
+    /// Number of the cell of a point: box by box, layer by layer inside a box.
+    fn cell(&self, point: &Vector3<f64>) -> u32 {
+        let (counts, origin) = (self.counts(), self.boxes.origin());
+        let mut at = [0; 3];
         for axis in 0..3 {
-            let place = ((position[axis] - self.origin[axis]) / self.size).floor();
-            cell[axis] = place.clamp(0.0, (self.count[axis] - 1) as f64) as usize;
+            let place = ((point[axis] - origin[axis]) / self.size).floor();
+            at[axis] = place.clamp(0.0, f64::from(counts[axis] - 1)) as u32;
         }
-        (cell[2] * self.count[1] + cell[1]) * self.count[0] + cell[0]
+        let number = self.boxes.number(at.map(|place| place / self.per_box));
+        (number * self.cells_of_box() + self.inside(at.map(|place| place % self.per_box))) as u32
     }
 
-    fn grains(&self, cell: usize) -> &[u32] {
-        &self.order[self.start[cell] as usize..self.start[cell + 1] as usize]
+    /// Number of a cell inside its box.
+    fn inside(&self, [x, y, z]: [u32; 3]) -> usize {
+        ((z * self.per_box + y) * self.per_box + x) as usize
     }
 
-    /// Calls `visit` for each pair of grains in the same or in neighbouring cells, in an order that positions alone fix.
-    pub fn for_each_pair(&self, mut visit: impl FnMut(u32, u32)) {
-        let [columns, rows, layers] = self.count.map(|count| count as i64);
-        for z in 0..layers {
-            for y in 0..rows {
-                for x in 0..columns {
-                    let here = self.grains(((z * rows + y) * columns + x) as usize);
-                    for (place, &first) in here.iter().enumerate() {
-                        for &second in &here[place + 1..] {
-                            visit(first, second);
-                        }
-                    }
-                    if here.is_empty() {
-                        continue;
-                    }
-                    for [dx, dy, dz] in FORWARD {
-                        let (x, y, z) = (x + dx, y + dy, z + dz);
-                        if x < 0 || x >= columns || y < 0 || y >= rows || z >= layers {
-                            continue;
-                        }
-                        for &second in self.grains(((z * rows + y) * columns + x) as usize) {
-                            for &first in here {
-                                visit(first, second);
-                            }
-                        }
-                    }
-                }
+    fn grains(&self, cell: usize) -> Range<usize> {
+        self.start[cell] as usize..self.start[cell + 1] as usize
+    }
+
+    /// Places of the grains of a box.
+    pub fn grains_of_box(&self, number: usize) -> Range<usize> {
+        let cells = self.cells_of_box();
+        self.start[number * cells] as usize..self.start[(number + 1) * cells] as usize
+    }
+
+    /// Number of cells of a box.
+    pub fn cells_of_box(&self) -> usize {
+        (self.per_box * self.per_box * self.per_box) as usize
+    }
+
+    /// The grains of a cell of a box, and the runs of grains in the cells around it that come after it. Grains of one cell
+    /// are neighbours too.
+    pub fn neighbourhood(&self, number: usize, cell: usize) -> Neighbourhood {
+        let home_box = self.boxes.at(number).map(|place| place as i32);
+        let (per_box, counts) = (self.per_box as i32, self.counts());
+        let inside = cell as i32;
+        let inside = [inside % per_box, inside / per_box % per_box, inside / (per_box * per_box)];
+        let at: [i32; 3] = std::array::from_fn(|axis| home_box[axis] * per_box + inside[axis]);
+        let home = self.grains(number * self.cells_of_box() + cell);
+        let mut found = Neighbourhood { home, runs: std::array::from_fn(|_| (0..0, 0)), count: 0 };
+        if found.home.is_empty() {
+            return found;
+        }
+        for step in FORWARD {
+            let next = [at[0] + step[0], at[1] + step[1], at[2] + step[2]];
+            if (0..3).any(|axis| next[axis] < 0 || next[axis] >= counts[axis]) {
+                continue;
+            }
+            let next_box = next.map(|place| place / per_box);
+            let there = self.boxes.number(next_box.map(|place| place as u32)) * self.cells_of_box()
+                + self.inside(next.map(|place| (place % per_box) as u32));
+            let [dx, dy, dz] = std::array::from_fn(|axis| (next_box[axis] - home_box[axis] + 1) as usize);
+            found.add(self.grains(there), dx + 3 * dy + 9 * dz);
+        }
+        found
+    }
+
+    /// The box in a direction of a [`Neighbourhood`], which must not leave the domain.
+    pub fn neighbour(&self, number: usize, direction: usize) -> [u32; 3] {
+        let shift = [direction % 3, direction / 3 % 3, direction / 9];
+        let home = self.boxes.at(number);
+        std::array::from_fn(|axis| home[axis] + shift[axis] as u32 - 1)
+    }
+}
+
+/// A cell's grains and those that may touch them, by place.
+pub struct Neighbourhood {
+    /// Grains of the cell.
+    pub home: Range<usize>,
+    runs: [(Range<usize>, usize); FORWARD.len()],
+    count: usize,
+}
+
+impl Neighbourhood {
+    /// Runs of grains that lie together in memory, with the direction of their box: from the home box by -1, 0 or 1 along
+    /// x, y and z, as `(dx + 1) + 3 (dy + 1) + 9 (dz + 1)`.
+    pub fn runs(&self) -> &[(Range<usize>, usize)] {
+        &self.runs[..self.count]
+    }
+
+    /// Adds a run; cells that follow each other in memory make one.
+    fn add(&mut self, run: Range<usize>, direction: usize) {
+        if run.is_empty() {
+            return;
+        }
+        match self.runs[..self.count].last_mut() {
+            Some((last, before)) if last.end == run.start && *before == direction => last.end = run.end,
+            _ => {
+                self.runs[self.count] = (run, direction);
+                self.count += 1;
             }
         }
     }
 }
+
+/// Direction of a pair inside one box.
+pub const SAME_BOX: usize = 13;
+
+/// Number of directions.
+pub const DIRECTIONS: usize = 27;

@@ -2,10 +2,13 @@
 //!
 //! Candidates reach a skin further than contact. They stay valid until grains (or a grain and a wall) can have come
 //! closer by more than the skin; gap and normal are computed anew in each step. Impulses are remembered a candidate, so
-//! that warm starting needs no matching but when the list is rebuilt.
+//! that warm starting needs no matching but when the list is rebuilt. With the list grains are put in the order of boxes
+//! and cells anew, so that what is near in space is near in memory.
 
 mod candidates;
 mod grid;
+mod memory;
+mod search;
 
 pub use candidates::{Candidates, Impulse, PairCandidate, WallCandidate};
 pub use grid::CellGrid;

@@ -8,6 +8,7 @@
 //! g); dividing the constraint by dg/dd = (5/4) d^(1/4) leaves the overlap 0.8 d and the compliance
 //! `1/(1.25 k_H sqrt(d))`. At rest this gives back `force = k_H d^(3/2)`.
 
+use crate::lanes::Number;
 use crate::scene::NormalLaw;
 
 /// Overlaps below this share of the effective radius are as stiff as it: the first touch of a Hertzian contact would
@@ -15,31 +16,31 @@ use crate::scene::NormalLaw;
 const SMALLEST_RELATIVE_OVERLAP: f64 = 1e-5;
 
 /// Regularisation and bias of a contact's normal constraint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NormalConstraint {
+#[derive(Clone, Copy, Debug)]
+pub struct NormalConstraint<N: Number> {
     /// Sigma', 1/kg.
-    pub regularisation: f64,
+    pub regularisation: N,
     /// q, m/s.
-    pub bias: f64,
+    pub bias: N,
     /// Whether the step resolves an impact, so that compliance and damping give the restitution by themselves.
-    pub resolves_impact: bool,
+    pub resolves_impact: N::Mask,
 }
 
-/// Constraint of one contact.
+/// Geometry and material of one contact, or of eight.
 #[derive(Clone, Copy, Debug)]
-pub struct NormalContact {
+pub struct NormalContact<N> {
     /// Overlap d, m; negative where there is a gap.
-    pub overlap: f64,
+    pub overlap: N,
     /// Normal velocity at the start of the step, m/s; positive where the two separate.
-    pub velocity: f64,
+    pub velocity: N,
     /// Effective modulus E*, Pa.
-    pub effective_modulus: f64,
+    pub effective_modulus: N,
     /// Effective radius R*, m.
-    pub effective_radius: f64,
+    pub effective_radius: N,
     /// Inverse of the effective mass, `1/m_a + 1/m_b`, 1/kg.
-    pub inverse_mass: f64,
+    pub inverse_mass: N,
     /// Damping of an impact as a share of critical damping: see [`damping_ratio`].
-    pub damping_ratio: f64,
+    pub damping_ratio: N,
 }
 
 /// Share of critical damping, in [0, 50], with which an impact that never attracts has the restitution `e`.
@@ -77,47 +78,55 @@ fn log_restitution(z: f64) -> f64 {
     }
 }
 
-impl NormalContact {
+impl<N: Number> NormalContact<N> {
     /// Hertz's stiffness `k_H = 4/3 E* sqrt(R*)`, N/m^1.5.
-    pub fn hertz_stiffness(&self) -> f64 {
-        4.0 / 3.0 * self.effective_modulus * self.effective_radius.sqrt()
+    #[inline(always)]
+    pub fn hertz_stiffness(&self) -> N {
+        N::splat(4.0 / 3.0) * self.effective_modulus * self.effective_radius.sqrt()
     }
 
     /// Regularisation and bias by the scene's law, for a step `h` (s) and a stabilisation time of `damping_steps` steps.
     ///
     /// The damping time is that of the impact law, `c/k`, wherever the step resolves it, and `damping_steps h` where it does
     /// not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay stable.
-    #[inline]
-    pub fn constraint(&self, law: NormalLaw, h: f64, damping_steps: f64) -> NormalConstraint {
+    #[inline(always)]
+    pub fn constraint(&self, law: NormalLaw, h: f64, damping_steps: f64) -> NormalConstraint<N> {
+        let (one, four, step) = (N::splat(1.0), N::splat(4.0), N::splat(h));
         // Compliance, overlap in the constraint's measure, damping time now and at the depth that the approach will reach.
-        let ahead = self.overlap.max(-self.velocity * h);
+        let ahead = self.overlap.larger(-self.velocity * step);
         let (compliance, overlap, damping_time, time_ahead) = match law {
-            NormalLaw::Rigid => (0.0, self.overlap, 0.0, 0.0),
+            NormalLaw::Rigid => (N::zero(), self.overlap, N::zero(), N::zero()),
             NormalLaw::Linear { stiffness } => {
+                let stiffness = N::splat(stiffness);
                 let time = self.damping_time(stiffness);
-                (1.0 / stiffness, self.overlap, time, time)
+                (one / stiffness, self.overlap, time, time)
             }
             NormalLaw::Hertz => {
-                let smallest = SMALLEST_RELATIVE_OVERLAP * self.effective_radius;
-                let stiffness = |depth: f64| 1.25 * self.hertz_stiffness() * depth.max(smallest).sqrt();
+                let smallest = N::splat(SMALLEST_RELATIVE_OVERLAP) * self.effective_radius;
+                let tangent = N::splat(1.25) * self.hertz_stiffness();
+                let stiffness = |depth: N| tangent * depth.larger(smallest).sqrt();
                 let now = stiffness(self.overlap);
-                (1.0 / now, 0.8 * self.overlap, self.damping_time(now), self.damping_time(stiffness(ahead)))
+                let overlap = N::splat(0.8) * self.overlap;
+                (one / now, overlap, self.damping_time(now), self.damping_time(stiffness(ahead)))
             }
         };
-        let damping = 1.0 / (1.0 + 4.0 * (damping_time / h).max(damping_steps));
+        let steps = (damping_time / step).larger(N::splat(damping_steps));
+        let damping = one / (one + four * steps);
         NormalConstraint {
-            regularisation: 4.0 * damping * compliance / (h * h),
-            bias: 4.0 / h * damping * overlap + damping * self.velocity,
-            resolves_impact: time_ahead > damping_steps * h,
+            regularisation: four * damping * compliance / N::splat(h * h),
+            bias: N::splat(4.0 / h) * damping * overlap + damping * self.velocity,
+            resolves_impact: N::splat(damping_steps * h).below(time_ahead),
         }
     }
 
     /// `c/k` of a spring of the given stiffness (N/m), s.
-    #[inline]
-    fn damping_time(&self, stiffness: f64) -> f64 {
-        2.0 * self.damping_ratio / (stiffness * self.inverse_mass).sqrt()
+    #[inline(always)]
+    fn damping_time(&self, stiffness: N) -> N {
+        N::splat(2.0) * self.damping_ratio / (stiffness * self.inverse_mass).sqrt()
     }
+}
 
+impl NormalContact<f64> {
     /// Elastic energy stored, J: `1/2 k d^2` or `2/5 k_H d^(5/2)`.
     pub fn elastic_energy(&self, law: NormalLaw) -> f64 {
         let overlap = self.overlap.max(0.0);

@@ -6,37 +6,52 @@
 //! restitution. Where the step does not resolve it, the impact is over within the step, so it is as stiff as a rigid one.
 
 use super::compliance::NormalConstraint;
+use crate::lanes::Number;
 use crate::scene::NormalLaw;
 
-/// Applies restitution to a contact's constraint; `None` where the contact needs no constraint in this step.
+/// Bias of a contact that must bear nothing, m/s: no contact separates as fast as that.
+const OUT_OF_TOUCH: f64 = -1e30;
+
+/// Applies restitution to a contact's constraint.
 ///
 /// `overlap` in m, `velocity` and `threshold` in m/s, `h` in s. A rigid contact has no elastic energy that an overlap could
 /// give back, so there stabilisation must not push: an impact leaves at `-e u_n0` exactly, a contact that already
-/// separates is left alone, and a resting one recovers its overlap no faster than the threshold. Across a gap only a
+/// separates bears nothing, and a resting one recovers its overlap no faster than the threshold. Across a gap only a
 /// slow approach is stopped, at touch; a fast one becomes an impact once the two overlap.
-#[inline]
-pub fn with_restitution(
-    constraint: NormalConstraint,
+#[inline(always)]
+pub fn with_restitution<N: Number>(
+    constraint: NormalConstraint<N>,
     law: NormalLaw,
-    overlap: f64,
-    velocity: f64,
-    restitution: f64,
+    overlap: N,
+    velocity: N,
+    restitution: N,
     threshold: f64,
     h: f64,
-) -> Option<NormalConstraint> {
-    let impact = velocity < -threshold;
+) -> NormalConstraint<N> {
+    let threshold = N::splat(threshold);
+    let impact = velocity.below(-threshold);
+    let rebound = -restitution * velocity;
     match law {
-        NormalLaw::Rigid if overlap < 0.0 => {
-            let resting = !impact && velocity <= threshold;
-            resting.then_some(NormalConstraint { bias: overlap / h, ..constraint })
+        NormalLaw::Rigid => {
+            let (never, separates) = (N::splat(OUT_OF_TOUCH), threshold.below(velocity));
+            let resting = N::select(separates, never, constraint.bias.smaller(threshold));
+            let touching = N::select(impact, rebound, resting);
+            let across = N::select(!impact & !separates, overlap / N::splat(h), never);
+            NormalConstraint { bias: N::select(overlap.below(N::zero()), across, touching), ..constraint }
         }
-        NormalLaw::Rigid if impact => Some(NormalConstraint { bias: -restitution * velocity, ..constraint }),
-        NormalLaw::Rigid if velocity > threshold => None,
-        NormalLaw::Rigid => Some(NormalConstraint { bias: constraint.bias.min(threshold), ..constraint }),
-        _ if impact && !constraint.resolves_impact => {
-            let bias = constraint.bias.max(-restitution * velocity);
-            Some(NormalConstraint { bias, regularisation: 0.0, ..constraint })
+        _ => {
+            let unresolved = impact & !constraint.resolves_impact;
+            NormalConstraint {
+                bias: N::select(unresolved, constraint.bias.larger(rebound), constraint.bias),
+                regularisation: N::select(unresolved, N::zero(), constraint.regularisation),
+                ..constraint
+            }
         }
-        _ => Some(constraint),
     }
+}
+
+/// Whether a contact may bear something in this step.
+#[inline(always)]
+pub fn bears<N: Number>(constraint: &NormalConstraint<N>) -> N::Mask {
+    N::splat(OUT_OF_TOUCH).below(constraint.bias)
 }

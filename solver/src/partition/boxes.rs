@@ -38,31 +38,41 @@ impl BoxGrid {
         self.count.iter().map(|&count| count as usize).product()
     }
 
+    /// Number of boxes along each axis.
+    pub(crate) fn counts(&self) -> [u32; 3] {
+        self.count
+    }
+
+    /// Corner of the first box, m.
+    pub(crate) fn origin(&self) -> Vector3<f64> {
+        self.origin
+    }
+
+    /// Width of a box, m.
+    pub(crate) fn width(&self) -> f64 {
+        self.width
+    }
+
     /// Number of tasks: one a stage and box.
     pub fn tasks(&self) -> usize {
         STAGES * self.boxes()
     }
 
-    /// The box of a point, as three coordinates.
+    /// Number of the box with these coordinates.
     #[inline]
-    pub fn of(&self, point: &Vector3<f64>) -> [u16; 3] {
-        let mut cell = [0; 3];
-        for axis in 0..3 {
-            let place = ((point[axis] - self.origin[axis]) / self.width).floor();
-            cell[axis] = place.clamp(0.0, f64::from(self.count[axis] - 1)) as u16;
-        }
-        cell
+    pub fn number(&self, at: [u32; 3]) -> usize {
+        (at[2] as usize * self.count[1] as usize + at[1] as usize) * self.count[0] as usize + at[0] as usize
     }
 
-    /// Number of a box.
-    #[inline]
-    fn number(&self, cell: [u16; 3]) -> usize {
-        (cell[2] as usize * self.count[1] as usize + cell[1] as usize) * self.count[0] as usize + cell[0] as usize
+    /// Coordinates of a box.
+    pub(crate) fn at(&self, number: usize) -> [u32; 3] {
+        let (columns, rows) = (self.count[0] as usize, self.count[1] as usize);
+        [number % columns, number / columns % rows, number / (columns * rows)].map(|place| place as u32)
     }
 
     /// Task of a contact of grains in two boxes, the same or neighbours: stage by stage, box by box.
     #[inline]
-    pub fn task(&self, first: [u16; 3], second: [u16; 3]) -> usize {
+    pub fn task(&self, first: [u32; 3], second: [u32; 3]) -> usize {
         let mut axes = 0;
         let mut lower = [0; 3];
         for axis in 0..3 {

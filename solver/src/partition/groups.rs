@@ -1,39 +1,35 @@
 //! Lane groups: eight contacts that share no body.
 
-use crate::detect::Impulse;
-use crate::sweep::Lanes;
-use crate::world::LANES;
+use crate::lanes::{Eight, LANES};
 
 /// Marks a lane that holds no contact.
 const NO_SOURCE: u32 = u32::MAX;
 
 /// Constraint data and impulses of eight contacts.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub struct ContactLanes {
     /// Unit normals from the first body to the second, or to the wall.
-    pub normal: [Lanes; 3],
+    pub normal: [Eight; 3],
     /// Biases q, m/s.
-    pub bias: Lanes,
+    pub bias: Eight,
     /// Regularisations Sigma', 1/kg.
-    pub regularisation: Lanes,
+    pub regularisation: Eight,
     /// Friction coefficients.
-    pub friction: Lanes,
+    pub friction: Eight,
     /// Normal impulses, N s.
-    pub impulse_normal: Lanes,
+    pub impulse_normal: Eight,
     /// Tangential impulses on the second body, or on the wall, N s.
-    pub impulse_tangential: [Lanes; 3],
-    /// Candidates that the contacts came from.
-    source: [u32; LANES],
+    pub impulse_tangential: [Eight; 3],
 }
 
 /// Eight contacts of pairs of grains that share no body.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct PairGroup {
-    /// First bodies.
+    /// Places of the first bodies.
     pub first: [u32; LANES],
-    /// Second bodies.
+    /// Places of the second bodies.
     pub second: [u32; LANES],
     /// Their contacts.
     pub contacts: ContactLanes,
@@ -43,62 +39,27 @@ pub struct PairGroup {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct WallGroup {
-    /// Grains.
+    /// Places of the grains.
     pub body: [u32; LANES],
     /// Velocities of the wall at the contacts, m/s.
-    pub wall_velocity: [Lanes; 3],
+    pub wall_velocity: [Eight; 3],
     /// Their contacts.
     pub contacts: ContactLanes,
 }
 
-/// Constraint data of one contact on its way into a lane.
+/// Candidates that the contacts of a lane group came from. Kept beside the group, because sweeps need none of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Constraint {
-    pub normal: [f64; 3],
-    pub bias: f64,
-    pub regularisation: f64,
-    pub friction: f64,
-    pub impulse: Impulse,
-    pub source: u32,
-}
+pub struct Sources([u32; LANES]);
 
 impl ContactLanes {
-    fn padding() -> ContactLanes {
-        ContactLanes {
-            normal: [Lanes::default(); 3],
-            bias: Lanes::default(),
-            regularisation: Lanes::default(),
-            friction: Lanes::default(),
-            impulse_normal: Lanes::default(),
-            impulse_tangential: [Lanes::default(); 3],
-            source: [NO_SOURCE; LANES],
-        }
+    /// Normal impulse of the contact in a lane, N s.
+    pub fn normal_impulse(&self, lane: usize) -> f64 {
+        self.impulse_normal.0[lane]
     }
 
-    pub(super) fn set(&mut self, lane: usize, constraint: &Constraint) {
-        for axis in 0..3 {
-            self.normal[axis].0[lane] = constraint.normal[axis];
-            self.impulse_tangential[axis].0[lane] = constraint.impulse.tangential[axis];
-        }
-        self.bias.0[lane] = constraint.bias;
-        self.regularisation.0[lane] = constraint.regularisation;
-        self.friction.0[lane] = constraint.friction;
-        self.impulse_normal.0[lane] = constraint.impulse.normal;
-        self.source[lane] = constraint.source;
-    }
-
-    /// Lanes that hold a contact, with the candidates that these came from.
-    pub fn occupied(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let occupied = |&(_, &source): &(usize, &u32)| source != NO_SOURCE;
-        self.source.iter().enumerate().filter(occupied).map(|(lane, &source)| (lane, source as usize))
-    }
-
-    /// Impulse of the contact in a lane, N s.
-    pub fn impulse(&self, lane: usize) -> Impulse {
-        Impulse {
-            normal: self.impulse_normal.0[lane],
-            tangential: std::array::from_fn(|axis| self.impulse_tangential[axis].0[lane]),
-        }
+    /// Tangential impulse of the contact in a lane, N s.
+    pub fn tangential_impulse(&self, lane: usize) -> [f64; 3] {
+        std::array::from_fn(|axis| self.impulse_tangential[axis].0[lane])
     }
 
     /// Normal of the contact in a lane.
@@ -108,23 +69,57 @@ impl ContactLanes {
 }
 
 impl PairGroup {
-    /// A group of padding lanes, which point at the dummies behind `grains` bodies.
-    pub(super) fn padding(grains: u32) -> PairGroup {
-        PairGroup {
-            first: std::array::from_fn(|lane| grains + lane as u32),
-            second: std::array::from_fn(|lane| grains + (LANES + lane) as u32),
-            contacts: ContactLanes::padding(),
-        }
+    /// A group of padding lanes, which point at a box's dummies, the first of them at `dummies`.
+    pub(super) fn padding(dummies: u32) -> PairGroup {
+        let [first, second] = PairGroup::padding_places(dummies);
+        PairGroup { first, second, contacts: ContactLanes::default() }
+    }
+
+    fn padding_places(dummies: u32) -> [[u32; LANES]; 2] {
+        [0, LANES as u32].map(|side| std::array::from_fn(|lane| dummies + side + lane as u32))
+    }
+
+    /// Empties all lanes; the constraint data stay, to be overwritten.
+    pub(super) fn clear(&mut self, dummies: u32) {
+        [self.first, self.second] = PairGroup::padding_places(dummies);
     }
 }
 
 impl WallGroup {
     /// As [`PairGroup::padding`].
-    pub(super) fn padding(grains: u32) -> WallGroup {
-        WallGroup {
-            body: std::array::from_fn(|lane| grains + lane as u32),
-            wall_velocity: [Lanes::default(); 3],
-            contacts: ContactLanes::padding(),
-        }
+    pub(super) fn padding(dummies: u32) -> WallGroup {
+        let body = std::array::from_fn(|lane| dummies + lane as u32);
+        WallGroup { body, wall_velocity: Default::default(), contacts: ContactLanes::default() }
+    }
+
+    /// As [`PairGroup::clear`].
+    pub(super) fn clear(&mut self, dummies: u32) {
+        self.body = std::array::from_fn(|lane| dummies + lane as u32);
+    }
+}
+
+impl Sources {
+    /// No lane holds a contact.
+    pub(super) const NONE: Sources = Sources([NO_SOURCE; LANES]);
+
+    pub(super) fn set(&mut self, lane: usize, candidate: u32) {
+        self.0[lane] = candidate;
+    }
+
+    /// Lanes that hold a contact, with the candidates that these came from.
+    pub fn occupied(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let occupied = |&(_, &source): &(usize, &u32)| source != NO_SOURCE;
+        self.0.iter().enumerate().filter(occupied).map(|(lane, &source)| (lane, source as usize))
+    }
+
+    /// Whether each lane holds a contact. Lanes are filled in their order.
+    pub fn is_full(&self) -> bool {
+        self.0[LANES - 1] != NO_SOURCE
+    }
+
+    /// The candidates, `nothing` in the place of those that are not there.
+    #[inline(always)]
+    pub(crate) fn or(&self, nothing: u32) -> [u32; LANES] {
+        self.0.map(|source| source.min(nothing))
     }
 }

@@ -14,52 +14,66 @@
 mod boxes;
 mod groups;
 mod packing;
+mod plan;
 
 pub use boxes::{BoxGrid, STAGES};
-pub(crate) use groups::Constraint;
-pub use groups::{ContactLanes, PairGroup, WallGroup};
-pub(crate) use packing::{Packer, PairEntry, WallEntry};
+pub use groups::{ContactLanes, PairGroup, Sources, WallGroup};
+pub(crate) use packing::{Packer, Taken};
+pub use plan::{Plan, PlannedTask};
 
-/// Lane groups of one task: ranges in the groups of pairs and of walls.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Task {
-    /// Stage, 0 to 7.
-    pub stage: u8,
-    /// Groups of pairs.
-    pub pairs: std::ops::Range<usize>,
-    /// Groups of wall contacts.
-    pub walls: std::ops::Range<usize>,
+/// Lane groups of one task; what sweeps read and write besides bodies.
+#[derive(Clone, Debug, Default)]
+pub struct TaskGroups {
+    /// Groups of contacts of two grains.
+    pub pairs: Vec<PairGroup>,
+    /// Where their contacts came from.
+    pub pair_sources: Vec<Sources>,
+    /// Groups of contacts with walls.
+    pub walls: Vec<WallGroup>,
+    /// Where their contacts came from.
+    pub wall_sources: Vec<Sources>,
+    /// Number of contacts, padding lanes left out.
+    pub contacts: usize,
+    pairs_used: usize,
+    walls_used: usize,
 }
 
 /// All contacts of a step, laid out for relaxation.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// Groups of contacts of two grains, task after task.
-    pub pairs: Vec<PairGroup>,
-    /// Groups of contacts with walls, task after task.
-    pub walls: Vec<WallGroup>,
-    /// Tasks in the order of their stages.
-    pub tasks: Vec<Task>,
+    /// The tasks that have candidates, stage after stage.
+    pub plan: Plan,
+    /// Lane groups of every task that can be, by its number ([`BoxGrid::task`]).
+    pub groups: Vec<TaskGroups>,
     /// Number of contacts, padding lanes left out.
     pub contacts: usize,
 }
 
 impl Layout {
+    /// An empty layout for so many tasks.
+    pub fn new(tasks: usize) -> Layout {
+        Layout { groups: vec![TaskGroups::default(); tasks], ..Layout::default() }
+    }
+
+    /// Stage and lane groups of the tasks that have any, in the order of their stages.
+    pub fn tasks(&self) -> impl Iterator<Item = (usize, &TaskGroups)> {
+        let stages = (0..STAGES).flat_map(|stage| self.plan.stage(stage).iter().map(move |task| (stage, task)));
+        stages.map(|(stage, task)| (stage, &self.groups[task.number as usize]))
+    }
+
     /// Share of lanes that hold a contact, 0 to 1.
     pub fn lane_occupancy(&self) -> f64 {
-        self.contacts as f64 / (crate::world::LANES * (self.pairs.len() + self.walls.len())).max(1) as f64
+        let groups: usize = self.tasks().map(|(_, task)| task.pairs.len() + task.walls.len()).sum();
+        self.contacts as f64 / (crate::lanes::LANES * groups).max(1) as f64
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.pairs.capacity() * size_of::<PairGroup>()
-            + self.walls.capacity() * size_of::<WallGroup>()
-            + self.tasks.capacity() * size_of::<Task>()
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.pairs.clear();
-        self.walls.clear();
-        self.tasks.clear();
-        self.contacts = 0;
+        let of_task = |task: &TaskGroups| {
+            size_of::<TaskGroups>()
+                + task.pairs.capacity() * size_of::<PairGroup>()
+                + task.walls.capacity() * size_of::<WallGroup>()
+                + (task.pair_sources.capacity() + task.wall_sources.capacity()) * size_of::<Sources>()
+        };
+        self.groups.iter().map(of_task).sum::<usize>() + self.plan.memory_bytes()
     }
 }

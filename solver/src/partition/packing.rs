@@ -1,95 +1,108 @@
 //! Packing: contacts into lane groups whose eight contacts share no body.
 
-use super::{Constraint, Layout, PairGroup, WallGroup};
-use crate::world::LANES;
-
-/// A contact of two grains on its way into a lane group.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PairEntry {
-    pub first: u32,
-    pub second: u32,
-    pub constraint: Constraint,
-}
-
-/// A wall contact on its way into a lane group.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WallEntry {
-    pub body: u32,
-    pub wall_velocity: [f64; 3],
-    pub constraint: Constraint,
-}
+use super::{PairGroup, Sources, TaskGroups, WallGroup};
+use crate::detect::{PairCandidate, WallCandidate};
+use crate::lanes::LANES;
+use crate::schedule::Disjoint;
 
 /// Number of groups that are open for contacts at a time.
 const WINDOW: u64 = 64;
 
+/// Tasks of at least so many candidates keep groups that share a body apart; smaller ones would be mostly padding.
+const SPACED_FROM: usize = 192;
+
+/// Groups in which a body already is: a mask that counts from group `since`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Taken {
+    mask: u64,
+    since: u64,
+}
+
 /// Packs contacts first-fit into groups, looking at a window of open groups.
 ///
-/// Each body remembers in which open groups it already is, as a mask relative to the window's start. The numbers of
-/// groups grow without end, so that nothing must be reset between tasks or steps.
-#[derive(Clone, Debug)]
-pub(crate) struct Packer {
-    taken: Vec<(u64, u64)>,
+/// Each body remembers in which open groups it already is. Numbers of groups grow from task to task and from step to step,
+/// so that nothing must be reset.
+///
+/// A group that follows another one and shares a body with it must wait until the other has written it. First-fit alone
+/// puts the contacts of a grain, which come one after another, into adjacent groups; so groups next to one that holds
+/// the body are passed over too.
+pub(crate) struct Packer<'a> {
+    taken: &'a Disjoint<'a, Taken>,
     /// Number of the window's first group.
     start: u64,
+    /// Number of the task's first group.
+    base: u64,
     /// Number of groups opened since the window's start.
     opened: u64,
     /// Groups of the window that still have a free lane.
     open: u64,
+    /// Whether groups that share a body are kept apart.
+    spaced: bool,
     /// Lanes filled in each group of the window, by group number modulo the window.
     filled: [u8; WINDOW as usize],
 }
 
-impl Default for Packer {
-    fn default() -> Packer {
-        Packer { taken: Vec::new(), start: 0, opened: 0, open: 0, filled: [0; WINDOW as usize] }
-    }
-}
-
-impl Packer {
-    pub fn resize(&mut self, bodies: usize) {
-        self.taken.resize(bodies, (0, 0));
+impl<'a> Packer<'a> {
+    /// A packer for one task. `base` must be larger by at least the window than the number of any group that earlier
+    /// tasks put the same bodies into.
+    pub fn new(taken: &'a Disjoint<'a, Taken>, base: u64, candidates: usize) -> Packer<'a> {
+        let spaced = candidates >= SPACED_FROM;
+        Packer { taken, start: base, base, opened: 0, open: 0, spaced, filled: [0; WINDOW as usize] }
     }
 
-    /// Closes all open groups: the next contact opens a new one.
-    fn close(&mut self) {
-        self.start += self.opened;
-        self.opened = 0;
-        self.open = 0;
-    }
-
+    /// Groups that hold one of the bodies.
+    ///
+    /// # Safety
+    /// No other task may use these bodies.
     #[inline]
-    fn mask_of(&self, body: u32) -> u64 {
-        let (mask, since) = self.taken[body as usize];
-        let age = self.start - since;
-        if age < WINDOW { mask >> age } else { 0 }
+    unsafe fn groups_of<const N: usize>(&self, bodies: [u32; N]) -> [u64; N] {
+        bodies.map(|body| {
+            // SAFETY: the caller's promise.
+            let taken = unsafe { self.taken.at(body as usize) };
+            let age = self.start - taken.since;
+            if age < WINDOW { taken.mask >> age } else { 0 }
+        })
     }
 
-    /// Finds the group and lane for a contact of these bodies: (place in the window, lane).
+    /// Finds the group and lane for a contact of these bodies; the group is counted from the task's first.
+    ///
+    /// # Safety
+    /// No other task may use these bodies meanwhile.
     #[inline]
-    fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (u64, usize) {
-        let masks = bodies.map(|body| self.mask_of(body));
-        let mut free = self.open & !masks.iter().fold(0, |all, mask| all | mask);
-        if free == 0 {
-            if self.opened == WINDOW {
-                self.advance();
-                return self.place(bodies);
+    pub unsafe fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (usize, usize) {
+        loop {
+            // SAFETY: the caller's promise.
+            let masks = unsafe { self.groups_of(bodies) };
+            let mut shared = masks.iter().fold(0, |all, mask| all | mask);
+            if self.spaced {
+                shared |= shared << 1 | shared >> 1;
+                shared |= shared << 1 | shared >> 1;
             }
-            free = 1 << self.opened;
-            self.filled[((self.start + self.opened) % WINDOW) as usize] = 0;
-            self.open |= free;
-            self.opened += 1;
+            let mut free = self.open & !shared;
+            while free == 0 && self.opened < WINDOW {
+                let next = 1 << self.opened;
+                self.filled[((self.start + self.opened) % WINDOW) as usize] = 0;
+                self.open |= next;
+                self.opened += 1;
+                free = next & !shared;
+            }
+            if free == 0 {
+                self.advance();
+                continue;
+            }
+            let place = u64::from(free.trailing_zeros());
+            for (body, mask) in bodies.into_iter().zip(masks) {
+                // SAFETY: the caller's promise.
+                unsafe { *self.taken.at(body as usize) = Taken { mask: mask | 1 << place, since: self.start } };
+            }
+            let filled = &mut self.filled[((self.start + place) % WINDOW) as usize];
+            let lane = *filled as usize;
+            *filled += 1;
+            if lane + 1 == LANES {
+                self.open &= !(1 << place);
+            }
+            return ((self.start - self.base + place) as usize, lane);
         }
-        let place = u64::from(free.trailing_zeros());
-        for (body, mask) in bodies.into_iter().zip(masks) {
-            self.taken[body as usize] = (mask | 1 << place, self.start);
-        }
-        let filled = &mut self.filled[((self.start + place) % WINDOW) as usize];
-        let lane = *filled as usize;
-        *filled += 1;
-        if lane + 1 == LANES {
-            self.open &= !(1 << place);
-        }
-        (place, lane)
     }
 
     /// Moves the window past its full groups, or past its first group if that still has room.
@@ -99,44 +112,72 @@ impl Packer {
         self.opened -= full;
         self.open >>= full;
     }
+}
 
-    /// Packs a task's contacts of pairs behind the groups that the layout has.
-    pub fn pack_pairs(&mut self, entries: &[PairEntry], grains: u32, layout: &mut Layout) {
-        self.close();
-        let before = self.start;
-        let base = layout.pairs.len();
-        for entry in entries {
-            let (place, lane) = self.place([entry.first, entry.second]);
-            let at = base + (self.start - before + place) as usize;
-            if at == layout.pairs.len() {
-                layout.pairs.push(PairGroup::padding(grains));
+impl TaskGroups {
+    /// Puts a contact of two grains into a lane; the group is opened if it is not there yet.
+    #[inline]
+    pub(crate) fn put_pair(&mut self, at: (usize, usize), pair: PairCandidate, candidate: u32, dummies: u32) {
+        let (group, lane) = at;
+        while self.pairs_used <= group {
+            match self.pairs.get_mut(self.pairs_used) {
+                Some(old) => {
+                    old.clear(dummies);
+                    self.pair_sources[self.pairs_used] = Sources::NONE;
+                }
+                None => {
+                    make_room(&mut self.pairs, &mut self.pair_sources);
+                    self.pairs.push(PairGroup::padding(dummies));
+                    self.pair_sources.push(Sources::NONE);
+                }
             }
-            let group = &mut layout.pairs[at];
-            group.first[lane] = entry.first;
-            group.second[lane] = entry.second;
-            group.contacts.set(lane, &entry.constraint);
+            self.pairs_used += 1;
         }
-        layout.contacts += entries.len();
+        self.pairs[group].first[lane] = pair.first;
+        self.pairs[group].second[lane] = pair.second;
+        self.pair_sources[group].set(lane, candidate);
     }
 
-    /// Packs a task's wall contacts behind the groups that the layout has.
-    pub fn pack_walls(&mut self, entries: &[WallEntry], grains: u32, layout: &mut Layout) {
-        self.close();
-        let before = self.start;
-        let base = layout.walls.len();
-        for entry in entries {
-            let (place, lane) = self.place([entry.body]);
-            let at = base + (self.start - before + place) as usize;
-            if at == layout.walls.len() {
-                layout.walls.push(WallGroup::padding(grains));
+    /// Puts a wall contact into a lane; the group is opened if it is not there yet.
+    #[inline]
+    pub(crate) fn put_wall(&mut self, at: (usize, usize), wall: WallCandidate, candidate: u32, dummies: u32) {
+        let (group, lane) = at;
+        while self.walls_used <= group {
+            match self.walls.get_mut(self.walls_used) {
+                Some(old) => {
+                    old.clear(dummies);
+                    self.wall_sources[self.walls_used] = Sources::NONE;
+                }
+                None => {
+                    make_room(&mut self.walls, &mut self.wall_sources);
+                    self.walls.push(WallGroup::padding(dummies));
+                    self.wall_sources.push(Sources::NONE);
+                }
             }
-            let group = &mut layout.walls[at];
-            group.body[lane] = entry.body;
-            for axis in 0..3 {
-                group.wall_velocity[axis].0[lane] = entry.wall_velocity[axis];
-            }
-            group.contacts.set(lane, &entry.constraint);
+            self.walls_used += 1;
         }
-        layout.contacts += entries.len();
+        self.walls[group].body[lane] = wall.body;
+        self.wall_sources[group].set(lane, candidate);
+    }
+
+    /// Starts to lay out a step anew.
+    pub(crate) fn restart(&mut self) {
+        (self.pairs_used, self.walls_used, self.contacts) = (0, 0, 0);
+    }
+
+    /// Drops the groups that this step does not need; their memory stays.
+    pub(crate) fn finish(&mut self) {
+        self.pairs.truncate(self.pairs_used);
+        self.pair_sources.truncate(self.pairs_used);
+        self.walls.truncate(self.walls_used);
+        self.wall_sources.truncate(self.walls_used);
+    }
+}
+
+/// Makes room for an eighth more groups where there is none: doubling would waste memory that large scenes need.
+fn make_room<G>(groups: &mut Vec<G>, sources: &mut Vec<Sources>) {
+    if groups.len() == groups.capacity() {
+        groups.reserve_exact(groups.len() / 8 + 2);
+        sources.reserve_exact(groups.capacity() - sources.len());
     }
 }

@@ -10,6 +10,8 @@ pub struct SolverSettings {
     pub step: f64,
     /// When a solve stops.
     pub stop: Stop,
+    /// Sweeps over each box while it is in the cache, for each sweep over all boxes.
+    pub inner_sweeps: u32,
     /// Over-relaxation factor of the sweeps; falls back to 1 within a solve whose residual grows.
     pub over_relaxation: f64,
     /// Law of the normal contact.
@@ -29,6 +31,7 @@ impl Default for SolverSettings {
         Self {
             step: 5e-4,
             stop: Stop::Sweeps { sweeps: 10 },
+            inner_sweeps: 1,
             over_relaxation: 1.3,
             normal_law: NormalLaw::Hertz,
             damping_steps: 1.0,

@@ -12,221 +12,194 @@
 //!
 //! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once.
 
-// One index runs over several arrays at once: lanes and axes.
-#![allow(clippy::needless_range_loop)]
-
-use super::lanes::{Lanes, cross, dot};
-use super::residual::GroupResidual;
+use super::residual::LaneResidual;
 use crate::effects::friction::disc_shrinkage;
-use crate::partition::{ContactLanes, PairGroup, WallGroup};
-use crate::world::{Body, LANES};
+use crate::lanes::{Eight, LANES, Lanes, Number, Quad, cross, dot, minus, plus, times};
+use crate::partition::ContactLanes;
+use crate::world::Body;
 
 /// Inverse of `I/(m r^2)` for a solid sphere.
 const INVERSE_INERTIA: f64 = 2.5;
 
-/// Eight bodies, transposed.
-struct EightBodies {
-    velocity: [Lanes; 3],
-    inverse_mass: Lanes,
-    surface_speed: [Lanes; 3],
+/// One body, or eight.
+#[derive(Clone, Copy)]
+pub(super) struct Bodies<N> {
+    pub velocity: [N; 3],
+    pub inverse_mass: N,
+    pub surface_speed: [N; 3],
+    spare: N,
 }
 
-#[inline(always)]
-fn load<const FRICTION: bool>(bodies: &[Body], indices: &[u32; LANES]) -> EightBodies {
-    let mut out = EightBodies {
-        velocity: [Lanes::default(); 3],
-        inverse_mass: Lanes::default(),
-        surface_speed: [Lanes::default(); 3],
-    };
-    for lane in 0..LANES {
-        // SAFETY: `partition` writes indices of bodies or of the dummies behind them, and nothing else.
-        let body = unsafe { bodies.get_unchecked(indices[lane] as usize) };
-        for axis in 0..3 {
-            out.velocity[axis].0[lane] = body.velocity[axis];
+impl<L: Lanes> Bodies<L> {
+    /// Loads eight bodies; without friction their spin is left where it is.
+    ///
+    /// # Safety
+    /// The places are those of bodies, and no other task uses these.
+    #[inline(always)]
+    pub unsafe fn load<const FRICTION: bool>(bodies: *const Body, places: &[u32; LANES]) -> Self {
+        let base: *const Quad = bodies.cast();
+        // SAFETY: the caller's promise; a body is two quads.
+        let [x, y, z, inverse_mass] = unsafe { L::load_quads::<2>(base, places) };
+        let [along_x, along_y, along_z, spare] =
+            // SAFETY: as above.
+            if FRICTION { unsafe { L::load_quads::<2>(base.add(1), places) } } else { [L::zero(); 4] };
+        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], spare }
+    }
+
+    /// Stores eight bodies.
+    ///
+    /// # Safety
+    /// As for `load`.
+    #[inline(always)]
+    pub unsafe fn store<const FRICTION: bool>(self, bodies: *mut Body, places: &[u32; LANES]) {
+        let base: *mut Quad = bodies.cast();
+        let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.surface_speed);
+        // SAFETY: the caller's promise; a body is two quads.
+        unsafe {
+            L::store_quads::<2>(base, places, [x, y, z, self.inverse_mass]);
             if FRICTION {
-                out.surface_speed[axis].0[lane] = body.surface_speed[axis];
+                L::store_quads::<2>(base.add(1), places, [along_x, along_y, along_z, self.spare]);
             }
         }
-        out.inverse_mass.0[lane] = body.inverse_mass;
-    }
-    out
-}
-
-#[inline(always)]
-fn store<const FRICTION: bool>(bodies: &mut [Body], indices: &[u32; LANES], eight: &EightBodies) {
-    for lane in 0..LANES {
-        // SAFETY: as in `load`.
-        let body = unsafe { bodies.get_unchecked_mut(indices[lane] as usize) };
-        for axis in 0..3 {
-            body.velocity[axis] = eight.velocity[axis].0[lane];
-            if FRICTION {
-                body.surface_speed[axis] = eight.surface_speed[axis].0[lane];
-            }
-        }
     }
 }
 
-/// Adds `sign` times an impulse to eight bodies; `lever` is n x P.
-#[inline(always)]
-fn push<const FRICTION: bool>(eight: &mut EightBodies, sign: f64, impulse: [Lanes; 3], lever: [Lanes; 3]) {
-    let spin_factor = eight.inverse_mass * Lanes::splat(-INVERSE_INERTIA);
-    let factor = eight.inverse_mass * Lanes::splat(sign);
-    for axis in 0..3 {
-        eight.velocity[axis] = eight.velocity[axis] + impulse[axis] * factor;
+impl Bodies<f64> {
+    /// One body.
+    pub fn of(body: &Body) -> Self {
+        let Body { velocity, inverse_mass, surface_speed, spare } = *body;
+        Self { velocity, inverse_mass, surface_speed, spare }
+    }
+}
+
+impl<N: Number> Bodies<N> {
+    /// Adds `sign` times an impulse; `lever` is n x P.
+    #[inline(always)]
+    pub fn push<const FRICTION: bool>(&mut self, sign: f64, impulse: [N; 3], lever: [N; 3]) {
+        self.velocity = plus(self.velocity, times(impulse, self.inverse_mass * N::splat(sign)));
         if FRICTION {
-            eight.surface_speed[axis] = eight.surface_speed[axis] + lever[axis] * spin_factor;
+            let factor = self.inverse_mass * N::splat(-INVERSE_INERTIA);
+            self.surface_speed = plus(self.surface_speed, times(lever, factor));
         }
     }
 }
 
-/// The one-contact solution of eight contacts: updates their impulses and returns the change.
-#[inline(always)]
-fn relax<const FRICTION: bool, const MEASURE: bool>(
-    contacts: &mut ContactLanes,
-    velocity: [Lanes; 3],
-    inverse_mass: Lanes,
-    relaxation: Lanes,
-    residual: &mut GroupResidual,
-) -> [Lanes; 3] {
-    let normal = contacts.normal;
-    // Normal impulse, projected onto repulsion.
-    let normal_velocity = dot(normal, velocity);
-    let operator = inverse_mass + contacts.regularisation;
-    let violation = contacts.bias - normal_velocity - contacts.regularisation * contacts.impulse_normal;
-    let updated = (contacts.impulse_normal + relaxation * violation / operator).at_least_zero();
-    let change = updated - contacts.impulse_normal;
-    contacts.impulse_normal = updated;
-    if MEASURE {
-        residual.add_normal(change * operator);
+/// Constraint data and impulses of one contact, or of eight.
+#[derive(Clone, Copy)]
+pub(super) struct Contact<N> {
+    pub normal: [N; 3],
+    pub bias: N,
+    pub regularisation: N,
+    pub friction: N,
+    pub impulse_normal: N,
+    pub impulse_tangential: [N; 3],
+}
+
+impl<N: Number> Contact<N> {
+    /// Reads a contact, number by number.
+    #[inline(always)]
+    pub fn read(contacts: &ContactLanes, number: impl Fn(&Eight) -> N) -> Self {
+        Self {
+            normal: contacts.normal.each_ref().map(&number),
+            bias: number(&contacts.bias),
+            regularisation: number(&contacts.regularisation),
+            friction: number(&contacts.friction),
+            impulse_normal: number(&contacts.impulse_normal),
+            impulse_tangential: contacts.impulse_tangential.each_ref().map(&number),
+        }
     }
-    let mut impulse = [normal[0] * change, normal[1] * change, normal[2] * change];
-    if FRICTION {
-        // Tangential impulse, projected onto the Coulomb disc.
-        let operator = inverse_mass * Lanes::splat(1.0 + INVERSE_INERTIA);
-        let step = -(relaxation / operator);
-        let mut target = [Lanes::default(); 3];
-        for axis in 0..3 {
-            let tangential = velocity[axis] - normal[axis] * normal_velocity;
-            target[axis] = contacts.impulse_tangential[axis] + tangential * step;
+
+    /// Writes its impulses back.
+    #[inline(always)]
+    pub fn write<const FRICTION: bool>(&self, contacts: &mut ContactLanes, number: impl Fn(N, &mut Eight)) {
+        number(self.impulse_normal, &mut contacts.impulse_normal);
+        if FRICTION {
+            for axis in 0..3 {
+                number(self.impulse_tangential[axis], &mut contacts.impulse_tangential[axis]);
+            }
         }
-        let shrinkage = disc_shrinkage(target, contacts.friction * updated);
-        let mut change = [Lanes::default(); 3];
-        for axis in 0..3 {
-            let updated = target[axis] * shrinkage;
-            change[axis] = updated - contacts.impulse_tangential[axis];
-            contacts.impulse_tangential[axis] = updated;
-            impulse[axis] = impulse[axis] + change[axis];
-        }
+    }
+
+    /// Its impulse as a vector.
+    #[inline(always)]
+    pub fn impulse(&self) -> [N; 3] {
+        plus(self.impulse_tangential, times(self.normal, self.impulse_normal))
+    }
+
+    /// The one-contact solution: updates the impulses and returns the change.
+    #[inline(always)]
+    pub fn relax<const FRICTION: bool, const MEASURE: bool>(
+        &mut self,
+        velocity: [N; 3],
+        inverse_mass: N,
+        relaxation: N,
+        residual: &mut LaneResidual<N>,
+    ) -> [N; 3] {
+        let normal = self.normal;
+        // Normal impulse, projected onto repulsion.
+        let normal_velocity = dot(normal, velocity);
+        let operator = inverse_mass + self.regularisation;
+        let violation = self.bias - normal_velocity - self.regularisation * self.impulse_normal;
+        let updated = (self.impulse_normal + relaxation * violation / operator).larger(N::zero());
+        let change = updated - self.impulse_normal;
+        self.impulse_normal = updated;
         if MEASURE {
-            residual.add_tangential(normal, change.map(|component| component * operator));
+            residual.add_normal(change * operator);
         }
+        let mut impulse = times(normal, change);
+        if FRICTION {
+            // Tangential impulse, projected onto the Coulomb disc.
+            let operator = inverse_mass * N::splat(1.0 + INVERSE_INERTIA);
+            let step = -(relaxation / operator);
+            let tangential = minus(velocity, times(normal, normal_velocity));
+            let target = plus(self.impulse_tangential, times(tangential, step));
+            let projected = times(target, disc_shrinkage(target, self.friction * updated));
+            let change = minus(projected, self.impulse_tangential);
+            self.impulse_tangential = projected;
+            impulse = plus(impulse, change);
+            if MEASURE {
+                residual.add_tangential(normal, times(change, operator));
+            }
+        }
+        impulse
     }
-    impulse
-}
 
-/// Relaxes the contacts of pairs of grains, group after group.
-#[inline(always)]
-pub(super) fn sweep_pairs<const FRICTION: bool, const MEASURE: bool>(
-    bodies: &mut [Body],
-    groups: &mut [PairGroup],
-    relaxation: f64,
-    residual: &mut GroupResidual,
-) {
-    let relaxation = Lanes::splat(relaxation);
-    for group in groups {
-        let mut first = load::<FRICTION>(bodies, &group.first);
-        let mut second = load::<FRICTION>(bodies, &group.second);
+    /// Relaxes a contact of two grains.
+    #[inline(always)]
+    pub fn relax_pair<const FRICTION: bool, const MEASURE: bool>(
+        &mut self,
+        first: &mut Bodies<N>,
+        second: &mut Bodies<N>,
+        relaxation: N,
+        residual: &mut LaneResidual<N>,
+    ) {
         // Relative velocity at the contact.
-        let mut velocity = [Lanes::default(); 3];
-        for axis in 0..3 {
-            velocity[axis] = second.velocity[axis] - first.velocity[axis];
-        }
+        let mut velocity = minus(second.velocity, first.velocity);
         if FRICTION {
-            let mut rolling = [Lanes::default(); 3];
-            for axis in 0..3 {
-                rolling[axis] = first.surface_speed[axis] + second.surface_speed[axis];
-            }
-            let rolling = cross(rolling, group.contacts.normal);
-            for axis in 0..3 {
-                velocity[axis] = velocity[axis] - rolling[axis];
-            }
+            velocity = minus(velocity, cross(plus(first.surface_speed, second.surface_speed), self.normal));
         }
-        let impulse = relax::<FRICTION, MEASURE>(
-            &mut group.contacts,
-            velocity,
-            first.inverse_mass + second.inverse_mass,
-            relaxation,
-            residual,
-        );
+        let inverse_mass = first.inverse_mass + second.inverse_mass;
+        let impulse = self.relax::<FRICTION, MEASURE>(velocity, inverse_mass, relaxation, residual);
         // Both bodies take the impulse; their spins change alike.
-        let lever = cross(group.contacts.normal, impulse);
-        push::<FRICTION>(&mut first, -1.0, impulse, lever);
-        push::<FRICTION>(&mut second, 1.0, impulse, lever);
-        store::<FRICTION>(bodies, &group.first, &first);
-        store::<FRICTION>(bodies, &group.second, &second);
+        let lever = cross(self.normal, impulse);
+        first.push::<FRICTION>(-1.0, impulse, lever);
+        second.push::<FRICTION>(1.0, impulse, lever);
     }
-}
 
-/// Relaxes the contacts of grains with walls, group after group.
-#[inline(always)]
-pub(super) fn sweep_walls<const FRICTION: bool, const MEASURE: bool>(
-    bodies: &mut [Body],
-    groups: &mut [WallGroup],
-    relaxation: f64,
-    residual: &mut GroupResidual,
-) {
-    let relaxation = Lanes::splat(relaxation);
-    for group in groups {
-        let mut grain = load::<FRICTION>(bodies, &group.body);
-        // Relative velocity of the wall at the contact.
-        let mut velocity = [Lanes::default(); 3];
-        for axis in 0..3 {
-            velocity[axis] = group.wall_velocity[axis] - grain.velocity[axis];
-        }
+    /// Relaxes a contact of a grain with a wall that moves with `wall_velocity` there.
+    #[inline(always)]
+    pub fn relax_wall<const FRICTION: bool, const MEASURE: bool>(
+        &mut self,
+        grain: &mut Bodies<N>,
+        wall_velocity: [N; 3],
+        relaxation: N,
+        residual: &mut LaneResidual<N>,
+    ) {
+        let mut velocity = minus(wall_velocity, grain.velocity);
         if FRICTION {
-            let rolling = cross(grain.surface_speed, group.contacts.normal);
-            for axis in 0..3 {
-                velocity[axis] = velocity[axis] - rolling[axis];
-            }
+            velocity = minus(velocity, cross(grain.surface_speed, self.normal));
         }
-        let impulse =
-            relax::<FRICTION, MEASURE>(&mut group.contacts, velocity, grain.inverse_mass, relaxation, residual);
-        let lever = cross(group.contacts.normal, impulse);
-        push::<FRICTION>(&mut grain, -1.0, impulse, lever);
-        store::<FRICTION>(bodies, &group.body, &grain);
+        let impulse = self.relax::<FRICTION, MEASURE>(velocity, grain.inverse_mass, relaxation, residual);
+        grain.push::<FRICTION>(-1.0, impulse, cross(self.normal, impulse));
     }
-}
-
-/// Gives the bodies of pairs the impulses that their contacts start from.
-pub(super) fn apply_pairs<const FRICTION: bool>(bodies: &mut [Body], groups: &[PairGroup]) {
-    for group in groups {
-        let mut first = load::<FRICTION>(bodies, &group.first);
-        let mut second = load::<FRICTION>(bodies, &group.second);
-        let impulse = total_impulse(&group.contacts);
-        let lever = cross(group.contacts.normal, impulse);
-        push::<FRICTION>(&mut first, -1.0, impulse, lever);
-        push::<FRICTION>(&mut second, 1.0, impulse, lever);
-        store::<FRICTION>(bodies, &group.first, &first);
-        store::<FRICTION>(bodies, &group.second, &second);
-    }
-}
-
-/// Gives the bodies at walls the impulses that their contacts start from.
-pub(super) fn apply_walls<const FRICTION: bool>(bodies: &mut [Body], groups: &[WallGroup]) {
-    for group in groups {
-        let mut grain = load::<FRICTION>(bodies, &group.body);
-        let impulse = total_impulse(&group.contacts);
-        push::<FRICTION>(&mut grain, -1.0, impulse, cross(group.contacts.normal, impulse));
-        store::<FRICTION>(bodies, &group.body, &grain);
-    }
-}
-
-/// Normal and tangential impulses of eight contacts as vectors.
-#[inline(always)]
-fn total_impulse(contacts: &ContactLanes) -> [Lanes; 3] {
-    let mut impulse = contacts.impulse_tangential;
-    for axis in 0..3 {
-        impulse[axis] = impulse[axis] + contacts.normal[axis] * contacts.impulse_normal;
-    }
-    impulse
 }

@@ -1,135 +1,237 @@
 //! One relaxation of a task's lane groups, in the same arithmetic on every instruction set.
-//!
-//! The kernel is written once, over [`Lanes`]; it is compiled for the baseline, for AVX2 and for AVX-512F, with and
-//! without friction, and the best that the processor has is chosen once at start. All give the same bits.
 
 mod kernel;
-mod lanes;
 mod residual;
+mod scalar;
 
-pub use lanes::Lanes;
-pub(crate) use residual::GroupResidual;
+pub(crate) use residual::TaskResidual;
 pub use residual::{Residual, Residuals};
 
-use crate::partition::{PairGroup, WallGroup};
+use crate::detect::Impulse;
+use crate::lanes::{InstructionSet, Kernel, Lanes, Quad};
+use crate::partition::TaskGroups;
+use crate::schedule::Disjoint;
 use crate::world::Body;
-use serde::{Deserialize, Serialize};
-
-/// Instruction set of the kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum InstructionSet {
-    /// Whatever the build's target has.
-    Generic,
-    /// 256-bit registers.
-    Avx2,
-    /// 512-bit registers.
-    Avx512,
-}
-
-impl InstructionSet {
-    /// The widest that this processor has.
-    pub fn detect() -> InstructionSet {
-        [InstructionSet::Avx512, InstructionSet::Avx2]
-            .into_iter()
-            .find(|set| set.is_available())
-            .unwrap_or(InstructionSet::Generic)
-    }
-
-    /// Whether this processor has it.
-    pub fn is_available(self) -> bool {
-        match self {
-            InstructionSet::Generic => true,
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx2 => is_x86_feature_detected!("avx2"),
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx512 => is_x86_feature_detected!("avx512f"),
-            #[cfg(not(target_arch = "x86_64"))]
-            _ => false,
-        }
-    }
-}
+use kernel::{Bodies, Contact};
+use residual::LaneResidual;
 
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Relaxation {
     /// Instruction set of the kernel.
     pub instruction_set: InstructionSet,
+    /// One contact at a time instead of eight: what lanes are measured against.
+    pub scalar: bool,
     /// Whether contacts have friction; without it bodies carry no spin through the sweep.
     pub friction: bool,
+    /// How many lane groups ahead bodies are fetched into the cache; 0 for not at all.
+    pub prefetch: usize,
 }
 
-macro_rules! kernels {
-    ($name:ident, $($feature:literal)?) => {
-        $(#[target_feature(enable = $feature)])?
-        fn $name<const FRICTION: bool, const MEASURE: bool>(
-            bodies: &mut [Body],
-            pairs: &mut [PairGroup],
-            walls: &mut [WallGroup],
-            factor: f64,
-            residual: &mut GroupResidual,
-        ) {
-            kernel::sweep_pairs::<FRICTION, MEASURE>(bodies, pairs, factor, residual);
-            kernel::sweep_walls::<FRICTION, MEASURE>(bodies, walls, factor, residual);
-        }
-    };
+/// One sweep over a task.
+struct Sweep<'a, const FRICTION: bool, const MEASURE: bool> {
+    bodies: *mut Body,
+    groups: &'a mut TaskGroups,
+    factor: f64,
+    prefetch: usize,
+    residual: &'a mut TaskResidual,
 }
-kernels!(sweep_generic,);
-#[cfg(target_arch = "x86_64")]
-kernels!(sweep_avx2, "avx2");
-#[cfg(target_arch = "x86_64")]
-kernels!(sweep_avx512, "avx512f");
+
+/// Gives bodies the impulses that a task's contacts start from.
+struct Start<'a, const FRICTION: bool> {
+    bodies: *mut Body,
+    groups: &'a TaskGroups,
+}
+
+/// Keeps a task's impulses with the candidates that its contacts came from.
+struct Remember<'a> {
+    groups: &'a TaskGroups,
+    pairs: &'a Disjoint<'a, Impulse>,
+    walls: &'a Disjoint<'a, Impulse>,
+}
 
 impl Relaxation {
-    /// Relaxes every group once, pairs first; adds to `residual` only if `measure`.
-    pub(crate) fn sweep(
+    /// Relaxes every group of a task once, pairs first; adds to `residual` only if `measure`.
+    ///
+    /// # Safety
+    /// The groups name bodies behind `bodies`, and no other task uses these meanwhile.
+    pub(crate) unsafe fn sweep(
         &self,
-        bodies: &mut [Body],
-        pairs: &mut [PairGroup],
-        walls: &mut [WallGroup],
+        bodies: *mut Body,
+        groups: &mut TaskGroups,
         factor: f64,
         measure: bool,
-        residual: &mut GroupResidual,
+        residual: &mut TaskResidual,
     ) {
-        match (self.friction, measure) {
-            (true, true) => self.dispatch::<true, true>(bodies, pairs, walls, factor, residual),
-            (true, false) => self.dispatch::<true, false>(bodies, pairs, walls, factor, residual),
-            (false, true) => self.dispatch::<false, true>(bodies, pairs, walls, factor, residual),
-            (false, false) => self.dispatch::<false, false>(bodies, pairs, walls, factor, residual),
+        // SAFETY: the caller's promise.
+        unsafe {
+            match (self.friction, measure) {
+                (true, true) => self.dispatch::<true, true>(bodies, groups, factor, residual),
+                (true, false) => self.dispatch::<true, false>(bodies, groups, factor, residual),
+                (false, true) => self.dispatch::<false, true>(bodies, groups, factor, residual),
+                (false, false) => self.dispatch::<false, false>(bodies, groups, factor, residual),
+            }
         }
     }
 
-    fn dispatch<const FRICTION: bool, const MEASURE: bool>(
+    unsafe fn dispatch<const FRICTION: bool, const MEASURE: bool>(
         &self,
-        bodies: &mut [Body],
-        pairs: &mut [PairGroup],
-        walls: &mut [WallGroup],
+        bodies: *mut Body,
+        groups: &mut TaskGroups,
         factor: f64,
-        residual: &mut GroupResidual,
+        residual: &mut TaskResidual,
     ) {
-        match self.instruction_set {
-            // SAFETY: the set was found on this processor before it was chosen.
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx512 => unsafe {
-                sweep_avx512::<FRICTION, MEASURE>(bodies, pairs, walls, factor, residual);
-            },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx2 => unsafe {
-                sweep_avx2::<FRICTION, MEASURE>(bodies, pairs, walls, factor, residual);
-            },
-            _ => sweep_generic::<FRICTION, MEASURE>(bodies, pairs, walls, factor, residual),
+        if self.scalar {
+            // SAFETY: the promise of `sweep`.
+            unsafe { scalar::sweep::<FRICTION, MEASURE>(bodies, groups, factor, residual) };
+        } else {
+            let prefetch = self.prefetch;
+            self.instruction_set.run(Sweep::<FRICTION, MEASURE> { bodies, groups, factor, prefetch, residual });
         }
     }
 
-    /// Gives bodies the impulses that their contacts start from.
-    pub(crate) fn warm_start(&self, bodies: &mut [Body], pairs: &[PairGroup], walls: &[WallGroup]) {
-        if self.friction {
-            kernel::apply_pairs::<true>(bodies, pairs);
-            kernel::apply_walls::<true>(bodies, walls);
-        } else {
-            kernel::apply_pairs::<false>(bodies, pairs);
-            kernel::apply_walls::<false>(bodies, walls);
+    /// Gives bodies the impulses that a task's contacts start from.
+    ///
+    /// # Safety
+    /// As for `sweep`.
+    pub(crate) unsafe fn start(&self, bodies: *mut Body, groups: &TaskGroups) {
+        match self.friction {
+            true => self.instruction_set.run(Start::<true> { bodies, groups }),
+            false => self.instruction_set.run(Start::<false> { bodies, groups }),
+        }
+    }
+
+    /// Keeps a task's impulses with the candidates that its contacts came from.
+    ///
+    /// # Safety
+    /// No other task uses these candidates meanwhile.
+    pub(crate) unsafe fn remember(
+        &self,
+        groups: &TaskGroups,
+        pairs: &Disjoint<'_, Impulse>,
+        walls: &Disjoint<'_, Impulse>,
+    ) {
+        self.instruction_set.run(Remember { groups, pairs, walls });
+    }
+}
+
+impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, MEASURE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let factor = L::splat(self.factor);
+        let mut residual = LaneResidual::<L>::read(self.residual);
+        let pairs = &mut self.groups.pairs;
+        for number in 0..pairs.len() {
+            if self.prefetch > 0
+                && let Some(ahead) = pairs.get(number + self.prefetch)
+            {
+                prefetch(self.bodies, &ahead.first);
+                prefetch(self.bodies, &ahead.second);
+            }
+            let group = &mut pairs[number];
+            // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
+            unsafe {
+                let mut first = Bodies::<L>::load::<FRICTION>(self.bodies, &group.first);
+                let mut second = Bodies::<L>::load::<FRICTION>(self.bodies, &group.second);
+                let mut contact = Contact::read(&group.contacts, L::load);
+                contact.relax_pair::<FRICTION, MEASURE>(&mut first, &mut second, factor, &mut residual);
+                first.store::<FRICTION>(self.bodies, &group.first);
+                second.store::<FRICTION>(self.bodies, &group.second);
+                contact.write::<FRICTION>(&mut group.contacts, L::store);
+            }
+        }
+        for group in &mut self.groups.walls {
+            // SAFETY: as above.
+            unsafe {
+                let mut grain = Bodies::<L>::load::<FRICTION>(self.bodies, &group.body);
+                let mut contact = Contact::read(&group.contacts, L::load);
+                let wall_velocity = group.wall_velocity.each_ref().map(L::load);
+                contact.relax_wall::<FRICTION, MEASURE>(&mut grain, wall_velocity, factor, &mut residual);
+                grain.store::<FRICTION>(self.bodies, &group.body);
+                contact.write::<FRICTION>(&mut group.contacts, L::store);
+            }
+        }
+        if MEASURE {
+            residual.write(self.residual);
+        }
+    }
+}
+
+/// Asks for the lines of eight bodies.
+#[inline(always)]
+fn prefetch(bodies: *const Body, places: &[u32; crate::lanes::LANES]) {
+    for &place in places {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: prefetching reads nothing, and every x86-64 processor can.
+        unsafe {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            _mm_prefetch::<_MM_HINT_T0>(bodies.wrapping_add(place as usize).cast());
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = (bodies, place);
+    }
+}
+
+impl<const FRICTION: bool> Kernel for Start<'_, FRICTION> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for group in &self.groups.pairs {
+            // SAFETY: the promise of `Relaxation::start`; the sixteen bodies of a group are different ones.
+            unsafe {
+                let mut first = Bodies::<L>::load::<FRICTION>(self.bodies, &group.first);
+                let mut second = Bodies::<L>::load::<FRICTION>(self.bodies, &group.second);
+                let contact = Contact::read(&group.contacts, L::load);
+                let impulse = contact.impulse();
+                let lever = crate::lanes::cross(contact.normal, impulse);
+                first.push::<FRICTION>(-1.0, impulse, lever);
+                second.push::<FRICTION>(1.0, impulse, lever);
+                first.store::<FRICTION>(self.bodies, &group.first);
+                second.store::<FRICTION>(self.bodies, &group.second);
+            }
+        }
+        for group in &self.groups.walls {
+            // SAFETY: as above.
+            unsafe {
+                let mut grain = Bodies::<L>::load::<FRICTION>(self.bodies, &group.body);
+                let contact = Contact::read(&group.contacts, L::load);
+                let impulse = contact.impulse();
+                grain.push::<FRICTION>(-1.0, impulse, crate::lanes::cross(contact.normal, impulse));
+                grain.store::<FRICTION>(self.bodies, &group.body);
+            }
+        }
+    }
+}
+
+impl Kernel for Remember<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let TaskGroups { pairs, pair_sources, walls, wall_sources, .. } = self.groups;
+        let contacts = pairs.iter().map(|group| &group.contacts).zip(pair_sources);
+        let all = contacts.map(|both| (both, self.pairs));
+        let contacts = walls.iter().map(|group| &group.contacts).zip(wall_sources);
+        for ((contacts, sources), impulses) in all.chain(contacts.map(|both| (both, self.walls))) {
+            if sources.is_full() {
+                let [x, y, z] = contacts.impulse_tangential.each_ref().map(L::load);
+                let quads = [L::load(&contacts.impulse_normal), x, y, z];
+                let base: *mut Quad = impulses.as_ptr().cast();
+                // SAFETY: the promise of `Relaxation::remember`; an impulse is a quad.
+                unsafe { L::store_quads::<1>(base, &sources.or(u32::MAX), quads) };
+            } else {
+                for (lane, candidate) in sources.occupied() {
+                    let impulse = Impulse {
+                        normal: contacts.normal_impulse(lane),
+                        tangential: contacts.tangential_impulse(lane),
+                    };
+                    // SAFETY: the promise of `Relaxation::remember`.
+                    *unsafe { impulses.at(candidate) } = impulse;
+                }
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! How far a sweep still moved the contacts: |delta lambda| S, in m/s, for the normal and two tangential directions.
 
-use super::lanes::{Lanes, dot};
+use crate::lanes::{Eight, Lanes, Number, dot};
 use serde::{Deserialize, Serialize};
 
 /// Root mean square and maximum of a residual over all contacts, m/s.
@@ -31,23 +31,30 @@ impl Residuals {
     }
 }
 
-/// Sums over lane groups, still lane by lane, so that their order is fixed.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct GroupResidual {
-    squares: [Lanes; 3],
-    largest: [Lanes; 3],
+/// Sums over lane groups while they are relaxed, still lane by lane, so that their order is fixed.
+#[derive(Clone, Copy)]
+pub(super) struct LaneResidual<N> {
+    squares: [N; 3],
+    largest: [N; 3],
 }
 
-impl GroupResidual {
+/// The same sums in memory: what a task leaves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct TaskResidual {
+    squares: [Eight; 3],
+    largest: [Eight; 3],
+}
+
+impl<N: Number> LaneResidual<N> {
     #[inline(always)]
-    fn add(&mut self, direction: usize, value: Lanes) {
+    fn add(&mut self, direction: usize, value: N) {
         self.squares[direction] = self.squares[direction] + value * value;
         self.largest[direction] = self.largest[direction].larger(value.abs());
     }
 
     /// Adds the normal residuals of a group.
     #[inline(always)]
-    pub fn add_normal(&mut self, value: Lanes) {
+    pub fn add_normal(&mut self, value: N) {
         self.add(0, value);
     }
 
@@ -55,9 +62,9 @@ impl GroupResidual {
     ///
     /// The basis needs no branch and is continuous but for one seam (Duff et al., J. Comput. Graph. Tech. 6(1), 2017).
     #[inline(always)]
-    pub fn add_tangential(&mut self, normal: [Lanes; 3], value: [Lanes; 3]) {
-        let one = Lanes::splat(1.0);
-        let sign = Lanes::select(Lanes::splat(0.0).at_most(normal[2]), one, -one);
+    pub fn add_tangential(&mut self, normal: [N; 3], value: [N; 3]) {
+        let one = N::splat(1.0);
+        let sign = N::select(N::zero().at_most(normal[2]), one, -one);
         let a = -(one / (sign + normal[2]));
         let b = normal[0] * normal[1] * a;
         let u = [one + sign * normal[0] * normal[0] * a, sign * b, -(sign * normal[0])];
@@ -66,19 +73,58 @@ impl GroupResidual {
         self.add(2, dot(v, value));
     }
 
-    /// Adds the sums of another task; callers keep the order of tasks.
-    pub fn merge(&mut self, other: &GroupResidual) {
+    /// Nothing summed yet.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { squares: [N::zero(); 3], largest: [N::zero(); 3] }
+    }
+}
+
+impl<L: Lanes> LaneResidual<L> {
+    /// The sums so far.
+    #[inline(always)]
+    pub fn read(from: &TaskResidual) -> Self {
+        Self { squares: from.squares.each_ref().map(L::load), largest: from.largest.each_ref().map(L::load) }
+    }
+
+    /// Keeps the sums.
+    #[inline(always)]
+    pub fn write(self, to: &mut TaskResidual) {
         for direction in 0..3 {
-            self.squares[direction] = self.squares[direction] + other.squares[direction];
-            self.largest[direction] = self.largest[direction].larger(other.largest[direction]);
+            self.squares[direction].store(&mut to.squares[direction]);
+            self.largest[direction].store(&mut to.largest[direction]);
+        }
+    }
+}
+
+impl TaskResidual {
+    /// Adds what one lane did.
+    pub(super) fn add_lane(&mut self, lane: usize, own: LaneResidual<f64>) {
+        for direction in 0..3 {
+            self.squares[direction].0[lane] += own.squares[direction];
+            let largest = &mut self.largest[direction].0[lane];
+            *largest = largest.larger(own.largest[direction]);
+        }
+    }
+
+    /// Adds the sums of another task; callers keep the order of tasks.
+    pub fn merge(&mut self, other: &TaskResidual) {
+        for direction in 0..3 {
+            for lane in 0..crate::lanes::LANES {
+                self.squares[direction].0[lane] += other.squares[direction].0[lane];
+                let largest = &mut self.largest[direction].0[lane];
+                *largest = largest.larger(other.largest[direction].0[lane]);
+            }
         }
     }
 
     /// Residuals over `contacts` contacts.
     pub fn finish(&self, contacts: usize) -> Residuals {
+        // One fixed order of summation.
+        let sum = |[a, b, c, d, e, f, g, h]: [f64; 8]| ((a + b) + (c + d)) + ((e + f) + (g + h));
         let residual = |direction: usize| Residual {
-            rms: (self.squares[direction].sum() / contacts.max(1) as f64).sqrt(),
-            max: self.largest[direction].max(),
+            rms: (sum(self.squares[direction].0) / contacts.max(1) as f64).sqrt(),
+            max: self.largest[direction].0.iter().copied().fold(0.0, f64::max),
         };
         Residuals { normal: residual(0), tangential_u: residual(1), tangential_v: residual(2) }
     }

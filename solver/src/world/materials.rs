@@ -57,6 +57,12 @@ impl MaterialTable {
         &self.between_grains[first as usize * self.names.len() + second as usize]
     }
 
+    /// Properties of contacts of grains, if they are the same for all.
+    pub(crate) fn of_all_grains(&self) -> Option<&ContactMaterial> {
+        let first = self.between_grains.first()?;
+        self.between_grains.iter().all(|pair| pair == first).then_some(first)
+    }
+
     /// Properties of a contact of a grain and a wall.
     #[inline]
     pub fn with_wall(&self, grain: u8, wall: u8) -> &ContactMaterial {

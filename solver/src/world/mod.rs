@@ -6,16 +6,30 @@ mod surface;
 pub use materials::{ContactMaterial, MaterialTable};
 pub use surface::{Pose, Surface};
 
+use crate::lanes::LANES;
 use crate::scene::{Grain, Scene};
+use crate::schedule::{Disjoint, Phase, Team};
 use nalgebra::Vector3;
+use std::ops::Range;
 
-/// Number of contacts in a lane group; a part of the algorithm, not of the machine.
-pub const LANES: usize = 8;
-
-/// Dummy bodies behind the real ones, at which padding lanes point: one for each lane and side.
+/// Dummy bodies of a box, at which padding lanes point: one for each lane and side. A box has its own, so that no two
+/// tasks of a stage write to the same.
 pub const DUMMIES: usize = 2 * LANES;
 
-/// Dynamic state of a grain: one cache line.
+/// Grains that are moved, sorted or compared as one task.
+const CHUNK: usize = 4096;
+
+/// Number of such tasks.
+pub(crate) fn chunks(grains: usize) -> usize {
+    grains.div_ceil(CHUNK)
+}
+
+/// Places of the grains of one.
+pub(crate) fn chunk(number: usize, grains: usize) -> Range<usize> {
+    CHUNK * number..(CHUNK * (number + 1)).min(grains)
+}
+
+/// Dynamic state of a grain: one cache line of two quads.
 ///
 /// The spin is kept as the surface speed `radius * angular velocity` (m/s), which takes the lever arm out of the
 /// contact: for solid spheres (I = 0.4 m r^2) an impulse P changes it by 2.5/m times the cross product of P and the normal.
@@ -28,19 +42,34 @@ pub struct Body {
     pub inverse_mass: f64,
     /// Radius times angular velocity, m/s.
     pub surface_speed: [f64; 3],
+    /// Fills the line.
+    pub(crate) spare: f64,
+}
+
+/// Where a grain is and how large: one quad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub struct Sphere {
+    /// Centre, m.
+    pub centre: Vector3<f64>,
     /// Radius, m.
     pub radius: f64,
 }
 
 /// All bodies and surfaces, and the clock.
+///
+/// Grains lie in memory in the order of the boxes and cells that they were in when the candidate list was last built; a
+/// grain's index there is its place. `ids` tells who is who.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// Grains by id, then [`DUMMIES`] dummy bodies at rest.
+    /// Grains by place, then the dummy bodies at rest, box after box.
     pub bodies: Vec<Body>,
-    /// Centres of the grains, m.
-    pub positions: Vec<Vector3<f64>>,
-    /// Material number of each grain.
+    /// Spheres of the same, those of the dummies out of reach of each other.
+    pub spheres: Vec<Sphere>,
+    /// Material numbers of the same.
     pub materials: Vec<u8>,
+    /// Id of the grain at each place.
+    pub ids: Vec<u32>,
     /// Faces of the scene's walls.
     pub surfaces: Vec<Surface>,
     /// Pair properties.
@@ -53,28 +82,34 @@ pub struct World {
     pub time: f64,
 }
 
+/// Copies that a reordering needs, kept from one to the next.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ReorderBuffers {
+    bodies: Vec<Body>,
+    spheres: Vec<Sphere>,
+    materials: Vec<u8>,
+    ids: Vec<u32>,
+}
+
 impl World {
-    /// Builds the world of a scene at time zero.
+    /// Builds the world of a scene at time zero, without dummies.
     pub fn new(scene: &Scene, grains: &[Grain]) -> World {
         let table = MaterialTable::new(scene);
-        let mut bodies: Vec<Body> = grains
-            .iter()
-            .map(|grain| {
-                let volume = 4.0 / 3.0 * std::f64::consts::PI * grain.radius * grain.radius * grain.radius;
-                Body {
-                    velocity: grain.velocity,
-                    inverse_mass: 1.0 / (scene.material[&grain.material].density * volume),
-                    surface_speed: grain.spin.map(|component| component * grain.radius),
-                    radius: grain.radius,
-                }
-            })
-            .collect();
-        let dummy = Body { velocity: [0.0; 3], inverse_mass: 1.0, surface_speed: [0.0; 3], radius: 1.0 };
-        bodies.extend([dummy; DUMMIES]);
+        let body = |grain: &Grain| {
+            let volume = 4.0 / 3.0 * std::f64::consts::PI * grain.radius * grain.radius * grain.radius;
+            Body {
+                velocity: grain.velocity,
+                inverse_mass: 1.0 / (scene.material[&grain.material].density * volume),
+                surface_speed: grain.spin.map(|component| component * grain.radius),
+                spare: 0.0,
+            }
+        };
+        let sphere = |grain: &Grain| Sphere { centre: Vector3::from(grain.position), radius: grain.radius };
         World {
-            bodies,
-            positions: grains.iter().map(|grain| Vector3::from(grain.position)).collect(),
+            bodies: grains.iter().map(body).collect(),
+            spheres: grains.iter().map(sphere).collect(),
             materials: grains.iter().map(|grain| table.number(&grain.material)).collect(),
+            ids: (0..grains.len() as u32).collect(),
             surfaces: scene
                 .wall
                 .iter()
@@ -88,20 +123,84 @@ impl World {
         }
     }
 
+    /// Puts the dummies of so many boxes behind the grains. Dummies of the two sides of a contact are far apart and at
+    /// rest, so that padding lanes bear nothing without being masked.
+    pub(crate) fn add_dummies(&mut self, boxes: usize) {
+        let grains = self.grains();
+        self.bodies.truncate(grains);
+        self.spheres.truncate(grains);
+        self.materials.truncate(grains);
+        let body = Body { velocity: [0.0; 3], inverse_mass: 1.0, surface_speed: [0.0; 3], spare: 0.0 };
+        for dummy in 0..boxes * DUMMIES {
+            let side = (dummy / LANES % 2) as f64;
+            self.bodies.push(body);
+            self.spheres.push(Sphere { centre: Vector3::new(1e6 * side, 0.0, 0.0), radius: 1.0 });
+            self.materials.push(0);
+        }
+    }
+
+    /// Place of the first dummy of a box.
+    #[inline]
+    pub(crate) fn dummies_of(&self, number: usize) -> u32 {
+        (self.grains() + number * DUMMIES) as u32
+    }
+
     /// Number of grains.
     pub fn grains(&self) -> usize {
-        self.positions.len()
+        self.ids.len()
+    }
+
+    /// Moves the grain at place `order[i]` to place `i`.
+    pub(crate) fn reorder(&mut self, order: &[u32], buffers: &mut ReorderBuffers, team: &Team) {
+        buffers.bodies.clone_from(&self.bodies);
+        buffers.spheres.clone_from(&self.spheres);
+        buffers.materials.clone_from(&self.materials);
+        buffers.ids.clone_from(&self.ids);
+        let grains = self.grains();
+        let bodies = Disjoint::new(&mut self.bodies);
+        let spheres = Disjoint::new(&mut self.spheres);
+        let materials = Disjoint::new(&mut self.materials);
+        let ids = Disjoint::new(&mut self.ids);
+        team.each(Phase::Detect, chunks(grains), |number| {
+            let places = chunk(number, grains);
+            // SAFETY: chunks do not overlap.
+            let (bodies, spheres, materials, ids) = unsafe {
+                (
+                    bodies.range(places.clone()),
+                    spheres.range(places.clone()),
+                    materials.range(places.clone()),
+                    ids.range(places.clone()),
+                )
+            };
+            for (offset, &old) in order[places].iter().enumerate() {
+                let old = old as usize;
+                bodies[offset] = buffers.bodies[old];
+                spheres[offset] = buffers.spheres[old];
+                materials[offset] = buffers.materials[old];
+                ids[offset] = buffers.ids[old];
+            }
+        });
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
         self.bodies.capacity() * size_of::<Body>()
-            + self.positions.capacity() * size_of::<Vector3<f64>>()
+            + self.spheres.capacity() * size_of::<Sphere>()
             + self.materials.capacity()
+            + self.ids.capacity() * size_of::<u32>()
     }
 
     /// Largest and mean radius, m; (0, 0) in an empty world.
     pub fn largest_and_mean_radius(&self) -> (f64, f64) {
-        let radii = || self.bodies[..self.grains()].iter().map(|body| body.radius);
+        let radii = || self.spheres[..self.grains()].iter().map(|sphere| sphere.radius);
         (radii().fold(0.0, f64::max), radii().sum::<f64>() / self.grains().max(1) as f64)
+    }
+}
+
+impl ReorderBuffers {
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.bodies.capacity() * size_of::<Body>()
+            + self.spheres.capacity() * size_of::<Sphere>()
+            + self.materials.capacity()
+            + self.ids.capacity() * size_of::<u32>()
     }
 }

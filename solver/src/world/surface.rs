@@ -199,6 +199,16 @@ impl Pose {
         }
     }
 
+    /// False if no point within `reach` (m) of `centre` can lie on the face or behind it.
+    pub(crate) fn may_be_within(&self, centre: &Vector, reach: f64) -> bool {
+        match self.shape {
+            Face::Plane { point, normal } | Face::Disc { centre: point, normal, .. } => {
+                normal.dot(&(centre - point)) < reach
+            }
+            Face::Shell { .. } => self.nearest(centre).0 < reach,
+        }
+    }
+
     /// Velocity of the wall at a point, m/s.
     #[inline]
     pub fn velocity_at(&self, point: &Vector) -> Vector {

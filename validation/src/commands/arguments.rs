@@ -1,6 +1,8 @@
 //! The command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use makadam::lanes::InstructionSet;
+use makadam::schedule::Scheduler;
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, \
@@ -42,9 +44,15 @@ pub struct RunArguments {
     /// Seed of the initial positions; the scene's, if absent.
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Threads that may be used.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    /// Threads that share the work; as many as there are cores, if absent. The result does not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// How threads share the work. The result does not depend on it.
+    #[arg(long, value_enum, default_value = "work-stealing")]
+    pub scheduler: SchedulerName,
+    /// Instruction set of the kernels; the widest that this processor has, if absent. The result does not depend on it.
+    #[arg(long, value_enum)]
+    pub isa: Option<InstructionSetName>,
     /// Steps to take, in place of the scene's duration.
     #[arg(long)]
     pub steps: Option<u64>,
@@ -54,6 +62,48 @@ pub struct RunArguments {
     /// Print the summary as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// A way in which threads share tasks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SchedulerName {
+    /// One thread.
+    Serial,
+    /// One queue behind a lock.
+    CentralQueue,
+    /// A queue a thread; idle threads steal.
+    WorkStealing,
+}
+
+impl From<SchedulerName> for Scheduler {
+    fn from(name: SchedulerName) -> Scheduler {
+        match name {
+            SchedulerName::Serial => Scheduler::Serial,
+            SchedulerName::CentralQueue => Scheduler::CentralQueue,
+            SchedulerName::WorkStealing => Scheduler::WorkStealing,
+        }
+    }
+}
+
+/// An instruction set that the kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum InstructionSetName {
+    /// Whatever the build's target has.
+    Generic,
+    /// 256-bit registers.
+    Avx2,
+    /// 512-bit registers.
+    Avx512,
+}
+
+impl From<InstructionSetName> for InstructionSet {
+    fn from(name: InstructionSetName) -> InstructionSet {
+        match name {
+            InstructionSetName::Generic => InstructionSet::Generic,
+            InstructionSetName::Avx2 => InstructionSet::Avx2,
+            InstructionSetName::Avx512 => InstructionSet::Avx512,
+        }
+    }
 }
 
 /// A code that can be compared.
@@ -87,9 +137,13 @@ pub struct CompareArguments {
     /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
     #[arg(long, default_value_t = 7200.0, value_parser = positive)]
     pub time_limit: f64,
-    /// Run YADE and LIGGGHTS and write their numbers as the scene's recorded references.
+    /// Write numbers of YADE and LIGGGHTS as the scene's recorded references; only seeds that are not recorded yet, of
+    /// the same scene, version and time step, are measured from raw recordings or run.
     #[arg(long)]
     pub record: bool,
+    /// Measure or run all seeds anew and replace what is recorded; with --record only.
+    #[arg(long, requires = "record")]
+    pub again: bool,
     /// Factor on every Young's modulus; with --record only.
     #[arg(long, default_value_t = 1.0, value_parser = positive, requires = "record")]
     pub stiffness_factor: f64,

@@ -1,11 +1,11 @@
 //! `makadam compare`: one scene in several codes, a table, a verdict.
 
 use super::arguments::{CodeName, CompareArguments};
+use super::record::record;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, load, use_threads};
-use crate::compare::{CodeRuns, CodeSummary, Comparison, Reference, Row, Runs, comparison, physics_hash};
+use crate::compare::{CodeRuns, CodeSummary, Comparison, Reference, Row, Runs, comparison};
 use crate::output::JSON_VERSION;
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
-use crate::prepared::cache_folder;
 use crate::provenance::account;
 use crate::report::{self, Qualification, Standing, Verdict};
 use makadam::scene::Scene;
@@ -17,7 +17,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 /// Seeds where nothing is recorded and none are asked for.
-const FEW_SEEDS: u64 = 3;
+pub(super) const FEW_SEEDS: u64 = 3;
 
 /// What `makadam compare --json` prints; its documentation is `validation/docs/json.md`.
 #[derive(Serialize)]
@@ -157,57 +157,8 @@ fn document<'a>(
     }
 }
 
-/// Runs the peers, or reads what was kept of their runs, and writes the scene's references.
-fn record(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
-    let folder = Reference::folder(file);
-    let mut reference = Reference::load(&folder)?.unwrap_or_default();
-    let seeds = arguments.seeds.unwrap_or_else(|| reference.seeds().max(FEW_SEEDS));
-    let announce = announce(console);
-    let runs = Runs {
-        scene,
-        scene_file: file,
-        seeds: (1..=seeds).collect(),
-        rayleigh_fraction: arguments.rayleigh_fraction,
-        stiffness_factor: arguments.stiffness_factor,
-        time_limit: Duration::from_secs_f64(arguments.time_limit),
-        recordings: Some(arguments.recordings.clone().unwrap_or_else(|| cache_folder().join("recordings"))),
-        announce: &announce,
-    };
-    let peers: Vec<_> = codes(&arguments.codes).into_iter().filter(|code| code.name() != "Makadam").collect();
-    let simulated: Vec<_> = peers.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
-    let (mut failure, mut changed) = (None, false);
-    for (code, simulated) in simulated {
-        let failed = !simulated.failures.is_empty();
-        for (seed, error) in simulated.failures {
-            console.warn(&format!("{code}, seed {seed}: {error}"));
-            failure = failure.or(Some(Failure::from(error)));
-        }
-        if failed {
-            console.warn(&format!("{code}: its references stay as they were; runs that ended are kept, so try again"));
-            continue;
-        }
-        let recorded = CodeRuns::live(code, String::new(), simulated.harvests);
-        for expectation in &scene.compare {
-            let values = recorded.values(&expectation.observable);
-            if let Some(ensemble) = crate::statistics::Ensemble::of(&values) {
-                console.result(&format!(
-                    "{code:<10} {:<28} {:.5} +- {:.5} ({} seeds)",
-                    expectation.observable, ensemble.mean, ensemble.standard_deviation, ensemble.seeds
-                ))?;
-            }
-        }
-        reference.replace(recorded, arguments.stiffness_factor, physics_hash(scene));
-        changed = true;
-    }
-    if changed {
-        reference.save(scene, &folder)?;
-        console.result(&format!("references: {}", folder.display()))?;
-    }
-    failure.map_or(Ok(ExitCode::SUCCESS), Err)
-}
-
 /// The codes that are asked for, each once, Makadam first.
-fn codes(names: &[CodeName]) -> Vec<Box<dyn Code>> {
+pub(super) fn codes(names: &[CodeName]) -> Vec<Box<dyn Code>> {
     let all: [(CodeName, Box<dyn Code>); 3] = [
         (CodeName::Makadam, Box::new(Makadam)),
         (CodeName::Yade, Box::new(Yade::default())),

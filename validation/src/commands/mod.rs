@@ -5,6 +5,7 @@ mod compare;
 mod console;
 mod failure;
 mod qualify;
+mod record;
 mod run;
 mod scaling;
 

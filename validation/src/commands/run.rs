@@ -2,6 +2,7 @@
 
 use super::arguments::RunArguments;
 use super::{Console, Failure, json, load};
+use crate::execution::{Execution, cores};
 use crate::observables;
 use crate::output::{
     FrameWriter, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary, TimeTable, create_folder, write_whole,
@@ -10,6 +11,7 @@ use crate::peers::frame_is_due;
 use crate::prepared::{Start, StartError, file_stem, start, steps_in};
 use crate::provenance::{Provenance, VERSION, peak_bytes};
 use crate::recording::Recording;
+use makadam::lanes::InstructionSet;
 use makadam::scene::Scene;
 use makadam::snapshot::Snapshot;
 use makadam::{Simulation, StepReport};
@@ -35,18 +37,22 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let (file, scene) = load(&arguments.scene)?;
     let seed = arguments.seed.unwrap_or(scene.seed);
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join(file_stem(&scene.name)));
-    if arguments.threads.is_some_and(|threads| threads > 1) {
-        console.note("note: this version steps on one thread; --threads above 1 changes nothing");
-    }
-    let provenance = Provenance::of_run(&scene, &file, seed, 1);
+    let execution = Execution {
+        scheduler: arguments.scheduler.into(),
+        threads: arguments.threads.map_or_else(cores, usize::from),
+        instruction_set: arguments.isa.map_or_else(InstructionSet::detect, InstructionSet::from),
+    };
+    let provenance = Provenance::of_run(&scene, &file, seed, &execution);
     let simulation = {
         let bar = console.bar("preparing the flow");
-        let (simulation, start) = start(&scene, seed, &file, &|share| bar.set(share)).map_err(|error| match error {
-            StartError::Scene(error) => Failure::Scene(error),
-            StartError::Write(error) => error.into(),
-            StartError::Checkpoint(error) => Failure::Running(error.to_string()),
-            StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
-        })?;
+        let (simulation, start) =
+            start(&scene, seed, &file, &execution, &|share| bar.set(share)).map_err(|error| match error {
+                StartError::Scene(error) => Failure::Scene(error),
+                StartError::Write(error) => error.into(),
+                StartError::Checkpoint(error) => Failure::Running(error.to_string()),
+                StartError::Execution(error) => Failure::Running(error.to_string()),
+                StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
+            })?;
         if let Start::Prepared(file) = start {
             console.note(&format!("starting from the flowing state {}", file.display()));
         }
@@ -224,7 +230,7 @@ impl Session<'_> {
             time_step: self.simulation.time_step(),
             rayleigh_fraction: None,
             stiffness_factor: 1.0,
-            threads: 1,
+            threads: self.simulation.team().threads(),
             wall_seconds: self.wall.as_secs_f64(),
             simulated_seconds: self.simulation.time() - self.started,
             frames: std::mem::take(&mut self.kept),

@@ -29,6 +29,8 @@ pub struct MeasuredRun {
     pub processor: String,
     /// When it ended, ISO 8601.
     pub date: String,
+    /// Hash of the scene that was run ([`physics_hash`](super::physics_hash)); empty until the run is recorded.
+    pub scene_hash: String,
     /// What was measured.
     pub measurements: Vec<Measurement>,
 }
@@ -69,6 +71,7 @@ impl Harvest {
                 simulated_seconds: recording.simulated_seconds,
                 processor: processor(),
                 date,
+                scene_hash: String::new(),
                 measurements: measure(scene, recording),
             },
             forces,

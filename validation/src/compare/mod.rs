@@ -10,6 +10,6 @@ mod simulate;
 pub use code_runs::CodeRuns;
 pub use comparison::{CodeSummary, Comparison, FinalState, ForceDistribution, Outcome, Row, Series, Source};
 pub use measured_run::{Harvest, MeasuredRun};
-pub use reference::{Reference, ReferenceError, physics_hash};
+pub use reference::{MergeError, Missing, Reference, ReferenceError, Wanted, physics_hash};
 pub use rows::{LiveCheck, STIFF, comparison, live_checks};
 pub use simulate::{Announce, Runs, Share, Simulated};

@@ -136,6 +136,7 @@ mod tests {
             simulated_seconds: 1.5,
             processor: String::new(),
             date: String::new(),
+            scene_hash: String::new(),
             measurements: vec![Measurement {
                 observable: "packing_fraction".into(),
                 unit: String::new(),

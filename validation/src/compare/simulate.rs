@@ -30,7 +30,8 @@ pub struct Runs<'a> {
     pub stiffness_factor: f64,
     /// Wall time after which a run is stopped.
     pub time_limit: Duration,
-    /// Folder of raw recordings: what is there is not run again, what is run is kept. Without one nothing is kept.
+    /// Folder of raw recordings: what is there of the installed version is not run again, what is run is kept. Without
+    /// a folder nothing is kept.
     pub recordings: Option<PathBuf>,
     /// Opens progress displays.
     pub announce: Announce<'a>,
@@ -68,8 +69,11 @@ impl Runs<'_> {
         let kept = self.recordings.as_ref().map(|folder| folder.join(format!("{name}.rec")));
         if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
             let recording = Recording::load(file)?;
-            let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
-            return Ok(Harvest::of(scene, &recording, utc(ended)));
+            // Versions do not mix: what another one left behind is run again, unless no code is there to run.
+            if code.version().is_none_or(|installed| installed == recording.version) {
+                let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
+                return Ok(Harvest::of(scene, &recording, utc(ended)));
+            }
         }
         if crate::interrupt::requested() {
             return Err(CodeError::Interrupted { code: code.name() });

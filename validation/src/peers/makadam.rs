@@ -1,6 +1,7 @@
 //! Makadam itself, as one of the codes.
 
 use super::{Code, CodeError, Job};
+use crate::execution::Execution;
 use crate::output::WriteError;
 use crate::prepared::{StartError, start, steps_in};
 use crate::provenance::Build;
@@ -22,12 +23,14 @@ impl Code for Makadam {
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
         let interrupted = || CodeError::Interrupted { code: "Makadam" };
-        let (mut simulation, _) = start(scene, job.seed, job.scene_file, &|_| {}).map_err(|error| match error {
-            StartError::Scene(error) => CodeError::Scene(error),
-            StartError::Write(WriteError { path, source }) => CodeError::Io { path, source },
-            StartError::Checkpoint(error) => CodeError::State(error),
-            StartError::Interrupted => interrupted(),
-        })?;
+        let (mut simulation, _) =
+            start(scene, job.seed, job.scene_file, &Execution::serial(), &|_| {}).map_err(|error| match error {
+                StartError::Scene(error) => CodeError::Scene(error),
+                StartError::Write(WriteError { path, source }) => CodeError::Io { path, source },
+                StartError::Checkpoint(error) => CodeError::State(error),
+                StartError::Execution(error) => CodeError::Execution(error),
+                StartError::Interrupted => interrupted(),
+            })?;
         let (started, step_seconds) = (simulation.time(), simulation.time_step());
         let steps = steps_in(scene.duration, step_seconds);
         let mut frames = vec![simulation.snapshot()];

@@ -115,6 +115,9 @@ pub enum CodeError {
     /// The recording cannot be kept or read back.
     #[error(transparent)]
     Recording(#[from] crate::recording::RecordingError),
+    /// It cannot be carried out as asked.
+    #[error(transparent)]
+    Execution(#[from] crate::execution::ExecutionError),
     /// The state that the scene starts from cannot be kept.
     #[error(transparent)]
     State(#[from] ::makadam::checkpoint::CheckpointError),

@@ -9,9 +9,13 @@
 //! | `final-state-CODE.csv` | grains at the end, of each code's first seed, to six significant digits |
 //! | `README.md` | how they were made |
 
+mod merge;
+mod missing;
 mod read;
 mod write;
 
+pub use merge::MergeError;
+pub use missing::{Missing, Wanted};
 pub use read::ReferenceError;
 
 use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source};
@@ -31,8 +35,6 @@ pub struct Reference {
     pub series: Vec<Series>,
     /// Grains at the end, of the first seed of each code.
     pub final_states: Vec<FinalState>,
-    /// Hash of what the codes were given ([`physics_hash`]), by code.
-    pub physics: Vec<(String, String)>,
 }
 
 impl Reference {
@@ -65,12 +67,13 @@ impl Reference {
     pub fn code(&self, code: &str) -> Option<CodeRuns> {
         let runs: Vec<MeasuredRun> = self.at(code, 1.0).cloned().collect();
         let first = runs.first()?;
+        let listed: Vec<&MeasuredRun> = runs.iter().collect();
         let fraction =
             first.rayleigh_fraction.map_or(String::new(), |f| format!(" at {:.0}% of the Rayleigh step", 100.0 * f));
         let provenance = format!(
             "recorded {} on {} with {} {}: {} seeds{fraction}",
-            first.date.split('T').next().unwrap_or_default(),
-            first.processor,
+            days(&listed),
+            processors(&listed),
             first.code,
             first.version,
             runs.len()
@@ -87,15 +90,38 @@ impl Reference {
         })
     }
 
-    /// Whether a code was recorded on the scene as it is now; `None` where nothing is known.
+    /// Whether all runs of a code, at every stiffness, were made on the scene as it is now; `None` where none are.
     pub fn is_current(&self, code: &str, scene: &Scene) -> Option<bool> {
         let now = physics_hash(scene);
-        self.physics.iter().find(|(name, _)| name == code).map(|(_, hash)| *hash == now)
+        let mut runs = self.runs.iter().filter(|run| run.code == code).peekable();
+        runs.peek()?;
+        Some(runs.all(|run| run.scene_hash == now))
     }
 
-    fn at(&self, code: &str, factor: f64) -> impl Iterator<Item = &MeasuredRun> {
+    /// Runs of a code at one stiffness, in the order of their seeds.
+    pub fn at(&self, code: &str, factor: f64) -> impl Iterator<Item = &MeasuredRun> {
         self.runs.iter().filter(move |run| run.code == code && run.stiffness_factor == factor)
     }
+}
+
+/// The day on which runs ended, or the first and the last of several.
+fn days(runs: &[&MeasuredRun]) -> String {
+    let days = || runs.iter().map(|run| run.date.split('T').next().unwrap_or_default());
+    match (days().min().unwrap_or_default(), days().max().unwrap_or_default()) {
+        (first, last) if first == last => first.to_string(),
+        (first, last) => format!("{first} to {last}"),
+    }
+}
+
+/// The processors on which runs were made, each named once.
+fn processors(runs: &[&MeasuredRun]) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for run in runs {
+        if !names.contains(&run.processor.as_str()) {
+            names.push(&run.processor);
+        }
+    }
+    names.join(", ")
 }
 
 /// Hash of what every code is given of a scene and of the times at which it is measured, 16

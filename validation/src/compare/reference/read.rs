@@ -42,13 +42,8 @@ impl Reference {
         if !runs_file.is_file() {
             return Ok(None);
         }
-        let mut reference = Reference::default();
-        for (_, line) in lines::<RunLine>(&runs_file)? {
-            if !reference.physics.iter().any(|(code, _)| *code == line.code) {
-                reference.physics.push((line.code.clone(), line.scene_hash.clone()));
-            }
-            reference.runs.push(run(line));
-        }
+        let runs = lines::<RunLine>(&runs_file)?.into_iter().map(|(_, line)| run(line)).collect();
+        let mut reference = Reference { runs, ..Reference::default() };
         reference.read_measurements(&folder.join("measurements.csv"))?;
         reference.read_forces(&folder.join("forces.csv"))?;
         reference.read_series(&folder.join("series.csv"))?;
@@ -138,6 +133,7 @@ fn run(line: RunLine) -> MeasuredRun {
         simulated_seconds: line.simulated_seconds,
         processor: line.processor,
         date: line.date,
+        scene_hash: line.scene_hash,
         measurements: Vec::new(),
     }
 }

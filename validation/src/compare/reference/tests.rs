@@ -2,7 +2,7 @@ use super::*;
 use crate::observables::Measurement;
 use makadam::snapshot::Particle;
 
-fn sample() -> (Scene, Reference) {
+pub(super) fn sample() -> (Scene, Reference) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
     let scene = Scene::load(&file).unwrap();
     let run = |code: &str, seed, factor| MeasuredRun {
@@ -16,6 +16,7 @@ fn sample() -> (Scene, Reference) {
         simulated_seconds: 1.5,
         processor: "a processor".into(),
         date: "2026-01-02T03:04:05Z".into(),
+        scene_hash: String::new(),
         measurements: vec![Measurement {
             observable: "packing_fraction".into(),
             unit: String::new(),
@@ -49,8 +50,8 @@ fn sample() -> (Scene, Reference) {
             }],
             final_state: Some(FinalState { code: code.into(), seed: 1, time: 1.5, particles: vec![particle] }),
         };
-        reference.replace(runs(1.0), 1.0, physics_hash(&scene));
-        reference.replace(runs(10.0), 10.0, physics_hash(&scene));
+        reference.replace(runs(1.0), 1.0, &physics_hash(&scene));
+        reference.replace(runs(10.0), 10.0, &physics_hash(&scene));
     }
     (scene, reference)
 }
@@ -79,13 +80,43 @@ fn a_changed_scene_is_noticed_and_changed_margins_are_not() {
 }
 
 #[test]
-fn recording_again_replaces() {
+fn stiff_runs_of_a_scene_that_has_changed_are_noticed() {
     let (scene, mut reference) = sample();
-    let again = reference.code("YADE").unwrap();
-    let runs = reference.runs.len();
-    reference.replace(again, 1.0, physics_hash(&scene));
-    assert_eq!(reference.runs.len(), runs);
-    assert_eq!(reference.final_states.len(), 2);
+    let stiff = CodeRuns { runs: reference.at("YADE", 10.0).cloned().collect(), ..reference.code("YADE").unwrap() };
+    reference.replace(stiff, 10.0, "another");
+    assert_eq!(reference.is_current("YADE", &scene), Some(false));
+    assert_eq!(reference.is_current("LIGGGHTS", &scene), Some(true));
+    assert_eq!(reference.is_current("Makadam", &scene), None);
+}
+
+/// Numbers are written as they were read, so that recording one code leaves the lines of another alone.
+#[test]
+fn recorded_references_are_written_as_they_were_read() {
+    for name in ["packing", "drum", "drum-caps", "heap"] {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../reference-scenes/{name}/scene.toml"));
+        let (recorded, copy) = (Reference::folder(&file), tempfile::tempdir().unwrap());
+        let reference = Reference::load(&recorded).unwrap().unwrap();
+        reference.save(&Scene::load(&file).unwrap(), copy.path()).unwrap();
+        for entry in std::fs::read_dir(&recorded).unwrap() {
+            let path = entry.unwrap().path();
+            let written = copy.path().join(path.file_name().unwrap());
+            assert!(std::fs::read(&path).unwrap() == std::fs::read(&written).unwrap(), "{}", path.display());
+        }
+    }
+}
+
+#[test]
+fn runs_of_several_days_and_processors_are_accounted_for() {
+    let (scene, mut reference) = sample();
+    let last = reference.runs.iter_mut().rfind(|run| run.code == "YADE" && run.stiffness_factor == 1.0).unwrap();
+    (last.seed, last.processor, last.date) = (5, "another".into(), "2026-02-03T00:00:00Z".into());
+    let account = reference.account(&scene);
+    assert!(
+        account.contains("| E | 2 | 1.235e-5 | 10% | a processor, another | 2026-01-02 to 2026-02-03 |"),
+        "{account}"
+    );
+    // Asking for as many seeds as there are would not bring back the fifth.
+    assert!(account.contains("--codes yade --seeds 5 --rayleigh-fraction 0.1\n"), "{account}");
 }
 
 #[test]

@@ -2,50 +2,21 @@
 
 use super::{
     FORCE_COLUMNS, ForceLine, GRAIN_COLUMNS, MEASUREMENT_COLUMNS, MeasuredRun, MeasurementLine, RUN_COLUMNS, Reference,
-    RunLine, SERIES_COLUMNS, SeriesLine, final_state_file,
+    RunLine, SERIES_COLUMNS, SeriesLine, days, final_state_file, processors,
 };
-use crate::compare::CodeRuns;
 use crate::output::{WriteError, create_folder, write_whole};
 use makadam::scene::Scene;
 use serde::Serialize;
 use std::path::Path;
 
 impl Reference {
-    /// Takes in runs of one code, in place of what was recorded of it at the same stiffness. Distribution, series and
-    /// final state are taken from runs at the scene's own stiffness only.
-    pub fn replace(&mut self, code: CodeRuns, stiffness_factor: f64, physics: String) {
-        let name = code.code;
-        self.runs.retain(|run| run.code != name || run.stiffness_factor != stiffness_factor);
-        self.runs.extend(code.runs);
-        self.runs.sort_by(|a, b| {
-            (&a.code, a.stiffness_factor, a.seed)
-                .partial_cmp(&(&b.code, b.stiffness_factor, b.seed))
-                .expect("factors are finite")
-        });
-        if stiffness_factor == 1.0 {
-            self.physics.retain(|(known, _)| *known != name);
-            self.physics.push((name.clone(), physics));
-            self.forces.retain(|forces| forces.code != name);
-            self.forces.extend(code.forces);
-            self.series.retain(|series| series.code != name);
-            self.series.extend(code.series);
-            self.final_states.retain(|state| state.code != name);
-            self.final_states.extend(code.final_state);
-        } else if !self.physics.iter().any(|(known, _)| *known == name) {
-            self.physics.push((name, physics));
-        }
-    }
-
     /// Writes the references of a scene into a folder.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses; files not yet reached stay as they were.
     pub fn save(&self, scene: &Scene, folder: &Path) -> Result<(), WriteError> {
         create_folder(folder)?;
-        let hash =
-            |code: &str| self.physics.iter().find(|(known, _)| known == code).map_or("", |(_, hash)| hash.as_str());
-        let runs = self.runs.iter().map(|run| run_line(run, hash(&run.code)));
-        write_whole(&folder.join("runs.csv"), &to_csv(&RUN_COLUMNS, runs))?;
+        write_whole(&folder.join("runs.csv"), &to_csv(&RUN_COLUMNS, self.runs.iter().map(run_line)))?;
         let measurements = self.runs.iter().flat_map(measurement_lines);
         write_whole(&folder.join("measurements.csv"), &to_csv(&MEASUREMENT_COLUMNS, measurements))?;
         let forces = self.forces.iter().flat_map(|forces| {
@@ -83,7 +54,7 @@ impl Reference {
     }
 
     /// How the numbers were made, for people.
-    fn account(&self, scene: &Scene) -> String {
+    pub(super) fn account(&self, scene: &Scene) -> String {
         let mut text = format!(
             "# Recorded references of `{}`\n\nWhat YADE and LIGGGHTS measured on this scene. Every run started from the \
              grains that Makadam places for its seed, ran on one core, and was measured by the same code that measures \
@@ -99,19 +70,21 @@ impl Reference {
             let first = runs[0];
             let stiffness = if factor == 1.0 { "E".to_string() } else { format!("{factor} E") };
             let fraction = first.rayleigh_fraction.map_or("-".to_string(), |f| format!("{:.0}%", 100.0 * f));
-            let date = first.date.split('T').next().unwrap_or_default();
             text += &format!(
-                "| {code} | {} | {stiffness} | {} | {:.3e} | {fraction} | {} | {date} |\n",
+                "| {code} | {} | {stiffness} | {} | {:.3e} | {fraction} | {} | {} |\n",
                 first.version,
                 runs.len(),
                 first.time_step,
-                first.processor
+                processors(&runs),
+                days(&runs)
             );
         }
         text += "\nMade by\n\n```\n";
         for (code, factor) in &kinds {
-            let (first, seeds) = (self.at(code, *factor).next(), self.at(code, *factor).count());
-            let fraction = first.and_then(|run| run.rayleigh_fraction).unwrap_or_default();
+            // The last seed and not their number: seeds whose run failed leave holes.
+            let last = self.at(code, *factor).last();
+            let seeds = last.map_or(0, |run| run.seed);
+            let fraction = last.and_then(|run| run.rayleigh_fraction).unwrap_or_default();
             let stiffness = if *factor == 1.0 { String::new() } else { format!(" --stiffness-factor {factor}") };
             text += &format!(
                 "makadam compare {} --record --codes {} --seeds {seeds} --rayleigh-fraction {fraction}{stiffness}\n",
@@ -128,7 +101,7 @@ impl Reference {
     }
 }
 
-fn run_line(run: &MeasuredRun, scene_hash: &str) -> RunLine {
+fn run_line(run: &MeasuredRun) -> RunLine {
     RunLine {
         code: run.code.clone(),
         version: run.version.clone(),
@@ -140,7 +113,7 @@ fn run_line(run: &MeasuredRun, scene_hash: &str) -> RunLine {
         simulated_seconds: rounded(run.simulated_seconds),
         processor: run.processor.clone(),
         date: run.date.clone(),
-        scene_hash: scene_hash.to_string(),
+        scene_hash: run.scene_hash.clone(),
     }
 }
 

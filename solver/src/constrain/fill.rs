@@ -1,0 +1,125 @@
+//! Constraint data of eight contacts at a time.
+
+use super::{Given, LaneMaterial, write_contacts};
+use crate::detect::Impulse;
+use crate::effects::compliance::NormalContact;
+use crate::lanes::{Eight, Kernel, Lanes, Quad, dot, minus};
+use crate::partition::TaskGroups;
+use crate::schedule::Disjoint;
+
+/// Fills the groups of pairs of a task.
+///
+/// Whoever makes one promises that no other task uses the task's candidates meanwhile.
+pub(super) struct FillPairs<'a> {
+    pub given: &'a Given<'a>,
+    pub groups: &'a mut TaskGroups,
+    pub impulses: &'a Disjoint<'a, Impulse>,
+}
+
+impl Kernel for FillPairs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let world = self.given.world;
+        let (spheres, bodies): (*const Quad, *const Quad) =
+            (world.spheres.as_ptr().cast(), world.bodies.as_ptr().cast());
+        let impulses: *const Quad = self.impulses.as_ptr().cast();
+        let nothing = self.given.candidates.pairs.len() as u32;
+        for (group, sources) in self.groups.pairs.iter_mut().zip(&self.groups.pair_sources) {
+            // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.
+            let ([x, y, z, radius], [to_x, to_y, to_z, to_radius], a, b, remembered) = unsafe {
+                (
+                    L::load_quads::<1>(spheres, &group.first),
+                    L::load_quads::<1>(spheres, &group.second),
+                    L::load_quads::<2>(bodies, &group.first),
+                    L::load_quads::<2>(bodies, &group.second),
+                    L::load_quads::<1>(impulses, &sources.or(nothing)),
+                )
+            };
+            // Two grains with one centre have no normal; any direction parts them.
+            let arm = [to_x - x, to_y - y, to_z - z];
+            let distance = dot(arm, arm).sqrt();
+            let one_centre = distance.at_most(L::zero());
+            let upward = [L::zero(), L::zero(), L::splat(1.0)];
+            let normal = std::array::from_fn(|axis| L::select(one_centre, upward[axis], arm[axis] / distance));
+            let material = match self.given.material {
+                Some(material) => LaneMaterial::of_all(material),
+                None => LaneMaterial::of_each(|lane| {
+                    let number = |place: u32| world.materials[place as usize];
+                    world.table.between_grains(number(group.first[lane]), number(group.second[lane]))
+                }),
+            };
+            let geometry = NormalContact {
+                overlap: radius + to_radius - distance,
+                velocity: dot(normal, minus([b[0], b[1], b[2]], [a[0], a[1], a[2]])),
+                effective_modulus: material.effective_modulus,
+                effective_radius: radius * to_radius / (radius + to_radius),
+                inverse_mass: a[3] + b[3],
+                damping_ratio: material.damping_ratio,
+            };
+            write_contacts(&mut group.contacts, normal, geometry, &material, remembered, &self.given.constants);
+        }
+    }
+}
+
+/// Fills the groups of wall contacts of a task; the same promise as for [`FillPairs`].
+pub(super) struct FillWalls<'a> {
+    pub given: &'a Given<'a>,
+    pub groups: &'a mut TaskGroups,
+    pub impulses: &'a Disjoint<'a, Impulse>,
+}
+
+impl Kernel for FillWalls<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Given { world, candidates, poses, constants, .. } = self.given;
+        let bodies: *const Quad = world.bodies.as_ptr().cast();
+        let impulses: *const Quad = self.impulses.as_ptr().cast();
+        let nothing = candidates.walls.len() as u32;
+        // Padding lanes are far from everything.
+        let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
+        for (group, sources) in self.groups.walls.iter_mut().zip(&self.groups.wall_sources) {
+            // Faces differ from lane to lane, so their geometry is done one by one.
+            let [mut distance, mut normal_x, mut normal_y, mut normal_z, mut radius] = far;
+            let mut wall_velocity = [Eight::default(); 3];
+            let mut surfaces = [0; crate::lanes::LANES];
+            for (lane, candidate) in sources.occupied() {
+                let wall = candidates.walls[candidate];
+                let sphere = &world.spheres[wall.body as usize];
+                let pose = &poses[wall.surface as usize];
+                let (gap, normal) = pose.nearest(&sphere.centre);
+                let velocity = pose.velocity_at(&(sphere.centre + normal * gap));
+                distance.0[lane] = gap;
+                radius.0[lane] = sphere.radius;
+                (normal_x.0[lane], normal_y.0[lane], normal_z.0[lane]) = (normal.x, normal.y, normal.z);
+                for axis in 0..3 {
+                    wall_velocity[axis].0[lane] = velocity[axis];
+                }
+                surfaces[lane] = wall.surface;
+            }
+            group.wall_velocity = wall_velocity;
+            // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.
+            let (body, remembered) = unsafe {
+                (L::load_quads::<2>(bodies, &group.body), L::load_quads::<1>(impulses, &sources.or(nothing)))
+            };
+            let normal = [&normal_x, &normal_y, &normal_z].map(L::load);
+            let (distance, radius) = (L::load(&distance), L::load(&radius));
+            let material = LaneMaterial::of_each(|lane| {
+                let grain = world.materials[group.body[lane] as usize];
+                world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material)
+            });
+            let geometry = NormalContact {
+                overlap: radius - distance,
+                velocity: dot(normal, minus(wall_velocity.each_ref().map(L::load), [body[0], body[1], body[2]])),
+                effective_modulus: material.effective_modulus,
+                effective_radius: radius,
+                inverse_mass: body[3],
+                damping_ratio: material.damping_ratio,
+            };
+            write_contacts(&mut group.contacts, normal, geometry, &material, remembered, constants);
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! A candidate that touches becomes constraint data: gap and normal, bias, regularisation, starting impulse.
+//!
+//! A task goes through its candidates eight at a time and packs those that touch into lane groups, by place only; then
+//! it fills the groups, eight contacts at a time, from the bodies and from the impulses of the last step.
+
+mod fill;
+mod touch;
+
+use crate::detect::{Candidates, Impulse};
+use crate::effects::compliance::NormalContact;
+use crate::effects::restitution::{bears, with_restitution};
+use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number};
+use crate::partition::{Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups};
+use crate::scene::{NormalLaw, SolverSettings};
+use crate::schedule::{Disjoint, Phase, Team};
+use crate::world::{ContactMaterial, Pose, World};
+use fill::{FillPairs, FillWalls};
+use touch::PackPairs;
+
+/// Turns candidates into lane groups; keeps its buffers from step to step.
+#[derive(Clone, Debug, Default)]
+pub struct Constrainer {
+    taken: Vec<Taken>,
+    poses: Vec<Pose>,
+    steps: u64,
+}
+
+/// What all contacts of a step share.
+struct StepConstants {
+    law: NormalLaw,
+    h: f64,
+    damping_steps: f64,
+    threshold: f64,
+    warm_start: f64,
+    /// Gap up to which a contact may still matter in this step, m; zero but for rigid contacts.
+    reach: f64,
+}
+
+/// What the tasks of a step read.
+struct Given<'a> {
+    world: &'a World,
+    candidates: &'a Candidates,
+    poses: &'a [Pose],
+    constants: StepConstants,
+    /// The contact material of all pairs of grains, if there is only one.
+    material: Option<&'a ContactMaterial>,
+}
+
+impl Constrainer {
+    /// Lays out the contacts of a step from the state at its start, before forces act.
+    pub fn constrain(
+        &mut self,
+        world: &World,
+        candidates: &mut Candidates,
+        settings: &SolverSettings,
+        set: InstructionSet,
+        team: &Team,
+        layout: &mut Layout,
+    ) {
+        let h = settings.step;
+        let constants = StepConstants {
+            law: settings.normal_law,
+            h,
+            damping_steps: settings.damping_steps,
+            threshold: settings.restitution_threshold,
+            warm_start: settings.warm_start,
+            reach: match settings.normal_law {
+                NormalLaw::Rigid => (settings.restitution_threshold + world.gravity.norm() * h) * h,
+                _ => 0.0,
+            },
+        };
+        self.poses.clear();
+        self.poses.extend(world.surfaces.iter().map(|surface| surface.at(world.time)));
+        self.taken.resize(world.grains(), Taken::default());
+        self.steps += 1;
+        // Each candidate belongs to one task, so their impulses are written without a lock.
+        let (pair_impulses, wall_impulses) =
+            (std::mem::take(&mut candidates.pair_impulses), std::mem::take(&mut candidates.wall_impulses));
+        let (mut pair_impulses, mut wall_impulses) = (pair_impulses, wall_impulses);
+        {
+            let given =
+                Given { world, candidates, poses: &self.poses, constants, material: world.table.of_all_grains() };
+            let (taken, groups) = (Disjoint::new(&mut self.taken), Disjoint::new(&mut layout.groups));
+            let (pair_impulses, wall_impulses) = (Disjoint::new(&mut pair_impulses), Disjoint::new(&mut wall_impulses));
+            for stage in 0..STAGES {
+                let tasks = layout.plan.stage(stage);
+                // Numbers of groups never come again: each step, stage and side has its own range.
+                let base = (self.steps * STAGES as u64 + stage as u64) << 33;
+                team.each(Phase::Constrain, tasks.len(), |task| {
+                    let task = &tasks[task];
+                    // SAFETY: tasks of a stage share no body, and each has its own groups and candidates.
+                    unsafe {
+                        let groups = groups.at(task.number as usize);
+                        given.lay_out(task, base, &taken, groups, &pair_impulses, &wall_impulses, set);
+                    }
+                });
+            }
+        }
+        (candidates.pair_impulses, candidates.wall_impulses) = (pair_impulses, wall_impulses);
+        layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts).sum();
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.taken.capacity() * size_of::<Taken>()
+    }
+}
+
+impl Given<'_> {
+    /// Lays out one task.
+    ///
+    /// # Safety
+    /// No other task may use the bodies and candidates of this one meanwhile.
+    #[allow(clippy::too_many_arguments)]
+    unsafe fn lay_out(
+        &self,
+        task: &PlannedTask,
+        base: u64,
+        taken: &Disjoint<'_, Taken>,
+        groups: &mut TaskGroups,
+        pair_impulses: &Disjoint<'_, Impulse>,
+        wall_impulses: &Disjoint<'_, Impulse>,
+        set: InstructionSet,
+    ) {
+        let dummies = self.world.dummies_of(task.home as usize);
+        groups.restart();
+        let packer = Packer::new(taken, base, task.pairs.len());
+        // SAFETY: the caller's promise; places come from the candidate list.
+        unsafe {
+            set.run(PackPairs { given: self, task, dummies, packer, groups, impulses: pair_impulses });
+            self.pack_walls(task, dummies, Packer::new(taken, base + (1 << 32), 0), groups, wall_impulses);
+        }
+        groups.finish();
+        set.run(FillPairs { given: self, groups, impulses: pair_impulses });
+        set.run(FillWalls { given: self, groups, impulses: wall_impulses });
+    }
+}
+
+/// Restitution, friction and the rest for eight contacts.
+struct LaneMaterial<L> {
+    effective_modulus: L,
+    damping_ratio: L,
+    restitution: L,
+    friction: L,
+}
+
+impl<L: Lanes> LaneMaterial<L> {
+    #[inline(always)]
+    fn of_all(material: &ContactMaterial) -> Self {
+        Self {
+            effective_modulus: L::splat(material.effective_modulus),
+            damping_ratio: L::splat(material.damping_ratio),
+            restitution: L::splat(material.restitution),
+            friction: L::splat(material.friction),
+        }
+    }
+
+    #[inline(always)]
+    fn of_each<'a>(material: impl Fn(usize) -> &'a ContactMaterial) -> Self {
+        let lanes = |property: fn(&ContactMaterial) -> f64| {
+            L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
+        };
+        Self {
+            effective_modulus: lanes(|material| material.effective_modulus),
+            damping_ratio: lanes(|material| material.damping_ratio),
+            restitution: lanes(|material| material.restitution),
+            friction: lanes(|material| material.friction),
+        }
+    }
+}
+
+/// Constraint data and starting impulses of eight contacts.
+///
+/// The remembered tangential impulse is projected onto the new tangent plane.
+#[inline(always)]
+fn write_contacts<L: Lanes>(
+    contacts: &mut crate::partition::ContactLanes,
+    normal: [L; 3],
+    geometry: NormalContact<L>,
+    material: &LaneMaterial<L>,
+    remembered: [L; 4],
+    constants: &StepConstants,
+) {
+    let constraint = geometry.constraint(constants.law, constants.h, constants.damping_steps);
+    let constraint = with_restitution(
+        constraint,
+        constants.law,
+        geometry.overlap,
+        geometry.velocity,
+        material.restitution,
+        constants.threshold,
+        constants.h,
+    );
+    let bears = bears(&constraint);
+    let share = L::select(bears, L::splat(constants.warm_start), <L as Number>::zero());
+    let [impulse, x, y, z] = remembered;
+    let along = crate::lanes::dot(normal, [x, y, z]);
+    for (axis, component) in [x, y, z].into_iter().enumerate() {
+        ((component - normal[axis] * along) * share).store(&mut contacts.impulse_tangential[axis]);
+        normal[axis].store(&mut contacts.normal[axis]);
+    }
+    (impulse * share).store(&mut contacts.impulse_normal);
+    constraint.bias.store(&mut contacts.bias);
+    constraint.regularisation.store(&mut contacts.regularisation);
+    material.friction.store(&mut contacts.friction);
+}

@@ -1,0 +1,97 @@
+//! Which candidates touch, and the lane that each gets.
+
+use super::Given;
+use crate::detect::Impulse;
+use crate::lanes::{Kernel, LANES, Lanes, Quad};
+use crate::partition::{Packer, PlannedTask, TaskGroups};
+use crate::schedule::Disjoint;
+
+/// Packs the pairs of a task that touch.
+///
+/// Whoever makes one promises that no other task uses the task's bodies and candidates meanwhile.
+pub(super) struct PackPairs<'a> {
+    pub given: &'a Given<'a>,
+    pub task: &'a PlannedTask,
+    pub dummies: u32,
+    pub packer: Packer<'a>,
+    pub groups: &'a mut TaskGroups,
+    pub impulses: &'a Disjoint<'a, Impulse>,
+}
+
+impl Kernel for PackPairs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        let spheres: *const Quad = self.given.world.spheres.as_ptr().cast();
+        let reach = L::splat(self.given.constants.reach);
+        let (start, end) = (self.task.pairs.start as usize, self.task.pairs.end as usize);
+        for block in (start..end).step_by(LANES) {
+            let count = (end - block).min(LANES);
+            let all = &self.given.candidates.pairs;
+            let pair = |lane: usize| all[block + lane.min(count - 1)];
+            let first = std::array::from_fn(|lane| pair(lane).first);
+            let second = std::array::from_fn(|lane| pair(lane).second);
+            // SAFETY: candidates name grains.
+            let ([x, y, z, radius], [to_x, to_y, to_z, to_radius]) =
+                unsafe { (L::load_quads::<1>(spheres, &first), L::load_quads::<1>(spheres, &second)) };
+            let arm = [to_x - x, to_y - y, to_z - z];
+            let square = arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2];
+            let touch = radius + to_radius + reach;
+            let touching = L::bits(square.below(touch * touch));
+            for lane in 0..count {
+                let candidate = block + lane;
+                // SAFETY: the promise above.
+                unsafe {
+                    if touching & 1 << lane != 0 {
+                        let pair = all[candidate];
+                        let place = self.packer.place([pair.first, pair.second]);
+                        self.groups.put_pair(place, pair, candidate as u32, self.dummies);
+                        self.groups.contacts += 1;
+                    } else {
+                        forget(self.impulses.at(candidate));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A contact that has opened starts from nothing when it closes again.
+#[inline(always)]
+fn forget(impulse: &mut Impulse) {
+    if impulse.normal != 0.0 {
+        *impulse = Impulse::default();
+    }
+}
+
+impl Given<'_> {
+    /// Packs the wall contacts of a task that touch.
+    ///
+    /// # Safety
+    /// No other task may use the task's bodies and candidates meanwhile.
+    pub(super) unsafe fn pack_walls(
+        &self,
+        task: &PlannedTask,
+        dummies: u32,
+        mut packer: Packer<'_>,
+        groups: &mut TaskGroups,
+        impulses: &Disjoint<'_, Impulse>,
+    ) {
+        for candidate in task.walls.start as usize..task.walls.end as usize {
+            let wall = self.candidates.walls[candidate];
+            let sphere = &self.world.spheres[wall.body as usize];
+            let (distance, _) = self.poses[wall.surface as usize].nearest(&sphere.centre);
+            // SAFETY: the caller's promise.
+            unsafe {
+                if distance < sphere.radius + self.constants.reach {
+                    let place = packer.place([wall.body]);
+                    groups.put_wall(place, wall, candidate as u32, dummies);
+                    groups.contacts += 1;
+                } else {
+                    forget(impulses.at(candidate));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The search of one box: pairs of grains and grains at walls that are within reach.
+
+use super::grid::{CellGrid, DIRECTIONS, SAME_BOX};
+use super::{PairCandidate, WallCandidate};
+use crate::lanes::{Kernel, LANES, Lanes, Quad, dot, minus};
+use crate::world::{Pose, Sphere, World};
+use nalgebra::Vector3;
+
+/// What a box found; its buffers are kept from one search to the next.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Found {
+    /// Pairs, with the direction of the second grain's box.
+    pub pairs: Vec<(u8, PairCandidate)>,
+    /// Number of pairs by direction.
+    pub counts: [u32; DIRECTIONS],
+    /// Where the pairs of each direction go in the list.
+    pub targets: [u32; DIRECTIONS],
+    /// Grains and surfaces.
+    pub walls: Vec<WallCandidate>,
+}
+
+impl Found {
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<Found>()
+            + self.pairs.capacity() * size_of::<(u8, PairCandidate)>()
+            + self.walls.capacity() * size_of::<WallCandidate>()
+    }
+
+    /// Finds the surfaces within reach of the grains of a box.
+    pub fn search_walls(&mut self, world: &World, grid: &CellGrid, poses: &[Pose], number: usize, skin: f64) {
+        self.walls.clear();
+        let places = grid.grains_of_box(number);
+        if places.is_empty() {
+            return;
+        }
+        // Whole boxes are far from most surfaces.
+        let spheres = &world.spheres[places.clone()];
+        let (mut low, mut high, mut radius) = (spheres[0].centre, spheres[0].centre, 0.0_f64);
+        for sphere in spheres {
+            low = low.inf(&sphere.centre);
+            high = high.sup(&sphere.centre);
+            radius = radius.max(sphere.radius);
+        }
+        let (centre, half): (Vector3<f64>, _) = ((low + high) * 0.5, (high - low).norm() * 0.5);
+        for (surface, pose) in poses.iter().enumerate() {
+            if !pose.may_be_within(&centre, (half + radius + skin) * (1.0 + 1e-9)) {
+                continue;
+            }
+            for (grain, sphere) in places.clone().zip(spheres) {
+                if pose.nearest(&sphere.centre).0 < sphere.radius + skin {
+                    self.walls.push(WallCandidate { body: grain as u32, surface: surface as u32 });
+                }
+            }
+        }
+    }
+}
+
+/// Finds the pairs of a box: eight neighbours of a grain at a time.
+pub(super) struct PairSearch<'a> {
+    pub spheres: &'a [Sphere],
+    pub ids: &'a [u32],
+    pub grid: &'a CellGrid,
+    pub number: usize,
+    pub skin: f64,
+    pub found: &'a mut Found,
+}
+
+impl Kernel for PairSearch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Found { pairs, counts, .. } = self.found;
+        pairs.clear();
+        *counts = [0; DIRECTIONS];
+        let base: *const Quad = self.spheres.as_ptr().cast();
+        for cell in 0..self.grid.cells_of_box() {
+            let neighbourhood = self.grid.neighbourhood(self.number, cell);
+            for grain in neighbourhood.home.clone() {
+                let own = &self.spheres[grain];
+                let centre = [own.centre.x, own.centre.y, own.centre.z].map(L::splat);
+                let own_reach = L::splat(own.radius + self.skin);
+                let own_cell = (grain + 1..neighbourhood.home.end, SAME_BOX);
+                for (run, direction) in std::iter::once(&own_cell).chain(neighbourhood.runs()) {
+                    for start in run.clone().step_by(LANES) {
+                        let count = (run.end - start).min(LANES);
+                        let places = std::array::from_fn(|lane| (start + lane.min(count - 1)) as u32);
+                        // SAFETY: `places` lie in the run, whose grains are in `spheres`.
+                        let [x, y, z, radius] = unsafe { L::load_quads::<1>(base, &places) };
+                        let arm = minus([x, y, z], centre);
+                        let reach = own_reach + radius;
+                        let mut near = L::bits(dot(arm, arm).below(reach * reach)) & ((1 << count) - 1);
+                        while near != 0 {
+                            let other = start + near.trailing_zeros() as usize;
+                            near &= near - 1;
+                            // The grain with the smaller id comes first, wherever the two lie in memory.
+                            let (first, second) =
+                                if self.ids[grain] < self.ids[other] { (grain, other) } else { (other, grain) };
+                            let pair = PairCandidate { first: first as u32, second: second as u32 };
+                            pairs.push((*direction as u8, pair));
+                            counts[*direction] += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Eight numbers treated alike: the arithmetic of lane groups, once for every instruction set.
+//!
+//! A kernel is written over [`Number`] (arithmetic) and [`Lanes`] (eight of them, with loads and stores). It is compiled
+//! for plain Rust, for AVX2 and for AVX-512F, and the best that the processor has is chosen once at start. Every operation
+//! is one correctly rounded IEEE operation a lane, so all give the same bits. Fused multiply-add is left out on purpose: a
+//! processor without it would need a library call in place of an instruction (see `docs/kernel.md` for what that costs).
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod portable;
+mod scalar;
+
+use serde::{Deserialize, Serialize};
+use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
+
+/// Number of contacts in a lane group; a part of the algorithm, not of the machine.
+pub const LANES: usize = 8;
+
+/// Eight `f64` in memory, one a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct Eight(pub [f64; LANES]);
+
+/// One `f64` or several, with the operations that kernels are made of.
+pub trait Number:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// A truth value a lane.
+    type Mask: Copy + BitAnd<Output = Self::Mask> + Not<Output = Self::Mask>;
+
+    /// The same number in each lane.
+    fn splat(value: f64) -> Self;
+    /// Correctly rounded square root.
+    fn sqrt(self) -> Self;
+    /// Magnitude.
+    fn abs(self) -> Self;
+    /// `self` where it is above `other`, `other` elsewhere.
+    fn larger(self, other: Self) -> Self;
+    /// `self` where it is below `other`, `other` elsewhere.
+    fn smaller(self, other: Self) -> Self;
+    /// Where `self` is below `other`.
+    fn below(self, other: Self) -> Self::Mask;
+    /// Where `self` does not exceed `other`.
+    fn at_most(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask holds, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// Zero in each lane.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+}
+
+/// Eight lanes of a register file, with loads and stores.
+///
+/// Records of bodies, spheres and impulses are kept as [`Quad`]s. Eight of them are loaded as aligned halves of cache
+/// lines and transposed in registers: gathers are slower on every processor that was tried.
+pub trait Lanes: Number {
+    /// Reads eight numbers.
+    fn load(from: &Eight) -> Self;
+
+    /// Writes eight numbers.
+    fn store(self, to: &mut Eight);
+
+    /// The lanes of a mask as bits, lane 0 lowest.
+    fn bits(mask: Self::Mask) -> u32;
+
+    /// Reads the quads `base + STRIDE indices[lane]` and transposes them.
+    ///
+    /// # Safety
+    /// Each of these quads must lie in memory that may be read.
+    unsafe fn load_quads<const STRIDE: usize>(base: *const Quad, indices: &[u32; LANES]) -> [Self; 4];
+
+    /// Transposes and writes the quads `base + STRIDE indices[lane]`.
+    ///
+    /// # Safety
+    /// Each of these quads must lie in memory that may be written, and nothing else may use it meanwhile.
+    unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Self; 4]);
+}
+
+/// Four numbers that are read together: half a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct Quad(pub [f64; 4]);
+
+/// Scalar product.
+#[inline(always)]
+pub fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Vector product.
+#[inline(always)]
+pub fn cross<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// `a + b`.
+#[inline(always)]
+pub fn plus<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// `a - b`.
+#[inline(always)]
+pub fn minus<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a` times a number.
+#[inline(always)]
+pub fn times<N: Number>(a: [N; 3], factor: N) -> [N; 3] {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+/// Instruction set of the kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum InstructionSet {
+    /// Whatever the build's target has.
+    Generic,
+    /// 256-bit registers.
+    Avx2,
+    /// 512-bit registers.
+    Avx512,
+}
+
+impl InstructionSet {
+    /// All, from the narrowest to the widest.
+    pub const ALL: [InstructionSet; 3] = [InstructionSet::Generic, InstructionSet::Avx2, InstructionSet::Avx512];
+
+    /// The widest that this processor has.
+    pub fn detect() -> InstructionSet {
+        let available = |set: &InstructionSet| set.is_available();
+        InstructionSet::ALL.into_iter().rev().find(available).unwrap_or(InstructionSet::Generic)
+    }
+
+    /// Whether this processor has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            InstructionSet::Generic => true,
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 => is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 => is_x86_feature_detected!("avx512f"),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// Its name, as the command line takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            InstructionSet::Generic => "generic",
+            InstructionSet::Avx2 => "avx2",
+            InstructionSet::Avx512 => "avx512",
+        }
+    }
+
+    /// Runs a kernel on it. The set must be available: simulations see to that where they are told which to use.
+    pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self {
+            // SAFETY: the set was found on this processor before it was chosen.
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 => unsafe { run_avx512(kernel) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 => unsafe { run_avx2(kernel) },
+            _ => kernel.run::<portable::Portable>(),
+        }
+    }
+}
+
+/// A loop over lane groups that is compiled once for each instruction set.
+pub(crate) trait Kernel {
+    /// What it returns.
+    type Output;
+
+    /// The loop itself; `#[inline(always)]` in every implementation, so that it is compiled for its caller's registers.
+    fn run<L: Lanes>(self) -> Self::Output;
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f")]
+fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<avx512::Avx512>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<avx2::Avx2>()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,63 @@
+//! Every operation gives the same bits on every instruction set.
+
+use super::*;
+
+const VALUES: [f64; 8] = [1.5, -0.0, 0.0, -2.25, 1e-310, f64::INFINITY, f64::NAN, 3.0];
+const OTHERS: [f64; 8] = [0.1, 0.0, -0.0, -2.25, 7.0, 2.0, 1.0, -4.0];
+
+struct Operations<'a> {
+    results: &'a mut Vec<Eight>,
+    bits: &'a mut Vec<u32>,
+}
+
+impl Kernel for Operations<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let (a, b) = (L::load(&Eight(VALUES)), L::load(&Eight(OTHERS)));
+        let masks = [a.below(b), a.at_most(b), !a.below(b), a.at_most(b) & !a.below(b)];
+        self.bits.extend(masks.map(L::bits));
+        let values = [a + b, a - b, a * b, a / b, -a, a.abs().sqrt(), a.larger(b), a.smaller(b), L::splat(0.1)];
+        let selected = masks.map(|mask| L::select(mask, a, b));
+        for value in values.into_iter().chain(selected) {
+            let mut out = Eight::default();
+            value.store(&mut out);
+            self.results.push(out);
+        }
+        let mut records: Vec<Quad> = (0..40).map(|i| Quad(std::array::from_fn(|part| (4 * i + part) as f64))).collect();
+        let indices = [3, 0, 17, 12, 5, 6, 19, 1];
+        // SAFETY: 2 * 19 < 40, and the vector is this function's own.
+        unsafe {
+            let quads = L::load_quads::<2>(records.as_ptr(), &indices);
+            for part in quads {
+                let mut out = Eight::default();
+                part.store(&mut out);
+                self.results.push(out);
+            }
+            let doubled = quads.map(|part| part + part);
+            L::store_quads::<2>(records.as_mut_ptr(), &indices, doubled);
+        }
+        for pair in records.chunks_exact(2) {
+            let both: Vec<f64> = pair.iter().flat_map(|quad| quad.0).collect();
+            self.results.push(Eight(both.try_into().expect("two quads are eight numbers")));
+        }
+    }
+}
+
+#[test]
+fn instruction_sets_agree_on_every_operation() {
+    let run = |set: InstructionSet| {
+        let (mut results, mut bits) = (Vec::new(), Vec::new());
+        set.run(Operations { results: &mut results, bits: &mut bits });
+        // Every NaN is as good as any other: IEEE leaves their payload open.
+        let plain = |x: f64| if x.is_nan() { u64::MAX } else { x.to_bits() };
+        (results.iter().map(|eight| eight.0.map(plain)).collect::<Vec<_>>(), bits)
+    };
+    let generic = run(InstructionSet::Generic);
+    assert_eq!(generic.1[0], 0b0001_0000, "only 1e-310 is below its partner");
+    assert_eq!(generic.0[13][2], 136_f64.to_bits(), "first number of quad 2 * 17");
+    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+        assert_eq!(run(set), generic, "{set:?}");
+    }
+}

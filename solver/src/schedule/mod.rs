@@ -1,0 +1,141 @@
+//! Who does which task when: serial, one central queue, or work stealing. No physics here.
+//!
+//! A region is a number of tasks that may run at the same time and in any order; when it returns, all are done. How work is
+//! cut into tasks depends on the scene alone, so a scheduler changes no bit of the result.
+
+mod disjoint;
+mod queue;
+mod trace;
+
+pub(crate) use disjoint::Disjoint;
+pub use queue::CentralQueue;
+pub use trace::{Phase, Region, StepTrace};
+
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use serde::{Deserialize, Serialize};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+use trace::Tracer;
+
+/// Who takes the next task.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheduler {
+    /// One thread, task after task.
+    Serial,
+    /// All threads take from one queue behind a lock: the initial version of Rönnbäck's thesis.
+    CentralQueue,
+    /// Each thread has a queue and takes from others when it runs dry: the thesis's improved version.
+    #[default]
+    WorkStealing,
+}
+
+impl Scheduler {
+    /// All of them.
+    pub const ALL: [Scheduler; 3] = [Scheduler::Serial, Scheduler::CentralQueue, Scheduler::WorkStealing];
+
+    /// Its name, as the command line takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Scheduler::Serial => "serial",
+            Scheduler::CentralQueue => "central-queue",
+            Scheduler::WorkStealing => "work-stealing",
+        }
+    }
+}
+
+/// Threads and the way in which they share tasks.
+#[derive(Clone, Debug, Default)]
+pub struct Team {
+    scheduler: Scheduler,
+    /// Absent where there is one thread.
+    pool: Option<Arc<ThreadPool>>,
+    tracer: Arc<Mutex<Tracer>>,
+    tracing: bool,
+}
+
+impl Team {
+    /// A team of so many threads, at least one. One thread works serially under any scheduler but the central queue, whose
+    /// cost even one thread can show.
+    ///
+    /// # Errors
+    /// The system gives no more threads.
+    pub fn new(scheduler: Scheduler, threads: usize) -> Result<Team, ThreadPoolBuildError> {
+        let pool = match (scheduler, threads) {
+            (Scheduler::Serial, _) | (_, 0 | 1) => None,
+            _ => Some(Arc::new(ThreadPoolBuilder::new().num_threads(threads).build()?)),
+        };
+        Ok(Team { scheduler, pool, ..Team::default() })
+    }
+
+    /// Number of threads.
+    pub fn threads(&self) -> usize {
+        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
+    }
+
+    /// Who takes the next task.
+    pub fn scheduler(&self) -> Scheduler {
+        self.scheduler
+    }
+
+    /// Runs `work` on a thread of the team, so that its regions start without waking a pool.
+    pub(crate) fn enter<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+
+    /// Runs `task` for each number below `count`, in any order and at the same time.
+    pub(crate) fn each(&self, phase: Phase, count: usize, task: impl Fn(usize) + Sync) {
+        if self.tracing {
+            return self.each_traced(phase, count, task);
+        }
+        match (&self.pool, self.scheduler) {
+            _ if count <= 1 => (0..count).for_each(task),
+            (None, Scheduler::CentralQueue) => CentralQueue::new(count).drain(&task),
+            (None, _) => (0..count).for_each(task),
+            (Some(pool), Scheduler::CentralQueue) => {
+                let queue = CentralQueue::new(count);
+                let workers = pool.current_num_threads().min(count);
+                (0..workers).into_par_iter().with_max_len(1).for_each(|_| queue.drain(&task));
+            }
+            (Some(_), _) => (0..count).into_par_iter().for_each(&task),
+        }
+    }
+
+    /// Runs a piece of work that is not cut into tasks.
+    pub(crate) fn alone<R>(&self, phase: Phase, work: impl FnOnce() -> R) -> R {
+        if !self.tracing {
+            return work();
+        }
+        let clock = Instant::now();
+        let result = work();
+        self.tracer.lock().expect("no task panics while it traces").add(phase, vec![clock.elapsed().as_secs_f64()]);
+        result
+    }
+
+    fn each_traced(&self, phase: Phase, count: usize, task: impl Fn(usize)) {
+        let timed = |number| {
+            let clock = Instant::now();
+            task(number);
+            clock.elapsed().as_secs_f64()
+        };
+        let seconds = (0..count).map(timed).collect();
+        self.tracer.lock().expect("no task panics while it traces").add(phase, seconds);
+    }
+
+    /// A team of one thread that writes down how long each task takes.
+    pub(crate) fn traced() -> Team {
+        Team { scheduler: Scheduler::Serial, tracing: true, ..Team::default() }
+    }
+
+    /// What was written down since the last call.
+    pub(crate) fn take_trace(&self) -> StepTrace {
+        self.tracer.lock().expect("no task panics while it traces").take()
+    }
+}
+
+#[cfg(test)]
+mod tests;

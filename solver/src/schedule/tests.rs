@@ -1,0 +1,34 @@
+use super::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+#[test]
+fn every_scheduler_does_every_task_once() {
+    for scheduler in Scheduler::ALL {
+        for threads in [1, 2, 3, 8] {
+            let team = Team::new(scheduler, threads).unwrap();
+            for count in [0, 1, 2, 7, 1000] {
+                let done: Vec<AtomicUsize> = (0..count).map(|_| AtomicUsize::new(0)).collect();
+                team.enter(|| {
+                    team.each(Phase::Sweep, count, |task| {
+                        done[task].fetch_add(1, Ordering::Relaxed);
+                    });
+                });
+                assert!(
+                    done.iter().all(|times| times.load(Ordering::Relaxed) == 1),
+                    "{scheduler:?}, {threads} threads"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_trace_has_a_duration_for_every_task() {
+    let team = Team::traced();
+    team.each(Phase::Detect, 3, |_| {});
+    team.alone(Phase::Integrate, || {});
+    let trace = team.take_trace();
+    let sizes: Vec<_> = trace.regions.iter().map(|region| (region.phase, region.tasks.len())).collect();
+    assert_eq!(sizes, [(Phase::Detect, 3), (Phase::Integrate, 1)]);
+    assert!(team.take_trace().regions.is_empty());
+}

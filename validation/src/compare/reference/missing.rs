@@ -1,0 +1,114 @@
+//! What is still to be recorded: the seeds that are asked for and are not in the reference yet.
+
+use super::{MeasuredRun, Reference};
+
+/// Runs of one code at one stiffness that a reference should hold.
+#[derive(Clone, Debug)]
+pub struct Wanted<'a> {
+    /// The code.
+    pub code: &'a str,
+    /// Its version, if it is installed; if not, what is recorded may be of any one version.
+    pub version: Option<&'a str>,
+    /// Hash of the scene as it is now ([`physics_hash`](super::physics_hash)).
+    pub scene_hash: &'a str,
+    /// Time step over the Rayleigh step.
+    pub rayleigh_fraction: f64,
+    /// Factor on every Young's modulus.
+    pub stiffness_factor: f64,
+    /// Seeds of the initial positions.
+    pub seeds: &'a [u64],
+}
+
+/// What has to be measured or run so that a reference holds what is wanted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// Seeds to measure or run.
+    pub seeds: Vec<u64>,
+    /// Why recorded runs must make way for them, in words; `None` where they stay.
+    pub replaces: Option<String>,
+}
+
+impl Reference {
+    /// The wanted seeds that are not recorded yet. They are all wanted seeds if any recorded run of the code at this
+    /// stiffness was made otherwise: such runs are not mixed, and their pooled forces cannot be taken apart again.
+    pub fn missing(&self, wanted: &Wanted<'_>) -> Missing {
+        let recorded: Vec<&MeasuredRun> = self.at(wanted.code, wanted.stiffness_factor).collect();
+        let version = wanted.version.or_else(|| recorded.first().map(|run| run.version.as_str())).unwrap_or_default();
+        let replaces = recorded.iter().find_map(|run| made_otherwise(run, wanted, version));
+        let is_missing = |seed: &u64| replaces.is_some() || recorded.iter().all(|run| run.seed != *seed);
+        Missing { seeds: wanted.seeds.iter().copied().filter(is_missing).collect(), replaces }
+    }
+}
+
+/// In what a recorded run differs from the wanted ones, seeds aside.
+fn made_otherwise(run: &MeasuredRun, wanted: &Wanted<'_>, version: &str) -> Option<String> {
+    if run.scene_hash != wanted.scene_hash {
+        // Raw recordings bear no hash, so nothing else can tell those of the scene as it was.
+        return Some("the scene has changed since (remove raw recordings made before the change)".into());
+    }
+    if run.version != version {
+        return Some(format!("they are of version {}, not {version}", run.version));
+    }
+    if run.rayleigh_fraction != Some(wanted.rayleigh_fraction) {
+        let recorded = run.rayleigh_fraction.map_or("another share".into(), percent);
+        let asked = percent(wanted.rayleigh_fraction);
+        return Some(format!("they are at {recorded} of the Rayleigh step, and {asked} is asked for"));
+    }
+    None
+}
+
+/// A fraction in percent, without digits that say nothing.
+fn percent(fraction: f64) -> String {
+    format!("{}%", (fraction * 1e8).round() / 1e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::sample;
+    use super::*;
+    use crate::compare::physics_hash;
+
+    /// What is missing where a piece of what is wanted is changed; two seeds are recorded, three are wanted.
+    fn missing(change: impl Fn(&mut Wanted<'_>)) -> Missing {
+        let (scene, reference) = sample();
+        let hash = physics_hash(&scene);
+        let mut wanted = Wanted {
+            code: "YADE",
+            version: Some("1.0, Debian"),
+            scene_hash: &hash,
+            rayleigh_fraction: 0.1,
+            stiffness_factor: 1.0,
+            seeds: &[1, 2, 3],
+        };
+        change(&mut wanted);
+        reference.missing(&wanted)
+    }
+
+    #[test]
+    fn only_seeds_that_are_not_recorded_are_missing() {
+        let third = Missing { seeds: vec![3], replaces: None };
+        assert_eq!(missing(|_| ()), third);
+        assert_eq!(missing(|wanted| wanted.stiffness_factor = 10.0), third);
+        assert_eq!(missing(|wanted| wanted.version = None), third, "a code that is not installed keeps its runs");
+        assert!(missing(|wanted| wanted.seeds = &[1]).seeds.is_empty());
+    }
+
+    #[test]
+    fn a_code_or_stiffness_without_runs_misses_all_seeds() {
+        let all = Missing { seeds: vec![1, 2, 3], replaces: None };
+        assert_eq!(missing(|wanted| wanted.code = "another"), all);
+        assert_eq!(missing(|wanted| wanted.stiffness_factor = 2.0), all);
+    }
+
+    #[test]
+    fn runs_made_otherwise_are_all_replaced_and_the_reason_is_said() {
+        let replaced = |missing: Missing, reason: &str| {
+            assert_eq!(missing.seeds, [1, 2, 3]);
+            let said = missing.replaces.unwrap();
+            assert!(said.contains(reason), "{said}");
+        };
+        replaced(missing(|wanted| wanted.scene_hash = "another"), "scene has changed");
+        replaced(missing(|wanted| wanted.version = Some("2.0")), "version 1.0, Debian, not 2.0");
+        replaced(missing(|wanted| wanted.rayleigh_fraction = 0.2), "10% of the Rayleigh step, and 20%");
+    }
+}

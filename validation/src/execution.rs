@@ -1,0 +1,55 @@
+//! How a simulation is carried out: threads, scheduler, instruction set. Its result depends on none of them.
+
+use makadam::Simulation;
+use makadam::lanes::InstructionSet;
+use makadam::schedule::Scheduler;
+
+/// Threads, the way in which they share tasks, and the instruction set of the kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Execution {
+    /// Way in which threads share tasks.
+    pub scheduler: Scheduler,
+    /// Number of threads.
+    pub threads: usize,
+    /// Instruction set of the kernels.
+    pub instruction_set: InstructionSet,
+}
+
+/// Why a simulation cannot be carried out so.
+#[derive(Debug, thiserror::Error)]
+pub enum ExecutionError {
+    /// The processor lacks the instruction set.
+    #[error("this processor has no {0}; leave --isa out, or give one of: {1}")]
+    NoInstructionSet(&'static str, String),
+    /// The system gives no more threads.
+    #[error("cannot start {0} threads: {1}; give fewer with --threads")]
+    NoThreads(usize, String),
+}
+
+impl Execution {
+    /// One thread on the widest instruction set.
+    pub fn serial() -> Execution {
+        Execution { scheduler: Scheduler::Serial, threads: 1, instruction_set: InstructionSet::detect() }
+    }
+
+    /// Makes a simulation run so from its next step on.
+    ///
+    /// # Errors
+    /// [`ExecutionError`].
+    pub fn apply(&self, simulation: &mut Simulation) -> Result<(), ExecutionError> {
+        if !self.instruction_set.is_available() {
+            let available = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
+            let names: Vec<_> = available.map(InstructionSet::name).collect();
+            return Err(ExecutionError::NoInstructionSet(self.instruction_set.name(), names.join(", ")));
+        }
+        simulation.use_instruction_set(self.instruction_set);
+        simulation
+            .use_team(self.scheduler, self.threads)
+            .map_err(|error| ExecutionError::NoThreads(self.threads, error.to_string()))
+    }
+}
+
+/// Number of cores that this process may use.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
