@@ -202,6 +202,9 @@ pub struct ScalingArguments {
     /// Numbers of threads to measure; 1, 2, 4, ... and all cores, if absent.
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=256))]
     pub threads_list: Option<Vec<u16>>,
+    /// Instruction sets to measure; all that this processor has, if absent.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub isa: Option<Vec<InstructionSetName>>,
     /// Simulated time before the measurement where the scene prepares no flowing state, s.
     #[arg(long, default_value_t = 0.5, value_parser = positive)]
     pub settle: f64,

@@ -65,6 +65,7 @@ impl From<StartError> for Failure {
             StartError::Scene(error) => Failure::Scene(error),
             StartError::Write(error) => error.into(),
             StartError::Checkpoint(error) => Failure::Running(error.to_string()),
+            StartError::Execution(error) => Failure::Running(error.to_string()),
             StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
         }
     }
@@ -73,7 +74,7 @@ impl From<StartError> for Failure {
 impl From<MeasureError> for Failure {
     fn from(error: MeasureError) -> Failure {
         match error {
-            MeasureError::Threads(_) => Failure::Running(error.to_string()),
+            MeasureError::Execution(_) | MeasureError::Threads(_) => Failure::Running(error.to_string()),
             MeasureError::Interrupted => Failure::Interrupted("nothing: the measurement was not finished".into()),
         }
     }

@@ -1,12 +1,15 @@
 //! `makadam scaling`: how a scene's step scales, measured on the cores at hand and replayed beyond them.
 
 use super::arguments::ScalingArguments;
-use super::{Console, Failure, json, load};
-use crate::prepared::{Start, file_stem, start, steps_in};
+use super::{Console, Failure, begin, json, load};
+use crate::execution::{Execution, cores};
+use crate::prepared::{Start, file_stem, steps_in};
 use crate::provenance::Provenance;
 use crate::scaling::{self, Bandwidth, Costs, Machine, Plan, Setting, Study};
 use makadam::Simulation;
+use makadam::lanes::InstructionSet;
 use makadam::scene::Stop;
+use makadam::schedule::Scheduler;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -21,23 +24,20 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
         )));
     }
     let seed = arguments.seed.unwrap_or(scene.seed);
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = cores();
     let plan = plan(arguments, cores);
     if plan.threads.iter().any(|&threads| threads > cores) {
         console.warn(&format!("more threads than the {cores} cores at hand: such times say little"));
     }
+    let widest = plan.instruction_sets.last().copied().unwrap_or_else(InstructionSet::detect);
     let most = plan.threads.iter().copied().max().unwrap_or(1);
-    let provenance = Provenance::of_run(&scene, &file, seed, most);
-    let simulation = {
-        let bar = console.bar("preparing the flow");
-        let (mut simulation, start) = start(&scene, seed, &file, &|share| bar.set(share))?;
-        match start {
-            Start::Prepared(file) => console.note(&format!("starting from the flowing state {}", file.display())),
-            // A lattice gas has hardly a contact to sweep over.
-            Start::Fresh => settle(&mut simulation, arguments.settle, &|share| bar.set(share))?,
-        }
-        simulation
-    };
+    let execution = Execution { scheduler: Scheduler::WorkStealing, threads: most, instruction_set: widest };
+    let provenance = Provenance::of_run(&scene, &file, seed, &execution);
+    let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
+    if start == Start::Fresh {
+        // A lattice gas has hardly a contact to sweep over.
+        settle(&mut simulation, arguments.settle, console)?;
+    }
     let started = simulation.time();
     console.detail("measuring what handing out work costs, and the memory");
     let costs = Costs::measure(cores)?;
@@ -82,11 +82,12 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
 }
 
 /// Simulates for a time, s.
-fn settle(simulation: &mut Simulation, seconds: f64, progress: &dyn Fn(f64)) -> Result<(), Failure> {
+fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Result<(), Failure> {
+    let bar = console.bar("settling");
     let steps = steps_in(seconds, simulation.time_step());
     for step in 1..=steps {
         simulation.step();
-        progress(step as f64 / steps as f64);
+        bar.set(step as f64 / steps as f64);
         if crate::interrupt::requested() {
             return Err(Failure::Interrupted("nothing: the flowing state was not finished".into()));
         }
@@ -102,7 +103,15 @@ fn plan(arguments: &ScalingArguments, cores: usize) -> Plan {
     };
     threads.sort_unstable();
     threads.dedup();
+    let mut instruction_sets = match &arguments.isa {
+        Some(list) => list.iter().map(|&name| InstructionSet::from(name)).collect(),
+        None => InstructionSet::ALL.into_iter().filter(|set| set.is_available()).collect::<Vec<_>>(),
+    };
+    // Narrowest first: the last is the one that stands for all of them.
+    instruction_sets.sort_by_key(|set| InstructionSet::ALL.iter().position(|known| known == set));
+    instruction_sets.dedup();
     Plan {
+        instruction_sets,
         threads,
         steps: arguments.steps,
         traced_steps: arguments.traced_steps.min(arguments.steps),

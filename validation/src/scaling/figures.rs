@@ -4,7 +4,7 @@
 use super::findings::curve_rows;
 use super::machine::{MOST_WORKERS, Machine};
 use super::rows::MeasuredRow;
-use super::study::{Study, word};
+use super::study::Study;
 use crate::report::names::{CodeStyle, Marker};
 use crate::report::plot::{Axis, Key, Plot};
 use makadam::lanes::InstructionSet;
@@ -72,7 +72,7 @@ pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
             })
             .collect();
         let serial = curve_rows(study, machine, Scheduler::Serial).next().map(|row| row.step_seconds);
-        let about = format!("the two schedulers on {}, {}", site(machine), word(set));
+        let about = format!("the two schedulers on {}, {}", site(machine), set.name());
         all.push(pair(&machine.name, &about, machine, &series, serial));
     }
     if let Some(here) = study.machines.first() {
@@ -82,7 +82,7 @@ pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
             .into_iter()
             .map(|set| Series {
                 style: set_style(set),
-                label: word(set),
+                label: set.name().into(),
                 line: line(study, here, Scheduler::WorkStealing, set),
                 points: points(study, Scheduler::WorkStealing, set),
             })

@@ -2,7 +2,7 @@
 
 use super::machine::Machine;
 use super::rows::{Check, MeasuredRow, ReplayedRow};
-use super::study::{Study, word};
+use super::study::Study;
 use crate::report::numbers::two_digits;
 use makadam::schedule::{Phase, Scheduler};
 
@@ -85,21 +85,24 @@ fn measured(study: &Study) -> Option<String> {
     };
     let parts: Vec<String> =
         [row(Scheduler::WorkStealing), row(Scheduler::CentralQueue)].into_iter().flatten().map(one).collect();
-    (!parts.is_empty()).then(|| format!("Measured on {} with {}: {}.", threads_word(most), word(set), parts.join("; ")))
+    (!parts.is_empty())
+        .then(|| format!("Measured on {} with {}: {}.", threads_word(most), set.name(), parts.join("; ")))
 }
 
 /// What a contact sweep costs on one core.
 fn instruction_sets(study: &Study) -> Option<String> {
     let serial: Vec<&MeasuredRow> = study.measured.iter().filter(|row| row.scheduler == Scheduler::Serial).collect();
     let cost = |row: &&MeasuredRow| {
-        Some(format!("{} ns with {}", two_digits(row.nanoseconds_per_contact_sweep?), word(row.instruction_set)))
+        Some(format!("{} ns with {}", two_digits(row.nanoseconds_per_contact_sweep?), row.instruction_set.name()))
     };
     let costs: Vec<String> = serial.iter().filter_map(cost).collect();
     let (first, last) = (serial.first()?, serial.last()?);
     let ratio = first.sweep_seconds / last.sweep_seconds;
     let ratio = match serial.len() {
         1 => String::new(),
-        _ => format!(": {} is {ratio:.2} times as fast as {}", word(last.instruction_set), word(first.instruction_set)),
+        _ => {
+            format!(": {} is {ratio:.2} times as fast as {}", last.instruction_set.name(), first.instruction_set.name())
+        }
     };
     (!costs.is_empty())
         .then(|| format!("Measured on one core, serial, a contact sweep takes {}{ratio}.", costs.join(", ")))
@@ -113,8 +116,8 @@ fn checks(checks: &[Check]) -> Option<String> {
             format!(
                 "{:.1}% ({}, {}, {})",
                 check.deviation_percent.abs(),
-                word(check.instruction_set),
-                word(check.scheduler),
+                check.instruction_set.name(),
+                check.scheduler.name(),
                 threads_word(check.threads)
             )
         })

@@ -2,6 +2,7 @@
 //! instruction set, in turn and several times over, so that whatever else the machine does hits all of them alike.
 
 use super::costs::median;
+use crate::execution::{Execution, ExecutionError};
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::partition::{Layout, PairGroup, WallGroup};
@@ -14,6 +15,8 @@ pub const WARM_UP: u64 = 3;
 /// What is measured.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
+    /// Instruction sets, narrowest first.
+    pub instruction_sets: Vec<InstructionSet>,
     /// Numbers of threads of the parallel schedulers.
     pub threads: Vec<usize>,
     /// Timed steps.
@@ -22,17 +25,6 @@ pub struct Plan {
     pub traced_steps: u64,
     /// How often everything is done.
     pub repetitions: usize,
-}
-
-/// One way to take a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Configuration {
-    /// Instruction set of the sweeps.
-    pub instruction_set: InstructionSet,
-    /// Who does what when.
-    pub scheduler: Scheduler,
-    /// Threads.
-    pub threads: usize,
 }
 
 /// Wall time of each step of one repetition, s.
@@ -48,7 +40,7 @@ pub struct Times {
 #[derive(Clone, Debug)]
 pub struct Timing {
     /// The configuration.
-    pub configuration: Configuration,
+    pub configuration: Execution,
     /// By repetition.
     pub repetitions: Vec<Times>,
     /// Hash of the state at the end, by repetition.
@@ -88,28 +80,25 @@ pub struct Measurement {
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
 pub enum MeasureError {
-    /// The system starts no more threads.
-    #[error("cannot start threads: {0}; ask for fewer with --threads-list")]
+    /// The machine cannot step as asked.
+    #[error(transparent)]
+    Execution(#[from] ExecutionError),
+    /// The system starts no threads to measure with.
+    #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// The user asked to stop.
     #[error("interrupted while measuring")]
     Interrupted,
 }
 
-/// Instruction sets that this processor has, narrowest first.
-pub fn instruction_sets() -> Vec<InstructionSet> {
-    let all = [InstructionSet::Generic, InstructionSet::Avx2, InstructionSet::Avx512];
-    all.into_iter().filter(|set| set.is_available()).collect()
-}
-
 impl Plan {
     /// All configurations: for each instruction set serial first, then the parallel schedulers by number of threads.
-    pub fn configurations(&self) -> Vec<Configuration> {
+    pub fn configurations(&self) -> Vec<Execution> {
         let mut all = Vec::new();
-        for instruction_set in instruction_sets() {
-            all.push(Configuration { instruction_set, scheduler: Scheduler::Serial, threads: 1 });
+        for &instruction_set in &self.instruction_sets {
+            all.push(Execution { instruction_set, scheduler: Scheduler::Serial, threads: 1 });
             for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
-                all.extend(self.threads.iter().map(|&threads| Configuration { instruction_set, scheduler, threads }));
+                all.extend(self.threads.iter().map(|&threads| Execution { instruction_set, scheduler, threads }));
             }
         }
         all
@@ -121,7 +110,7 @@ impl Plan {
     /// [`MeasureError`].
     pub fn measure(&self, start: &Simulation, progress: &dyn Fn(f64)) -> Result<Measurement, MeasureError> {
         let configurations = self.configurations();
-        let sets = instruction_sets();
+        let sets = &self.instruction_sets;
         let mut timings: Vec<Timing> = configurations
             .iter()
             .map(|&configuration| Timing { configuration, repetitions: Vec::new(), hashes: Vec::new() })
@@ -156,17 +145,12 @@ impl Plan {
             simulation_bytes: facts.simulation_bytes,
             bytes_per_sweep: facts.bytes_per_sweep,
             timings,
-            traces: sets.into_iter().zip(traced).map(|(set, runs)| medians(set, runs)).collect(),
+            traces: sets.iter().zip(traced).map(|(&set, runs)| medians(set, runs)).collect(),
             traces_same_bits,
         })
     }
 
-    fn timed(
-        &self,
-        start: &Simulation,
-        configuration: Configuration,
-        facts: &mut Facts,
-    ) -> Result<TimedRun, MeasureError> {
+    fn timed(&self, start: &Simulation, configuration: Execution, facts: &mut Facts) -> Result<TimedRun, MeasureError> {
         let mut simulation = warmed_up(start, configuration)?;
         let (mut times, mut contacts) = (Times::default(), 0);
         let before = simulation.contact_sweeps();
@@ -194,7 +178,7 @@ impl Plan {
     }
 
     fn traced(&self, start: &Simulation, instruction_set: InstructionSet) -> Result<TracedRun, MeasureError> {
-        let serial = Configuration { instruction_set, scheduler: Scheduler::Serial, threads: 1 };
+        let serial = Execution { instruction_set, scheduler: Scheduler::Serial, threads: 1 };
         let mut simulation = warmed_up(start, serial)?;
         let (mut steps, mut sweeps) = (Vec::new(), Vec::new());
         for _ in 0..self.traced_steps {
@@ -230,10 +214,9 @@ struct Facts {
     bytes_per_sweep: f64,
 }
 
-fn warmed_up(start: &Simulation, configuration: Configuration) -> Result<Simulation, MeasureError> {
+fn warmed_up(start: &Simulation, configuration: Execution) -> Result<Simulation, MeasureError> {
     let mut simulation = start.clone();
-    simulation.use_instruction_set(configuration.instruction_set);
-    simulation.use_team(configuration.scheduler, configuration.threads)?;
+    configuration.apply(&mut simulation)?;
     for _ in 0..WARM_UP {
         simulation.step();
     }

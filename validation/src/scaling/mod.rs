@@ -25,7 +25,7 @@ mod write;
 
 pub use costs::{Bandwidth, Costs, cache_bytes, clock};
 pub use machine::{MOST_WORKERS, Machine, worker_counts};
-pub use measure::{Configuration, MeasureError, Measurement, Plan, Times, Timing, Traces, WARM_UP, instruction_sets};
+pub use measure::{MeasureError, Measurement, Plan, Times, Timing, Traces, WARM_UP};
 pub use replay::{Replayed, Traffic, replay};
 pub use rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 pub use study::{Setting, Study};

@@ -3,10 +3,11 @@
 use super::figures::Figure;
 use super::findings::{LINEAR_SHARE, time};
 use super::rows::{MeasuredRow, ReplayedRow, TaskRow};
-use super::study::{Study, word};
+use super::study::Study;
 use crate::report::numbers::{count, two_digits};
 use crate::report::page::style;
-use makadam::schedule::Scheduler;
+use makadam::lanes::InstructionSet;
+use makadam::schedule::{Phase, Scheduler};
 use minijinja::{AutoEscape, Environment, Value, context};
 
 /// Numbers of workers that the table of replays shows; the figures and `replayed.csv` have them all.
@@ -38,7 +39,7 @@ pub(super) fn render(study: &Study, figures: &[[Figure; 2]]) -> Result<String, m
         checks => checks(study),
         machines => machines(study),
         tasks => study.tasks.iter().filter(|row| Some(row.instruction_set) == study.widest()).map(task).collect::<Vec<_>>(),
-        widest => study.widest().map(word),
+        widest => study.widest().map(InstructionSet::name),
         provenance => provenance(study),
     })
 }
@@ -46,8 +47,8 @@ pub(super) fn render(study: &Study, figures: &[[Figure; 2]]) -> Result<String, m
 fn measured(row: &MeasuredRow) -> Value {
     context! {
         first => row.scheduler == Scheduler::Serial,
-        set => word(row.instruction_set),
-        scheduler => word(row.scheduler).replace('-', " "),
+        set => row.instruction_set.name(),
+        scheduler => row.scheduler.name().replace('-', " "),
         threads => row.threads,
         step => time(row.step_seconds),
         range => format!("{} to {}", time(row.step_seconds_least), time(row.step_seconds_most)),
@@ -62,8 +63,8 @@ fn checks(study: &Study) -> Vec<Value> {
     let rows = study.checks.iter().map(|check| {
         context! {
             first => check.scheduler == Scheduler::Serial,
-            set => word(check.instruction_set),
-            scheduler => word(check.scheduler).replace('-', " "),
+            set => check.instruction_set.name(),
+            scheduler => check.scheduler.name().replace('-', " "),
             threads => check.threads,
             measured => time(check.measured_seconds),
             replayed => time(check.replayed_seconds),
@@ -124,14 +125,24 @@ fn machines(study: &Study) -> Vec<Value> {
 fn task(row: &TaskRow) -> Value {
     context! {
         phase => match row.stage {
-            Some(stage) => format!("{}, stage {stage}", word(row.phase)),
-            None if row.most_tasks < 2 => format!("{}, serial", word(row.phase)),
-            None => word(row.phase),
+            Some(stage) => format!("{}, stage {stage}", phase_name(row.phase)),
+            None if row.most_tasks < 2 => format!("{}, serial", phase_name(row.phase)),
+            None => phase_name(row.phase).into(),
         },
         regions => two_digits(row.regions),
         tasks => two_digits(row.tasks),
         share => format!("{:.1}%", 100.0 * row.share),
         durations => [row.mean, row.least, row.tenth, row.median, row.ninetieth, row.most].map(time),
+    }
+}
+
+/// A phase's name in a table.
+fn phase_name(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Detect => "detect",
+        Phase::Constrain => "constrain",
+        Phase::Sweep => "sweep",
+        Phase::Integrate => "integrate",
     }
 }
 

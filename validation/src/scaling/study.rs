@@ -135,14 +135,6 @@ impl Study {
     }
 }
 
-/// The name of an instruction set, scheduler or phase, as it stands in files.
-pub(super) fn word(value: impl Serialize) -> String {
-    match serde_json::to_value(value) {
-        Ok(serde_json::Value::String(word)) => word,
-        _ => String::new(),
-    }
-}
-
 pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
@@ -153,7 +145,7 @@ fn differing(measurement: &Measurement) -> Vec<String> {
     let mut differing: Vec<String> = (measurement.timings.iter().filter(differs))
         .map(|timing| {
             let configuration = timing.configuration;
-            let (set, scheduler) = (word(configuration.instruction_set), word(configuration.scheduler));
+            let (set, scheduler) = (configuration.instruction_set.name(), configuration.scheduler.name());
             format!("{set}, {scheduler}, threads: {}", configuration.threads)
         })
         .collect();

@@ -2,7 +2,7 @@
 
 use super::findings::time;
 use super::page::signed_percent;
-use super::study::{Study, word};
+use super::study::Study;
 use crate::report::numbers::two_digits;
 
 /// Measured configurations, each with what the replay says of it, and the sentences below.
@@ -18,8 +18,8 @@ pub fn table(study: &Study) -> String {
                 && check.threads == row.threads
         });
         rows.push([
-            word(row.instruction_set),
-            word(row.scheduler),
+            row.instruction_set.name().into(),
+            row.scheduler.name().into(),
             row.threads.to_string(),
             time(row.step_seconds),
             format!("{:.2}", row.speedup),

@@ -2,11 +2,12 @@
 
 use super::figures::figures;
 use super::page;
-use super::study::{Study, word};
+use super::study::Study;
 use crate::output::{create_folder, write_whole};
 use crate::prepared::file_stem;
 use crate::report::ReportError;
 use crate::report::svg::standalone;
+use makadam::lanes::InstructionSet;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -49,7 +50,7 @@ pub fn record_folder(study: &Study, scene_file: &Path) -> PathBuf {
     let processor = file_stem(&study.provenance.build.processor).to_ascii_lowercase();
     // Brackets and trade marks leave rows of dashes.
     let parts: Vec<&str> = processor.split('-').filter(|part| !part.is_empty()).collect();
-    let set = study.widest().map_or(String::new(), word);
+    let set = study.widest().map_or("", InstructionSet::name);
     folder.join(format!("{}-{set}", parts.join("-")))
 }
 

@@ -3,9 +3,10 @@
 
 use makadam::lanes::InstructionSet;
 use makadam::schedule::{Phase, Region, Scheduler, StepTrace};
+use makadam_validation::execution::Execution;
 use makadam_validation::provenance::Provenance;
 use makadam_validation::scaling::{
-    Bandwidth, Configuration, Costs, Machine, Measurement, Plan, Setting, Study, Times, Timing, Traces, replay,
+    Bandwidth, Costs, Machine, Measurement, Plan, Setting, Study, Times, Timing, Traces, replay,
 };
 use std::path::Path;
 
@@ -46,7 +47,13 @@ fn step(factor: f64) -> StepTrace {
 
 /// What a study is made of.
 pub fn parts() -> (Plan, Measurement, Setting) {
-    let plan = Plan { threads: vec![1, 2, 4, 8, 16], steps: 2, traced_steps: 2, repetitions: 3 };
+    let plan = Plan {
+        instruction_sets: SETS.map(|(set, _)| set).to_vec(),
+        threads: vec![1, 2, 4, 8, 16],
+        steps: 2,
+        traced_steps: 2,
+        repetitions: 3,
+    };
     let here = Machine::here(COSTS, (300e9, 16), 32 << 20);
     let mut timings = Vec::new();
     for (instruction_set, factor) in SETS {
@@ -55,7 +62,7 @@ pub fn parts() -> (Plan, Measurement, Setting) {
             let repetition =
                 |noise: f64| Times { steps: vec![noise * seconds; 2], sweeps: vec![0.7 * noise * seconds; 2] };
             timings.push(Timing {
-                configuration: Configuration { instruction_set, scheduler, threads },
+                configuration: Execution { instruction_set, scheduler, threads },
                 repetitions: [0.97, 1.0, 1.06].map(repetition).to_vec(),
                 hashes: vec![7; 3],
             });
@@ -90,7 +97,7 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         cores: 16,
         bandwidth: Bandwidth { one_thread: 20e9, all_threads: 300e9, threads: 16 },
         machines: vec![here, Machine::xeon_phi_3120(&COSTS, 3.3e9)],
-        provenance: Provenance::of_run(&scene, Path::new("invented.toml"), 1, 16),
+        provenance: Provenance::of_run(&scene, Path::new("invented.toml"), 1, &Execution::serial()),
     };
     (plan, measurement, setting)
 }
