@@ -7,7 +7,8 @@ use approx::assert_relative_eq;
 use makadam::schedule::{Phase, Region, Scheduler};
 use makadam_validation::scaling::{Costs, Machine, Replayed, Traffic, replay, table, write};
 
-const NOTHING: Costs = Costs { pop_alone: 0.0, pop_contended: 0.0, task_start: 0.0, steal: 0.0, region: 0.0 };
+const NOTHING: Costs =
+    Costs { pop_alone: 0.0, pop_contended: 0.0, task_start: 0.0, steal: 0.0, region: 0.0, met_share: 1.0 };
 
 /// Cores that are all alike.
 fn machine(costs: Costs) -> Machine {
@@ -39,7 +40,7 @@ fn one_worker_takes_the_sum_and_the_costs() {
     let regions = [region(&[1.0, 2.0, 3.0]), region(&[4.0]), region(&[5.0, 6.0])];
     let serial = replay(&regions, Scheduler::Serial, &machine(NOTHING), None, 1);
     assert_relative_eq!(serial.seconds, 21.0);
-    let costs = Costs { pop_alone: 0.1, pop_contended: 9.0, task_start: 0.2, steal: 9.0, region: 0.5 };
+    let costs = Costs { pop_alone: 0.1, pop_contended: 9.0, task_start: 0.2, steal: 9.0, region: 0.5, met_share: 1.0 };
     let [queue, stealing] = both(&regions, costs, 1);
     assert_relative_eq!(queue.waiting, 0.0);
     // Five tasks are popped; the lone task is serial work. Nobody is there to steal from.
@@ -139,7 +140,8 @@ fn more_workers_are_never_slower_where_handing_out_is_free() {
 
 #[test]
 fn threads_of_one_core_share_it() {
-    let costs = Costs { pop_alone: 1e-8, pop_contended: 5e-8, task_start: 3e-8, steal: 1e-6, region: 4e-8 };
+    let costs =
+        Costs { pop_alone: 1e-8, pop_contended: 5e-8, task_start: 3e-8, steal: 1e-6, region: 4e-8, met_share: 1.0 };
     let phi = Machine { costs: NOTHING, ..Machine::xeon_phi_3120(&costs, 2.2e9) };
     // 228 tasks of 1 s: four times as long there (half the clock, every other cycle).
     let regions = [region(&[1.0; 228])];

@@ -20,6 +20,7 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences.extend(measured(study));
     sentences.extend(instruction_sets(study));
     sentences.extend(checks(&study.checks));
+    sentences.extend(busy(study));
     sentences.extend(serial_share(study));
     for machine in &study.machines {
         sentences.extend(
@@ -106,6 +107,18 @@ fn instruction_sets(study: &Study) -> Option<String> {
     };
     (!costs.is_empty())
         .then(|| format!("Measured on one core, serial, a contact sweep takes {}{ratio}.", costs.join(", ")))
+}
+
+/// A word of warning where the cores were not free.
+fn busy(study: &Study) -> Option<String> {
+    let costs = study.machines.first()?.costs;
+    (study.cores > 1 && !costs.threads_met()).then(|| {
+        format!(
+            "Two threads ran at the same time in {} of the trials: the machine was busy, and what was measured on several \
+             threads says little.",
+            percent(costs.met_share)
+        )
+    })
 }
 
 /// How far the replay is from what was measured.

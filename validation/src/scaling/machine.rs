@@ -96,6 +96,7 @@ impl Machine {
                 task_start: slower * here.task_start,
                 steal: hand_over,
                 region: slower * here.region,
+                met_share: here.met_share,
             },
             memory_bytes_per_second: 150e9,
             threads_a_memory: 57 * 4,

@@ -14,7 +14,8 @@ use std::path::Path;
 pub const SLOWER: f64 = 1.04;
 
 const SETS: [(InstructionSet, f64); 2] = [(InstructionSet::Generic, 3.0), (InstructionSet::Avx512, 1.0)];
-const COSTS: Costs = Costs { pop_alone: 15e-9, pop_contended: 90e-9, task_start: 30e-9, steal: 400e-9, region: 300e-9 };
+const COSTS: Costs =
+    Costs { pop_alone: 15e-9, pop_contended: 90e-9, task_start: 30e-9, steal: 400e-9, region: 300e-9, met_share: 1.0 };
 const SWEEPS: u32 = 12;
 
 /// A step: detection and set-up in parts, sweeps of eight stages, integration.
