@@ -38,20 +38,22 @@ impl Kernel for PackPairs<'_> {
             let arm = [to_x - x, to_y - y, to_z - z];
             let square = arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2];
             let touch = radius + to_radius + reach;
-            let touching = L::bits(square.below(touch * touch));
-            for lane in 0..count {
-                let candidate = block + lane;
+            let mut touching = L::bits(square.below(touch * touch)) & ((1 << count) - 1);
+            let mut apart = !touching & ((1 << count) - 1);
+            while touching != 0 {
+                let candidate = block + touching.trailing_zeros() as usize;
+                touching &= touching - 1;
+                let pair = all[candidate];
                 // SAFETY: the promise above.
-                unsafe {
-                    if touching & 1 << lane != 0 {
-                        let pair = all[candidate];
-                        let place = self.packer.place([pair.first, pair.second]);
-                        self.groups.put_pair(place, pair, candidate as u32, self.dummies);
-                        self.groups.contacts += 1;
-                    } else {
-                        forget(self.impulses.at(candidate));
-                    }
-                }
+                let place = unsafe { self.packer.place([pair.first, pair.second]) };
+                self.groups.put_pair(place, pair, candidate as u32, self.dummies);
+                self.groups.contacts += 1;
+            }
+            while apart != 0 {
+                let candidate = block + apart.trailing_zeros() as usize;
+                apart &= apart - 1;
+                // SAFETY: the promise above.
+                forget(unsafe { self.impulses.at(candidate) });
             }
         }
     }

@@ -1,15 +1,19 @@
 //! The candidate list: pairs and grain-wall pairs that may touch before it is rebuilt, sorted by task.
 
 use super::CellGrid;
+use super::drift::Drift;
 use super::grid::DIRECTIONS;
 use super::memory::{OldList, Remembered};
 use super::search::{Found, PairSearch};
 use crate::lanes::InstructionSet;
 use crate::partition::{BoxGrid, Plan, STAGES};
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{Pose, ReorderBuffers, World, chunk, chunks};
+use crate::world::{Pose, ReorderBuffers, World};
 use nalgebra::Vector3;
 use std::ops::Range;
+
+/// Reach of the list towards walls over its reach towards grains. Grains drift together, but not with the walls.
+const WALL_SKINS: f64 = 4.0;
 
 /// Two grains that may touch, by their places; the first has the smaller id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,15 +59,16 @@ pub struct Candidates {
     boxes: BoxGrid,
     skin: f64,
     grid: CellGrid,
+    largest_diameter: f64,
     reference: Vec<Vector3<f64>>,
     built_at: f64,
+    drift: Drift,
     buffers: Buffers,
 }
 
 /// What a rebuild needs, kept from one to the next.
 #[derive(Clone, Debug, Default)]
 struct Buffers {
-    shifts: Vec<f64>,
     new_places: Vec<u32>,
     reorder: ReorderBuffers,
     found: Vec<Found>,
@@ -87,37 +92,26 @@ impl Candidates {
             boxes: boxes.clone(),
             skin,
             grid: CellGrid::new(boxes, grains, 2.0 * largest_radius + skin),
+            largest_diameter: 2.0 * largest_radius,
             reference: Vec::new(),
             built_at: 0.0,
+            drift: Drift::default(),
             buffers: Buffers::default(),
         }
     }
 
-    /// Whether grains, or a grain and a wall, may have come closer by more than the skin since the list was built.
+    /// Whether a grain may have come within touch of a grain or a wall that the list does not know.
     pub fn are_stale(&mut self, world: &World, team: &Team) -> bool {
-        if self.reference.len() != world.grains() || self.rebuilds == 0 {
+        if self.rebuilds == 0 || self.reference.len() != world.grains() {
             return true;
         }
-        let shifts = &mut self.buffers.shifts;
-        shifts.resize(chunks(world.grains()), 0.0);
-        let parts = Disjoint::new(shifts);
-        team.each(Phase::Detect, chunks(world.grains()), |number| {
-            let places = chunk(number, world.grains());
-            let mut largest = 0.0_f64;
-            for (sphere, then) in world.spheres[places.clone()].iter().zip(&self.reference[places]) {
-                largest = largest.max((sphere.centre - then).norm_squared());
-            }
-            // SAFETY: each chunk has its own entry.
-            *unsafe { parts.at(number) } = largest;
-        });
-        let shift = shifts.iter().copied().fold(0.0, f64::max).sqrt();
         let reach = (world.domain.1 - world.domain.0).norm();
-        let wall_shift = world
-            .surfaces
-            .iter()
-            .map(|surface| surface.largest_shift(self.built_at, world.time, reach))
-            .fold(0.0, f64::max);
-        shift + shift.max(wall_shift) > self.skin
+        let shifts = world.surfaces.iter().map(|surface| surface.largest_shift(self.built_at, world.time, reach));
+        let wall_shift = shifts.fold(0.0, f64::max);
+        let spheres = &world.spheres[..world.grains()];
+        let moved = self.drift.measure(&self.grid, &self.boxes, spheres, &self.reference, team);
+        let far = self.grid.patch_width() - self.largest_diameter;
+        moved.approach > self.skin || 2.0 * moved.shift > far || moved.shift + wall_shift > WALL_SKINS * self.skin
     }
 
     /// Puts the grains in the order of boxes and cells, builds the list anew and plans its tasks, keeping the impulses of
@@ -170,7 +164,7 @@ impl Candidates {
         team.each(Phase::Detect, boxes, |number| {
             // SAFETY: each box has its own entry.
             let found = unsafe { parts.at(number) };
-            found.search_walls(world, grid, poses, number, skin);
+            found.search_walls(world, grid, poses, number, WALL_SKINS * skin);
             set.run(PairSearch { spheres: &world.spheres, ids: &world.ids, grid, number, skin, found });
         });
     }
@@ -235,15 +229,17 @@ impl Candidates {
         let wall_impulses = Disjoint::new(&mut self.wall_impulses);
         team.each(Phase::Detect, plan.tasks().len(), |task| {
             let task = &plan.tasks()[task];
-            for candidate in task.pairs.start as usize..task.pairs.end as usize {
-                let key = (pairs[candidate].first, pairs[candidate].second);
-                // SAFETY: each task has its own candidates.
-                *unsafe { pair_impulses.at(candidate) } = remembered_pairs.recall(key);
+            let range = task.pairs.start as usize..task.pairs.end as usize;
+            // SAFETY: each task has its own candidates.
+            let impulses = unsafe { pair_impulses.range(range.clone()) };
+            for (impulse, pair) in impulses.iter_mut().zip(&pairs[range]) {
+                *impulse = remembered_pairs.recall((pair.first, pair.second));
             }
-            for candidate in task.walls.start as usize..task.walls.end as usize {
-                let key = (walls[candidate].body, walls[candidate].surface);
-                // SAFETY: as above.
-                *unsafe { wall_impulses.at(candidate) } = remembered_walls.recall(key);
+            let range = task.walls.start as usize..task.walls.end as usize;
+            // SAFETY: as above.
+            let impulses = unsafe { wall_impulses.range(range.clone()) };
+            for (impulse, wall) in impulses.iter_mut().zip(&walls[range]) {
+                *impulse = remembered_walls.recall((wall.body, wall.surface));
             }
         });
     }
@@ -259,6 +255,7 @@ impl Candidates {
             + buffers.found.iter().map(Found::memory_bytes).sum::<usize>()
             + buffers.remembered_pairs.memory_bytes()
             + buffers.remembered_walls.memory_bytes()
+            + self.drift.memory_bytes()
             + (buffers.new_places.capacity() + buffers.pair_starts.capacity() + buffers.wall_starts.capacity())
                 * size_of::<u32>()
     }

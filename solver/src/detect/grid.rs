@@ -132,6 +132,38 @@ impl CellGrid {
         self.start[number * cells] as usize..self.start[(number + 1) * cells] as usize
     }
 
+    /// Patches of a box along an axis: cubes of at least two cells a side, where a box has so many.
+    fn patches_per_box(&self) -> u32 {
+        (self.per_box / 2).max(1)
+    }
+
+    /// Number of patches of all boxes along each axis.
+    pub fn patch_counts(&self) -> [u32; 3] {
+        self.boxes.counts().map(|count| count * self.patches_per_box())
+    }
+
+    /// Width of the narrowest patch, m.
+    pub fn patch_width(&self) -> f64 {
+        f64::from(self.per_box / self.patches_per_box()) * self.size
+    }
+
+    /// Calls `visit(patch, places)` for each cell of a box that holds grains; patches are numbered layer by layer over
+    /// the whole domain.
+    #[inline]
+    pub fn for_each_cell(&self, number: usize, mut visit: impl FnMut(usize, Range<usize>)) {
+        let [columns, rows, _] = self.patch_counts().map(|count| count as usize);
+        let (per_box, patches) = (self.per_box as usize, self.patches_per_box() as usize);
+        let first = self.boxes.at(number).map(|place| place as usize * patches);
+        for cell in 0..self.cells_of_box() {
+            let places = self.grains(number * self.cells_of_box() + cell);
+            if !places.is_empty() {
+                let inside = [cell % per_box, cell / per_box % per_box, cell / (per_box * per_box)];
+                let [x, y, z] = std::array::from_fn(|axis| first[axis] + inside[axis] * patches / per_box);
+                visit((z * rows + y) * columns + x, places);
+            }
+        }
+    }
+
     /// Number of cells of a box.
     pub fn cells_of_box(&self) -> usize {
         (self.per_box * self.per_box * self.per_box) as usize

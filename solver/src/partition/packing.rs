@@ -68,41 +68,59 @@ impl<'a> Packer<'a> {
     ///
     /// # Safety
     /// No other task may use these bodies meanwhile.
-    #[inline]
+    #[inline(always)]
     pub unsafe fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (usize, usize) {
-        loop {
-            // SAFETY: the caller's promise.
-            let masks = unsafe { self.groups_of(bodies) };
-            let mut shared = masks.iter().fold(0, |all, mask| all | mask);
-            if self.spaced {
-                shared |= shared << 1 | shared >> 1;
-                shared |= shared << 1 | shared >> 1;
-            }
-            let mut free = self.open & !shared;
-            while free == 0 && self.opened < WINDOW {
-                let next = 1 << self.opened;
-                self.filled[((self.start + self.opened) % WINDOW) as usize] = 0;
-                self.open |= next;
-                self.opened += 1;
-                free = next & !shared;
-            }
+        // SAFETY: the caller's promise.
+        let mut masks = unsafe { self.groups_of(bodies) };
+        let mut free = self.open & !self.shared(masks);
+        while free == 0 {
+            free = self.open_group(self.shared(masks));
             if free == 0 {
                 self.advance();
-                continue;
+                // SAFETY: as above.
+                masks = unsafe { self.groups_of(bodies) };
+                free = self.open & !self.shared(masks);
             }
-            let place = u64::from(free.trailing_zeros());
-            for (body, mask) in bodies.into_iter().zip(masks) {
-                // SAFETY: the caller's promise.
-                unsafe { *self.taken.at(body as usize) = Taken { mask: mask | 1 << place, since: self.start } };
-            }
-            let filled = &mut self.filled[((self.start + place) % WINDOW) as usize];
-            let lane = *filled as usize;
-            *filled += 1;
-            if lane + 1 == LANES {
-                self.open &= !(1 << place);
-            }
-            return ((self.start - self.base + place) as usize, lane);
         }
+        let place = u64::from(free.trailing_zeros());
+        for (body, mask) in bodies.into_iter().zip(masks) {
+            // SAFETY: as above.
+            unsafe { *self.taken.at(body as usize) = Taken { mask: mask | 1 << place, since: self.start } };
+        }
+        let filled = &mut self.filled[((self.start + place) % WINDOW) as usize];
+        let lane = *filled as usize;
+        *filled += 1;
+        if lane + 1 == LANES {
+            self.open &= !(1 << place);
+        }
+        ((self.start - self.base + place) as usize, lane)
+    }
+
+    /// Groups that a contact must not go into.
+    #[inline(always)]
+    fn shared<const N: usize>(&self, masks: [u64; N]) -> u64 {
+        let shared = masks.iter().fold(0, |all, mask| all | mask);
+        if !self.spaced {
+            return shared;
+        }
+        let near = shared | shared << 1 | shared >> 1;
+        near | near << 1 | near >> 1
+    }
+
+    /// Opens groups until one lies outside `shared` or the window is full; that one as a mask.
+    #[cold]
+    #[inline(never)]
+    fn open_group(&mut self, shared: u64) -> u64 {
+        while self.opened < WINDOW {
+            let next = 1 << self.opened;
+            self.filled[((self.start + self.opened) % WINDOW) as usize] = 0;
+            self.open |= next;
+            self.opened += 1;
+            if next & !shared != 0 {
+                return next;
+            }
+        }
+        0
     }
 
     /// Moves the window past its full groups, or past its first group if that still has room.
@@ -115,11 +133,22 @@ impl<'a> Packer<'a> {
 }
 
 impl TaskGroups {
-    /// Puts a contact of two grains into a lane; the group is opened if it is not there yet.
-    #[inline]
+    /// Puts a contact of two grains into a lane; groups are opened up to its own.
+    #[inline(always)]
     pub(crate) fn put_pair(&mut self, at: (usize, usize), pair: PairCandidate, candidate: u32, dummies: u32) {
         let (group, lane) = at;
-        while self.pairs_used <= group {
+        if group >= self.pairs_used {
+            self.open_pairs(group + 1, dummies);
+        }
+        self.pairs[group].first[lane] = pair.first;
+        self.pairs[group].second[lane] = pair.second;
+        self.pair_sources[group].set(lane, candidate);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn open_pairs(&mut self, count: usize, dummies: u32) {
+        while self.pairs_used < count {
             match self.pairs.get_mut(self.pairs_used) {
                 Some(old) => {
                     old.clear(dummies);
@@ -133,13 +162,9 @@ impl TaskGroups {
             }
             self.pairs_used += 1;
         }
-        self.pairs[group].first[lane] = pair.first;
-        self.pairs[group].second[lane] = pair.second;
-        self.pair_sources[group].set(lane, candidate);
     }
 
-    /// Puts a wall contact into a lane; the group is opened if it is not there yet.
-    #[inline]
+    /// Puts a wall contact into a lane; groups are opened up to its own.
     pub(crate) fn put_wall(&mut self, at: (usize, usize), wall: WallCandidate, candidate: u32, dummies: u32) {
         let (group, lane) = at;
         while self.walls_used <= group {
