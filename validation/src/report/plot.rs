@@ -66,9 +66,9 @@ impl Axis {
         Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::FineDecades }
     }
 
-    /// A logarithmic axis that is marked at powers of two, from 1 on.
-    pub(crate) fn doublings(label: &str, high: f64) -> Axis {
-        Axis { label: label.into(), low: 1.0, high: high.max(2.0), scale: Scale::Doublings }
+    /// A logarithmic axis that is marked at powers of two.
+    pub(crate) fn doublings(label: &str, low: f64, high: f64) -> Axis {
+        Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::Doublings }
     }
 
     /// Where a value lies, 0 at the lower end and 1 at the upper.
@@ -92,7 +92,7 @@ impl Axis {
                 return marks.filter(within).map(|mark| (mark, compact(mark))).collect();
             }
             Scale::Doublings => {
-                let marks = (0..=self.high.log2().ceil() as i32).map(|k| 2f64.powi(k));
+                let marks = (self.low.log2().floor() as i32..=self.high.log2().ceil() as i32).map(|k| 2f64.powi(k));
                 return marks.filter(within).map(|mark| (mark, format!("{mark}"))).collect();
             }
             Scale::Linear => {}

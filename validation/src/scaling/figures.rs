@@ -124,10 +124,11 @@ fn pair(name: &str, about: &str, machine: &Machine, series: &[Series], serial: O
     let times = series
         .iter()
         .flat_map(|series| series.line.iter().map(|p| p.seconds).chain(series.points.iter().flat_map(|p| p.seconds)));
+    // Some room below for words.
     let (least, longest) = times.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), t| (a.min(t), b.max(t)));
 
     let mut plot =
-        Plot::new(Axis::doublings("threads", most), Axis::fine("time a step (ms)", 1e3 * least, 1e3 * longest));
+        Plot::new(Axis::doublings("threads", 1.0, most), Axis::fine("time a step (ms)", 700.0 * least, 1e3 * longest));
     window(&mut plot, machine);
     ideal(&mut plot, most, |threads| serial.map(|serial| 1e3 * serial / threads));
     for (place, series) in series.iter().enumerate() {
@@ -146,7 +147,12 @@ fn pair(name: &str, about: &str, machine: &Machine, series: &[Series], serial: O
         caption: format!("Wall time a step against threads: {about}. {}", legend_words(measured, true)),
     };
 
-    let mut plot = Plot::new(Axis::doublings("threads", most), Axis::doublings("speed-up", most));
+    let speedups = series
+        .iter()
+        .flat_map(|series| series.line.iter().map(|p| p.speedup).chain(series.points.iter().map(|p| p.speedup)));
+    // What is slower than one serial thread has its place too.
+    let slowest = speedups.fold(1.0, f64::min).log2().floor().exp2();
+    let mut plot = Plot::new(Axis::doublings("threads", 1.0, most), Axis::doublings("speed-up", slowest, most));
     window(&mut plot, machine);
     ideal(&mut plot, most, Some);
     for (place, series) in series.iter().enumerate() {
