@@ -16,4 +16,5 @@ pub mod provenance;
 pub mod qualify;
 pub mod recording;
 pub mod report;
+pub mod scaling;
 pub mod statistics;

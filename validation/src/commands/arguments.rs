@@ -32,6 +32,8 @@ pub enum Command {
     Compare(CompareArguments),
     /// Judge Makadam on the reference scenes and write one report.
     Qualify(QualifyArguments),
+    /// Measure how a scene's step scales with threads, and replay it beyond the cores at hand.
+    Scaling(ScalingArguments),
 }
 
 /// Arguments of `makadam run`.
@@ -185,6 +187,47 @@ pub struct QualifyArguments {
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the qualification as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam scaling`.
+#[derive(Debug, Args)]
+pub struct ScalingArguments {
+    /// A folder under reference-scenes/, or a path to a TOML file.
+    pub scene: String,
+    /// Seed of the initial positions; the scene's, if absent.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Numbers of threads to measure; 1, 2, 4, ... and all cores, if absent.
+    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub threads_list: Option<Vec<u16>>,
+    /// Instruction sets to measure; all that this processor has, if absent.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub isa: Option<Vec<InstructionSetName>>,
+    /// Simulated time before the measurement where the scene prepares no flowing state, s.
+    #[arg(long, default_value_t = 0.5, value_parser = positive)]
+    pub settle: f64,
+    /// Timed steps of each repetition.
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..))]
+    pub steps: u64,
+    /// The first so many of them are traced and replayed.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    pub traced_steps: u64,
+    /// Times that everything is measured, in turn.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub repetitions: u64,
+    /// What this machine's memory delivers to any number of cores, GB/s, for the replay; if absent, what the cores at hand
+    /// get is measured, and more cores are taken to bring more memory.
+    #[arg(long, value_parser = positive)]
+    pub memory_bandwidth: Option<f64>,
+    /// Write the tables beside the scene too, in a folder named after processor and instruction set.
+    #[arg(long)]
+    pub record: bool,
+    /// Folder to write into; results/scaling/SCENE, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the study as JSON.
     #[arg(long)]
     pub json: bool,
 }

@@ -3,8 +3,10 @@
 use crate::compare::ReferenceError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
+use crate::prepared::StartError;
 use crate::recording::RecordingError;
 use crate::report::ReportError;
+use crate::scaling::MeasureError;
 use makadam::scene::SceneError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
@@ -54,6 +56,27 @@ impl From<WriteError> for Failure {
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Failure {
         Failure::Running(error.to_string())
+    }
+}
+
+impl From<StartError> for Failure {
+    fn from(error: StartError) -> Failure {
+        match error {
+            StartError::Scene(error) => Failure::Scene(error),
+            StartError::Write(error) => error.into(),
+            StartError::Checkpoint(error) => Failure::Running(error.to_string()),
+            StartError::Execution(error) => Failure::Running(error.to_string()),
+            StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
+        }
+    }
+}
+
+impl From<MeasureError> for Failure {
+    fn from(error: MeasureError) -> Failure {
+        match error {
+            MeasureError::Execution(_) | MeasureError::Threads(_) => Failure::Running(error.to_string()),
+            MeasureError::Interrupted => Failure::Interrupted("nothing: the measurement was not finished".into()),
+        }
     }
 }
 

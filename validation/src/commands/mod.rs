@@ -7,15 +7,19 @@ mod failure;
 mod qualify;
 mod record;
 mod run;
+mod scaling;
 
 pub use console::Console;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
 use crate::compare::Share;
+use crate::execution::Execution;
+use crate::prepared::{Start, start};
 use arguments::{Arguments, Command};
 use clap::Parser;
+use makadam::Simulation;
 use makadam::scene::Scene;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Runs the program on the arguments of the process.
@@ -27,6 +31,7 @@ pub fn main() -> ExitCode {
         Command::Run(run) => run::run(run, &console),
         Command::Compare(compare) => compare::compare(compare, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
+        Command::Scaling(scaling) => scaling::scaling(scaling, &console),
     };
     match done {
         Ok(code) => code,
@@ -50,6 +55,22 @@ fn load(name: &str) -> Result<(PathBuf, Scene), Failure> {
     let file = Scene::find(name, &roots())?;
     let scene = Scene::load(&file)?;
     Ok((file, scene))
+}
+
+/// The simulation at the start of its run, with a progress bar while a flowing state is prepared.
+fn begin(
+    scene: &Scene,
+    seed: u64,
+    file: &Path,
+    execution: &Execution,
+    console: &Console,
+) -> Result<(Simulation, Start), Failure> {
+    let bar = console.bar("preparing the flow");
+    let (simulation, start) = start(scene, seed, file, execution, &|share| bar.set(share))?;
+    if let Start::Prepared(file) = &start {
+        console.note(&format!("starting from the flowing state {}", file.display()));
+    }
+    Ok((simulation, start))
 }
 
 /// A value as indented JSON.

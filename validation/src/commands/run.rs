@@ -1,14 +1,14 @@
 //! `makadam run`: one simulation, and everything it leaves on disk.
 
 use super::arguments::RunArguments;
-use super::{Console, Failure, json, load};
+use super::{Console, Failure, begin, json, load};
 use crate::execution::{Execution, cores};
 use crate::observables;
 use crate::output::{
     FrameWriter, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary, TimeTable, create_folder, write_whole,
 };
 use crate::peers::frame_is_due;
-use crate::prepared::{Start, StartError, file_stem, start, steps_in};
+use crate::prepared::{file_stem, steps_in};
 use crate::provenance::{Provenance, VERSION, peak_bytes};
 use crate::recording::Recording;
 use makadam::lanes::InstructionSet;
@@ -43,21 +43,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         instruction_set: arguments.isa.map_or_else(InstructionSet::detect, InstructionSet::from),
     };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
-    let simulation = {
-        let bar = console.bar("preparing the flow");
-        let (simulation, start) =
-            start(&scene, seed, &file, &execution, &|share| bar.set(share)).map_err(|error| match error {
-                StartError::Scene(error) => Failure::Scene(error),
-                StartError::Write(error) => error.into(),
-                StartError::Checkpoint(error) => Failure::Running(error.to_string()),
-                StartError::Execution(error) => Failure::Running(error.to_string()),
-                StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
-            })?;
-        if let Start::Prepared(file) = start {
-            console.note(&format!("starting from the flowing state {}", file.display()));
-        }
-        simulation
-    };
+    let (simulation, _) = begin(&scene, seed, &file, &execution, console)?;
     create_folder(&output)?;
     let mut session = Session {
         started: simulation.time(),

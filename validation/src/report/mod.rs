@@ -12,17 +12,17 @@
 
 mod forces;
 mod forest;
-mod names;
-mod numbers;
+pub(crate) mod names;
+pub(crate) mod numbers;
 mod outlines;
-mod page;
+pub(crate) mod page;
 mod pictures;
-mod plot;
+pub(crate) mod plot;
 mod qualification;
 mod rows;
 mod series;
 mod speed;
-mod svg;
+pub(crate) mod svg;
 mod tables;
 mod terminal;
 mod view;

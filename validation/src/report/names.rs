@@ -42,7 +42,7 @@ pub(super) fn with_unit(name: &str, of: &str, rounding: Rounding) -> String {
 
 /// Shape of a code's marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Marker {
+pub(crate) enum Marker {
     Circle,
     Square,
     Triangle,
@@ -51,11 +51,11 @@ pub(super) enum Marker {
 
 /// How a code is drawn: always in the same colour, with the same marker and the same kind of line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct CodeStyle {
+pub(crate) struct CodeStyle {
     /// Style class that carries colour and dashes.
-    pub(super) class: &'static str,
+    pub(crate) class: &'static str,
     /// Marker.
-    pub(super) marker: Marker,
+    pub(crate) marker: Marker,
 }
 
 /// Style of a code.

@@ -110,7 +110,7 @@ pub(super) fn superscript(exponent: i32) -> String {
 }
 
 /// A positive number to two significant digits, or to the unit above 100: 0.092, 3.1, 14, 230.
-pub(super) fn two_digits(value: f64) -> String {
+pub(crate) fn two_digits(value: f64) -> String {
     if !value.is_finite() {
         return "not finite".into();
     }
@@ -131,7 +131,7 @@ pub(super) fn two_digits(value: f64) -> String {
 }
 
 /// A duration of computing: 0.31 s, 42 s, 3 min 20 s, 1 h 5 min.
-pub(super) fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
         s if !s.is_finite() => "not finite".into(),
         s if s < 99.5 => format!("{} s", two_digits(s)),
@@ -141,7 +141,7 @@ pub(super) fn duration(seconds: f64) -> String {
 }
 
 /// A count with its thousands set apart by thin spaces.
-pub(super) fn count(number: usize) -> String {
+pub(crate) fn count(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {
@@ -154,7 +154,7 @@ pub(super) fn count(number: usize) -> String {
 }
 
 /// A small quantity as a reader writes it: 5×10⁻⁴, or 0.02.
-pub(super) fn compact(value: f64) -> String {
+pub(crate) fn compact(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) && value.is_finite() {
         let exponent = value.abs().log10().floor() as i32;
         let mantissa = format!("{:.2}", value / 10f64.powi(exponent));

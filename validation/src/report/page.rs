@@ -5,6 +5,11 @@ use super::{forces, forest, names, numbers, pictures, series, speed, tables};
 use crate::compare::{Comparison, Source};
 use minijinja::{AutoEscape, Environment, Value, context};
 
+/// Style sheet of a page with figures.
+pub(crate) fn style() -> &'static str {
+    concat!(include_str!("figure.css"), include_str!("page.css"))
+}
+
 /// Renders the page.
 pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
@@ -25,7 +30,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         wall_time => numbers::duration(qualification.wall_seconds),
         verdict => verdict,
         standing => standing(verdict.standing),
-        style => include_str!("page.css"),
+        style => style(),
         grain_rules => pictures::rules(),
         gradients => pictures::gradients(),
         summary => tables::summary(comparisons),

@@ -1,7 +1,7 @@
-//! The one kind of plot of the report: a frame with two axes, a light grid, a legend above.
+//! The one kind of plot: a frame with two axes, a light grid, a legend above.
 
 use super::names::{CodeStyle, code_style};
-use super::numbers::{round_ticks, superscript};
+use super::numbers::{compact, round_ticks, superscript};
 use super::svg::{Anchor, Drawing};
 
 const WIDTH: f64 = 540.0;
@@ -12,35 +12,68 @@ const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
 
 /// One axis.
-pub(super) struct Axis {
+pub(crate) struct Axis {
     /// What it shows, with its unit.
-    pub(super) label: String,
+    pub(crate) label: String,
     /// Lower end.
-    pub(super) low: f64,
+    pub(crate) low: f64,
     /// Upper end.
-    pub(super) high: f64,
-    /// Whether it is logarithmic.
-    pub(super) logarithmic: bool,
+    pub(crate) high: f64,
+    /// How values are spread over it.
+    pub(crate) scale: Scale,
+}
+
+/// How values are spread over an axis, and which of them are marked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scale {
+    /// Evenly.
+    Linear,
+    /// By their logarithm; powers of ten are marked.
+    Decades,
+    /// By their logarithm; 1, 2 and 5 of every power of ten are marked.
+    FineDecades,
+    /// By their logarithm; powers of two are marked.
+    Doublings,
 }
 
 impl Axis {
     /// A linear axis.
-    pub(super) fn linear(label: &str, low: f64, high: f64) -> Axis {
+    pub(crate) fn linear(label: &str, low: f64, high: f64) -> Axis {
         // An axis of no length would divide by zero.
         let high = if high > low { high } else { low + 1.0 };
-        Axis { label: label.into(), low, high, logarithmic: false }
+        Axis { label: label.into(), low, high, scale: Scale::Linear }
     }
 
     /// A logarithmic axis; its ends are moved out to powers of ten.
-    pub(super) fn logarithmic(label: &str, low: f64, high: f64) -> Axis {
+    pub(crate) fn logarithmic(label: &str, low: f64, high: f64) -> Axis {
         let low = 10f64.powf((low.log10() + 1e-9).floor());
         let high = 10f64.powf((high.log10() - 1e-9).ceil()).max(10.0 * low);
-        Axis { label: label.into(), low, high, logarithmic: true }
+        Axis { label: label.into(), low, high, scale: Scale::Decades }
+    }
+
+    /// A logarithmic axis that is marked in steps of 1, 2, 5; its ends are moved out to marks.
+    pub(crate) fn fine(label: &str, low: f64, high: f64) -> Axis {
+        let mark = |value: f64, up: bool| {
+            let power = 10f64.powf((value.log10() + 1e-9).floor());
+            let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
+            let found = match up {
+                true => steps.into_iter().find(|&step| step >= value * (1.0 - 1e-9)),
+                false => steps.into_iter().rev().find(|&step| step <= value * (1.0 + 1e-9)),
+            };
+            found.unwrap_or(value)
+        };
+        let (low, high) = (mark(low, false), mark(high, true));
+        Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::FineDecades }
+    }
+
+    /// A logarithmic axis that is marked at powers of two.
+    pub(crate) fn doublings(label: &str, low: f64, high: f64) -> Axis {
+        Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::Doublings }
     }
 
     /// Where a value lies, 0 at the lower end and 1 at the upper.
     fn share(&self, value: f64) -> f64 {
-        if self.logarithmic {
+        if self.scale != Scale::Linear {
             (value / self.low).ln() / (self.high / self.low).ln()
         } else {
             (value - self.low) / (self.high - self.low)
@@ -48,9 +81,21 @@ impl Axis {
     }
 
     fn ticks(&self, count: usize) -> Vec<(f64, String)> {
-        if self.logarithmic {
-            let (low, high) = (self.low.log10().round() as i32, self.high.log10().round() as i32);
-            return (low..=high).map(|k| (10f64.powi(k), power_of_ten(k))).collect();
+        let within = |value: &f64| (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(value);
+        let decades = (self.low.log10() - 1e-9).floor() as i32..=(self.high.log10() + 1e-9).ceil() as i32;
+        match self.scale {
+            Scale::Decades => {
+                return decades.map(|k| (10f64.powi(k), power_of_ten(k))).filter(|t| within(&t.0)).collect();
+            }
+            Scale::FineDecades => {
+                let marks = decades.flat_map(|k| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(k)));
+                return marks.filter(within).map(|mark| (mark, compact(mark))).collect();
+            }
+            Scale::Doublings => {
+                let marks = (self.low.log2().floor() as i32..=self.high.log2().ceil() as i32).map(|k| 2f64.powi(k));
+                return marks.filter(within).map(|mark| (mark, format!("{mark}"))).collect();
+            }
+            Scale::Linear => {}
         }
         let (ticks, digits) = round_ticks(self.low, self.high, count);
         ticks.into_iter().map(|t| (t, format!("{t:.digits$}").replace('-', "−"))).collect()
@@ -67,15 +112,17 @@ fn power_of_ten(exponent: i32) -> String {
 }
 
 /// An entry of a legend.
-pub(super) enum Key<'a> {
+pub(crate) enum Key<'a> {
     /// A code, drawn as a line with its marker.
     Code(&'a str),
     /// A line of another class.
     Line(&'a str, &'a str),
+    /// A line of a style, with its marker, and what it stands for.
+    Series(CodeStyle, &'a str),
 }
 
 /// A plot that is being made.
-pub(super) struct Plot {
+pub(crate) struct Plot {
     drawing: Drawing,
     x: Axis,
     y: Axis,
@@ -83,7 +130,7 @@ pub(super) struct Plot {
 
 impl Plot {
     /// A frame with its axes.
-    pub(super) fn new(x: Axis, y: Axis) -> Plot {
+    pub(crate) fn new(x: Axis, y: Axis) -> Plot {
         let mut plot = Plot { drawing: Drawing::new(WIDTH, HEIGHT), x, y };
         plot.grid();
         plot
@@ -113,7 +160,7 @@ impl Plot {
     }
 
     /// Marks a range of the horizontal axis.
-    pub(super) fn window(&mut self, from: f64, to: f64, label: &str) {
+    pub(crate) fn window(&mut self, from: f64, to: f64, label: &str) {
         let (from, to) = (from.max(self.x.low), to.min(self.x.high));
         if to <= from {
             return;
@@ -125,7 +172,7 @@ impl Plot {
     }
 
     /// A curve of a class, cut off at the frame.
-    pub(super) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+    pub(crate) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
         let points: Vec<[f64; 2]> = points.map(|[x, y]| self.at(x, y)).collect();
         self.drawing.begin_clip([LEFT, TOP], WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
         self.drawing.curve(class, points.into_iter());
@@ -133,7 +180,7 @@ impl Plot {
     }
 
     /// A code's marker, if it lies inside the frame.
-    pub(super) fn marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
+    pub(crate) fn marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
         if self.contains(x, y) {
             let at = self.at(x, y);
             self.drawing.marker(style, at, size, false);
@@ -141,7 +188,7 @@ impl Plot {
     }
 
     /// A vertical bar of error, cut off at the frame.
-    pub(super) fn error_bar(&mut self, class: &str, x: f64, low: f64, high: f64) {
+    pub(crate) fn error_bar(&mut self, class: &str, x: f64, low: f64, high: f64) {
         let low = low.max(self.y.low);
         let high = high.min(self.y.high);
         if self.contains(x, low) && self.contains(x, high) {
@@ -155,16 +202,18 @@ impl Plot {
     }
 
     /// The legend, above the frame, in one line.
-    pub(super) fn legend(&mut self, keys: &[Key<'_>]) {
+    pub(crate) fn legend(&mut self, keys: &[Key<'_>]) {
         let mut x = LEFT;
         for key in keys {
             let y = 14.0;
             let label = match *key {
                 Key::Code(code) => {
-                    let style = code_style(code);
-                    self.drawing.line(&format!("{} curve", style.class), [x, y], [x + 26.0, y]);
-                    self.drawing.marker(style, [x + 13.0, y], 3.6, false);
+                    self.sample(code_style(code), x, y);
                     code
+                }
+                Key::Series(style, label) => {
+                    self.sample(style, x, y);
+                    label
                 }
                 Key::Line(class, label) => {
                     self.drawing.line(class, [x, y], [x + 26.0, y]);
@@ -177,8 +226,19 @@ impl Plot {
         }
     }
 
+    fn sample(&mut self, style: CodeStyle, x: f64, y: f64) {
+        self.drawing.line(&format!("{} curve", style.class), [x, y], [x + 26.0, y]);
+        self.drawing.marker(style, [x + 13.0, y], 3.6, false);
+    }
+
+    /// A few words in the upper or the lower left corner.
+    pub(crate) fn remark(&mut self, upper: bool, text: &str) {
+        let y = if upper { TOP + 18.0 } else { HEIGHT - BOTTOM - 10.0 };
+        self.drawing.text("tick", [LEFT + 9.0, y], Anchor::Start, text);
+    }
+
     /// The plot, with a name for those who cannot see it.
-    pub(super) fn finish(self, name: &str) -> String {
+    pub(crate) fn finish(self, name: &str) -> String {
         self.drawing.finish(name)
     }
 }

@@ -165,6 +165,18 @@ impl Drawing {
     }
 }
 
+/// A finished drawing as a file of its own, with the styles that a page would give it.
+pub(crate) fn standalone(drawing: &str) -> String {
+    let head = r#"<svg xmlns="http://www.w3.org/2000/svg" "#;
+    let style = format!(
+        "<style>{}svg {{ background: var(--paper); font-family: sans-serif; }}</style>",
+        include_str!("figure.css")
+    );
+    let inside = drawing.find('>').map_or(drawing.len(), |end| end + 1);
+    let (open, body) = drawing.split_at(inside);
+    format!("{head}{}{style}{body}\n", open.trim_start_matches("<svg "))
+}
+
 /// A coordinate to a tenth of a pixel, without needless digits.
 fn short(value: f64) -> String {
     let text = format!("{value:.1}");

@@ -42,6 +42,9 @@ pub enum ReportError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file of a study was not written.
+    #[error(transparent)]
+    Write(#[from] crate::output::WriteError),
     /// The page's template does not fit its data.
     #[error("cannot render the report: {0:#}; this is a fault of the program")]
     Template(#[from] minijinja::Error),

@@ -1,0 +1,120 @@
+//! `makadam scaling`: how a scene's step scales, measured on the cores at hand and replayed beyond them.
+
+use super::arguments::ScalingArguments;
+use super::{Console, Failure, begin, json, load};
+use crate::execution::{Execution, cores};
+use crate::prepared::{Start, file_stem, steps_in};
+use crate::provenance::Provenance;
+use crate::scaling::{self, Bandwidth, Costs, Machine, Plan, Setting, Study};
+use makadam::Simulation;
+use makadam::lanes::InstructionSet;
+use makadam::scene::Stop;
+use makadam::schedule::Scheduler;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Measures, replays, writes and says what was found; different bits are a failure.
+pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let (file, scene) = load(&arguments.scene)?;
+    if matches!(scene.solver.stop, Stop::TimeBudget { .. }) {
+        return Err(Failure::Usage(format!(
+            "the solves of {} stop when their wall time is spent, so no two runs do the same work; set solver.stop to \
+             sweeps or residual",
+            scene.name
+        )));
+    }
+    let seed = arguments.seed.unwrap_or(scene.seed);
+    let cores = cores();
+    let plan = plan(arguments, cores);
+    if plan.threads.iter().any(|&threads| threads > cores) {
+        console.warn(&format!("more threads than the {cores} cores at hand: such times say little"));
+    }
+    let widest = plan.instruction_sets.last().copied().unwrap_or_else(InstructionSet::detect);
+    let most = plan.threads.iter().copied().max().unwrap_or(1);
+    let execution = Execution { scheduler: Scheduler::WorkStealing, threads: most, instruction_set: widest };
+    let provenance = Provenance::of_run(&scene, &file, seed, &execution);
+    let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
+    if start == Start::Fresh {
+        // A lattice gas has hardly a contact to sweep over.
+        settle(&mut simulation, arguments.settle, console)?;
+    }
+    let started = simulation.time();
+    console.detail("measuring what handing out work costs, and the memory");
+    let costs = Costs::measure(cores)?;
+    if !costs.threads_met() {
+        console.warn("two threads hardly ran at the same time: the machine is busy, and measured speed-ups say little");
+    }
+    let bandwidth = Bandwidth::measure(cores)?;
+    let measurement = {
+        let bar = console.bar(&scene.name);
+        plan.measure(&simulation, &|share| bar.set(share))?
+    };
+    drop(simulation);
+    console.detail("replaying");
+    let memory = match arguments.memory_bandwidth {
+        Some(gigabytes) => (1e9 * gigabytes, scaling::MOST_WORKERS),
+        None => (bandwidth.all_threads, bandwidth.threads),
+    };
+    let machines =
+        vec![Machine::here(costs, memory, scaling::cache_bytes()), Machine::xeon_phi_3120(&costs, scaling::clock())];
+    let setting = Setting { scene: scene.name.clone(), started, cores, bandwidth, machines, provenance };
+    let study = Study::new(&plan, &measurement, setting);
+
+    let folder = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("results").join("scaling").join(file_stem(&scene.name)));
+    let page = scaling::write(&study, &folder)?;
+    let text = match arguments.json {
+        true => json(&study),
+        false => format!("{}\npage: {}", scaling::table(&study), page.display()),
+    };
+    console.result(&text)?;
+    if arguments.record {
+        let folder = scaling::record_folder(&study, &file);
+        scaling::write_tables(&study, &folder)?;
+        console.note(&format!("tables: {}", folder.display()));
+    }
+    match study.same_bits {
+        true => Ok(ExitCode::SUCCESS),
+        false => Err(Failure::Running(format!("not the same bits: {}", study.differing.join("; ")))),
+    }
+}
+
+/// Simulates for a time, s.
+fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Result<(), Failure> {
+    let bar = console.bar("settling");
+    let steps = steps_in(seconds, simulation.time_step());
+    for step in 1..=steps {
+        simulation.step();
+        bar.set(step as f64 / steps as f64);
+        if crate::interrupt::requested() {
+            return Err(Failure::Interrupted("nothing: the flowing state was not finished".into()));
+        }
+    }
+    Ok(())
+}
+
+/// What is measured: by default 1, 2, 4, ... threads and all cores.
+fn plan(arguments: &ScalingArguments, cores: usize) -> Plan {
+    let mut threads: Vec<usize> = match &arguments.threads_list {
+        Some(list) => list.iter().map(|&threads| usize::from(threads)).collect(),
+        None => (0..).map(|k| 1 << k).take_while(|&threads| threads < cores).chain([cores]).collect(),
+    };
+    threads.sort_unstable();
+    threads.dedup();
+    let mut instruction_sets = match &arguments.isa {
+        Some(list) => list.iter().map(|&name| InstructionSet::from(name)).collect(),
+        None => InstructionSet::ALL.into_iter().filter(|set| set.is_available()).collect::<Vec<_>>(),
+    };
+    // Narrowest first: the last is the one that stands for all of them.
+    instruction_sets.sort_by_key(|set| InstructionSet::ALL.iter().position(|known| known == set));
+    instruction_sets.dedup();
+    Plan {
+        instruction_sets,
+        threads,
+        steps: arguments.steps,
+        traced_steps: arguments.traced_steps.min(arguments.steps),
+        repetitions: arguments.repetitions as usize,
+    }
+}

@@ -1,0 +1,260 @@
+//! What a study found, in sentences: every number is computed from its rows.
+
+use super::machine::Machine;
+use super::rows::{Check, MeasuredRow, ReplayedRow};
+use super::study::Study;
+use crate::report::numbers::two_digits;
+use makadam::schedule::{Phase, Scheduler};
+
+/// Speed-up over number of threads down to which a curve is called linear.
+pub const LINEAR_SHARE: f64 = 0.8;
+
+/// Threads up to which the thesis found its central queue to scale linearly on the Xeon Phi 3120.
+pub const THESIS_CENTRAL_QUEUE: usize = 25;
+/// Threads beyond which its work stealing was still linear there.
+pub const THESIS_WORK_STEALING: usize = 40;
+
+/// The sentences.
+pub(super) fn findings(study: &Study) -> Vec<String> {
+    let mut sentences = vec![same_bits(study)];
+    sentences.extend(measured(study));
+    sentences.extend(instruction_sets(study));
+    sentences.extend(checks(&study.checks));
+    sentences.extend(busy(study));
+    sentences.extend(serial_share(study));
+    for machine in &study.machines {
+        sentences.extend(
+            [Scheduler::CentralQueue, Scheduler::WorkStealing].iter().filter_map(|&s| curve(study, machine, s)),
+        );
+        sentences.extend(queue_limit(study, machine));
+    }
+    sentences.extend(thesis(study));
+    sentences
+}
+
+/// A scheduler's name in a sentence.
+pub(super) fn scheduler_name(scheduler: Scheduler) -> &'static str {
+    match scheduler {
+        Scheduler::Serial => "serial",
+        Scheduler::CentralQueue => "the central queue",
+        Scheduler::WorkStealing => "work stealing",
+    }
+}
+
+fn threads_word(threads: usize) -> String {
+    format!("{threads} thread{}", if threads == 1 { "" } else { "s" })
+}
+
+/// A time of computing in a unit that suits it.
+pub(super) fn time(seconds: f64) -> String {
+    match seconds {
+        s if s >= 1.0 => format!("{} s", two_digits(s)),
+        s if s >= 1e-3 => format!("{} ms", two_digits(1e3 * s)),
+        s if s >= 1e-6 => format!("{} µs", two_digits(1e6 * s)),
+        s => format!("{} ns", two_digits(1e9 * s)),
+    }
+}
+
+fn same_bits(study: &Study) -> String {
+    if study.same_bits {
+        return format!(
+            "All {} configurations and the traced steps ended in the same state, bit for bit.",
+            study.measured.len()
+        );
+    }
+    format!("Not all configurations gave the same bits; different from the first: {}.", study.differing.join("; "))
+}
+
+/// The largest measured number of threads of each scheduler.
+fn measured(study: &Study) -> Option<String> {
+    let set = study.widest()?;
+    let most = study.measured.iter().map(|row| row.threads).max()?;
+    let row = |scheduler| {
+        study
+            .measured
+            .iter()
+            .find(|row| row.instruction_set == set && row.scheduler == scheduler && row.threads == most)
+    };
+    let one = |row: &MeasuredRow| {
+        format!(
+            "{} takes {} a step, {:.2} times as fast as serial (the sweeps alone {:.2} times)",
+            scheduler_name(row.scheduler),
+            time(row.step_seconds),
+            row.speedup,
+            row.sweep_speedup
+        )
+    };
+    let parts: Vec<String> =
+        [row(Scheduler::WorkStealing), row(Scheduler::CentralQueue)].into_iter().flatten().map(one).collect();
+    (!parts.is_empty())
+        .then(|| format!("Measured on {} with {}: {}.", threads_word(most), set.name(), parts.join("; ")))
+}
+
+/// What a contact sweep costs on one core.
+fn instruction_sets(study: &Study) -> Option<String> {
+    let serial: Vec<&MeasuredRow> = study.measured.iter().filter(|row| row.scheduler == Scheduler::Serial).collect();
+    let cost = |row: &&MeasuredRow| {
+        Some(format!("{} ns with {}", two_digits(row.nanoseconds_per_contact_sweep?), row.instruction_set.name()))
+    };
+    let costs: Vec<String> = serial.iter().filter_map(cost).collect();
+    let (first, last) = (serial.first()?, serial.last()?);
+    let ratio = first.sweep_seconds / last.sweep_seconds;
+    let ratio = match serial.len() {
+        1 => String::new(),
+        _ => {
+            format!(": {} is {ratio:.2} times as fast as {}", last.instruction_set.name(), first.instruction_set.name())
+        }
+    };
+    (!costs.is_empty())
+        .then(|| format!("Measured on one core, serial, a contact sweep takes {}{ratio}.", costs.join(", ")))
+}
+
+/// A word of warning where the cores were not free.
+fn busy(study: &Study) -> Option<String> {
+    let costs = study.machines.first()?.costs;
+    (study.cores > 1 && !costs.threads_met()).then(|| {
+        format!(
+            "Two threads ran at the same time in {} of the trials: the machine was busy, and what was measured on several \
+             threads says little.",
+            percent(costs.met_share)
+        )
+    })
+}
+
+/// How far the replay is from what was measured.
+fn checks(checks: &[Check]) -> Option<String> {
+    let worst = |checks: &[&Check]| {
+        let all = checks.iter().max_by(|a, b| a.deviation_percent.abs().total_cmp(&b.deviation_percent.abs()));
+        all.map(|check| {
+            format!(
+                "{:.1}% ({}, {}, {})",
+                check.deviation_percent.abs(),
+                check.instruction_set.name(),
+                check.scheduler.name(),
+                threads_word(check.threads)
+            )
+        })
+    };
+    let all: Vec<&Check> = checks.iter().collect();
+    let parallel: Vec<&Check> = checks.iter().filter(|check| check.threads > 1).collect();
+    let several = match worst(&parallel) {
+        Some(worst) => format!("; on more than one thread by at most {worst}"),
+        None => "; none of them on more than one thread".into(),
+    };
+    Some(format!(
+        "The replay misses the {} measured configurations by at most {}{several}.",
+        checks.len(),
+        worst(&all)?
+    ))
+}
+
+/// Amdahl's bound.
+fn serial_share(study: &Study) -> Option<String> {
+    let set = study.widest()?;
+    let rows = study.tasks.iter().filter(|row| row.instruction_set == set);
+    let serial: f64 = rows.filter(|row| row.most_tasks < 2).map(|row| row.share).sum();
+    let bound = if serial > 0.0 {
+        format!(", which bounds any speed-up to {}", two_digits(1.0 / serial))
+    } else {
+        String::new()
+    };
+    Some(format!("Of a traced step {} is serial work{bound}.", percent(serial)))
+}
+
+fn percent(share: f64) -> String {
+    format!("{}%", two_digits(100.0 * share))
+}
+
+/// The rows of one curve, by number of workers.
+pub(super) fn curve_rows<'a>(
+    study: &'a Study,
+    machine: &'a Machine,
+    scheduler: Scheduler,
+) -> impl Iterator<Item = &'a ReplayedRow> {
+    let set = study.widest();
+    study.replayed.iter().filter(move |row| {
+        row.machine == machine.name && row.scheduler == scheduler && Some(row.instruction_set) == set
+    })
+}
+
+/// The largest number of workers up to which the speed-up is at least [`LINEAR_SHARE`] of their number.
+pub(super) fn linear_up_to<'a>(rows: impl Iterator<Item = &'a ReplayedRow>) -> Option<usize> {
+    rows.take_while(|row| row.speedup >= LINEAR_SHARE * row.workers as f64).last().map(|row| row.workers)
+}
+
+fn curve(study: &Study, machine: &Machine, scheduler: Scheduler) -> Option<String> {
+    let best = curve_rows(study, machine, scheduler).max_by(|a, b| a.speedup.total_cmp(&b.speedup))?;
+    // A curve that has levelled off creeps on; what counts is where it comes near its end.
+    let near = curve_rows(study, machine, scheduler).find(|row| row.speedup >= 0.95 * best.speedup)?;
+    let linear = linear_up_to(curve_rows(study, machine, scheduler))
+        .map_or("is linear nowhere".to_string(), |workers| format!("is linear up to {}", threads_word(workers)));
+    let sweeps = curve_rows(study, machine, scheduler).map(|row| row.sweep_speedup).fold(0.0, f64::max);
+    Some(format!(
+        "Replayed on {}: {} {linear}; at most it is {} times as fast as one thread (95% of that with {}), its sweeps {} \
+         times.",
+        place(machine),
+        scheduler_name(scheduler),
+        two_digits(best.speedup),
+        threads_word(near.workers),
+        two_digits(sweeps),
+    ))
+}
+
+/// A machine in a sentence.
+pub(super) fn place(machine: &Machine) -> String {
+    if machine.name == Machine::HERE {
+        "this machine with more cores".into()
+    } else {
+        format!("the model {}", machine.name)
+    }
+}
+
+/// Mean duration of the tasks of sweeps in regions of several tasks, s, where they were traced.
+fn mean_task(study: &Study) -> Option<f64> {
+    let set = study.widest()?;
+    let rows =
+        study.tasks.iter().filter(|row| row.instruction_set == set && row.phase == Phase::Sweep && row.most_tasks > 1);
+    let (time, tasks) = rows.fold((0.0, 0.0), |(time, tasks), row| {
+        let count = row.regions * row.tasks;
+        (time + count * row.mean, tasks + count)
+    });
+    (tasks > 0.0).then(|| time / tasks)
+}
+
+/// How many workers one queue can feed.
+fn queue_limit(study: &Study, machine: &Machine) -> Option<String> {
+    let (task, pop) = (machine.duration_factor * mean_task(study)?, machine.costs.pop_contended);
+    Some(format!(
+        "On {} a task of a sweep takes {} in the mean and a pop of the contended queue {}: one queue can feed about {} \
+         workers (replayed).",
+        place(machine),
+        time(task),
+        time(pop),
+        two_digits(task / pop)
+    ))
+}
+
+/// The thesis beside the replay on its machine.
+fn thesis(study: &Study) -> Option<String> {
+    let phi = study.machines.iter().find(|machine| machine.name == Machine::XEON_PHI)?;
+    let reach = |scheduler| {
+        linear_up_to(curve_rows(study, phi, scheduler))
+            .map_or("nowhere".to_string(), |workers| format!("up to {workers}"))
+    };
+    let hand_over = mean_task(study).map_or(String::new(), |task| {
+        let task = phi.duration_factor * task;
+        format!(
+            " With tasks as long as these a queue feeds the thesis's {THESIS_CENTRAL_QUEUE} threads if a pop takes {}; the \
+             model assumes {}.",
+            time(task / THESIS_CENTRAL_QUEUE as f64),
+            time(phi.costs.pop_contended)
+        )
+    });
+    Some(format!(
+        "The thesis, measured on a Xeon Phi 3120 with its own tasks, found the central queue linear up to about \
+         {THESIS_CENTRAL_QUEUE} threads and work stealing linear beyond {THESIS_WORK_STEALING}. Replayed on the model of that \
+         machine with this scene's tasks the central queue is linear {} and work stealing {}.{hand_over}",
+        reach(Scheduler::CentralQueue),
+        reach(Scheduler::WorkStealing)
+    ))
+}

@@ -1,0 +1,268 @@
+//! Measurement: one scene, the same state, the same steps, by every scheduler on every number of threads with every
+//! instruction set, in turn and several times over, so that whatever else the machine does hits all of them alike.
+
+use super::costs::median;
+use crate::execution::{Execution, ExecutionError};
+use makadam::Simulation;
+use makadam::lanes::InstructionSet;
+use makadam::partition::{Layout, PairGroup, WallGroup};
+use makadam::schedule::{Region, Scheduler, StepTrace};
+use std::time::Instant;
+
+/// Steps that are taken before any is timed: they fill caches and buffers.
+pub const WARM_UP: u64 = 3;
+
+/// What is measured.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Instruction sets, narrowest first.
+    pub instruction_sets: Vec<InstructionSet>,
+    /// Numbers of threads of the parallel schedulers.
+    pub threads: Vec<usize>,
+    /// Timed steps.
+    pub steps: u64,
+    /// The first so many of them are traced too.
+    pub traced_steps: u64,
+    /// How often everything is done.
+    pub repetitions: usize,
+}
+
+/// Wall time of each step of one repetition, s.
+#[derive(Clone, Debug, Default)]
+pub struct Times {
+    /// Whole steps.
+    pub steps: Vec<f64>,
+    /// Their sweeps.
+    pub sweeps: Vec<f64>,
+}
+
+/// What was measured of one configuration.
+#[derive(Clone, Debug)]
+pub struct Timing {
+    /// The configuration.
+    pub configuration: Execution,
+    /// By repetition.
+    pub repetitions: Vec<Times>,
+    /// Hash of the state at the end, by repetition.
+    pub hashes: Vec<u64>,
+}
+
+/// Traced steps with one instruction set: durations of tasks are medians over the repetitions.
+pub struct Traces {
+    /// The instruction set.
+    pub instruction_set: InstructionSet,
+    /// The steps.
+    pub steps: Vec<StepTrace>,
+    /// Sweeps of each step.
+    pub sweeps: Vec<u32>,
+}
+
+/// All that was measured.
+pub struct Measurement {
+    /// Grains.
+    pub particles: usize,
+    /// Contacts of a step, mean over the timed steps.
+    pub contacts: f64,
+    /// Contact sweeps of a step, mean over the timed steps.
+    pub contact_sweeps: f64,
+    /// Memory that the simulation holds, bytes.
+    pub simulation_bytes: usize,
+    /// Memory traffic of one sweep over all contacts where nothing stays in a cache between sweeps, bytes.
+    pub bytes_per_sweep: f64,
+    /// Timed runs, serial first for each instruction set.
+    pub timings: Vec<Timing>,
+    /// Traced runs, by instruction set.
+    pub traces: Vec<Traces>,
+    /// Whether tracing gave the same bits as stepping.
+    pub traces_same_bits: bool,
+}
+
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureError {
+    /// The machine cannot step as asked.
+    #[error(transparent)]
+    Execution(#[from] ExecutionError),
+    /// The system starts no threads to measure with.
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The user asked to stop.
+    #[error("interrupted while measuring")]
+    Interrupted,
+}
+
+impl Plan {
+    /// All configurations: for each instruction set serial first, then the parallel schedulers by number of threads.
+    pub fn configurations(&self) -> Vec<Execution> {
+        let mut all = Vec::new();
+        for &instruction_set in &self.instruction_sets {
+            all.push(Execution { instruction_set, scheduler: Scheduler::Serial, threads: 1 });
+            for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
+                all.extend(self.threads.iter().map(|&threads| Execution { instruction_set, scheduler, threads }));
+            }
+        }
+        all
+    }
+
+    /// Measures from a state; `progress` is told the share that is done.
+    ///
+    /// # Errors
+    /// [`MeasureError`].
+    pub fn measure(&self, start: &Simulation, progress: &dyn Fn(f64)) -> Result<Measurement, MeasureError> {
+        let configurations = self.configurations();
+        let sets = &self.instruction_sets;
+        let mut timings: Vec<Timing> = configurations
+            .iter()
+            .map(|&configuration| Timing { configuration, repetitions: Vec::new(), hashes: Vec::new() })
+            .collect();
+        let mut traced: Vec<Vec<TracedRun>> = sets.iter().map(|_| Vec::new()).collect();
+        let (mut facts, mut hash_when_traced) = (Facts::default(), None);
+        let jobs = configurations.len() + sets.len();
+        for repetition in 0..self.repetitions {
+            for place in 0..jobs {
+                // Each round begins with another configuration, so that none always follows the same one.
+                let job = (place + repetition) % jobs;
+                match configurations.get(job) {
+                    Some(&configuration) => {
+                        let run = self.timed(start, configuration, &mut facts)?;
+                        hash_when_traced.get_or_insert(run.hash_when_traced);
+                        timings[job].repetitions.push(run.times);
+                        timings[job].hashes.push(run.hash);
+                    }
+                    None => {
+                        let set = job - configurations.len();
+                        traced[set].push(self.traced(start, sets[set])?);
+                    }
+                }
+                progress((repetition * jobs + place + 1) as f64 / (self.repetitions * jobs) as f64);
+            }
+        }
+        let traces_same_bits = traced.iter().flatten().all(|run| Some(run.hash) == hash_when_traced);
+        Ok(Measurement {
+            particles: start.snapshot().particles.len(),
+            contacts: facts.contacts,
+            contact_sweeps: facts.contact_sweeps,
+            simulation_bytes: facts.simulation_bytes,
+            bytes_per_sweep: facts.bytes_per_sweep,
+            timings,
+            traces: sets.iter().zip(traced).map(|(&set, runs)| medians(set, runs)).collect(),
+            traces_same_bits,
+        })
+    }
+
+    fn timed(&self, start: &Simulation, configuration: Execution, facts: &mut Facts) -> Result<TimedRun, MeasureError> {
+        let mut simulation = warmed_up(start, configuration)?;
+        let (mut times, mut contacts) = (Times::default(), 0);
+        let before = simulation.contact_sweeps();
+        let mut hash_when_traced = simulation.state_hash();
+        for step in 1..=self.steps {
+            let (clock, sweeps) = (Instant::now(), simulation.phase_seconds().sweep);
+            let report = simulation.step();
+            times.steps.push(clock.elapsed().as_secs_f64());
+            times.sweeps.push(simulation.phase_seconds().sweep - sweeps);
+            contacts += report.contacts;
+            if step == self.traced_steps {
+                hash_when_traced = simulation.state_hash();
+            }
+            if crate::interrupt::requested() {
+                return Err(MeasureError::Interrupted);
+            }
+        }
+        *facts = Facts {
+            contacts: contacts as f64 / self.steps as f64,
+            contact_sweeps: (simulation.contact_sweeps() - before) as f64 / self.steps as f64,
+            simulation_bytes: simulation.memory_bytes(),
+            bytes_per_sweep: bytes_per_sweep(simulation.layout(), start),
+        };
+        Ok(TimedRun { times, hash: simulation.state_hash(), hash_when_traced })
+    }
+
+    fn traced(&self, start: &Simulation, instruction_set: InstructionSet) -> Result<TracedRun, MeasureError> {
+        let serial = Execution { instruction_set, scheduler: Scheduler::Serial, threads: 1 };
+        let mut simulation = warmed_up(start, serial)?;
+        let (mut steps, mut sweeps) = (Vec::new(), Vec::new());
+        for _ in 0..self.traced_steps {
+            let (report, trace) = simulation.trace_step();
+            steps.push(trace);
+            sweeps.push(report.solve.sweeps);
+            if crate::interrupt::requested() {
+                return Err(MeasureError::Interrupted);
+            }
+        }
+        Ok(TracedRun { steps, sweeps, hash: simulation.state_hash() })
+    }
+}
+
+struct TimedRun {
+    times: Times,
+    hash: u64,
+    hash_when_traced: u64,
+}
+
+struct TracedRun {
+    steps: Vec<StepTrace>,
+    sweeps: Vec<u32>,
+    hash: u64,
+}
+
+/// What is the same for every configuration.
+#[derive(Default)]
+struct Facts {
+    contacts: f64,
+    contact_sweeps: f64,
+    simulation_bytes: usize,
+    bytes_per_sweep: f64,
+}
+
+fn warmed_up(start: &Simulation, configuration: Execution) -> Result<Simulation, MeasureError> {
+    let mut simulation = start.clone();
+    configuration.apply(&mut simulation)?;
+    for _ in 0..WARM_UP {
+        simulation.step();
+    }
+    Ok(simulation)
+}
+
+/// Bytes of a sweep: the lane groups are read, three impulses of each lane written, each grain read and written once (a
+/// box's grains stay in the cache while its contacts are relaxed).
+fn bytes_per_sweep(layout: &Layout, simulation: &Simulation) -> f64 {
+    const CACHE_LINE: usize = 64;
+    let impulses = 8 * 3 * size_of::<f64>();
+    let groups: usize = (layout.tasks())
+        .map(|(_, task)| {
+            task.pairs.len() * (size_of::<PairGroup>() + impulses)
+                + task.walls.len() * (size_of::<WallGroup>() + impulses)
+        })
+        .sum();
+    let grains = 2 * CACHE_LINE * simulation.snapshot().particles.len();
+    (groups + grains) as f64
+}
+
+/// What reading the clock adds to the traced duration of a task, s.
+fn clock_seconds() -> f64 {
+    median((0..1001).map(|_| Instant::now().elapsed().as_secs_f64()))
+}
+
+/// The traced steps with the median duration of every task over the repetitions, less what reading the clock adds. The
+/// tasks depend on the scene alone, so they are the same ones each time.
+fn medians(instruction_set: InstructionSet, mut runs: Vec<TracedRun>) -> Traces {
+    let Some(first) = runs.pop() else {
+        return Traces { instruction_set, steps: Vec::new(), sweeps: Vec::new() };
+    };
+    let clock = clock_seconds();
+    let median_of = |step: usize, region: usize, task: usize, own: f64| {
+        let others = runs.iter().filter_map(|run| run.steps.get(step)?.regions.get(region)?.tasks.get(task));
+        (median(others.copied().chain([own])) - clock).max(0.0)
+    };
+    let steps = first.steps.iter().enumerate().map(|(step, trace)| StepTrace {
+        regions: (trace.regions.iter().enumerate())
+            .map(|(place, region)| Region {
+                phase: region.phase,
+                tasks: (region.tasks.iter().enumerate())
+                    .map(|(task, &own)| median_of(step, place, task, own))
+                    .collect(),
+            })
+            .collect(),
+    });
+    Traces { instruction_set, steps: steps.collect(), sweeps: first.sweeps }
+}

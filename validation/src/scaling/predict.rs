@@ -1,0 +1,112 @@
+//! Replays of the traces on a machine, and how far they are from what was measured there.
+
+use super::costs::median;
+use super::machine::{MOST_WORKERS, Machine, worker_counts};
+use super::measure::{Measurement, Plan, Traces};
+use super::replay::{Replayed, Traffic, replay};
+use super::rows::{Check, ReplayedRow};
+use super::study::mean;
+use makadam::schedule::{Phase, Region, Scheduler};
+use rayon::prelude::*;
+
+/// Replays the traces of some instruction sets on a machine, by scheduler and number of workers.
+pub(super) fn curves(
+    machine: &Machine,
+    traces: &[Traces],
+    measurement: &Measurement,
+    threads: &[usize],
+) -> Vec<ReplayedRow> {
+    let mut jobs = Vec::new();
+    for traces in traces {
+        jobs.push((traces, Scheduler::Serial, 1));
+        for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
+            let counts = worker_counts(machine.most_workers(), threads);
+            jobs.extend(counts.into_iter().map(|workers| (traces, scheduler, workers)));
+        }
+    }
+    let replays: Vec<Replayed> = jobs
+        .par_iter()
+        .map(|&(traces, scheduler, workers)| {
+            let traffic = traffic(machine, traces, measurement, workers);
+            mean_replay(traces, scheduler, machine, traffic, workers)
+        })
+        .collect();
+    let rows = jobs.iter().zip(&replays).map(|(&(traces, scheduler, workers), own)| {
+        let is_serial = |job: &&(&Traces, Scheduler, usize)| {
+            job.1 == Scheduler::Serial && job.0.instruction_set == traces.instruction_set
+        };
+        let serial = jobs.iter().zip(&replays).find(|(job, _)| is_serial(job)).map_or(own, |(_, serial)| serial);
+        ReplayedRow {
+            source: "replayed".into(),
+            machine: machine.name.clone(),
+            instruction_set: traces.instruction_set,
+            scheduler,
+            workers,
+            step_seconds: own.seconds,
+            sweep_seconds: own.sweep_seconds,
+            speedup: serial.seconds / own.seconds,
+            sweep_speedup: serial.sweep_seconds / own.sweep_seconds,
+            waiting_share: own.waiting / (own.seconds * workers as f64),
+        }
+    });
+    rows.collect()
+}
+
+/// Mean over the traced steps.
+fn mean_replay(
+    traces: &Traces,
+    scheduler: Scheduler,
+    machine: &Machine,
+    traffic: Option<Traffic>,
+    workers: usize,
+) -> Replayed {
+    let mut sum = Replayed::default();
+    for step in &traces.steps {
+        let own = replay(&step.regions, scheduler, machine, traffic, workers);
+        sum.seconds += own.seconds;
+        sum.sweep_seconds += own.sweep_seconds;
+        sum.waiting += own.waiting;
+    }
+    let steps = traces.steps.len().max(1) as f64;
+    Replayed { seconds: sum.seconds / steps, sweep_seconds: sum.sweep_seconds / steps, waiting: sum.waiting / steps }
+}
+
+/// The traffic of a running sweep: its bytes over its traced time. None where the simulation fits into its last-level cache.
+fn traffic(machine: &Machine, traces: &Traces, measurement: &Measurement, workers: usize) -> Option<Traffic> {
+    let ceiling = machine.ceiling(workers);
+    if measurement.simulation_bytes as u64 <= machine.cache_bytes {
+        return None;
+    }
+    let sweeping = |region: &&Region| region.phase == Phase::Sweep;
+    let regions = traces.steps.iter().flat_map(|step| &step.regions).filter(sweeping);
+    let seconds: f64 = regions.map(|region| region.tasks.iter().sum::<f64>()).sum();
+    let sweeps: u32 = traces.sweeps.iter().sum();
+    let bytes = f64::from(sweeps) * measurement.bytes_per_sweep;
+    (seconds > 0.0).then(|| Traffic { bytes_per_second: bytes / (seconds * machine.duration_factor), ceiling })
+}
+
+/// The replay on this machine beside what was measured, over the same steps.
+pub(super) fn checks(plan: &Plan, measurement: &Measurement, here: &Machine, replayed: &[ReplayedRow]) -> Vec<Check> {
+    let traced = plan.traced_steps as usize;
+    let checks = measurement.timings.iter().filter_map(|timing| {
+        let own = timing.configuration;
+        let row = replayed.iter().find(|row| {
+            row.machine == here.name
+                && row.instruction_set == own.instruction_set
+                && row.scheduler == own.scheduler
+                && row.workers == own.threads
+        })?;
+        let of_step =
+            |step: usize| median(timing.repetitions.iter().filter_map(|times| times.steps.get(step)).copied());
+        let measured_seconds = mean(&(0..traced).map(of_step).collect::<Vec<_>>());
+        Some(Check {
+            instruction_set: own.instruction_set,
+            scheduler: own.scheduler,
+            threads: own.threads,
+            measured_seconds,
+            replayed_seconds: row.step_seconds,
+            deviation_percent: 100.0 * (row.step_seconds / measured_seconds - 1.0),
+        })
+    });
+    checks.filter(|check| check.threads <= MOST_WORKERS).collect()
+}

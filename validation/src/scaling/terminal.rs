@@ -1,0 +1,50 @@
+//! A study as plain text for a terminal.
+
+use super::findings::time;
+use super::page::signed_percent;
+use super::study::Study;
+use crate::report::numbers::two_digits;
+
+/// Measured configurations, each with what the replay says of it, and the sentences below.
+pub fn table(study: &Study) -> String {
+    let mut rows = vec![
+        ["set", "scheduler", "threads", "a step", "speed-up", "sweeps", "speed-up", "ns", "replayed", "deviation"]
+            .map(String::from),
+    ];
+    for row in &study.measured {
+        let check = study.checks.iter().find(|check| {
+            check.instruction_set == row.instruction_set
+                && check.scheduler == row.scheduler
+                && check.threads == row.threads
+        });
+        rows.push([
+            row.instruction_set.name().into(),
+            row.scheduler.name().into(),
+            row.threads.to_string(),
+            time(row.step_seconds),
+            format!("{:.2}", row.speedup),
+            time(row.sweep_seconds),
+            format!("{:.2}", row.sweep_speedup),
+            row.nanoseconds_per_contact_sweep.map_or("-".into(), two_digits),
+            check.map_or("-".into(), |check| time(check.replayed_seconds)),
+            check.map_or("-".into(), |check| signed_percent(check.deviation_percent)),
+        ]);
+    }
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; 10] = std::array::from_fn(width);
+    let mut text = format!("{}: {} grains, {:.0} contacts\n\n", study.scene, study.particles, study.contacts);
+    for row in &rows {
+        let cells = row.iter().zip(widths).enumerate().map(|(column, (cell, width))| {
+            let gap = " ".repeat(width - cell.chars().count());
+            // Words to the left, numbers to the right.
+            if column < 2 { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
+        });
+        text += cells.collect::<Vec<_>>().join("  ").trim_end();
+        text.push('\n');
+    }
+    text.push('\n');
+    for sentence in &study.findings {
+        text += &format!("{sentence}\n");
+    }
+    text
+}

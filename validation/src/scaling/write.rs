@@ -1,0 +1,67 @@
+//! The files of a study: tables as CSV, all of it as JSON, figures as SVG, one page to read.
+
+use super::figures::figures;
+use super::page;
+use super::study::Study;
+use crate::output::{create_folder, write_whole};
+use crate::prepared::file_stem;
+use crate::report::ReportError;
+use crate::report::svg::standalone;
+use makadam::lanes::InstructionSet;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Writes all files of a study into a folder, which is made if it is not there; returns the page's path.
+///
+/// # Errors
+/// [`ReportError`] if a file cannot be written.
+pub fn write(study: &Study, folder: &Path) -> Result<PathBuf, ReportError> {
+    write_tables(study, folder)?;
+    put(&folder.join("scaling.json"), &serde_json::to_vec_pretty(study)?)?;
+    let figures = figures(study);
+    for figure in figures.iter().flatten() {
+        put(&folder.join(format!("{}.svg", figure.name)), standalone(&figure.svg).as_bytes())?;
+    }
+    let html = folder.join("scaling.html");
+    put(&html, page::render(study, &figures)?.as_bytes())?;
+    Ok(html)
+}
+
+/// Writes `measured.csv`, `replayed.csv` and `tasks.csv` into a folder, and where they came from as `provenance.json`.
+///
+/// # Errors
+/// [`ReportError`] if a file cannot be written.
+pub fn write_tables(study: &Study, folder: &Path) -> Result<(), ReportError> {
+    create_folder(folder)?;
+    put(&folder.join("measured.csv"), &csv(&study.measured)?)?;
+    put(&folder.join("replayed.csv"), &csv(&study.replayed)?)?;
+    put(&folder.join("checks.csv"), &csv(&study.checks)?)?;
+    put(&folder.join("tasks.csv"), &csv(&study.tasks)?)?;
+    put(&folder.join("provenance.json"), &serde_json::to_vec_pretty(&study.provenance)?)
+}
+
+/// Folder of a scene's recorded tables: `scaling` beside a `scene.toml`, `NAME-scaling` beside any other file, and in it
+/// a folder named after the processor and the widest instruction set.
+pub fn record_folder(study: &Study, scene_file: &Path) -> PathBuf {
+    let folder = match scene_file.file_stem().and_then(|stem| stem.to_str()) {
+        Some("scene") | None => scene_file.with_file_name("scaling"),
+        Some(stem) => scene_file.with_file_name(format!("{stem}-scaling")),
+    };
+    let processor = file_stem(&study.provenance.build.processor).to_ascii_lowercase();
+    // Brackets and trade marks leave rows of dashes.
+    let parts: Vec<&str> = processor.split('-').filter(|part| !part.is_empty()).collect();
+    let set = study.widest().map_or("", InstructionSet::name);
+    folder.join(format!("{}-{set}", parts.join("-")))
+}
+
+fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, ReportError> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    writer.into_inner().map_err(|error| ReportError::Csv(error.into_error().into()))
+}
+
+fn put(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
+    Ok(write_whole(path, bytes)?)
+}

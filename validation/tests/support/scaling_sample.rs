@@ -1,0 +1,110 @@
+//! A scaling study of invented traces: a drum of 50,000 grains as one might trace it, and times that are its replays,
+//! a little slower.
+
+use makadam::lanes::InstructionSet;
+use makadam::schedule::{Phase, Region, Scheduler, StepTrace};
+use makadam_validation::execution::Execution;
+use makadam_validation::provenance::Provenance;
+use makadam_validation::scaling::{
+    Bandwidth, Costs, Machine, Measurement, Plan, Setting, Study, Times, Timing, Traces, replay,
+};
+use std::path::Path;
+
+/// Factor of the invented measurement on its replay.
+pub const SLOWER: f64 = 1.04;
+
+const SETS: [(InstructionSet, f64); 2] = [(InstructionSet::Generic, 3.0), (InstructionSet::Avx512, 1.0)];
+const COSTS: Costs =
+    Costs { pop_alone: 15e-9, pop_contended: 90e-9, task_start: 30e-9, steal: 400e-9, region: 300e-9, met_share: 1.0 };
+const SWEEPS: u32 = 12;
+
+/// A step: detection and set-up in parts, sweeps of eight stages, integration.
+fn step(factor: f64) -> StepTrace {
+    let spread = |count: usize, seconds: f64| -> Vec<f64> {
+        (0..count).map(|k| seconds * (0.6 + 0.8 * ((k * 37) % 100) as f64 / 100.0)).collect()
+    };
+    let mut regions = vec![
+        Region { phase: Phase::Detect, tasks: vec![20e-6] },
+        Region { phase: Phase::Detect, tasks: spread(96, 8e-6) },
+        Region { phase: Phase::Constrain, tasks: spread(96, 20e-6) },
+    ];
+    for _ in 0..SWEEPS {
+        let stages = [
+            (96, 10e-6),
+            (80, 1.2e-6),
+            (80, 1.2e-6),
+            (80, 1.2e-6),
+            (60, 0.15e-6),
+            (60, 0.15e-6),
+            (60, 0.15e-6),
+            (40, 0.05e-6),
+        ];
+        let stage = |(count, seconds)| Region { phase: Phase::Sweep, tasks: spread(count, factor * seconds) };
+        regions.extend(stages.map(stage));
+    }
+    regions.push(Region { phase: Phase::Integrate, tasks: spread(64, 3e-6) });
+    StepTrace { regions }
+}
+
+/// What a study is made of.
+pub fn parts() -> (Plan, Measurement, Setting) {
+    let plan = Plan {
+        instruction_sets: SETS.map(|(set, _)| set).to_vec(),
+        threads: vec![1, 2, 4, 8, 16],
+        steps: 2,
+        traced_steps: 2,
+        repetitions: 3,
+    };
+    let here = Machine::here(COSTS, (300e9, 16), 32 << 20);
+    let mut timings = Vec::new();
+    for (instruction_set, factor) in SETS {
+        let mut add = |scheduler, threads| {
+            let seconds = SLOWER * replay(&step(factor).regions, scheduler, &here, None, threads).seconds;
+            let repetition =
+                |noise: f64| Times { steps: vec![noise * seconds; 2], sweeps: vec![0.7 * noise * seconds; 2] };
+            timings.push(Timing {
+                configuration: Execution { instruction_set, scheduler, threads },
+                repetitions: [0.97, 1.0, 1.06].map(repetition).to_vec(),
+                hashes: vec![7; 3],
+            });
+        };
+        add(Scheduler::Serial, 1);
+        for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
+            for &threads in &plan.threads {
+                add(scheduler, threads);
+            }
+        }
+    }
+    let traces = SETS.map(|(instruction_set, factor)| Traces {
+        instruction_set,
+        steps: vec![step(factor), step(factor)],
+        sweeps: vec![SWEEPS; 2],
+    });
+    let measurement = Measurement {
+        particles: 50_000,
+        contacts: 130_000.0,
+        contact_sweeps: 130_000.0 * f64::from(SWEEPS),
+        simulation_bytes: 48 << 20,
+        bytes_per_sweep: 110.0 * 130_000.0,
+        timings,
+        traces: traces.into_iter().collect(),
+        traces_same_bits: true,
+    };
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
+    let scene = makadam::scene::Scene::load(&file).expect("the small scene is valid");
+    let setting = Setting {
+        scene: "invented".into(),
+        started: 1.0,
+        cores: 16,
+        bandwidth: Bandwidth { one_thread: 20e9, all_threads: 300e9, threads: 16 },
+        machines: vec![here, Machine::xeon_phi_3120(&COSTS, 3.3e9)],
+        provenance: Provenance::of_run(&scene, Path::new("invented.toml"), 1, &Execution::serial()),
+    };
+    (plan, measurement, setting)
+}
+
+/// The study.
+pub fn study() -> Study {
+    let (plan, measurement, setting) = parts();
+    Study::new(&plan, &measurement, setting)
+}
