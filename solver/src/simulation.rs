@@ -8,7 +8,7 @@ use crate::partition::{BoxGrid, Layout};
 use crate::scene::{Scene, SceneError, SolverSettings, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
-use crate::sweep::{Relaxation, TaskResidual};
+use crate::sweep::{PREFETCH, Relaxation, TaskResidual};
 use crate::world::{World, chunk, chunks};
 use nalgebra::Vector3;
 use rayon::ThreadPoolBuildError;
@@ -74,7 +74,7 @@ impl Simulation {
                 instruction_set: InstructionSet::detect(),
                 scalar: false,
                 friction: world.table.any_friction(),
-                prefetch: 0,
+                prefetch: PREFETCH,
             },
             candidates: Candidates::new(&boxes, world.grains(), largest, skin),
             world,

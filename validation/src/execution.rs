@@ -3,6 +3,7 @@
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
+use makadam::sweep::PREFETCH;
 
 /// Threads, the way in which they share tasks, and the instruction set of the kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,8 @@ pub struct Execution {
     pub threads: usize,
     /// Instruction set of the kernels.
     pub instruction_set: InstructionSet,
+    /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor.
+    pub prefetch: usize,
 }
 
 /// Why a simulation cannot be carried out so.
@@ -29,7 +32,12 @@ pub enum ExecutionError {
 impl Execution {
     /// One thread on the widest instruction set.
     pub fn serial() -> Execution {
-        Execution { scheduler: Scheduler::Serial, threads: 1, instruction_set: InstructionSet::detect() }
+        Execution {
+            scheduler: Scheduler::Serial,
+            threads: 1,
+            instruction_set: InstructionSet::detect(),
+            prefetch: PREFETCH,
+        }
     }
 
     /// Makes a simulation run so from its next step on.
@@ -43,6 +51,7 @@ impl Execution {
             return Err(ExecutionError::NoInstructionSet(self.instruction_set.name(), names.join(", ")));
         }
         simulation.use_instruction_set(self.instruction_set);
+        simulation.use_prefetch(self.prefetch);
         simulation
             .use_team(self.scheduler, self.threads)
             .map_err(|error| ExecutionError::NoThreads(self.threads, error.to_string()))

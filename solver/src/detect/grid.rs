@@ -196,7 +196,7 @@ impl CellGrid {
         found
     }
 
-    /// The box in a direction of a [`Neighbourhood`], which must not leave the domain.
+    /// The box in a direction of a neighbourhood, which must not leave the domain.
     pub fn neighbour(&self, number: usize, direction: usize) -> [u32; 3] {
         let shift = [direction % 3, direction / 3 % 3, direction / 9];
         let home = self.boxes.at(number);

@@ -15,6 +15,10 @@ use crate::world::Body;
 use kernel::{Bodies, Contact};
 use residual::LaneResidual;
 
+/// Lane groups ahead of a sweep whose bodies are fetched into the cache, where nothing else is said. Two to eight are about
+/// as good: what was measured is in `docs/kernel.md`.
+pub const PREFETCH: usize = 4;
+
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Relaxation {

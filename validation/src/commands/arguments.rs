@@ -3,6 +3,7 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
+use makadam::sweep::PREFETCH;
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, \
@@ -53,6 +54,9 @@ pub struct RunArguments {
     /// Instruction set of the kernels; the widest that this processor has, if absent. The result does not depend on it.
     #[arg(long, value_enum)]
     pub isa: Option<InstructionSetName>,
+    /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor.
+    #[arg(long, default_value_t = PREFETCH as u16, value_parser = clap::value_parser!(u16).range(..=1024))]
+    pub prefetch: u16,
     /// Steps to take, in place of the scene's duration.
     #[arg(long)]
     pub steps: Option<u64>,

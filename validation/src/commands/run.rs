@@ -41,6 +41,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         scheduler: arguments.scheduler.into(),
         threads: arguments.threads.map_or_else(cores, usize::from),
         instruction_set: arguments.isa.map_or_else(InstructionSet::detect, InstructionSet::from),
+        prefetch: usize::from(arguments.prefetch),
     };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
     let (simulation, _) = begin(&scene, seed, &file, &execution, console)?;

@@ -31,7 +31,8 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     }
     let widest = plan.instruction_sets.last().copied().unwrap_or_else(InstructionSet::detect);
     let most = plan.threads.iter().copied().max().unwrap_or(1);
-    let execution = Execution { scheduler: Scheduler::WorkStealing, threads: most, instruction_set: widest };
+    let execution =
+        Execution { scheduler: Scheduler::WorkStealing, threads: most, instruction_set: widest, ..Execution::serial() };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
     let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
     if start == Start::Fresh {

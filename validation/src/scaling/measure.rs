@@ -96,9 +96,14 @@ impl Plan {
     pub fn configurations(&self) -> Vec<Execution> {
         let mut all = Vec::new();
         for &instruction_set in &self.instruction_sets {
-            all.push(Execution { instruction_set, scheduler: Scheduler::Serial, threads: 1 });
+            all.push(Execution { instruction_set, ..Execution::serial() });
             for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
-                all.extend(self.threads.iter().map(|&threads| Execution { instruction_set, scheduler, threads }));
+                all.extend(self.threads.iter().map(|&threads| Execution {
+                    instruction_set,
+                    scheduler,
+                    threads,
+                    ..Execution::serial()
+                }));
             }
         }
         all
@@ -178,7 +183,7 @@ impl Plan {
     }
 
     fn traced(&self, start: &Simulation, instruction_set: InstructionSet) -> Result<TracedRun, MeasureError> {
-        let serial = Execution { instruction_set, scheduler: Scheduler::Serial, threads: 1 };
+        let serial = Execution { instruction_set, ..Execution::serial() };
         let mut simulation = warmed_up(start, serial)?;
         let (mut steps, mut sweeps) = (Vec::new(), Vec::new());
         for _ in 0..self.traced_steps {
