@@ -3,7 +3,7 @@
 use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
-use crate::lanes::InstructionSet;
+use crate::lanes::{InstructionSet, Quad};
 use crate::partition::{BoxGrid, Layout};
 use crate::scene::{Scene, SceneError, SolverSettings, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
@@ -111,7 +111,7 @@ impl Simulation {
         }
         let clock = clock.lap(&mut self.phases.detect);
         // Forces.
-        self.constrainer.apply_gravity(&mut self.world, self.settings.step, team);
+        self.apply_gravity(team);
         let clock = clock.lap(&mut self.phases.integrate);
         // Which do, as constraints laid out in boxes, stages and lane groups; they start from their last impulses.
         self.constrain(team);
@@ -127,6 +127,30 @@ impl Simulation {
         let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.inner_sweeps.max(1));
         self.contact_sweeps += sweeps * self.layout.contacts as u64;
         StepReport { solve, contacts: self.layout.contacts }
+    }
+
+    /// Keeps the velocities at the start of a step, then lets gravity act on the grains.
+    fn apply_gravity(&mut self, team: &Team) {
+        let change = self.world.gravity * self.settings.step;
+        let (grains, count) = (self.world.grains(), self.world.bodies.len());
+        let World { bodies, before, .. } = &mut self.world;
+        before.resize(count, Quad::default());
+        let (bodies, before) = (Disjoint::new(bodies), Disjoint::new(before));
+        team.each(Phase::Integrate, chunks(count), |number| {
+            let places = chunk(number, count);
+            let falling = places.start..places.end.min(grains).max(places.start);
+            // SAFETY: chunks do not overlap.
+            let (bodies, before) = unsafe { (bodies.range(places.clone()), before.range(places)) };
+            for (body, before) in bodies.iter().zip(before) {
+                let [x, y, z] = body.velocity;
+                *before = Quad([x, y, z, body.inverse_mass]);
+            }
+            for body in &mut bodies[..falling.len()] {
+                for axis in 0..3 {
+                    body.velocity[axis] += change[axis];
+                }
+            }
+        });
     }
 
     fn constrain(&mut self, team: &Team) {

@@ -13,7 +13,7 @@ use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number, Quad};
 use crate::partition::{Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups};
 use crate::scene::{NormalLaw, SolverSettings};
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{ContactMaterial, Pose, World, chunk, chunks};
+use crate::world::{ContactMaterial, Pose, World};
 use fill::{FillPairs, FillWalls};
 use touch::PackPairs;
 
@@ -22,8 +22,6 @@ use touch::PackPairs;
 pub struct Constrainer {
     taken: Vec<Taken>,
     poses: Vec<Pose>,
-    /// Velocity and inverse mass of every body at the start of the step.
-    before: Vec<Quad>,
     steps: u64,
 }
 
@@ -50,28 +48,6 @@ struct Given<'a> {
 }
 
 impl Constrainer {
-    /// Keeps the velocities at the start of a step, then lets gravity act on the grains.
-    pub(crate) fn apply_gravity(&mut self, world: &mut World, h: f64, team: &Team) {
-        let (change, grains, count) = (world.gravity * h, world.grains(), world.bodies.len());
-        self.before.resize(count, Quad::default());
-        let (bodies, before) = (Disjoint::new(&mut world.bodies), Disjoint::new(&mut self.before));
-        team.each(Phase::Integrate, chunks(count), |number| {
-            let places = chunk(number, count);
-            let falling = places.start..places.end.min(grains).max(places.start);
-            // SAFETY: chunks do not overlap.
-            let (bodies, before) = unsafe { (bodies.range(places.clone()), before.range(places)) };
-            for (body, before) in bodies.iter().zip(before) {
-                let [x, y, z] = body.velocity;
-                *before = Quad([x, y, z, body.inverse_mass]);
-            }
-            for body in &mut bodies[..falling.len()] {
-                for axis in 0..3 {
-                    body.velocity[axis] += change[axis];
-                }
-            }
-        });
-    }
-
     /// Lays out the contacts of a step from the state at its start; `then` is called with the groups of each task as soon
     /// as they are complete, while no other task uses its bodies.
     #[allow(clippy::too_many_arguments)]
@@ -110,7 +86,7 @@ impl Constrainer {
                 world,
                 candidates,
                 poses: &self.poses,
-                before: &self.before,
+                before: &world.before,
                 constants,
                 material: world.table.of_all_grains(),
             };
@@ -136,7 +112,7 @@ impl Constrainer {
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.taken.capacity() * size_of::<Taken>() + self.before.capacity() * size_of::<Quad>()
+        self.taken.capacity() * size_of::<Taken>()
     }
 }
 

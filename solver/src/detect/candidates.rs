@@ -8,7 +8,7 @@ use super::search::{Found, PairSearch};
 use crate::lanes::InstructionSet;
 use crate::partition::{BoxGrid, Plan, STAGES};
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{Pose, ReorderBuffers, World};
+use crate::world::{Pose, World};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -70,7 +70,6 @@ pub struct Candidates {
 #[derive(Clone, Debug, Default)]
 struct Buffers {
     new_places: Vec<u32>,
-    reorder: ReorderBuffers,
     found: Vec<Found>,
     pair_starts: Vec<u32>,
     wall_starts: Vec<u32>,
@@ -118,7 +117,7 @@ impl Candidates {
     /// candidates that stay.
     pub fn rebuild(&mut self, world: &mut World, plan: &mut Plan, set: InstructionSet, team: &Team) {
         let order = self.grid.sort(world, team);
-        world.reorder(order, &mut self.buffers.reorder, team);
+        world.reorder(order, team);
         self.buffers.new_places.resize(order.len(), 0);
         for (new, &old) in order.iter().enumerate() {
             self.buffers.new_places[old as usize] = new as u32;
@@ -251,7 +250,6 @@ impl Candidates {
             + (self.pair_impulses.capacity() + self.wall_impulses.capacity()) * size_of::<Impulse>()
             + self.reference.capacity() * size_of::<Vector3<f64>>()
             + self.grid.memory_bytes()
-            + buffers.reorder.memory_bytes()
             + buffers.found.iter().map(Found::memory_bytes).sum::<usize>()
             + buffers.remembered_pairs.memory_bytes()
             + buffers.remembered_walls.memory_bytes()

@@ -6,7 +6,7 @@ mod surface;
 pub use materials::{ContactMaterial, MaterialTable};
 pub use surface::{Pose, Surface};
 
-use crate::lanes::LANES;
+use crate::lanes::{LANES, Quad};
 use crate::scene::{Grain, Scene};
 use crate::schedule::{Disjoint, Phase, Team};
 use nalgebra::Vector3;
@@ -70,6 +70,8 @@ pub struct World {
     pub materials: Vec<u8>,
     /// Id of the grain at each place.
     pub ids: Vec<u32>,
+    /// Velocity and inverse mass of every body at the start of the step; between steps, room to reorder grains in.
+    pub(crate) before: Vec<Quad>,
     /// Faces of the scene's walls.
     pub surfaces: Vec<Surface>,
     /// Pair properties.
@@ -80,15 +82,6 @@ pub struct World {
     pub domain: (Vector3<f64>, Vector3<f64>),
     /// Simulated time, s.
     pub time: f64,
-}
-
-/// Copies that a reordering needs, kept from one to the next.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct ReorderBuffers {
-    bodies: Vec<Body>,
-    spheres: Vec<Sphere>,
-    materials: Vec<u8>,
-    ids: Vec<u32>,
 }
 
 impl World {
@@ -110,6 +103,7 @@ impl World {
             spheres: grains.iter().map(sphere).collect(),
             materials: grains.iter().map(|grain| table.number(&grain.material)).collect(),
             ids: (0..grains.len() as u32).collect(),
+            before: Vec::new(),
             surfaces: scene
                 .wall
                 .iter()
@@ -151,35 +145,24 @@ impl World {
     }
 
     /// Moves the grain at place `order[i]` to place `i`.
-    pub(crate) fn reorder(&mut self, order: &[u32], buffers: &mut ReorderBuffers, team: &Team) {
-        buffers.bodies.clone_from(&self.bodies);
-        buffers.spheres.clone_from(&self.spheres);
-        buffers.materials.clone_from(&self.materials);
-        buffers.ids.clone_from(&self.ids);
-        let grains = self.grains();
-        let bodies = Disjoint::new(&mut self.bodies);
-        let spheres = Disjoint::new(&mut self.spheres);
-        let materials = Disjoint::new(&mut self.materials);
-        let ids = Disjoint::new(&mut self.ids);
-        team.each(Phase::Detect, chunks(grains), |number| {
-            let places = chunk(number, grains);
-            // SAFETY: chunks do not overlap.
-            let (bodies, spheres, materials, ids) = unsafe {
-                (
-                    bodies.range(places.clone()),
-                    spheres.range(places.clone()),
-                    materials.range(places.clone()),
-                    ids.range(places.clone()),
-                )
-            };
-            for (offset, &old) in order[places].iter().enumerate() {
-                let old = old as usize;
-                bodies[offset] = buffers.bodies[old];
-                spheres[offset] = buffers.spheres[old];
-                materials[offset] = buffers.materials[old];
-                ids[offset] = buffers.ids[old];
-            }
-        });
+    pub(crate) fn reorder(&mut self, order: &[u32], team: &Team) {
+        let World { bodies, spheres, materials, ids, before, .. } = self;
+        before.resize(bodies.len(), Quad::default());
+        let (bodies, spheres): (*mut Quad, *mut Quad) = (bodies.as_mut_ptr().cast(), spheres.as_mut_ptr().cast());
+        // SAFETY: a body is two quads, a sphere is one, and there is one of each for every entry of `order`.
+        unsafe {
+            reorder_quads::<2>(bodies, order, before, team);
+            reorder_quads::<2>(bodies.add(1), order, before, team);
+            reorder_quads::<1>(spheres, order, before, team);
+        }
+        // Ids and materials are small: one quad takes both.
+        for (quad, (id, material)) in before.iter_mut().zip(ids.iter().zip(&*materials)) {
+            *quad = Quad([f64::from(*id), f64::from(*material), 0.0, 0.0]);
+        }
+        for ((id, material), &old) in ids.iter_mut().zip(materials).zip(order) {
+            let Quad([old_id, old_material, ..]) = before[old as usize];
+            (*id, *material) = (old_id as u32, old_material as u8);
+        }
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
@@ -187,6 +170,7 @@ impl World {
             + self.spheres.capacity() * size_of::<Sphere>()
             + self.materials.capacity()
             + self.ids.capacity() * size_of::<u32>()
+            + self.before.capacity() * size_of::<Quad>()
     }
 
     /// Largest and mean radius, m; (0, 0) in an empty world.
@@ -196,11 +180,43 @@ impl World {
     }
 }
 
-impl ReorderBuffers {
-    pub(crate) fn memory_bytes(&self) -> usize {
-        self.bodies.capacity() * size_of::<Body>()
-            + self.spheres.capacity() * size_of::<Sphere>()
-            + self.materials.capacity()
-            + self.ids.capacity() * size_of::<u32>()
+/// Moves the quad at `base + STRIDE order[i]` to `base + STRIDE i`, by way of `room`.
+///
+/// # Safety
+/// All of these lie in memory that this task alone may use.
+unsafe fn reorder_quads<const STRIDE: usize>(base: *mut Quad, order: &[u32], room: &mut [Quad], team: &Team) {
+    let quads = Records { base, stride: STRIDE };
+    let copies = Disjoint::new(room);
+    team.each(Phase::Detect, chunks(order.len()), |number| {
+        let places = chunk(number, order.len());
+        // SAFETY: the caller's promise; chunks do not overlap.
+        let copies = unsafe { copies.range(places.clone()) };
+        for (copy, place) in copies.iter_mut().zip(places) {
+            // SAFETY: as above.
+            *copy = unsafe { *quads.at(place) };
+        }
+    });
+    let room = &*room;
+    team.each(Phase::Detect, chunks(order.len()), |number| {
+        for place in chunk(number, order.len()) {
+            // SAFETY: as above.
+            unsafe { *quads.at(place) = room[order[place] as usize] };
+        }
+    });
+}
+
+/// Quads that lie at equal distances; shared by tasks that use different ones.
+struct Records {
+    base: *mut Quad,
+    stride: usize,
+}
+
+// SAFETY: it only computes addresses; whoever uses them promises that no two tasks use the same.
+unsafe impl Sync for Records {}
+
+impl Records {
+    #[inline(always)]
+    fn at(&self, place: usize) -> *mut Quad {
+        self.base.wrapping_add(self.stride * place)
     }
 }
