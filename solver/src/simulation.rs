@@ -189,10 +189,12 @@ impl Simulation {
         let (relaxation, layout) = (&self.relaxation, &self.layout);
         let pairs = Disjoint::new(&mut self.candidates.pair_impulses);
         let walls = Disjoint::new(&mut self.candidates.wall_impulses);
-        let tasks = layout.plan.tasks();
-        team.each(Phase::Integrate, tasks.len(), |task| {
-            // SAFETY: each task has its own candidates.
-            unsafe { relaxation.remember(&layout.groups[tasks[task].number as usize], &pairs, &walls) };
+        let (tasks, batches) = (layout.plan.tasks(), layout.plan.all_batches());
+        team.each(Phase::Integrate, batches.len(), |batch| {
+            for task in &tasks[batches[batch].clone()] {
+                // SAFETY: each task has its own candidates.
+                unsafe { relaxation.remember(&layout.groups[task.number as usize], &pairs, &walls) };
+            }
         });
     }
 

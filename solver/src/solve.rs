@@ -120,17 +120,18 @@ fn sweep_all(
     residuals.resize(if measure { plan.tasks().len() } else { 0 }, TaskResidual::default());
     let parts = Disjoint::new(residuals);
     for stage in 0..STAGES {
-        let places = plan.stage_range(stage);
-        team.each(Phase::Sweep, places.len(), |task| {
-            let place = places.start + task;
-            // SAFETY: tasks of a stage share no body, and each has its own groups and its own residual.
-            unsafe {
-                let groups = groups.at(plan.tasks()[place].number as usize);
-                let mut unused = TaskResidual::default();
-                for time in 1..=inner {
-                    let last = measure && time == inner;
-                    let residual = if last { parts.at(place) } else { &mut unused };
-                    relaxation.sweep(bodies.as_ptr(), groups, factor, last, residual);
+        let batches = plan.batches(stage);
+        team.each(Phase::Sweep, batches.len(), |batch| {
+            for place in batches[batch].clone() {
+                // SAFETY: tasks of a stage share no body, and each has its own groups and its own residual.
+                unsafe {
+                    let groups = groups.at(plan.tasks()[place].number as usize);
+                    let mut unused = TaskResidual::default();
+                    for time in 1..=inner {
+                        let last = measure && time == inner;
+                        let residual = if last { parts.at(place) } else { &mut unused };
+                        relaxation.sweep(bodies.as_ptr(), groups, factor, last, residual);
+                    }
                 }
             }
         });

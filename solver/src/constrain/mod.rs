@@ -93,16 +93,17 @@ impl Constrainer {
             let (taken, groups) = (Disjoint::new(&mut self.taken), Disjoint::new(&mut layout.groups));
             let (pair_impulses, wall_impulses) = (Disjoint::new(&mut pair_impulses), Disjoint::new(&mut wall_impulses));
             for stage in 0..STAGES {
-                let tasks = layout.plan.stage(stage);
+                let (tasks, batches) = (layout.plan.tasks(), layout.plan.batches(stage));
                 // Numbers of groups never come again: each step, stage and side has its own range.
                 let base = (self.steps * STAGES as u64 + stage as u64) << 33;
-                team.each(Phase::Constrain, tasks.len(), |task| {
-                    let task = &tasks[task];
-                    // SAFETY: tasks of a stage share no body, and each has its own groups and candidates.
-                    unsafe {
-                        let groups = groups.at(task.number as usize);
-                        given.lay_out(task, base, &taken, groups, &pair_impulses, &wall_impulses, set);
-                        then(groups);
+                team.each(Phase::Constrain, batches.len(), |batch| {
+                    for task in &tasks[batches[batch].clone()] {
+                        // SAFETY: tasks of a stage share no body, and each has its own groups and candidates.
+                        unsafe {
+                            let groups = groups.at(task.number as usize);
+                            given.lay_out(task, base, &taken, groups, &pair_impulses, &wall_impulses, set);
+                            then(groups);
+                        }
                     }
                 });
             }

@@ -226,19 +226,20 @@ impl Candidates {
         let (pairs, walls) = (&self.pairs, &self.walls);
         let pair_impulses = Disjoint::new(&mut self.pair_impulses);
         let wall_impulses = Disjoint::new(&mut self.wall_impulses);
-        team.each(Phase::Detect, plan.tasks().len(), |task| {
-            let task = &plan.tasks()[task];
-            let range = task.pairs.start as usize..task.pairs.end as usize;
-            // SAFETY: each task has its own candidates.
-            let impulses = unsafe { pair_impulses.range(range.clone()) };
-            for (impulse, pair) in impulses.iter_mut().zip(&pairs[range]) {
-                *impulse = remembered_pairs.recall((pair.first, pair.second));
-            }
-            let range = task.walls.start as usize..task.walls.end as usize;
-            // SAFETY: as above.
-            let impulses = unsafe { wall_impulses.range(range.clone()) };
-            for (impulse, wall) in impulses.iter_mut().zip(&walls[range]) {
-                *impulse = remembered_walls.recall((wall.body, wall.surface));
+        team.each(Phase::Detect, plan.all_batches().len(), |batch| {
+            for task in &plan.tasks()[plan.all_batches()[batch].clone()] {
+                let range = task.pairs.start as usize..task.pairs.end as usize;
+                // SAFETY: each task has its own candidates.
+                let impulses = unsafe { pair_impulses.range(range.clone()) };
+                for (impulse, pair) in impulses.iter_mut().zip(&pairs[range]) {
+                    *impulse = remembered_pairs.recall((pair.first, pair.second));
+                }
+                let range = task.walls.start as usize..task.walls.end as usize;
+                // SAFETY: as above.
+                let impulses = unsafe { wall_impulses.range(range.clone()) };
+                for (impulse, wall) in impulses.iter_mut().zip(&walls[range]) {
+                    *impulse = remembered_walls.recall((wall.body, wall.surface));
+                }
             }
         });
     }

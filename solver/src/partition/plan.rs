@@ -17,12 +17,23 @@ pub struct PlannedTask {
 }
 
 /// Tasks in the order of their stages and boxes. Made anew with each candidate list.
+///
+/// Faces, edges and corners have few contacts. So that handing out work costs less than the work, threads are given
+/// batches: tasks of one stage that follow each other, together with as many candidates as keep a thread busy for some
+/// microseconds.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
     tasks: Vec<PlannedTask>,
     /// Where each stage begins in `tasks`; the last entry is where the last one ends.
     stages: [usize; STAGES + 1],
+    /// Places in `tasks` of each batch.
+    batches: Vec<Range<usize>>,
+    /// Where each stage begins in `batches`.
+    batch_stages: [usize; STAGES + 1],
 }
+
+/// Candidates that fill a batch.
+const BATCH: u32 = 512;
 
 impl Plan {
     /// Takes in which candidates belong to which task: `pair_starts` has an entry a task and one more, `wall_starts` one a
@@ -42,13 +53,36 @@ impl Plan {
             }
         }
         self.stages[STAGES] = self.tasks.len();
+        self.batch();
+    }
+
+    /// Cuts each stage into batches.
+    fn batch(&mut self) {
+        self.batches.clear();
+        for stage in 0..STAGES {
+            self.batch_stages[stage] = self.batches.len();
+            let places = self.stage_range(stage);
+            let (mut start, mut candidates) = (places.start, 0);
+            for place in places.clone() {
+                let task = &self.tasks[place];
+                candidates += task.pairs.end - task.pairs.start + task.walls.end - task.walls.start;
+                if candidates >= BATCH || place + 1 == places.end {
+                    self.batches.push(start..place + 1);
+                    (start, candidates) = (place + 1, 0);
+                }
+            }
+        }
+        self.batch_stages[STAGES] = self.batches.len();
     }
 
     /// A plan of one task that holds all candidates.
     pub(crate) fn single(pairs: u32, walls: u32) -> Plan {
         let mut stages = [1; STAGES + 1];
         stages[0] = 0;
-        Plan { tasks: vec![PlannedTask { number: 0, home: 0, pairs: 0..pairs, walls: 0..walls }], stages }
+        let tasks = vec![PlannedTask { number: 0, home: 0, pairs: 0..pairs, walls: 0..walls }];
+        let mut plan = Plan { tasks, stages, ..Plan::default() };
+        plan.batch();
+        plan
     }
 
     /// All tasks.
@@ -66,7 +100,40 @@ impl Plan {
         self.stages[stage]..self.stages[stage + 1]
     }
 
+    /// Batches of a stage, as places among all tasks.
+    pub(crate) fn batches(&self, stage: usize) -> &[Range<usize>] {
+        &self.batches[self.batch_stages[stage]..self.batch_stages[stage + 1]]
+    }
+
+    /// Batches of all stages.
+    pub(crate) fn all_batches(&self) -> &[Range<usize>] {
+        &self.batches
+    }
+
     pub(super) fn memory_bytes(&self) -> usize {
-        self.tasks.capacity() * size_of::<PlannedTask>()
+        self.tasks.capacity() * size_of::<PlannedTask>() + self.batches.capacity() * size_of::<Range<usize>>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn batches_cover_the_tasks_of_a_stage_once() {
+        // Three boxes; stage 0 is full, stage 1 has crumbs, the others have nothing.
+        let counts = [[2000, 0, 600], [300, 100, 200]];
+        let mut starts = vec![0];
+        for number in 0..3 * STAGES {
+            let count = counts.get(number / 3).map_or(0, |stage| stage[number % 3]);
+            starts.push(starts[number] + count);
+        }
+        let mut plan = Plan::default();
+        plan.set(&starts, &[0, 5, 5, 5]);
+        assert_eq!(plan.batches(0), [0..1, 1..2]);
+        assert_eq!(plan.batches(1), [2..5], "600 candidates of three faces make one batch");
+        assert!((2..STAGES).all(|stage| plan.batches(stage).is_empty()));
+        let covered: Vec<usize> = plan.all_batches().iter().flat_map(Clone::clone).collect();
+        assert_eq!(covered, (0..plan.tasks().len()).collect::<Vec<_>>());
     }
 }
