@@ -43,7 +43,7 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     console.detail("measuring what handing out work costs, and the memory");
     let costs = Costs::measure(cores)?;
     if !costs.threads_met() {
-        console.warn("two threads hardly ran at the same time: the machine is busy, and measured speed-ups say little");
+        console.detail("a second thread is slow to wake here, or the machine is busy");
     }
     let bandwidth = Bandwidth::measure(cores)?;
     let measurement = {

@@ -84,8 +84,7 @@ impl Costs {
         Ok(costs)
     }
 
-    /// Whether two threads mostly ran at the same time: otherwise the cores were busy, and no measurement on several threads
-    /// is worth much.
+    /// Whether a second thread mostly took part in a short region: otherwise it is slow to wake, or the cores are busy.
     pub fn threads_met(&self) -> bool {
         self.met_share > 0.5
     }

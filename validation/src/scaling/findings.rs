@@ -20,7 +20,7 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences.extend(measured(study));
     sentences.extend(instruction_sets(study));
     sentences.extend(checks(&study.checks));
-    sentences.extend(busy(study));
+    sentences.extend(slow_to_wake(study));
     sentences.extend(serial_share(study));
     for machine in &study.machines {
         sentences.extend(
@@ -109,13 +109,13 @@ fn instruction_sets(study: &Study) -> Option<String> {
         .then(|| format!("Measured on one core, serial, a contact sweep takes {}{ratio}.", costs.join(", ")))
 }
 
-/// A word of warning where the cores were not free.
-fn busy(study: &Study) -> Option<String> {
+/// A word of caution where a second thread was slow to come.
+fn slow_to_wake(study: &Study) -> Option<String> {
     let costs = study.machines.first()?.costs;
     (study.cores > 1 && !costs.threads_met()).then(|| {
         format!(
-            "Two threads ran at the same time in {} of the trials: the machine was busy, and what was measured on several \
-             threads says little.",
+            "A second thread took part in a region of 50 µs in {} of the trials: waking one took longer in the others, or \
+             another program held its core. The cost of stealing is that of the trials in which it came.",
             percent(costs.met_share)
         )
     })
