@@ -119,6 +119,8 @@ pub(crate) enum Key<'a> {
     Line(&'a str, &'a str),
     /// A line of a style, with its marker, and what it stands for.
     Series(CodeStyle, &'a str),
+    /// A marker alone, and what it stands for.
+    Points(CodeStyle, &'a str),
 }
 
 /// A plot that is being made.
@@ -215,6 +217,10 @@ impl Plot {
                     self.sample(style, x, y);
                     label
                 }
+                Key::Points(style, label) => {
+                    self.drawing.marker(style, [x + 20.0, y], 3.6, false);
+                    label
+                }
                 Key::Line(class, label) => {
                     self.drawing.line(class, [x, y], [x + 26.0, y]);
                     label
@@ -229,6 +235,12 @@ impl Plot {
     fn sample(&mut self, style: CodeStyle, x: f64, y: f64) {
         self.drawing.line(&format!("{} curve", style.class), [x, y], [x + 26.0, y]);
         self.drawing.marker(style, [x + 13.0, y], 3.6, false);
+    }
+
+    /// A few words beside a point, moved by so many pixels.
+    pub(crate) fn label(&mut self, [x, y]: [f64; 2], [right, down]: [f64; 2], anchor: Anchor, text: &str) {
+        let [x, y] = self.at(x, y);
+        self.drawing.text("tick", [x + right, y + down], anchor, text);
     }
 
     /// A few words in the upper or the lower left corner.
