@@ -23,7 +23,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Value {
 #[test]
 fn json_keeps_its_contract() {
     let folder = tempfile::tempdir().unwrap();
-    let summary = run(folder.path(), &["--seed", "5"]);
+    let summary = run(folder.path(), &["--seed", "5", "--threads", "2", "--scheduler", "central-queue"]);
     assert_eq!(summary["version"], 1);
     assert_eq!(summary["command"], "run");
     assert_eq!(summary["complete"], true);
@@ -47,7 +47,8 @@ fn json_keeps_its_contract() {
     assert!(summary["observables"]["largest_overlap"]["value"].is_f64());
     let provenance = &summary["provenance"];
     assert_eq!(provenance["seed"], 5);
-    assert_eq!(provenance["threads"], 1);
+    assert_eq!(provenance["threads"], 2);
+    assert_eq!(provenance["scheduler"], "central-queue");
     for field in ["version", "commit", "compiler", "instruction_set", "scene_hash", "scene_file", "time", "processor"] {
         assert!(provenance[field].as_str().is_some_and(|text| !text.is_empty()), "{field}");
     }

@@ -4,7 +4,7 @@ use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
 use crate::lanes::InstructionSet;
-use crate::partition::{BoxGrid, Layout, STAGES};
+use crate::partition::{BoxGrid, Layout};
 use crate::scene::{Scene, SceneError, SolverSettings, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
@@ -110,15 +110,13 @@ impl Simulation {
             self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, team);
         }
         let clock = clock.lap(&mut self.phases.detect);
-        // Which do, as constraints laid out in boxes, stages and lane groups.
-        let Simulation { world, settings, candidates, layout, .. } = self;
-        self.constrainer.constrain(world, candidates, settings, set, team, layout);
-        let clock = clock.lap(&mut self.phases.constrain);
-        // Forces, then the impulses of the last step, then sweeps until the settings say stop.
-        self.apply_gravity(team);
+        // Forces.
+        self.constrainer.apply_gravity(&mut self.world, self.settings.step, team);
         let clock = clock.lap(&mut self.phases.integrate);
-        self.start_from_last_impulses(team);
+        // Which do, as constraints laid out in boxes, stages and lane groups; they start from their last impulses.
+        self.constrain(team);
         let clock = clock.lap(&mut self.phases.constrain);
+        // Sweeps until the settings say stop.
         let Simulation { world, settings, layout, relaxation, residuals, .. } = self;
         let solve = solve(world, layout, relaxation, settings, team, residuals);
         let clock = clock.lap(&mut self.phases.sweep);
@@ -131,30 +129,15 @@ impl Simulation {
         StepReport { solve, contacts: self.layout.contacts }
     }
 
-    fn apply_gravity(&mut self, team: &Team) {
-        let change = self.world.gravity * self.settings.step;
-        let grains = self.world.grains();
-        let bodies = Disjoint::new(&mut self.world.bodies);
-        team.each(Phase::Integrate, chunks(grains), |number| {
-            // SAFETY: chunks do not overlap.
-            for body in unsafe { bodies.range(chunk(number, grains)) } {
-                for axis in 0..3 {
-                    body.velocity[axis] += change[axis];
-                }
-            }
+    fn constrain(&mut self, team: &Team) {
+        let Simulation { world, settings, candidates, relaxation, constrainer, layout, .. } = self;
+        let mut bodies = std::mem::take(&mut world.bodies);
+        let parts = Disjoint::new(&mut bodies);
+        constrainer.constrain(world, candidates, settings, relaxation.instruction_set, team, layout, |groups| {
+            // SAFETY: no other task uses the bodies of these groups meanwhile.
+            unsafe { relaxation.start(parts.as_ptr(), groups) };
         });
-    }
-
-    fn start_from_last_impulses(&mut self, team: &Team) {
-        let (relaxation, layout) = (&self.relaxation, &self.layout);
-        let bodies = Disjoint::new(&mut self.world.bodies);
-        for stage in 0..STAGES {
-            let tasks = layout.plan.stage(stage);
-            team.each(Phase::Constrain, tasks.len(), |task| {
-                // SAFETY: tasks of a stage share no body.
-                unsafe { relaxation.start(bodies.as_ptr(), &layout.groups[tasks[task].number as usize]) };
-            });
-        }
+        world.bodies = bodies;
     }
 
     fn move_bodies(&mut self, team: &Team) {

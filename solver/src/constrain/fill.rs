@@ -3,7 +3,7 @@
 use super::{Given, LaneMaterial, write_contacts};
 use crate::detect::Impulse;
 use crate::effects::compliance::NormalContact;
-use crate::lanes::{Eight, Kernel, Lanes, Quad, dot, minus};
+use crate::lanes::{Eight, Kernel, Lanes, Quad, dot, minus, times};
 use crate::partition::TaskGroups;
 use crate::schedule::Disjoint;
 
@@ -22,8 +22,7 @@ impl Kernel for FillPairs<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let world = self.given.world;
-        let (spheres, bodies): (*const Quad, *const Quad) =
-            (world.spheres.as_ptr().cast(), world.bodies.as_ptr().cast());
+        let (spheres, before): (*const Quad, *const Quad) = (world.spheres.as_ptr().cast(), self.given.before.as_ptr());
         let impulses: *const Quad = self.impulses.as_ptr().cast();
         let nothing = self.given.candidates.pairs.len() as u32;
         for (group, sources) in self.groups.pairs.iter_mut().zip(&self.groups.pair_sources) {
@@ -32,8 +31,8 @@ impl Kernel for FillPairs<'_> {
                 (
                     L::load_quads::<1>(spheres, &group.first),
                     L::load_quads::<1>(spheres, &group.second),
-                    L::load_quads::<2>(bodies, &group.first),
-                    L::load_quads::<2>(bodies, &group.second),
+                    L::load_quads::<1>(before, &group.first),
+                    L::load_quads::<1>(before, &group.second),
                     L::load_quads::<1>(impulses, &sources.or(nothing)),
                 )
             };
@@ -42,7 +41,8 @@ impl Kernel for FillPairs<'_> {
             let distance = dot(arm, arm).sqrt();
             let one_centre = distance.at_most(L::zero());
             let upward = [L::zero(), L::zero(), L::splat(1.0)];
-            let normal = std::array::from_fn(|axis| L::select(one_centre, upward[axis], arm[axis] / distance));
+            let along = times(arm, L::splat(1.0) / distance);
+            let normal = std::array::from_fn(|axis| L::select(one_centre, upward[axis], along[axis]));
             let material = match self.given.material {
                 Some(material) => LaneMaterial::of_all(material),
                 None => LaneMaterial::of_each(|lane| {
@@ -76,7 +76,7 @@ impl Kernel for FillWalls<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Given { world, candidates, poses, constants, .. } = self.given;
-        let bodies: *const Quad = world.bodies.as_ptr().cast();
+        let before = self.given.before.as_ptr();
         let impulses: *const Quad = self.impulses.as_ptr().cast();
         let nothing = candidates.walls.len() as u32;
         // Padding lanes are far from everything.
@@ -103,7 +103,7 @@ impl Kernel for FillWalls<'_> {
             group.wall_velocity = wall_velocity;
             // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.
             let (body, remembered) = unsafe {
-                (L::load_quads::<2>(bodies, &group.body), L::load_quads::<1>(impulses, &sources.or(nothing)))
+                (L::load_quads::<1>(before, &group.body), L::load_quads::<1>(impulses, &sources.or(nothing)))
             };
             let normal = [&normal_x, &normal_y, &normal_z].map(L::load);
             let (distance, radius) = (L::load(&distance), L::load(&radius));

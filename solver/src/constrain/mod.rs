@@ -9,11 +9,11 @@ mod touch;
 use crate::detect::{Candidates, Impulse};
 use crate::effects::compliance::NormalContact;
 use crate::effects::restitution::{bears, with_restitution};
-use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number};
+use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number, Quad};
 use crate::partition::{Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups};
 use crate::scene::{NormalLaw, SolverSettings};
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{ContactMaterial, Pose, World};
+use crate::world::{ContactMaterial, Pose, World, chunk, chunks};
 use fill::{FillPairs, FillWalls};
 use touch::PackPairs;
 
@@ -22,6 +22,8 @@ use touch::PackPairs;
 pub struct Constrainer {
     taken: Vec<Taken>,
     poses: Vec<Pose>,
+    /// Velocity and inverse mass of every body at the start of the step.
+    before: Vec<Quad>,
     steps: u64,
 }
 
@@ -41,14 +43,39 @@ struct Given<'a> {
     world: &'a World,
     candidates: &'a Candidates,
     poses: &'a [Pose],
+    before: &'a [Quad],
     constants: StepConstants,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,
 }
 
 impl Constrainer {
-    /// Lays out the contacts of a step from the state at its start, before forces act.
-    pub fn constrain(
+    /// Keeps the velocities at the start of a step, then lets gravity act on the grains.
+    pub(crate) fn apply_gravity(&mut self, world: &mut World, h: f64, team: &Team) {
+        let (change, grains, count) = (world.gravity * h, world.grains(), world.bodies.len());
+        self.before.resize(count, Quad::default());
+        let (bodies, before) = (Disjoint::new(&mut world.bodies), Disjoint::new(&mut self.before));
+        team.each(Phase::Integrate, chunks(count), |number| {
+            let places = chunk(number, count);
+            let falling = places.start..places.end.min(grains).max(places.start);
+            // SAFETY: chunks do not overlap.
+            let (bodies, before) = unsafe { (bodies.range(places.clone()), before.range(places)) };
+            for (body, before) in bodies.iter().zip(before) {
+                let [x, y, z] = body.velocity;
+                *before = Quad([x, y, z, body.inverse_mass]);
+            }
+            for body in &mut bodies[..falling.len()] {
+                for axis in 0..3 {
+                    body.velocity[axis] += change[axis];
+                }
+            }
+        });
+    }
+
+    /// Lays out the contacts of a step from the state at its start; `then` is called with the groups of each task as soon
+    /// as they are complete, while no other task uses its bodies.
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn constrain(
         &mut self,
         world: &World,
         candidates: &mut Candidates,
@@ -56,6 +83,7 @@ impl Constrainer {
         set: InstructionSet,
         team: &Team,
         layout: &mut Layout,
+        then: impl Fn(&TaskGroups) + Sync,
     ) {
         let h = settings.step;
         let constants = StepConstants {
@@ -78,8 +106,14 @@ impl Constrainer {
             (std::mem::take(&mut candidates.pair_impulses), std::mem::take(&mut candidates.wall_impulses));
         let (mut pair_impulses, mut wall_impulses) = (pair_impulses, wall_impulses);
         {
-            let given =
-                Given { world, candidates, poses: &self.poses, constants, material: world.table.of_all_grains() };
+            let given = Given {
+                world,
+                candidates,
+                poses: &self.poses,
+                before: &self.before,
+                constants,
+                material: world.table.of_all_grains(),
+            };
             let (taken, groups) = (Disjoint::new(&mut self.taken), Disjoint::new(&mut layout.groups));
             let (pair_impulses, wall_impulses) = (Disjoint::new(&mut pair_impulses), Disjoint::new(&mut wall_impulses));
             for stage in 0..STAGES {
@@ -92,6 +126,7 @@ impl Constrainer {
                     unsafe {
                         let groups = groups.at(task.number as usize);
                         given.lay_out(task, base, &taken, groups, &pair_impulses, &wall_impulses, set);
+                        then(groups);
                     }
                 });
             }
@@ -101,7 +136,7 @@ impl Constrainer {
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.taken.capacity() * size_of::<Taken>()
+        self.taken.capacity() * size_of::<Taken>() + self.before.capacity() * size_of::<Quad>()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Given;
 use crate::detect::Impulse;
-use crate::lanes::{Kernel, LANES, Lanes, Quad};
+use crate::lanes::{Kernel, LANES, Lanes, Quad, dot, minus};
 use crate::partition::{Packer, PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
 
@@ -23,38 +23,60 @@ impl Kernel for PackPairs<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
-        let spheres: *const Quad = self.given.world.spheres.as_ptr().cast();
-        let reach = L::splat(self.given.constants.reach);
         let (start, end) = (self.task.pairs.start as usize, self.task.pairs.end as usize);
-        for block in (start..end).step_by(LANES) {
-            let count = (end - block).min(LANES);
-            let all = &self.given.candidates.pairs;
-            let pair = |lane: usize| all[block + lane.min(count - 1)];
-            let first = std::array::from_fn(|lane| pair(lane).first);
-            let second = std::array::from_fn(|lane| pair(lane).second);
-            // SAFETY: candidates name grains.
-            let ([x, y, z, radius], [to_x, to_y, to_z, to_radius]) =
-                unsafe { (L::load_quads::<1>(spheres, &first), L::load_quads::<1>(spheres, &second)) };
-            let arm = [to_x - x, to_y - y, to_z - z];
-            let square = arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2];
-            let touch = radius + to_radius + reach;
-            let mut touching = L::bits(square.below(touch * touch)) & ((1 << count) - 1);
-            let mut apart = !touching & ((1 << count) - 1);
-            while touching != 0 {
-                let candidate = block + touching.trailing_zeros() as usize;
-                touching &= touching - 1;
-                let pair = all[candidate];
-                // SAFETY: the promise above.
-                let place = unsafe { self.packer.place([pair.first, pair.second]) };
-                self.groups.put_pair(place, pair, candidate as u32, self.dummies);
-                self.groups.contacts += 1;
+        for batch in (start..end).step_by(BATCH * LANES) {
+            let blocks = (end - batch).div_ceil(LANES).min(BATCH);
+            // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
+            let mut masks = [0_u8; BATCH];
+            for (number, mask) in masks[..blocks].iter_mut().enumerate() {
+                *mask = self.touching::<L>(batch + number * LANES, end) as u8;
             }
-            while apart != 0 {
-                let candidate = block + apart.trailing_zeros() as usize;
-                apart &= apart - 1;
-                // SAFETY: the promise above.
-                forget(unsafe { self.impulses.at(candidate) });
+            for (number, &mask) in masks[..blocks].iter().enumerate() {
+                let block = batch + number * LANES;
+                let all = (1 << (end - block).min(LANES)) - 1;
+                self.pack(block, u32::from(mask) & all, !u32::from(mask) & all);
             }
+        }
+    }
+}
+
+/// Blocks of candidates whose distances are computed before they are packed.
+const BATCH: usize = 64;
+
+impl PackPairs<'_> {
+    /// Which of the eight candidates from `block` on touch, as bits; behind `end` bits mean nothing.
+    #[inline(always)]
+    fn touching<L: Lanes>(&self, block: usize, end: usize) -> u32 {
+        let spheres: *const Quad = self.given.world.spheres.as_ptr().cast();
+        let candidates = &self.given.candidates.pairs[block..(block + LANES).min(end)];
+        let pair = |lane: usize| candidates[lane.min(candidates.len() - 1)];
+        let first = std::array::from_fn(|lane| pair(lane).first);
+        let second = std::array::from_fn(|lane| pair(lane).second);
+        // SAFETY: candidates name grains.
+        let ([x, y, z, radius], [to_x, to_y, to_z, to_radius]) =
+            unsafe { (L::load_quads::<1>(spheres, &first), L::load_quads::<1>(spheres, &second)) };
+        let arm = minus([to_x, to_y, to_z], [x, y, z]);
+        let touch = radius + to_radius + L::splat(self.given.constants.reach);
+        L::bits(dot(arm, arm).below(touch * touch))
+    }
+
+    /// Finds lanes for those of the candidates from `block` on that touch.
+    #[inline(always)]
+    fn pack(&mut self, block: usize, mut touching: u32, mut apart: u32) {
+        while touching != 0 {
+            let candidate = block + touching.trailing_zeros() as usize;
+            touching &= touching - 1;
+            let pair = self.given.candidates.pairs[candidate];
+            // SAFETY: the promise of whoever made this.
+            let place = unsafe { self.packer.place([pair.first, pair.second]) };
+            self.groups.put_pair(place, pair, candidate as u32, self.dummies);
+            self.groups.contacts += 1;
+        }
+        while apart != 0 {
+            let candidate = block + apart.trailing_zeros() as usize;
+            apart &= apart - 1;
+            // SAFETY: as above.
+            forget(unsafe { self.impulses.at(candidate) });
         }
     }
 }

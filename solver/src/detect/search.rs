@@ -55,6 +55,12 @@ impl Found {
     }
 }
 
+/// Makes room for an eighth more pairs: doubling would waste memory that large scenes need.
+#[cold]
+fn make_room(pairs: &mut Vec<(u8, PairCandidate)>) {
+    pairs.reserve_exact(pairs.len() / 8 + 32);
+}
+
 /// Finds the pairs of a box: eight neighbours of a grain at a time.
 pub(super) struct PairSearch<'a> {
     pub spheres: &'a [Sphere],
@@ -97,6 +103,9 @@ impl Kernel for PairSearch<'_> {
                             let (first, second) =
                                 if self.ids[grain] < self.ids[other] { (grain, other) } else { (other, grain) };
                             let pair = PairCandidate { first: first as u32, second: second as u32 };
+                            if pairs.len() == pairs.capacity() {
+                                make_room(pairs);
+                            }
                             pairs.push((*direction as u8, pair));
                             counts[*direction] += 1;
                         }

@@ -79,54 +79,55 @@ fn log_restitution(z: f64) -> f64 {
 }
 
 impl<N: Number> NormalContact<N> {
-    /// Hertz's stiffness `k_H = 4/3 E* sqrt(R*)`, N/m^1.5.
-    #[inline(always)]
-    pub fn hertz_stiffness(&self) -> N {
-        N::splat(4.0 / 3.0) * self.effective_modulus * self.effective_radius.sqrt()
-    }
-
     /// Regularisation and bias by the scene's law, for a step `h` (s) and a stabilisation time of `damping_steps` steps.
     ///
     /// The damping time is that of the impact law, `c/k`, wherever the step resolves it, and `damping_steps h` where it does
     /// not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay stable.
     #[inline(always)]
     pub fn constraint(&self, law: NormalLaw, h: f64, damping_steps: f64) -> NormalConstraint<N> {
-        let (one, four, step) = (N::splat(1.0), N::splat(4.0), N::splat(h));
-        // Compliance, overlap in the constraint's measure, damping time now and at the depth that the approach will reach.
-        let ahead = self.overlap.larger(-self.velocity * step);
-        let (compliance, overlap, damping_time, time_ahead) = match law {
-            NormalLaw::Rigid => (N::zero(), self.overlap, N::zero(), N::zero()),
-            NormalLaw::Linear { stiffness } => {
-                let stiffness = N::splat(stiffness);
-                let time = self.damping_time(stiffness);
-                (one / stiffness, self.overlap, time, time)
+        // Divisions and roots are what this costs, so there is one of each where there could be several.
+        let one = N::splat(1.0);
+        let ahead = self.overlap.larger(-self.velocity * N::splat(h));
+        let smallest = N::splat(SMALLEST_RELATIVE_OVERLAP) * self.effective_radius;
+        // Stiffness now and at the depth that the approach will reach; overlap in the constraint's measure.
+        let (stiffness, stiffness_ahead, overlap) = match law {
+            NormalLaw::Rigid => {
+                let damping = one / N::splat(1.0 + 4.0 * damping_steps);
+                return NormalConstraint {
+                    regularisation: N::zero(),
+                    bias: N::splat(4.0 / h) * damping * self.overlap + damping * self.velocity,
+                    resolves_impact: one.below(N::zero()),
+                };
             }
+            NormalLaw::Linear { stiffness } => (N::splat(stiffness), N::splat(stiffness), self.overlap),
             NormalLaw::Hertz => {
-                let smallest = N::splat(SMALLEST_RELATIVE_OVERLAP) * self.effective_radius;
-                let tangent = N::splat(1.25) * self.hertz_stiffness();
-                let stiffness = |depth: N| tangent * depth.larger(smallest).sqrt();
-                let now = stiffness(self.overlap);
-                let overlap = N::splat(0.8) * self.overlap;
-                (one / now, overlap, self.damping_time(now), self.damping_time(stiffness(ahead)))
+                let modulus = N::splat(5.0 / 3.0) * self.effective_modulus;
+                let tangent = |depth: N| modulus * (self.effective_radius * depth.larger(smallest)).sqrt();
+                (tangent(self.overlap), tangent(ahead), N::splat(0.8) * self.overlap)
             }
         };
-        let steps = (damping_time / step).larger(N::splat(damping_steps));
-        let damping = one / (one + four * steps);
+        // c/k over h is 2 zeta / (h sqrt(k/m)); it never falls below `damping_steps`.
+        let frequency = (stiffness * self.inverse_mass).sqrt() * N::splat(h);
+        let critical = N::splat(2.0) * self.damping_ratio;
+        let steps = (critical / frequency).larger(N::splat(damping_steps));
+        let softened = one / ((one + N::splat(4.0) * steps) * stiffness);
+        let damping = softened * stiffness;
+        // The same of the stiffness ahead, compared as squares.
+        let slowest = N::splat(damping_steps * h * damping_steps * h);
         NormalConstraint {
-            regularisation: four * damping * compliance / N::splat(h * h),
+            regularisation: N::splat(4.0 / (h * h)) * softened,
             bias: N::splat(4.0 / h) * damping * overlap + damping * self.velocity,
-            resolves_impact: N::splat(damping_steps * h).below(time_ahead),
+            resolves_impact: (stiffness_ahead * self.inverse_mass * slowest).below(critical * critical),
         }
-    }
-
-    /// `c/k` of a spring of the given stiffness (N/m), s.
-    #[inline(always)]
-    fn damping_time(&self, stiffness: N) -> N {
-        N::splat(2.0) * self.damping_ratio / (stiffness * self.inverse_mass).sqrt()
     }
 }
 
 impl NormalContact<f64> {
+    /// Hertz's stiffness `k_H = 4/3 E* sqrt(R*)`, N/m^1.5; the tangent stiffness of the constraint is `5/4 k_H sqrt(d)`.
+    pub fn hertz_stiffness(&self) -> f64 {
+        4.0 / 3.0 * self.effective_modulus * self.effective_radius.sqrt()
+    }
+
     /// Elastic energy stored, J: `1/2 k d^2` or `2/5 k_H d^(5/2)`.
     pub fn elastic_energy(&self, law: NormalLaw) -> f64 {
         let overlap = self.overlap.max(0.0);

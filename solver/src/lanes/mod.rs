@@ -3,7 +3,8 @@
 //! A kernel is written over [`Number`] (arithmetic) and [`Lanes`] (eight of them, with loads and stores). It is compiled
 //! for plain Rust, for AVX2 and for AVX-512F, and the best that the processor has is chosen once at start. Every operation
 //! is one correctly rounded IEEE operation a lane, so all give the same bits. Fused multiply-add is left out on purpose: a
-//! processor without it would need a library call in place of an instruction (see `docs/kernel.md` for what that costs).
+//! processor without it would need a library call in place of an instruction. What that costs, and which instructions are
+//! left, says [`docs/kernel.md`](instructions).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -11,6 +12,10 @@ mod avx2;
 mod avx512;
 mod portable;
 mod scalar;
+
+#[cfg(doc)]
+#[doc = include_str!("../../docs/kernel.md")]
+pub mod instructions {}
 
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
@@ -195,5 +200,8 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<avx2::Avx2>()
 }
 
+// Whoever builds for a newer processor than the Xeon Phi gets its instructions.
+#[cfg(all(test, target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
+pub(crate) mod disassembly;
 #[cfg(test)]
 mod tests;

@@ -36,7 +36,7 @@ impl Default for SolverSettings {
             normal_law: NormalLaw::Hertz,
             damping_steps: 1.0,
             restitution_threshold: 0.05,
-            skin: 0.4,
+            skin: 0.6,
             warm_start: 1.0,
         }
     }

@@ -101,7 +101,7 @@ impl Team {
                 let workers = pool.current_num_threads().min(count);
                 (0..workers).into_par_iter().with_max_len(1).for_each(|_| queue.drain(&task));
             }
-            (Some(_), _) => (0..count).into_par_iter().for_each(&task),
+            (Some(_), _) => (0..count).into_par_iter().with_max_len(1).for_each(&task),
         }
     }
 

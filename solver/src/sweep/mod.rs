@@ -237,3 +237,6 @@ impl Kernel for Remember<'_> {
         }
     }
 }
+
+#[cfg(all(test, target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
+mod tests;
