@@ -28,15 +28,16 @@ impl Simulation {
         team.enter(|| self.candidates.are_stale(&self.world, &team))
     }
 
-    /// Lays out the contacts of the present positions as constraints, with the impulses of the last step to start from;
-    /// bodies do not receive these. Returns the number of contacts.
+    /// Lays out the contacts of the present positions as constraints and gives bodies the impulses of the last step to start
+    /// from; repeated, they receive these again and again. Returns the number of contacts.
     pub fn constrain_once(&mut self) -> usize {
-        if self.candidates.rebuilds == 0 {
+        let team = self.team.clone();
+        if self.steps == 0 {
+            // A first step does these before.
             self.detect_once();
+            self.constrainer.apply_gravity(&mut self.world, 0.0, &team);
         }
-        let (set, team) = (self.relaxation.instruction_set, self.team.clone());
-        let Simulation { world, settings, candidates, layout, constrainer, .. } = self;
-        team.enter(|| constrainer.constrain(world, candidates, settings, set, &team, layout));
+        team.enter(|| self.constrain(&team));
         self.layout.contacts
     }
 

@@ -129,7 +129,7 @@ impl Simulation {
         StepReport { solve, contacts: self.layout.contacts }
     }
 
-    fn constrain(&mut self, team: &Team) {
+    pub(crate) fn constrain(&mut self, team: &Team) {
         let Simulation { world, settings, candidates, relaxation, constrainer, layout, .. } = self;
         let mut bodies = std::mem::take(&mut world.bodies);
         let parts = Disjoint::new(&mut bodies);

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Throughput is in contacts: of `sweep`, contact sweeps a second. `sweep` is twelve sweeps without measuring residuals;
-//! `detect` builds the candidate list, `stale` asks whether that is needed, `set-up` lays out the constraints. A phase is
-//! repeated on one state; steps go on from it.
+//! `detect` builds the candidate list, `stale` asks whether that is needed, `set-up` lays out the constraints and starts
+//! them. A phase is repeated on one state; steps go on from it.
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};

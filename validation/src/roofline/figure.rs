@@ -52,7 +52,7 @@ pub(super) fn figure(study: &Study, roofs: &Roofs) -> Figure {
         plot.curve("curve neutral", [[from, from * slope], [bend, peak]].into_iter());
         // Named where the line comes in, to the right of it, so that it rises past the words.
         let words = format!("{} {} GB/s", level.name, two_digits(slope));
-        plot.label([1.12 * from, 1.12 * from * slope], [7.0, 11.0], Anchor::Start, &words);
+        plot.label([from, from * slope], [6.0, 14.0], Anchor::Start, &words);
     }
     let first_bend = roofs.levels.iter().map(|level| peak * 1e9 / level.bytes_per_second).fold(f64::INFINITY, f64::min);
     plot.curve("curve neutral", [[first_bend, peak], [INTENSITIES.1, peak]].into_iter());
