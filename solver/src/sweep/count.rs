@@ -71,9 +71,9 @@ thread_local! {
 struct Counted(f64);
 
 impl Counted {
-    fn after(value: f64, count: impl Fn(&mut Operations)) -> Counted {
+    fn after(value: f64, operation: impl Fn(&mut Operations) -> &mut u32) -> Counted {
         let mut done = DONE.get();
-        count(&mut done);
+        *operation(&mut done) += 1;
         DONE.set(done);
         Counted(value)
     }
@@ -82,28 +82,28 @@ impl Counted {
 impl Add for Counted {
     type Output = Counted;
     fn add(self, other: Counted) -> Counted {
-        Counted::after(self.0 + other.0, |done| done.additions += 1)
+        Counted::after(self.0 + other.0, |done| &mut done.additions)
     }
 }
 
 impl Sub for Counted {
     type Output = Counted;
     fn sub(self, other: Counted) -> Counted {
-        Counted::after(self.0 - other.0, |done| done.additions += 1)
+        Counted::after(self.0 - other.0, |done| &mut done.additions)
     }
 }
 
 impl Mul for Counted {
     type Output = Counted;
     fn mul(self, other: Counted) -> Counted {
-        Counted::after(self.0 * other.0, |done| done.multiplications += 1)
+        Counted::after(self.0 * other.0, |done| &mut done.multiplications)
     }
 }
 
 impl Div for Counted {
     type Output = Counted;
     fn div(self, other: Counted) -> Counted {
-        Counted::after(self.0 / other.0, |done| done.divisions += 1)
+        Counted::after(self.0 / other.0, |done| &mut done.divisions)
     }
 }
 
@@ -122,7 +122,7 @@ impl Number for Counted {
     }
 
     fn sqrt(self) -> Counted {
-        Counted::after(self.0.sqrt(), |done| done.square_roots += 1)
+        Counted::after(self.0.sqrt(), |done| &mut done.square_roots)
     }
 
     fn abs(self) -> Counted {

@@ -23,8 +23,8 @@ pub(super) struct Figure {
 
 /// Range of the horizontal axis, operations a byte: sweeps lie between 0.5 and 0.7.
 const INTENSITIES: (f64, f64) = (0.05, 10.0);
-/// Points nearer than this factor share a label.
-const NEAR: f64 = 1.12;
+/// Factor between the heights of two names, so that they do not touch.
+const LINE: f64 = 1.3;
 
 fn style(kernel: Kernel) -> CodeStyle {
     match kernel {
@@ -50,37 +50,27 @@ pub(super) fn figure(study: &Study, roofs: &Roofs) -> Figure {
         let bend = peak / slope;
         let from = INTENSITIES.0;
         plot.curve("curve neutral", [[from, from * slope], [bend, peak]].into_iter());
-        // Named where the line comes in, to the right of it, so that it rises past the words.
         let words = format!("{} {} GB/s", level.name, two_digits(slope));
-        plot.label([from, from * slope], [6.0, 14.0], Anchor::Start, &words);
+        plot.label_along([from, from * slope], [bend, peak], &words);
     }
     let first_bend = roofs.levels.iter().map(|level| peak * 1e9 / level.bytes_per_second).fold(f64::INFINITY, f64::min);
     plot.curve("curve neutral", [[first_bend, peak], [INTENSITIES.1, peak]].into_iter());
     let words = format!("peak {} Gflop/s ({}, not fused)", two_digits(peak), study.instruction_set);
     plot.label([INTENSITIES.1, peak], [-6.0, -6.0], Anchor::End, &words);
-    let mut named: Vec<(Vec<&str>, Vec<&Point>)> = Vec::new();
-    for point in points {
-        plot.marker(style(point.kernel), point.flops_per_byte, point.flops_per_second / 1e9, 4.2);
-        if !keys.contains(&point.kernel) {
-            keys.push(point.kernel);
-        }
-        let near = |other: &&Point| {
-            let ratio = other.flops_per_second / point.flops_per_second;
-            (1.0 / NEAR..NEAR).contains(&ratio)
-        };
-        match named.iter_mut().find(|(_, others)| others.iter().any(near)) {
-            Some((names, others)) => {
-                names.push(&point.scene);
-                others.push(point);
+    // Names of lanes to the right and of scalar sweeps to the left, pushed down where they would lie on each other.
+    for (own, side, anchor) in [(Kernel::Lanes, 9.0, Anchor::Start), (Kernel::Scalar, -9.0, Anchor::End)] {
+        let mut points: Vec<&&Point> = points.iter().filter(|point| point.kernel == own).collect();
+        points.sort_by(|a, b| b.flops_per_second.total_cmp(&a.flops_per_second));
+        let mut lowest = f64::INFINITY;
+        for point in points {
+            let at = [point.flops_per_byte, point.flops_per_second / 1e9];
+            plot.marker(style(own), at[0], at[1], 4.2);
+            lowest = at[1].min(lowest / LINE);
+            plot.label([at[0], lowest], [side, 4.0], anchor, &point.scene);
+            if !keys.contains(&own) {
+                keys.push(own);
             }
-            None => named.push((vec![&point.scene], vec![point])),
         }
-    }
-    for (names, points) in &named {
-        let mean = |of: fn(&Point) -> f64| points.iter().map(|point| of(point)).sum::<f64>() / points.len() as f64;
-        let most = points.iter().map(|point| point.flops_per_byte).fold(0.0, f64::max);
-        let rate = mean(|point| point.flops_per_second / 1e9);
-        plot.label([most, rate], [9.0, 4.0], Anchor::Start, &names.join(", "));
     }
     let labels: Vec<String> = keys.iter().map(|&own| format!("sweep, {}", kernel(study, own))).collect();
     let keys: Vec<Key<'_>> = keys.iter().zip(&labels).map(|(&own, label)| Key::Points(style(own), label)).collect();
