@@ -66,8 +66,8 @@ pub(super) fn roofline(arguments: &RooflineArguments, console: &Console) -> Resu
     }
     let study = Study {
         version: crate::output::JSON_VERSION,
-        command: "roofline",
-        instruction_set: set.name(),
+        command: "roofline".into(),
+        instruction_set: set.name().into(),
         pair: Operations::of_pair(),
         wall: Operations::of_wall(),
         roofs,

@@ -3,7 +3,7 @@
 use crate::scaling::median;
 use makadam::lanes::{Eight, InstructionSet};
 use makadam::probe;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 use std::sync::Barrier;
 use std::time::Instant;
@@ -20,12 +20,12 @@ const BEYOND: usize = 8;
 const USUAL_CACHE: usize = 32 << 20;
 
 /// What a number of threads get, each on a core.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Roofs {
     /// Number of threads.
     pub threads: usize,
     /// Instruction set.
-    pub instruction_set: &'static str,
+    pub instruction_set: String,
     /// Double-precision multiplications and additions a second, not fused.
     pub peak_flops_per_second: f64,
     /// Rates of each memory, innermost first.
@@ -37,7 +37,7 @@ pub struct Roofs {
 }
 
 /// A cache, or the memory behind all.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Level {
     /// Its name: `L2`, `L3`, `memory`.
     pub name: String,
@@ -69,7 +69,7 @@ impl Roofs {
         let levels = inner.chain([("memory".to_string(), None, BEYOND * last)]);
         Roofs {
             threads,
-            instruction_set: set.name(),
+            instruction_set: set.name().into(),
             peak_flops_per_second: peak(set, threads),
             levels: levels
                 .map(|(name, holds_bytes, working_set_bytes)| Level {

@@ -9,7 +9,7 @@ use makadam::partition::{Layout, PairGroup, TaskGroups, WallGroup};
 use makadam::schedule::Scheduler;
 use makadam::sweep::Operations;
 use makadam::world::Body;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Batches of sweeps; their median counts.
@@ -20,7 +20,7 @@ const BATCH: f64 = 0.03;
 const WRITTEN: usize = 4;
 
 /// The code that relaxes contacts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kernel {
     /// One contact at a time.
@@ -30,7 +30,7 @@ pub enum Kernel {
 }
 
 /// A measured sweep.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Scene.
     pub scene: String,

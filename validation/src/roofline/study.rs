@@ -12,19 +12,19 @@ use crate::report::svg::standalone;
 use crate::scaling::csv;
 use makadam::sweep::Operations;
 use minijinja::{AutoEscape, Environment, context};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Roofs and the sweeps beneath them, from one run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Study {
     /// Version of this layout.
     pub version: u32,
     /// Always "roofline".
-    pub command: &'static str,
+    pub command: String,
     /// Instruction set of roofs and kernels.
-    pub instruction_set: &'static str,
+    pub instruction_set: String,
     /// Operations of a contact of two grains.
     pub pair: Operations,
     /// Operations of a contact with a wall.
@@ -72,7 +72,7 @@ impl Study {
         let mut rows = Vec::new();
         for roofs in &self.roofs {
             let mut push = |roof, working_set_bytes, unit, rate| {
-                let (threads, instruction_set) = (roofs.threads, self.instruction_set);
+                let (threads, instruction_set) = (roofs.threads, self.instruction_set.as_str());
                 rows.push(RoofRow { threads, instruction_set, roof, working_set_bytes, unit, rate });
             };
             push("peak", None, "flop/s", roofs.peak_flops_per_second);
@@ -106,7 +106,7 @@ impl Study {
         let provenance = self.provenance.iter().map(|(key, value)| (key.replace('_', " "), value));
         environment.get_template("page")?.render(context! {
             style => style(),
-            set => self.instruction_set,
+            set => &self.instruction_set,
             processor => self.provenance.get("processor"),
             date => self.provenance.get("date"),
             pair => context! { total => self.pair.total(), of => self.pair },

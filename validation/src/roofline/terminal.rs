@@ -58,7 +58,7 @@ pub(super) fn cells(study: &Study, point: &Point) -> [String; 11] {
 pub(super) fn kernel(study: &Study, kernel: Kernel) -> String {
     match kernel {
         Kernel::Scalar => "scalar".into(),
-        Kernel::Lanes => study.instruction_set.into(),
+        Kernel::Lanes => study.instruction_set.clone(),
     }
 }
 
