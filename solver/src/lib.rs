@@ -20,6 +20,7 @@ pub mod effects;
 mod energy;
 pub mod lanes;
 pub mod partition;
+pub mod probe;
 pub mod scene;
 pub mod schedule;
 mod simulation;

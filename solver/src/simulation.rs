@@ -22,11 +22,11 @@ pub struct Simulation {
     pub(crate) world: World,
     pub(crate) settings: SolverSettings,
     pub(crate) candidates: Candidates,
-    relaxation: Relaxation,
-    constrainer: Constrainer,
+    pub(crate) relaxation: Relaxation,
+    pub(crate) constrainer: Constrainer,
     pub(crate) layout: Layout,
     residuals: Vec<TaskResidual>,
-    team: Team,
+    pub(crate) team: Team,
     pub(crate) steps: u64,
     contact_sweeps: u64,
     phases: PhaseSeconds,
@@ -111,7 +111,7 @@ impl Simulation {
         }
         let clock = clock.lap(&mut self.phases.detect);
         // Forces.
-        self.apply_gravity(team);
+        self.apply_gravity(self.settings.step, team);
         let clock = clock.lap(&mut self.phases.integrate);
         // Which do, as constraints laid out in boxes, stages and lane groups; they start from their last impulses.
         self.constrain(team);
@@ -129,9 +129,9 @@ impl Simulation {
         StepReport { solve, contacts: self.layout.contacts }
     }
 
-    /// Keeps the velocities at the start of a step, then lets gravity act on the grains.
-    fn apply_gravity(&mut self, team: &Team) {
-        let change = self.world.gravity * self.settings.step;
+    /// Keeps the velocities at the start of a step of length `h` (s), then lets gravity act on the grains.
+    pub(crate) fn apply_gravity(&mut self, h: f64, team: &Team) {
+        let change = self.world.gravity * h;
         let (grains, count) = (self.world.grains(), self.world.bodies.len());
         let World { bodies, before, .. } = &mut self.world;
         before.resize(count, Quad::default());
@@ -153,7 +153,7 @@ impl Simulation {
         });
     }
 
-    fn constrain(&mut self, team: &Team) {
+    pub(crate) fn constrain(&mut self, team: &Team) {
         let Simulation { world, settings, candidates, relaxation, constrainer, layout, .. } = self;
         let mut bodies = std::mem::take(&mut world.bodies);
         let parts = Disjoint::new(&mut bodies);

@@ -103,7 +103,7 @@ pub(crate) fn solve(
 
 /// Relaxes every task `inner` times, stage after stage; returns the summed residuals of the last time if there is room
 /// for them.
-fn sweep_all(
+pub(crate) fn sweep_all(
     bodies: &mut [Body],
     layout: &mut Layout,
     relaxation: &Relaxation,

@@ -16,5 +16,6 @@ pub mod provenance;
 pub mod qualify;
 pub mod recording;
 pub mod report;
+pub mod roofline;
 pub mod scaling;
 pub mod statistics;

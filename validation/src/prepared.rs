@@ -63,11 +63,7 @@ pub fn start(
         execution.apply(&mut simulation)?;
         return Ok((simulation, Start::Fresh));
     };
-    let file = cache_folder().join("prepared").join(format!(
-        "{}-s{seed}-{:016x}-{VERSION}.state",
-        file_stem(&scene.name),
-        scene_hash(scene)
-    ));
+    let file = state_file(scene, seed);
     // A state that cannot be read is made anew.
     if file.is_file()
         && let Ok(mut simulation) = Simulation::resume(scene, &file)
@@ -94,6 +90,17 @@ pub fn start(
     let mut simulation = Simulation::resume(scene, &file)?;
     execution.apply(&mut simulation)?;
     Ok((simulation, Start::Prepared(file)))
+}
+
+/// Whether a run of the scene can start at once: it prepares no flowing state, or that is in the cache.
+pub fn is_ready(scene: &Scene, seed: u64) -> bool {
+    scene.prepare.is_none() || state_file(scene, seed).is_file()
+}
+
+/// Where a flowing state is kept.
+fn state_file(scene: &Scene, seed: u64) -> PathBuf {
+    let name = format!("{}-s{seed}-{:016x}-{VERSION}.state", file_stem(&scene.name), scene_hash(scene));
+    cache_folder().join("prepared").join(name)
 }
 
 /// Whole steps nearest to a duration.

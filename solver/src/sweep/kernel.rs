@@ -73,6 +73,12 @@ impl Bodies<f64> {
 }
 
 impl<N: Number> Bodies<N> {
+    /// A body at rest that no impulse moves.
+    pub fn at_rest() -> Self {
+        let zero = N::zero();
+        Self { velocity: [zero; 3], inverse_mass: zero, surface_speed: [zero; 3], spare: zero }
+    }
+
     /// Adds `sign` times an impulse; `lever` is n x P.
     #[inline(always)]
     pub fn push<const FRICTION: bool>(&mut self, sign: f64, impulse: [N; 3], lever: [N; 3]) {

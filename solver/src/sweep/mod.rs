@@ -1,9 +1,11 @@
 //! One relaxation of a task's lane groups, in the same arithmetic on every instruction set.
 
+mod count;
 mod kernel;
 mod residual;
 mod scalar;
 
+pub use count::Operations;
 pub(crate) use residual::TaskResidual;
 pub use residual::{Residual, Residuals};
 

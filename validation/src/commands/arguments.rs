@@ -35,6 +35,8 @@ pub enum Command {
     Qualify(QualifyArguments),
     /// Measure how a scene's step scales with threads, and replay it beyond the cores at hand.
     Scaling(ScalingArguments),
+    /// Measure the contact sweep against what arithmetic and memory deliver.
+    Roofline(RooflineArguments),
 }
 
 /// Arguments of `makadam run`.
@@ -229,6 +231,25 @@ pub struct ScalingArguments {
     #[arg(long)]
     pub record: bool,
     /// Folder to write into; results/scaling/SCENE, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the study as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam roofline`.
+#[derive(Debug, Args)]
+pub struct RooflineArguments {
+    /// Folders under reference-scenes/, or paths to TOML files; the drums whose flowing states are prepared, if absent.
+    pub scenes: Vec<String>,
+    /// Instruction set of the kernels; the widest that this processor has, if absent.
+    #[arg(long, value_enum)]
+    pub isa: Option<InstructionSetName>,
+    /// Simulated time before the measurement where a scene prepares no flowing state, s.
+    #[arg(long, default_value_t = 1.5, value_parser = positive)]
+    pub settle: f64,
+    /// Folder to write into; results/roofline, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the study as JSON.

@@ -6,6 +6,7 @@ mod console;
 mod failure;
 mod qualify;
 mod record;
+mod roofline;
 mod run;
 mod scaling;
 
@@ -14,7 +15,7 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
 use crate::compare::Share;
 use crate::execution::Execution;
-use crate::prepared::{Start, start};
+use crate::prepared::{Start, start, steps_in};
 use arguments::{Arguments, Command};
 use clap::Parser;
 use makadam::Simulation;
@@ -31,6 +32,7 @@ pub fn main() -> ExitCode {
         Command::Run(run) => run::run(run, &console),
         Command::Compare(compare) => compare::compare(compare, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
+        Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),
     };
     match done {
@@ -71,6 +73,20 @@ fn begin(
         console.note(&format!("starting from the flowing state {}", file.display()));
     }
     Ok((simulation, start))
+}
+
+/// Simulates for a time, s.
+fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Result<(), Failure> {
+    let bar = console.bar("settling");
+    let steps = steps_in(seconds, simulation.time_step());
+    for step in 1..=steps {
+        simulation.step();
+        bar.set(step as f64 / steps as f64);
+        if crate::interrupt::requested() {
+            return Err(Failure::Interrupted("nothing: the flowing state was not finished".into()));
+        }
+    }
+    Ok(())
 }
 
 /// A value as indented JSON.

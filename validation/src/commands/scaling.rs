@@ -1,12 +1,11 @@
 //! `makadam scaling`: how a scene's step scales, measured on the cores at hand and replayed beyond them.
 
 use super::arguments::ScalingArguments;
-use super::{Console, Failure, begin, json, load};
+use super::{Console, Failure, begin, json, load, settle};
 use crate::execution::{Execution, cores};
-use crate::prepared::{Start, file_stem, steps_in};
+use crate::prepared::{Start, file_stem};
 use crate::provenance::Provenance;
 use crate::scaling::{self, Bandwidth, Costs, Machine, Plan, Setting, Study};
-use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::scene::Stop;
 use makadam::schedule::Scheduler;
@@ -80,20 +79,6 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
         true => Ok(ExitCode::SUCCESS),
         false => Err(Failure::Running(format!("not the same bits: {}", study.differing.join("; ")))),
     }
-}
-
-/// Simulates for a time, s.
-fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Result<(), Failure> {
-    let bar = console.bar("settling");
-    let steps = steps_in(seconds, simulation.time_step());
-    for step in 1..=steps {
-        simulation.step();
-        bar.set(step as f64 / steps as f64);
-        if crate::interrupt::requested() {
-            return Err(Failure::Interrupted("nothing: the flowing state was not finished".into()));
-        }
-    }
-    Ok(())
 }
 
 /// What is measured: by default 1, 2, 4, ... threads and all cores.

@@ -119,6 +119,8 @@ pub(crate) enum Key<'a> {
     Line(&'a str, &'a str),
     /// A line of a style, with its marker, and what it stands for.
     Series(CodeStyle, &'a str),
+    /// A marker alone, and what it stands for.
+    Points(CodeStyle, &'a str),
 }
 
 /// A plot that is being made.
@@ -215,6 +217,10 @@ impl Plot {
                     self.sample(style, x, y);
                     label
                 }
+                Key::Points(style, label) => {
+                    self.drawing.marker(style, [x + 20.0, y], 3.6, false);
+                    label
+                }
                 Key::Line(class, label) => {
                     self.drawing.line(class, [x, y], [x + 26.0, y]);
                     label
@@ -229,6 +235,21 @@ impl Plot {
     fn sample(&mut self, style: CodeStyle, x: f64, y: f64) {
         self.drawing.line(&format!("{} curve", style.class), [x, y], [x + 26.0, y]);
         self.drawing.marker(style, [x + 13.0, y], 3.6, false);
+    }
+
+    /// A few words beside a point, moved by so many pixels.
+    pub(crate) fn label(&mut self, [x, y]: [f64; 2], [right, down]: [f64; 2], anchor: Anchor, text: &str) {
+        let [x, y] = self.at(x, y);
+        self.drawing.text("tick", [x + right, y + down], anchor, text);
+    }
+
+    /// A few words above the straight line from one point to another, near its beginning.
+    pub(crate) fn label_along(&mut self, from: [f64; 2], to: [f64; 2], text: &str) {
+        let (a, b) = (self.at(from[0], from[1]), self.at(to[0], to[1]));
+        let angle = (b[1] - a[1]).atan2(b[0] - a[0]);
+        let (along, above) = (10.0, 5.0);
+        let at = [a[0] + along * angle.cos() + above * angle.sin(), a[1] + along * angle.sin() - above * angle.cos()];
+        self.drawing.text_turned("tick", at, angle.to_degrees(), text);
     }
 
     /// A few words in the upper or the lower left corner.

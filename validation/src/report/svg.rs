@@ -12,7 +12,7 @@ pub(super) struct Drawing {
 
 /// Where a text is held.
 #[derive(Clone, Copy)]
-pub(super) enum Anchor {
+pub(crate) enum Anchor {
     Start,
     Middle,
     End,
@@ -103,6 +103,16 @@ impl Drawing {
         let _ = write!(
             self.body,
             r#"<text class="{class}" transform="translate({x} {y}) rotate(-90)" text-anchor="middle">{}</text>"#,
+            escape(text),
+        );
+    }
+
+    /// A text that begins at a point and is turned clockwise by so many degrees.
+    pub(super) fn text_turned(&mut self, class: &str, at: [f64; 2], degrees: f64, text: &str) {
+        let (x, y, degrees) = (short(at[0]), short(at[1]), short(degrees));
+        let _ = write!(
+            self.body,
+            r#"<text class="{class}" transform="translate({x} {y}) rotate({degrees})">{}</text>"#,
             escape(text),
         );
     }

@@ -134,7 +134,7 @@ fn pool(threads: usize) -> Result<ThreadPool, MeasureError> {
 }
 
 /// Median of a few numbers; not a number if there are none.
-pub(super) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
     match (values.len(), values.len() / 2) {

@@ -23,6 +23,7 @@ mod tasks;
 mod terminal;
 mod write;
 
+pub(crate) use costs::median;
 pub use costs::{Bandwidth, Costs, cache_bytes, clock};
 pub use machine::{MOST_WORKERS, Machine, worker_counts};
 pub use measure::{MeasureError, Measurement, Plan, Times, Timing, Traces, WARM_UP};
@@ -30,4 +31,5 @@ pub use replay::{Replayed, Traffic, replay};
 pub use rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 pub use study::{Setting, Study};
 pub use terminal::table;
+pub(crate) use write::csv;
 pub use write::{record_folder, write, write_tables};

@@ -54,7 +54,8 @@ pub fn record_folder(study: &Study, scene_file: &Path) -> PathBuf {
     folder.join(format!("{}-{set}", parts.join("-")))
 }
 
-fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, ReportError> {
+/// Rows of a table as CSV.
+pub(crate) fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, ReportError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
         writer.serialize(row)?;
