@@ -87,7 +87,8 @@ impl Point {
     ) -> Result<Point, MeasureError> {
         let mut simulation = state.clone();
         let scheduler = if roofs.threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
-        Execution { scheduler, threads: roofs.threads, instruction_set: set }.apply(&mut simulation)?;
+        Execution { scheduler, threads: roofs.threads, instruction_set: set, ..Execution::serial() }
+            .apply(&mut simulation)?;
         simulation.use_scalar_sweeps(kernel == Kernel::Scalar);
         let rate = contact_sweeps_per_second(&mut simulation);
         let (particles, contacts) = (state.snapshot().particles.len(), state.layout().contacts);
