@@ -10,14 +10,15 @@ pub(crate) use residual::TaskResidual;
 pub use residual::{Residual, Residuals};
 
 use crate::detect::Impulse;
-use crate::lanes::{InstructionSet, Kernel, Lanes, Quad};
-use crate::partition::TaskGroups;
+use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, Quad};
+use crate::partition::{PairGroup, TaskGroups};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact};
 use residual::LaneResidual;
 
-/// Lane groups ahead of a sweep whose bodies are fetched into the cache, where nothing else is said. Two to eight are about
+/// Lane groups ahead of a sweep whose bodies are fetched into the cache, where nothing else is said; the groups themselves
+/// are fetched twice as far ahead. Two to eight are about
 /// as good: what was measured is in `docs/kernel.md`.
 pub const PREFETCH: usize = 4;
 
@@ -130,11 +131,13 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, M
         let mut residual = LaneResidual::<L>::read(self.residual);
         let pairs = &mut self.groups.pairs;
         for number in 0..pairs.len() {
-            if self.prefetch > 0
-                && let Some(ahead) = pairs.get(number + self.prefetch)
-            {
-                prefetch(self.bodies, &ahead.first);
-                prefetch(self.bodies, &ahead.second);
+            if self.prefetch > 0 {
+                // The group itself is fetched before the bodies that it names.
+                prefetch_group(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch));
+                if let Some(ahead) = pairs.get(number + self.prefetch) {
+                    prefetch_bodies(self.bodies, &ahead.first);
+                    prefetch_bodies(self.bodies, &ahead.second);
+                }
             }
             let group = &mut pairs[number];
             // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
@@ -167,17 +170,32 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, M
 
 /// Asks for the lines of eight bodies.
 #[inline(always)]
-fn prefetch(bodies: *const Body, places: &[u32; crate::lanes::LANES]) {
+fn prefetch_bodies(bodies: *const Body, places: &[u32; LANES]) {
     for &place in places {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: prefetching reads nothing, and every x86-64 processor can.
-        unsafe {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            _mm_prefetch::<_MM_HINT_T0>(bodies.wrapping_add(place as usize).cast());
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        let _ = (bodies, place);
+        prefetch(bodies.wrapping_add(place as usize).cast());
     }
+}
+
+/// Asks for the lines of a lane group.
+#[inline(always)]
+fn prefetch_group(group: *const PairGroup) {
+    let lines: *const Eight = group.cast();
+    for line in 0..size_of::<PairGroup>() / size_of::<Eight>() {
+        prefetch(lines.wrapping_add(line).cast());
+    }
+}
+
+/// Asks for the cache line at an address, which need not be one of this program's.
+#[inline(always)]
+fn prefetch(address: *const i8) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: prefetching reads nothing, and every x86-64 processor can.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(address);
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = address;
 }
 
 impl<const FRICTION: bool> Kernel for Start<'_, FRICTION> {

@@ -228,11 +228,11 @@ fn warmed_up(start: &Simulation, configuration: Execution) -> Result<Simulation,
     Ok(simulation)
 }
 
-/// Bytes of a sweep: the lane groups are read, three impulses of each lane written, each grain read and written once (a
+/// Bytes of a sweep: the lane groups are read, the normal and three tangential impulses of each lane written, each grain read and written once (a
 /// box's grains stay in the cache while its contacts are relaxed).
 fn bytes_per_sweep(layout: &Layout, simulation: &Simulation) -> f64 {
     const CACHE_LINE: usize = 64;
-    let impulses = 8 * 3 * size_of::<f64>();
+    let impulses = 8 * 4 * size_of::<f64>();
     let groups: usize = (layout.tasks())
         .map(|(_, task)| {
             task.pairs.len() * (size_of::<PairGroup>() + impulses)
