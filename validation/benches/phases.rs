@@ -46,7 +46,7 @@ impl Way {
     fn all() -> Vec<Way> {
         let way = |scalar, instruction_set, threads| {
             let scheduler = if threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
-            Way { scalar, execution: Execution { scheduler, threads, instruction_set } }
+            Way { scalar, execution: Execution { scheduler, threads, instruction_set, ..Execution::serial() } }
         };
         let sets = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
         let threads = if cores() > 1 { vec![1, cores()] } else { vec![1] };

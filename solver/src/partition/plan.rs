@@ -131,7 +131,7 @@ mod tests {
         let mut plan = Plan::default();
         plan.set(&starts, &[0, 5, 5, 5]);
         assert_eq!(plan.batches(0), [0..1, 1..2]);
-        assert_eq!(plan.batches(1), [2..5], "600 candidates of three faces make one batch");
+        assert_eq!(plan.batches(1).len(), 1, "600 candidates of three faces make one batch");
         assert!((2..STAGES).all(|stage| plan.batches(stage).is_empty()));
         let covered: Vec<usize> = plan.all_batches().iter().flat_map(Clone::clone).collect();
         assert_eq!(covered, (0..plan.tasks().len()).collect::<Vec<_>>());

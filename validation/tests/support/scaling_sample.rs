@@ -63,7 +63,7 @@ pub fn parts() -> (Plan, Measurement, Setting) {
             let repetition =
                 |noise: f64| Times { steps: vec![noise * seconds; 2], sweeps: vec![0.7 * noise * seconds; 2] };
             timings.push(Timing {
-                configuration: Execution { instruction_set, scheduler, threads },
+                configuration: Execution { instruction_set, scheduler, threads, ..Execution::serial() },
                 repetitions: [0.97, 1.0, 1.06].map(repetition).to_vec(),
                 hashes: vec![7; 3],
             });
