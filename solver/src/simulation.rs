@@ -3,12 +3,12 @@
 use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
-use crate::lanes::{InstructionSet, Quad};
+use crate::lanes::{InstructionSet, PREFETCH, Quad};
 use crate::partition::{BoxGrid, Layout};
 use crate::scene::{Scene, SceneError, SolverSettings, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
-use crate::sweep::{PREFETCH, Relaxation, TaskResidual};
+use crate::sweep::{Relaxation, TaskResidual};
 use crate::world::{World, chunk, chunks};
 use nalgebra::Vector3;
 use rayon::ThreadPoolBuildError;

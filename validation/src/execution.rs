@@ -1,9 +1,8 @@
 //! How a simulation is carried out: threads, scheduler, instruction set. Its result depends on none of them.
 
 use makadam::Simulation;
-use makadam::lanes::InstructionSet;
+use makadam::lanes::{InstructionSet, PREFETCH};
 use makadam::schedule::Scheduler;
-use makadam::sweep::PREFETCH;
 
 /// Threads, the way in which they share tasks, and the instruction set of the kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use super::{Given, LaneMaterial, write_contacts};
 use crate::detect::Impulse;
 use crate::effects::compliance::NormalContact;
-use crate::lanes::{Eight, Kernel, Lanes, Quad, dot, minus, times};
+use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch, times};
 use crate::partition::TaskGroups;
 use crate::schedule::Disjoint;
 
@@ -25,7 +25,14 @@ impl Kernel for FillPairs<'_> {
         let (spheres, before): (*const Quad, *const Quad) = (world.spheres.as_ptr().cast(), self.given.before.as_ptr());
         let impulses: *const Quad = self.impulses.as_ptr().cast();
         let nothing = self.given.candidates.pairs.len() as u32;
-        for (group, sources) in self.groups.pairs.iter_mut().zip(&self.groups.pair_sources) {
+        let groups = &mut self.groups.pairs;
+        for (number, sources) in self.groups.pair_sources.iter().enumerate() {
+            if let Some(ahead) = groups.get(number + PREFETCH) {
+                for &place in ahead.first.iter().chain(&ahead.second) {
+                    prefetch(before.wrapping_add(place as usize).cast());
+                }
+            }
+            let group = &mut groups[number];
             // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.
             let ([x, y, z, radius], [to_x, to_y, to_z, to_radius], a, b, remembered) = unsafe {
                 (

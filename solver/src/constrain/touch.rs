@@ -2,7 +2,7 @@
 
 use super::Given;
 use crate::detect::Impulse;
-use crate::lanes::{Kernel, LANES, Lanes, Quad, dot, minus};
+use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, minus, prefetch};
 use crate::partition::{Packer, PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
 
@@ -29,6 +29,7 @@ impl Kernel for PackPairs<'_> {
             // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
             let mut masks = [0_u8; BATCH];
             for (number, mask) in masks[..blocks].iter_mut().enumerate() {
+                self.fetch(batch + (number + PREFETCH) * LANES, end);
                 *mask = self.touching::<L>(batch + number * LANES, end) as u8;
             }
             for (number, &mask) in masks[..blocks].iter().enumerate() {
@@ -44,6 +45,18 @@ impl Kernel for PackPairs<'_> {
 const BATCH: usize = 64;
 
 impl PackPairs<'_> {
+    /// Asks for the spheres of the eight candidates from `block` on.
+    #[inline(always)]
+    fn fetch(&self, block: usize, end: usize) {
+        let spheres: *const Quad = self.given.world.spheres.as_ptr().cast();
+        if block + LANES <= end {
+            for pair in &self.given.candidates.pairs[block..block + LANES] {
+                prefetch(spheres.wrapping_add(pair.first as usize).cast());
+                prefetch(spheres.wrapping_add(pair.second as usize).cast());
+            }
+        }
+    }
+
     /// Which of the eight candidates from `block` on touch, as bits; behind `end` bits mean nothing.
     #[inline(always)]
     fn touching<L: Lanes>(&self, block: usize, end: usize) -> u32 {

@@ -23,6 +23,10 @@ use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 /// Number of contacts in a lane group; a part of the algorithm, not of the machine.
 pub const LANES: usize = 8;
 
+/// Lane groups ahead of the one at work whose bodies are fetched into the cache, where nothing else is said; the groups of a
+/// sweep are fetched twice as far ahead. Two to eight are about as good: `docs/memory.md` tells what was measured.
+pub const PREFETCH: usize = 4;
+
 /// Eight `f64` in memory, one a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
@@ -203,5 +207,18 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
 // Whoever builds for a newer processor than the Xeon Phi gets its instructions.
 #[cfg(all(test, target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
 pub(crate) mod disassembly;
+/// Asks for the cache line at an address, which need not be one of this program's.
+#[inline(always)]
+pub(crate) fn prefetch(address: *const i8) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: prefetching reads nothing, and every x86-64 processor can.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(address);
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = address;
+}
+
 #[cfg(test)]
 mod tests;

@@ -10,17 +10,12 @@ pub(crate) use residual::TaskResidual;
 pub use residual::{Residual, Residuals};
 
 use crate::detect::Impulse;
-use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, Quad};
+use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, PREFETCH, Quad, prefetch};
 use crate::partition::{PairGroup, TaskGroups};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact};
 use residual::LaneResidual;
-
-/// Lane groups ahead of a sweep whose bodies are fetched into the cache, where nothing else is said; the groups themselves
-/// are fetched twice as far ahead. Two to eight are about
-/// as good: what was measured is in `docs/kernel.md`.
-pub const PREFETCH: usize = 4;
 
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
 #[derive(Clone, Copy, Debug)]
@@ -185,25 +180,16 @@ fn prefetch_group(group: *const PairGroup) {
     }
 }
 
-/// Asks for the cache line at an address, which need not be one of this program's.
-#[inline(always)]
-fn prefetch(address: *const i8) {
-    #[cfg(target_arch = "x86_64")]
-    // SAFETY: prefetching reads nothing, and every x86-64 processor can.
-    unsafe {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        _mm_prefetch::<_MM_HINT_T0>(address);
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = address;
-}
-
 impl<const FRICTION: bool> Kernel for Start<'_, FRICTION> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        for group in &self.groups.pairs {
+        for (number, group) in self.groups.pairs.iter().enumerate() {
+            if let Some(ahead) = self.groups.pairs.get(number + PREFETCH) {
+                prefetch_bodies(self.bodies, &ahead.first);
+                prefetch_bodies(self.bodies, &ahead.second);
+            }
             // SAFETY: the promise of `Relaxation::start`; the sixteen bodies of a group are different ones.
             unsafe {
                 let mut first = Bodies::<L>::load::<FRICTION>(self.bodies, &group.first);

@@ -1,9 +1,8 @@
 //! The command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use makadam::lanes::InstructionSet;
+use makadam::lanes::{InstructionSet, PREFETCH};
 use makadam::schedule::Scheduler;
-use makadam::sweep::PREFETCH;
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, \
