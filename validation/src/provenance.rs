@@ -88,13 +88,18 @@ impl Provenance {
             threads: execution.threads,
             scheduler: execution.scheduler,
             seed,
-            scene_file: scene_file.display().to_string(),
+            scene_file: from_here(scene_file).display().to_string(),
             scene_hash: format!("{:016x}", scene_hash(scene)),
             solver: scene.solver.clone(),
             time: utc(SystemTime::now()),
             command: command_line(),
         }
     }
+}
+
+/// A path as seen from the folder that the program runs in, if it lies below: records are moved to other machines.
+fn from_here(path: &Path) -> &Path {
+    std::env::current_dir().ok().and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path)
 }
 
 /// Where a comparison's numbers came from, by name, for tables.
