@@ -22,7 +22,7 @@ impl Kernel for FillPairs<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let world = self.given.world;
-        let (spheres, before): (*const Quad, *const Quad) = (world.spheres.as_ptr().cast(), self.given.before.as_ptr());
+        let (spheres, before): (*const Quad, *const Quad) = (world.spheres.as_ptr().cast(), world.before.as_ptr());
         let impulses: *const Quad = self.impulses.as_ptr().cast();
         let nothing = self.given.candidates.pairs.len() as u32;
         let groups = &mut self.groups.pairs;
@@ -83,7 +83,7 @@ impl Kernel for FillWalls<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Given { world, candidates, poses, constants, .. } = self.given;
-        let before = self.given.before.as_ptr();
+        let before = world.before.as_ptr();
         let impulses: *const Quad = self.impulses.as_ptr().cast();
         let nothing = candidates.walls.len() as u32;
         // Padding lanes are far from everything.

@@ -9,7 +9,7 @@ mod touch;
 use crate::detect::{Candidates, Impulse};
 use crate::effects::compliance::NormalContact;
 use crate::effects::restitution::{bears, with_restitution};
-use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number, Quad};
+use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number};
 use crate::partition::{Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups};
 use crate::scene::{NormalLaw, SolverSettings};
 use crate::schedule::{Disjoint, Phase, Team};
@@ -41,7 +41,6 @@ struct Given<'a> {
     world: &'a World,
     candidates: &'a Candidates,
     poses: &'a [Pose],
-    before: &'a [Quad],
     constants: StepConstants,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,
@@ -78,18 +77,11 @@ impl Constrainer {
         self.taken.resize(world.grains(), Taken::default());
         self.steps += 1;
         // Each candidate belongs to one task, so their impulses are written without a lock.
-        let (pair_impulses, wall_impulses) =
-            (std::mem::take(&mut candidates.pair_impulses), std::mem::take(&mut candidates.wall_impulses));
-        let (mut pair_impulses, mut wall_impulses) = (pair_impulses, wall_impulses);
+        let mut pair_impulses = std::mem::take(&mut candidates.pair_impulses);
+        let mut wall_impulses = std::mem::take(&mut candidates.wall_impulses);
         {
-            let given = Given {
-                world,
-                candidates,
-                poses: &self.poses,
-                before: &world.before,
-                constants,
-                material: world.table.of_all_grains(),
-            };
+            let given =
+                Given { world, candidates, poses: &self.poses, constants, material: world.table.of_all_grains() };
             let (taken, groups) = (Disjoint::new(&mut self.taken), Disjoint::new(&mut layout.groups));
             let (pair_impulses, wall_impulses) = (Disjoint::new(&mut pair_impulses), Disjoint::new(&mut wall_impulses));
             for stage in 0..STAGES {

@@ -118,16 +118,21 @@ impl Candidates {
     pub fn rebuild(&mut self, world: &mut World, plan: &mut Plan, set: InstructionSet, team: &Team) {
         let order = self.grid.sort(world, team);
         world.reorder(order, team);
-        self.buffers.new_places.resize(order.len(), 0);
-        for (new, &old) in order.iter().enumerate() {
-            self.buffers.new_places[old as usize] = new as u32;
-        }
+        let new_places = &mut self.buffers.new_places;
+        team.alone(Phase::Detect, || {
+            new_places.resize(order.len(), 0);
+            for (new, &old) in order.iter().enumerate() {
+                new_places[old as usize] = new as u32;
+            }
+        });
         self.remember(world.grains(), plan, team);
         self.search(world, set, team);
         self.plan(plan, team);
         self.fill(plan, team);
-        self.reference.clear();
-        self.reference.extend(world.spheres[..world.grains()].iter().map(|sphere| sphere.centre));
+        team.alone(Phase::Detect, || {
+            self.reference.clear();
+            self.reference.extend(world.spheres[..world.grains()].iter().map(|sphere| sphere.centre));
+        });
         self.built_at = world.time;
         self.rebuilds += 1;
     }

@@ -4,7 +4,7 @@
 //! the space of displacements; two grains of the same or of adjacent patches have come closer by no more than the largest
 //! distance between points of the two boxes. Grains of patches that are not adjacent start a patch apart.
 
-use super::CellGrid;
+use super::grid::{CellGrid, FORWARD};
 use crate::lanes::Number;
 use crate::partition::BoxGrid;
 use crate::schedule::{Disjoint, Phase, Team};
@@ -33,24 +33,6 @@ pub(super) struct Moved {
     /// No two grains of adjacent patches have come closer by more.
     pub approach: f64,
 }
-
-/// The neighbours of a patch that come after it, and itself.
-const AHEAD: [[i32; 3]; 14] = [
-    [0, 0, 0],
-    [1, 0, 0],
-    [-1, 1, 0],
-    [0, 1, 0],
-    [1, 1, 0],
-    [-1, -1, 1],
-    [0, -1, 1],
-    [1, -1, 1],
-    [-1, 0, 1],
-    [0, 0, 1],
-    [1, 0, 1],
-    [-1, 1, 1],
-    [0, 1, 1],
-    [1, 1, 1],
-];
 
 impl Bounds {
     const EMPTY: Bounds = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
@@ -122,7 +104,7 @@ impl Drift {
                         continue;
                     }
                     squares.shift = squares.shift.larger(own.largest_squared());
-                    for step in AHEAD {
+                    for step in std::iter::once([0; 3]).chain(FORWARD) {
                         let at = [column as i32 + step[0], row as i32 + step[1], layer as i32 + step[2]];
                         if (0..3).all(|axis| at[axis] >= 0 && at[axis] < counts[axis] as i32) {
                             let other = (at[2] as usize * rows + at[1] as usize) * columns + at[0] as usize;

@@ -22,7 +22,7 @@ pub struct CellGrid {
 }
 
 /// Neighbours of a cell that come after it, so that each pair of cells is visited once.
-const FORWARD: [[i32; 3]; 13] = [
+pub(super) const FORWARD: [[i32; 3]; 13] = [
     [1, 0, 0],
     [-1, 1, 0],
     [0, 1, 0],

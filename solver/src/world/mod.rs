@@ -155,14 +155,16 @@ impl World {
             reorder_quads::<2>(bodies.add(1), order, before, team);
             reorder_quads::<1>(spheres, order, before, team);
         }
-        // Ids and materials are small: one quad takes both.
-        for (quad, (id, material)) in before.iter_mut().zip(ids.iter().zip(&*materials)) {
-            *quad = Quad([f64::from(*id), f64::from(*material), 0.0, 0.0]);
-        }
-        for ((id, material), &old) in ids.iter_mut().zip(materials).zip(order) {
-            let Quad([old_id, old_material, ..]) = before[old as usize];
-            (*id, *material) = (old_id as u32, old_material as u8);
-        }
+        team.alone(Phase::Detect, || {
+            // Ids and materials are small: one quad takes both.
+            for (quad, (id, material)) in before.iter_mut().zip(ids.iter().zip(&*materials)) {
+                *quad = Quad([f64::from(*id), f64::from(*material), 0.0, 0.0]);
+            }
+            for ((id, material), &old) in ids.iter_mut().zip(materials).zip(order) {
+                let Quad([old_id, old_material, ..]) = before[old as usize];
+                (*id, *material) = (old_id as u32, old_material as u8);
+            }
+        });
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
