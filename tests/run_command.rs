@@ -126,6 +126,15 @@ fn check_poly_data(document: &Document<'_>, kind: &str) {
 }
 
 #[test]
+fn single_precision_is_another_result_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let double = run(folder.path(), &["-q", "--precision", "double"]);
+    let single = run(folder.path(), &["-q", "--precision", "single"]);
+    assert_ne!(double["state_hash"], single["state_hash"]);
+    assert_ne!(double["provenance"]["scene_hash"], single["provenance"]["scene_hash"]);
+}
+
+#[test]
 fn observables_are_a_table_over_time() {
     let folder = tempfile::tempdir().unwrap();
     let summary = run(folder.path(), &["-q"]);

@@ -5,7 +5,8 @@
 
 use crate::Simulation;
 use crate::lanes::{Eight, InstructionSet, Kernel, Lanes};
-use crate::solve::sweep_all;
+use crate::scene::Precision;
+use crate::solve::{Unknowns, sweep_all};
 use std::hint::black_box;
 
 impl Simulation {
@@ -47,10 +48,17 @@ impl Simulation {
     /// the number of contact sweeps.
     pub fn sweep_times(&mut self, sweeps: u32) -> u64 {
         let team = self.team.clone();
-        let Simulation { world, layout, relaxation, .. } = self;
+        let Simulation { world, layout, single, relaxation, settings, .. } = self;
         team.enter(|| {
+            let unknowns = match settings.precision {
+                Precision::Double => Unknowns::double(&mut world.bodies, &mut layout.groups),
+                Precision::Single => {
+                    single.take(world, layout, relaxation.instruction_set, &team);
+                    Unknowns::single(single)
+                }
+            };
             for _ in 0..sweeps {
-                sweep_all(&mut world.bodies, layout, relaxation, 1.0, 1, None, &team);
+                sweep_all(&layout.plan, &unknowns, relaxation, 1.0, 1, None, &team);
             }
         });
         u64::from(sweeps) * self.layout.contacts as u64

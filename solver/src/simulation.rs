@@ -4,8 +4,8 @@ use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
 use crate::lanes::{InstructionSet, PREFETCH, Quad};
-use crate::partition::{BoxGrid, Layout};
-use crate::scene::{Scene, SceneError, SolverSettings, populate};
+use crate::partition::{BoxGrid, Layout, SingleCopy};
+use crate::scene::{Precision, Scene, SceneError, SolverSettings, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
 use crate::sweep::{Relaxation, TaskResidual};
@@ -25,6 +25,7 @@ pub struct Simulation {
     pub(crate) relaxation: Relaxation,
     pub(crate) constrainer: Constrainer,
     pub(crate) layout: Layout,
+    pub(crate) single: SingleCopy,
     residuals: Vec<TaskResidual>,
     pub(crate) team: Team,
     pub(crate) steps: u64,
@@ -81,6 +82,7 @@ impl Simulation {
             settings: scene.solver.clone(),
             constrainer: Constrainer::default(),
             layout: Layout::new(boxes.tasks()),
+            single: SingleCopy::default(),
             residuals: Vec::new(),
             team: Team::default(),
             steps: 0,
@@ -117,8 +119,8 @@ impl Simulation {
         self.constrain(team);
         let clock = clock.lap(&mut self.phases.constrain);
         // Sweeps until the settings say stop.
-        let Simulation { world, settings, layout, relaxation, residuals, .. } = self;
-        let solve = solve(world, layout, relaxation, settings, team, residuals);
+        let Simulation { world, settings, layout, single, relaxation, residuals, .. } = self;
+        let solve = solve(world, layout, single, relaxation, settings, team, residuals);
         let clock = clock.lap(&mut self.phases.sweep);
         // Motion with the new velocities.
         self.remember_impulses(team);
@@ -263,6 +265,7 @@ impl Simulation {
         self.world.memory_bytes()
             + self.candidates.memory_bytes()
             + self.layout.memory_bytes()
+            + self.single.memory_bytes()
             + self.constrainer.memory_bytes()
             + self.residuals.capacity() * size_of::<TaskResidual>()
     }
@@ -279,6 +282,11 @@ impl Simulation {
     /// Sweeps one contact at a time instead of eight, with the same bits: the baseline that lanes are measured against.
     pub fn use_scalar_sweeps(&mut self, scalar: bool) {
         self.relaxation.scalar = scalar;
+    }
+
+    /// Sweeps in another precision from the next step on; this changes the result.
+    pub fn use_precision(&mut self, precision: Precision) {
+        self.settings.precision = precision;
     }
 
     /// Fetches bodies into the cache so many lane groups before a sweep needs them; 0 leaves it to the processor.

@@ -1,7 +1,7 @@
 //! A steady step allocates nothing: memory is reused from step to step.
 
 use makadam::Simulation;
-use makadam::scene::Scene;
+use makadam::scene::{Precision, Scene};
 use makadam::schedule::Scheduler;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
@@ -67,6 +67,10 @@ fn steady_steps_allocate_nothing() {
         println!("{scheduler:?}: {total} allocations in {steps} steps");
         assert!(total <= steps as u64 / 16, "{scheduler:?}: {total} allocations in {steps} steps");
     }
+
+    settled.use_precision(Precision::Single);
+    assert!(allocations(&mut settled, steps).iter().sum::<u64>() > 0, "room for a copy in single precision");
+    assert_eq!(allocations(&mut settled, steps).iter().sum::<u64>(), 0, "the same in single precision");
 
     // Where grains flow, lists are built all the time; their memory is found within the first of them.
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum/scene.toml");

@@ -3,7 +3,7 @@
 
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
-use makadam::scene::Scene;
+use makadam::scene::{Precision, Scene};
 use makadam::schedule::Scheduler;
 use std::path::Path;
 
@@ -26,8 +26,9 @@ fn hashes(simulation: &mut Simulation) -> Vec<u64> {
 }
 
 /// Every available instruction set, scheduler and number of threads.
-fn same_bits_everywhere(scene: &str) {
-    let start = reference_scene(scene, 1);
+fn same_bits_everywhere(scene: &str, precision: Precision) {
+    let mut start = reference_scene(scene, 1);
+    start.use_precision(precision);
     let expected = hashes(&mut start.clone());
     assert_eq!(expected.len(), STEPS / CHECK_EVERY);
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
@@ -43,25 +44,52 @@ fn same_bits_everywhere(scene: &str) {
         }
     }
     let mut simulation = start.clone();
-    simulation.use_scalar_sweeps(true);
-    simulation.use_prefetch(4);
-    assert_eq!(expected, hashes(&mut simulation), "{scene}: one contact at a time");
+    simulation.use_scalar_sweeps(precision == Precision::Double);
+    simulation.use_prefetch(0);
+    assert_eq!(expected, hashes(&mut simulation), "{scene}: one contact at a time, or without prefetch");
     assert_ne!(expected, hashes(&mut reference_scene(scene, 2)), "{scene}: another seed, another state");
 }
 
 #[test]
 fn the_drum_has_the_same_bits_everywhere() {
-    same_bits_everywhere("drum");
+    same_bits_everywhere("drum", Precision::Double);
 }
 
 #[test]
 fn the_packing_has_the_same_bits_everywhere() {
-    same_bits_everywhere("packing");
+    same_bits_everywhere("packing", Precision::Double);
 }
 
 #[test]
 fn the_heap_has_the_same_bits_everywhere() {
-    same_bits_everywhere("heap");
+    same_bits_everywhere("heap", Precision::Double);
+}
+
+#[test]
+fn the_drum_in_single_precision_has_the_same_bits_everywhere() {
+    same_bits_everywhere("drum", Precision::Single);
+}
+
+#[test]
+fn single_precision_differs_by_rounding_alone() {
+    let mut double = reference_scene("drum", 1);
+    for _ in 0..1000 {
+        double.step();
+    }
+    let mut single = double.clone();
+    single.use_precision(Precision::Single);
+    // Divergence is chaotic, so one step is compared.
+    let contacts = [double.step().contacts, single.step().contacts];
+    assert_eq!(contacts[0], contacts[1]);
+    assert!(contacts[0] > 3000, "the drum is full: {} contacts", contacts[0]);
+    let [exact, rounded] = [double.snapshot().particles, single.snapshot().particles];
+    let fastest = exact.iter().flat_map(|grain| grain.velocity).fold(0.0, |most: f64, v| most.max(v.abs()));
+    let furthest = exact.iter().zip(&rounded).flat_map(|(a, b)| (0..3).map(|axis| a.velocity[axis] - b.velocity[axis]));
+    let furthest = furthest.fold(0.0, |most: f64, difference| most.max(difference.abs()));
+    println!("fastest {fastest:.2e} m/s, largest difference {furthest:.2e} m/s");
+    assert!(furthest > 0.0, "nothing was rounded");
+    // Ten sweeps of a few contacts a grain, each rounding to 6e-8 of the velocity.
+    assert!(furthest < 1e-5 * fastest, "largest difference {furthest:e} m/s, fastest grain {fastest:e} m/s");
 }
 
 #[test]

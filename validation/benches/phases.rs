@@ -15,7 +15,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
-use makadam::scene::Scene;
+use makadam::scene::{Precision, Scene};
 use makadam::schedule::Scheduler;
 use makadam_validation::execution::{Execution, cores};
 use makadam_validation::prepared::{Start, is_ready, start, steps_in};
@@ -38,24 +38,33 @@ const WARM_UP: usize = 3;
 #[derive(Clone, Copy)]
 struct Way {
     scalar: bool,
+    precision: Precision,
     execution: Execution,
 }
 
 impl Way {
-    /// All of them: the scalar serial path, then each instruction set on one thread and on all cores.
+    /// All of them: the scalar serial path, then each instruction set on one thread and on all cores, in both precisions.
     fn all() -> Vec<Way> {
-        let way = |scalar, instruction_set, threads| {
+        let way = |scalar, precision, instruction_set, threads| {
             let scheduler = if threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
-            Way { scalar, execution: Execution { scheduler, threads, instruction_set, ..Execution::serial() } }
+            Way {
+                scalar,
+                precision,
+                execution: Execution { scheduler, threads, instruction_set, ..Execution::serial() },
+            }
         };
         let sets = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
         let threads = if cores() > 1 { vec![1, cores()] } else { vec![1] };
-        let wide = sets.flat_map(|set| threads.iter().map(move |&threads| way(false, set, threads)));
-        [way(true, InstructionSet::Generic, 1)].into_iter().chain(wide).collect()
+        let wide = sets.flat_map(|set| threads.iter().map(move |&threads| way(false, Precision::Double, set, threads)));
+        let wide: Vec<Way> = wide.collect();
+        let single = wide.iter().map(|&double| Way { precision: Precision::Single, ..double });
+        let scalar = way(true, Precision::Double, InstructionSet::Generic, 1);
+        [scalar].into_iter().chain(wide.iter().copied()).chain(single).collect()
     }
 
     fn name(self) -> String {
         let set = if self.scalar { "scalar" } else { self.execution.instruction_set.name() };
+        let set = if self.precision == Precision::Single { format!("{set}-single") } else { set.to_owned() };
         format!("{set}-{}-thread{}", self.execution.threads, if self.execution.threads > 1 { "s" } else { "" })
     }
 
@@ -63,6 +72,7 @@ impl Way {
     fn of(self, state: &Simulation) -> Simulation {
         let mut simulation = state.clone();
         simulation.use_scalar_sweeps(self.scalar);
+        simulation.use_precision(self.precision);
         self.execution.apply(&mut simulation).expect("the set is there and threads can be started");
         simulation
     }
@@ -117,9 +127,9 @@ fn phases(criterion: &mut Criterion) {
         let Some(state) = flowing(name, asked.is_some()) else { continue };
         let contacts = state.layout().contacts as u64;
         let everywhere = |_: &Way| true;
-        // Only sweeps have a scalar path; the generic set on one thread is the serial baseline of the rest.
-        let wide = |way: &Way| !way.scalar;
-        let generic = |way: &Way| !way.scalar && way.execution.instruction_set == InstructionSet::Generic;
+        // Only sweeps have a scalar path and another precision; the generic set on one thread is the serial baseline of the rest.
+        let wide = |way: &Way| !way.scalar && way.precision == Precision::Double;
+        let generic = |way: &Way| wide(way) && way.execution.instruction_set == InstructionSet::Generic;
         phase(criterion, ("sweep", name), &state, u64::from(SWEEPS) * contacts, everywhere, |simulation| {
             black_box(simulation.sweep_times(SWEEPS));
         });

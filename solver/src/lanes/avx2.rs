@@ -1,17 +1,8 @@
 //! Lanes in two 256-bit registers.
 
-use super::{Eight, LANES, Lanes, Number, Quad};
+use super::{Eight, LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
-
-/// Eight numbers in two registers. Code that makes one runs where AVX2 was found: only [`super::InstructionSet::run`] names
-/// this type.
-#[derive(Clone, Copy)]
-pub struct Avx2([__m256d; 2]);
-
-/// Eight truth values, all bits of a lane set or none.
-#[derive(Clone, Copy)]
-pub struct Avx2Mask([__m256d; 2]);
 
 macro_rules! both {
     ($a:expr, $b:expr, $intrinsic:expr) => {{
@@ -22,95 +13,124 @@ macro_rules! both {
 }
 
 macro_rules! operator {
-    ($operator:ident, $method:ident, $intrinsic:ident) => {
-        impl $operator for Avx2 {
-            type Output = Avx2;
+    ($lanes:ident, $operator:ident, $method:ident, $intrinsic:ident) => {
+        impl $operator for $lanes {
+            type Output = $lanes;
             #[inline(always)]
-            fn $method(self, other: Avx2) -> Avx2 {
-                Avx2(both!(self.0, other.0, $intrinsic))
+            fn $method(self, other: $lanes) -> $lanes {
+                $lanes(both!(self.0, other.0, $intrinsic))
             }
         }
     };
 }
-operator!(Add, add, _mm256_add_pd);
-operator!(Sub, sub, _mm256_sub_pd);
-operator!(Mul, mul, _mm256_mul_pd);
-operator!(Div, div, _mm256_div_pd);
 
-impl Neg for Avx2 {
-    type Output = Avx2;
-    #[inline(always)]
-    fn neg(self) -> Avx2 {
-        Avx2(both!(self.0, Avx2::splat(-0.0).0, _mm256_xor_pd))
-    }
+/// Two registers of numbers of one precision, and masks of as many bits.
+macro_rules! registers {
+    (
+        $(#[$about:meta])* $lanes:ident, $mask:ident, $register:ty, $real:ty,
+        arithmetic: $add:ident $subtract:ident $multiply:ident $divide:ident $root:ident,
+        choice: $larger:ident $smaller:ident $compare:ident $blend:ident,
+        bits: $splat:ident $and:ident $and_not:ident $exclusive_or:ident $from_integer:ident
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy)]
+        pub struct $lanes([$register; 2]);
+
+        /// Truth values, all bits of a lane set or none.
+        #[derive(Clone, Copy)]
+        pub struct $mask([$register; 2]);
+
+        operator!($lanes, Add, add, $add);
+        operator!($lanes, Sub, sub, $subtract);
+        operator!($lanes, Mul, mul, $multiply);
+        operator!($lanes, Div, div, $divide);
+        operator!($mask, BitAnd, bitand, $and);
+
+        impl Neg for $lanes {
+            type Output = $lanes;
+            #[inline(always)]
+            fn neg(self) -> $lanes {
+                $lanes(both!(self.0, $lanes::splat(-0.0).0, $exclusive_or))
+            }
+        }
+
+        impl Not for $mask {
+            type Output = $mask;
+            #[inline(always)]
+            fn not(self) -> $mask {
+                // SAFETY: see the type.
+                let ones = unsafe { $from_integer(_mm256_set1_epi64x(-1)) };
+                $mask(both!(self.0, [ones; 2], $exclusive_or))
+            }
+        }
+
+        impl Number for $lanes {
+            type Mask = $mask;
+
+            #[inline(always)]
+            fn splat(value: f64) -> $lanes {
+                // SAFETY: see the type.
+                $lanes([unsafe { $splat(value as $real) }; 2])
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> $lanes {
+                // SAFETY: see the type.
+                $lanes(unsafe { [$root(self.0[0]), $root(self.0[1])] })
+            }
+
+            #[inline(always)]
+            fn abs(self) -> $lanes {
+                $lanes(both!($lanes::splat(-0.0).0, self.0, $and_not))
+            }
+
+            #[inline(always)]
+            fn larger(self, other: $lanes) -> $lanes {
+                $lanes(both!(self.0, other.0, $larger))
+            }
+
+            #[inline(always)]
+            fn smaller(self, other: $lanes) -> $lanes {
+                $lanes(both!(self.0, other.0, $smaller))
+            }
+
+            #[inline(always)]
+            fn below(self, other: $lanes) -> $mask {
+                $mask(both!(self.0, other.0, $compare::<_CMP_LT_OQ>))
+            }
+
+            #[inline(always)]
+            fn at_most(self, other: $lanes) -> $mask {
+                $mask(both!(self.0, other.0, $compare::<_CMP_LE_OQ>))
+            }
+
+            #[inline(always)]
+            fn select(mask: $mask, yes: $lanes, no: $lanes) -> $lanes {
+                // SAFETY: see the type.
+                $lanes(unsafe {
+                    [$blend(no.0[0], yes.0[0], mask.0[0]), $blend(no.0[1], yes.0[1], mask.0[1])]
+                })
+            }
+        }
+    };
 }
 
-impl BitAnd for Avx2Mask {
-    type Output = Avx2Mask;
-    #[inline(always)]
-    fn bitand(self, other: Avx2Mask) -> Avx2Mask {
-        Avx2Mask(both!(self.0, other.0, _mm256_and_pd))
-    }
-}
+registers!(
+    /// Eight numbers in two registers. Code that makes one runs where AVX2 was found: only [`super::InstructionSet::run`]
+    /// names this type.
+    Avx2, Avx2Mask, __m256d, f64,
+    arithmetic: _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd,
+    choice: _mm256_max_pd _mm256_min_pd _mm256_cmp_pd _mm256_blendv_pd,
+    bits: _mm256_set1_pd _mm256_and_pd _mm256_andnot_pd _mm256_xor_pd _mm256_castsi256_pd
+);
 
-impl Not for Avx2Mask {
-    type Output = Avx2Mask;
-    #[inline(always)]
-    fn not(self) -> Avx2Mask {
-        // SAFETY: see the type.
-        let ones = unsafe { _mm256_castsi256_pd(_mm256_set1_epi64x(-1)) };
-        Avx2Mask(both!(self.0, [ones; 2], _mm256_xor_pd))
-    }
-}
-
-impl Number for Avx2 {
-    type Mask = Avx2Mask;
-
-    #[inline(always)]
-    fn splat(value: f64) -> Avx2 {
-        // SAFETY: see the type.
-        Avx2([unsafe { _mm256_set1_pd(value) }; 2])
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Avx2 {
-        // SAFETY: see the type.
-        Avx2(unsafe { [_mm256_sqrt_pd(self.0[0]), _mm256_sqrt_pd(self.0[1])] })
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Avx2 {
-        Avx2(both!(Avx2::splat(-0.0).0, self.0, _mm256_andnot_pd))
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Avx2) -> Avx2 {
-        Avx2(both!(self.0, other.0, _mm256_max_pd))
-    }
-
-    #[inline(always)]
-    fn smaller(self, other: Avx2) -> Avx2 {
-        Avx2(both!(self.0, other.0, _mm256_min_pd))
-    }
-
-    #[inline(always)]
-    fn below(self, other: Avx2) -> Avx2Mask {
-        Avx2Mask(both!(self.0, other.0, _mm256_cmp_pd::<_CMP_LT_OQ>))
-    }
-
-    #[inline(always)]
-    fn at_most(self, other: Avx2) -> Avx2Mask {
-        Avx2Mask(both!(self.0, other.0, _mm256_cmp_pd::<_CMP_LE_OQ>))
-    }
-
-    #[inline(always)]
-    fn select(mask: Avx2Mask, yes: Avx2, no: Avx2) -> Avx2 {
-        // SAFETY: see the type.
-        Avx2(unsafe {
-            [_mm256_blendv_pd(no.0[0], yes.0[0], mask.0[0]), _mm256_blendv_pd(no.0[1], yes.0[1], mask.0[1])]
-        })
-    }
-}
+registers!(
+    /// Sixteen numbers of single precision in two registers, made where an [`Avx2`] is.
+    Avx2Single, Avx2SingleMask, __m256, f32,
+    arithmetic: _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_sqrt_ps,
+    choice: _mm256_max_ps _mm256_min_ps _mm256_cmp_ps _mm256_blendv_ps,
+    bits: _mm256_set1_ps _mm256_and_ps _mm256_andnot_ps _mm256_xor_ps _mm256_castsi256_ps
+);
 
 /// A matrix of four rows of four, transposed.
 ///
@@ -133,6 +153,8 @@ unsafe fn transposed(rows: [__m256d; 4]) -> [__m256d; 4] {
 }
 
 impl Lanes for Avx2 {
+    type Single = Avx2Single;
+
     #[inline(always)]
     fn load(from: &Eight) -> Avx2 {
         // SAFETY: see the type; `Eight` is aligned to 64 bytes.
@@ -175,6 +197,118 @@ impl Lanes for Avx2 {
                 for (lane, row) in rows.into_iter().enumerate() {
                     _mm256_store_pd(base.add(STRIDE * indices[4 * half + lane] as usize).cast(), row);
                 }
+            }
+        }
+    }
+}
+
+/// Two matrices of four rows of four, transposed, one in each half.
+///
+/// # Safety
+/// AVX2.
+#[inline(always)]
+unsafe fn transposed_halves(rows: [__m256; 4]) -> [__m256; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let [a, b, c, d] = rows;
+        let (low_a, low_c) = (_mm256_castps_pd(_mm256_unpacklo_ps(a, b)), _mm256_castps_pd(_mm256_unpacklo_ps(c, d)));
+        let (high_a, high_c) = (_mm256_castps_pd(_mm256_unpackhi_ps(a, b)), _mm256_castps_pd(_mm256_unpackhi_ps(c, d)));
+        [
+            _mm256_castpd_ps(_mm256_unpacklo_pd(low_a, low_c)),
+            _mm256_castpd_ps(_mm256_unpackhi_pd(low_a, low_c)),
+            _mm256_castpd_ps(_mm256_unpacklo_pd(high_a, high_c)),
+            _mm256_castpd_ps(_mm256_unpackhi_pd(high_a, high_c)),
+        ]
+    }
+}
+
+/// The octets of four bodies, transposed: first numbers of the four in the lower halves, fifth ones in the upper.
+///
+/// # Safety
+/// As for [`SingleLanes::load_octets`].
+#[inline(always)]
+unsafe fn four_octets(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: usize) -> [__m256; 4] {
+    // SAFETY: the caller's promise; octets are aligned to 32 bytes.
+    unsafe {
+        transposed_halves([
+            _mm256_load_ps(base.add(indices[lane] as usize).cast()),
+            _mm256_load_ps(base.add(indices[lane + 1] as usize).cast()),
+            _mm256_load_ps(base.add(indices[lane + 2] as usize).cast()),
+            _mm256_load_ps(base.add(indices[lane + 3] as usize).cast()),
+        ])
+    }
+}
+
+/// Writes what [`four_octets`] reads.
+///
+/// # Safety
+/// As for [`SingleLanes::store_octets`].
+#[inline(always)]
+unsafe fn put_four_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], lane: usize, four: [__m256; 4]) {
+    // SAFETY: the caller's promise; octets are aligned to 32 bytes.
+    unsafe {
+        let [a, b, c, d] = transposed_halves(four);
+        _mm256_store_ps(base.add(indices[lane] as usize).cast(), a);
+        _mm256_store_ps(base.add(indices[lane + 1] as usize).cast(), b);
+        _mm256_store_ps(base.add(indices[lane + 2] as usize).cast(), c);
+        _mm256_store_ps(base.add(indices[lane + 3] as usize).cast(), d);
+    }
+}
+
+/// The lower (0x20) or upper (0x31) halves of two registers in one.
+///
+/// # Safety
+/// AVX2.
+#[inline(always)]
+unsafe fn halves<const WHICH: i32>(a: __m256, b: __m256) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_permute2f128_ps::<WHICH>(a, b) }
+}
+
+impl SingleLanes for Avx2Single {
+    #[inline(always)]
+    fn load(from: &Sixteen) -> Avx2Single {
+        // SAFETY: see the type; `Sixteen` is aligned to 64 bytes.
+        Avx2Single(unsafe { [_mm256_load_ps(from.0.as_ptr()), _mm256_load_ps(from.0.as_ptr().add(8))] })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Sixteen) {
+        // SAFETY: as in `load`.
+        unsafe {
+            _mm256_store_ps(to.0.as_mut_ptr(), self.0[0]);
+            _mm256_store_ps(to.0.as_mut_ptr().add(8), self.0[1]);
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn load_octets(base: *const Octet, indices: &[u32; SINGLE_LANES]) -> [Avx2Single; 8] {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let (a, b) = (four_octets(base, indices, 0), four_octets(base, indices, 4));
+            let (c, d) = (four_octets(base, indices, 8), four_octets(base, indices, 12));
+            let mut out = [Avx2Single([a[0]; 2]); 8];
+            for part in 0..4 {
+                out[part] = Avx2Single([halves::<0x20>(a[part], b[part]), halves::<0x20>(c[part], d[part])]);
+                out[part + 4] = Avx2Single([halves::<0x31>(a[part], b[part]), halves::<0x31>(c[part], d[part])]);
+            }
+            out
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Avx2Single; 8]) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            for half in 0..2 {
+                let (mut low, mut high) = ([octets[0].0[half]; 4], [octets[0].0[half]; 4]);
+                for part in 0..4 {
+                    let (first, second) = (octets[part].0[half], octets[part + 4].0[half]);
+                    low[part] = halves::<0x20>(first, second);
+                    high[part] = halves::<0x31>(first, second);
+                }
+                put_four_octets(base, indices, 8 * half, low);
+                put_four_octets(base, indices, 8 * half + 4, high);
             }
         }
     }

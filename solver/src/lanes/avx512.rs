@@ -1,114 +1,138 @@
 //! Lanes in one 512-bit register. Only AVX-512F is used, which the Xeon Phi x200 has too.
 
-use super::{Eight, LANES, Lanes, Number, Quad};
+use super::{Eight, LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
-/// Eight numbers in a register. Code that makes one runs where AVX-512F was found: only [`super::InstructionSet::run`]
-/// names this type.
-#[derive(Clone, Copy)]
-pub struct Avx512(__m512d);
+/// A register of numbers of one precision, and the mask register that goes with it.
+macro_rules! register {
+    (
+        $(#[$about:meta])* $lanes:ident($register:ty), $mask:ident($bits:ty), $real:ty,
+        arithmetic: $add:ident $subtract:ident $multiply:ident $divide:ident $root:ident $magnitude:ident,
+        choice: $larger:ident $smaller:ident $compare:ident $blend:ident,
+        constants: $splat:ident $to_integer:ident $from_integer:ident $splat_integer:ident($sign:expr)
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy)]
+        pub struct $lanes($register);
 
-/// Eight truth values in a mask register.
-#[derive(Clone, Copy)]
-pub struct Avx512Mask(__mmask8);
+        /// Truth values in a mask register.
+        #[derive(Clone, Copy)]
+        pub struct $mask($bits);
 
-macro_rules! operator {
-    ($operator:ident, $method:ident, $intrinsic:ident) => {
-        impl $operator for Avx512 {
-            type Output = Avx512;
+        operator!($lanes, Add, add, $add);
+        operator!($lanes, Sub, sub, $subtract);
+        operator!($lanes, Mul, mul, $multiply);
+        operator!($lanes, Div, div, $divide);
+
+        impl Neg for $lanes {
+            type Output = $lanes;
             #[inline(always)]
-            fn $method(self, other: Avx512) -> Avx512 {
-                // SAFETY: the type exists only where AVX-512F does.
-                Avx512(unsafe { $intrinsic(self.0, other.0) })
+            fn neg(self) -> $lanes {
+                // SAFETY: see the type. The floating-point exclusive or belongs to AVX-512DQ; the integer one does the same.
+                $lanes(unsafe { $from_integer(_mm512_xor_si512($to_integer(self.0), $splat_integer($sign))) })
+            }
+        }
+
+        impl BitAnd for $mask {
+            type Output = $mask;
+            #[inline(always)]
+            fn bitand(self, other: $mask) -> $mask {
+                $mask(self.0 & other.0)
+            }
+        }
+
+        impl Not for $mask {
+            type Output = $mask;
+            #[inline(always)]
+            fn not(self) -> $mask {
+                $mask(!self.0)
+            }
+        }
+
+        impl Number for $lanes {
+            type Mask = $mask;
+
+            #[inline(always)]
+            fn splat(value: f64) -> $lanes {
+                // SAFETY: see the type.
+                $lanes(unsafe { $splat(value as $real) })
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> $lanes {
+                // SAFETY: see the type.
+                $lanes(unsafe { $root(self.0) })
+            }
+
+            #[inline(always)]
+            fn abs(self) -> $lanes {
+                // SAFETY: see the type.
+                $lanes(unsafe { $magnitude(self.0) })
+            }
+
+            #[inline(always)]
+            fn larger(self, other: $lanes) -> $lanes {
+                // SAFETY: see the type.
+                $lanes(unsafe { $larger(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn smaller(self, other: $lanes) -> $lanes {
+                // SAFETY: see the type.
+                $lanes(unsafe { $smaller(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn below(self, other: $lanes) -> $mask {
+                // SAFETY: see the type.
+                $mask(unsafe { $compare::<_CMP_LT_OQ>(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn at_most(self, other: $lanes) -> $mask {
+                // SAFETY: see the type.
+                $mask(unsafe { $compare::<_CMP_LE_OQ>(self.0, other.0) })
+            }
+
+            #[inline(always)]
+            fn select(mask: $mask, yes: $lanes, no: $lanes) -> $lanes {
+                // SAFETY: see the type.
+                $lanes(unsafe { $blend(mask.0, no.0, yes.0) })
             }
         }
     };
 }
-operator!(Add, add, _mm512_add_pd);
-operator!(Sub, sub, _mm512_sub_pd);
-operator!(Mul, mul, _mm512_mul_pd);
-operator!(Div, div, _mm512_div_pd);
 
-impl Neg for Avx512 {
-    type Output = Avx512;
-    #[inline(always)]
-    fn neg(self) -> Avx512 {
-        // SAFETY: as above. The floating-point exclusive or belongs to AVX-512DQ; the integer one does the same.
-        Avx512(unsafe {
-            let sign = _mm512_set1_epi64(i64::MIN);
-            _mm512_castsi512_pd(_mm512_xor_epi64(_mm512_castpd_si512(self.0), sign))
-        })
-    }
+macro_rules! operator {
+    ($lanes:ident, $operator:ident, $method:ident, $intrinsic:ident) => {
+        impl $operator for $lanes {
+            type Output = $lanes;
+            #[inline(always)]
+            fn $method(self, other: $lanes) -> $lanes {
+                // SAFETY: the type exists only where AVX-512F does.
+                $lanes(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
 }
 
-impl BitAnd for Avx512Mask {
-    type Output = Avx512Mask;
-    #[inline(always)]
-    fn bitand(self, other: Avx512Mask) -> Avx512Mask {
-        Avx512Mask(self.0 & other.0)
-    }
-}
+register!(
+    /// Eight numbers in a register. Code that makes one runs where AVX-512F was found: only [`super::InstructionSet::run`]
+    /// names this type.
+    Avx512(__m512d), Avx512Mask(__mmask8), f64,
+    arithmetic: _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd _mm512_abs_pd,
+    choice: _mm512_max_pd _mm512_min_pd _mm512_cmp_pd_mask _mm512_mask_blend_pd,
+    constants: _mm512_set1_pd _mm512_castpd_si512 _mm512_castsi512_pd _mm512_set1_epi64(i64::MIN)
+);
 
-impl Not for Avx512Mask {
-    type Output = Avx512Mask;
-    #[inline(always)]
-    fn not(self) -> Avx512Mask {
-        Avx512Mask(!self.0)
-    }
-}
-
-impl Number for Avx512 {
-    type Mask = Avx512Mask;
-
-    #[inline(always)]
-    fn splat(value: f64) -> Avx512 {
-        // SAFETY: see the type.
-        Avx512(unsafe { _mm512_set1_pd(value) })
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Avx512 {
-        // SAFETY: see the type.
-        Avx512(unsafe { _mm512_sqrt_pd(self.0) })
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Avx512 {
-        // SAFETY: see the type.
-        Avx512(unsafe { _mm512_abs_pd(self.0) })
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Avx512) -> Avx512 {
-        // SAFETY: see the type.
-        Avx512(unsafe { _mm512_max_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn smaller(self, other: Avx512) -> Avx512 {
-        // SAFETY: see the type.
-        Avx512(unsafe { _mm512_min_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn below(self, other: Avx512) -> Avx512Mask {
-        // SAFETY: see the type.
-        Avx512Mask(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn at_most(self, other: Avx512) -> Avx512Mask {
-        // SAFETY: see the type.
-        Avx512Mask(unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn select(mask: Avx512Mask, yes: Avx512, no: Avx512) -> Avx512 {
-        // SAFETY: see the type.
-        Avx512(unsafe { _mm512_mask_blend_pd(mask.0, no.0, yes.0) })
-    }
-}
+register!(
+    /// Sixteen numbers of single precision in a register, made where an [`Avx512`] is.
+    Avx512Single(__m512), Avx512SingleMask(__mmask16), f32,
+    arithmetic: _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_sqrt_ps _mm512_abs_ps,
+    choice: _mm512_max_ps _mm512_min_ps _mm512_cmp_ps_mask _mm512_mask_blend_ps,
+    constants: _mm512_set1_ps _mm512_castps_si512 _mm512_castsi512_ps _mm512_set1_epi32(i32::MIN)
+);
 
 /// Two rows of four in one register, the second in its upper half.
 ///
@@ -138,6 +162,8 @@ unsafe fn interleave_pairs(a: __m512d, b: __m512d) -> (__m512d, __m512d) {
 }
 
 impl Lanes for Avx512 {
+    type Single = Avx512Single;
+
     #[inline(always)]
     fn load(from: &Eight) -> Avx512 {
         // SAFETY: see the type; `Eight` is aligned to 64 bytes.
@@ -185,6 +211,132 @@ impl Lanes for Avx512 {
             put(1, b);
             put(2, c);
             put(3, d);
+        }
+    }
+}
+
+/// Matrices of four rows of four, transposed, one in each 128 bits.
+///
+/// # Safety
+/// AVX-512F.
+#[inline(always)]
+unsafe fn transposed(rows: [__m512; 4]) -> [__m512; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let [a, b, c, d] = rows;
+        let (low_a, low_c) = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
+        let (high_a, high_c) = (_mm512_castps_pd(_mm512_unpackhi_ps(a, b)), _mm512_castps_pd(_mm512_unpackhi_ps(c, d)));
+        [
+            _mm512_castpd_ps(_mm512_unpacklo_pd(low_a, low_c)),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(low_a, low_c)),
+            _mm512_castpd_ps(_mm512_unpacklo_pd(high_a, high_c)),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(high_a, high_c)),
+        ]
+    }
+}
+
+/// The lanes of four bodies out of the lower halves of two octets' lanes (`UPPER` 0), or out of the upper halves: those of
+/// the first, then those of the second, by 128 bits in turn.
+///
+/// # Safety
+/// AVX-512F.
+#[inline(always)]
+unsafe fn merge<const UPPER: i64>(first: Avx512Single, second: Avx512Single) -> __m512 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let at = 4 * UPPER;
+        let order = _mm512_setr_epi64(at, at + 1, at + 8, at + 9, at + 2, at + 3, at + 10, at + 11);
+        let (first, second) = (_mm512_castps_pd(first.0), _mm512_castps_pd(second.0));
+        _mm512_castpd_ps(_mm512_permutex2var_pd(first, order, second))
+    }
+}
+
+/// The rows `rows + lane` and `rows + lane + 4` of a group, in one register.
+///
+/// # Safety
+/// As for [`SingleLanes::load_octets`].
+#[inline(always)]
+unsafe fn octet_rows(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: usize) -> __m512 {
+    // SAFETY: the caller's promise; an octet is as large as a quad and as well aligned.
+    unsafe {
+        let (low, high) = (base.add(indices[lane] as usize), base.add(indices[lane + 4] as usize));
+        _mm512_castpd_ps(join(low.cast(), high.cast()))
+    }
+}
+
+/// Writes what [`octet_rows`] reads.
+///
+/// # Safety
+/// As for [`SingleLanes::store_octets`].
+#[inline(always)]
+unsafe fn put_octet_rows(base: *mut Octet, indices: &[u32; SINGLE_LANES], lane: usize, rows: __m512) {
+    // SAFETY: the caller's promise; octets are aligned to 32 bytes.
+    unsafe {
+        let rows = _mm512_castps_pd(rows);
+        let (low, high) = (base.add(indices[lane] as usize), base.add(indices[lane + 4] as usize));
+        _mm256_store_pd(low.cast(), _mm512_castpd512_pd256(rows));
+        _mm256_store_pd(high.cast(), _mm512_extractf64x4_pd::<1>(rows));
+    }
+}
+
+impl SingleLanes for Avx512Single {
+    #[inline(always)]
+    fn load(from: &Sixteen) -> Avx512Single {
+        // SAFETY: see the type; `Sixteen` is aligned to 64 bytes.
+        Avx512Single(unsafe { _mm512_load_ps(from.0.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Sixteen) {
+        // SAFETY: as in `load`.
+        unsafe { _mm512_store_ps(to.0.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    unsafe fn load_octets(base: *const Octet, indices: &[u32; SINGLE_LANES]) -> [Avx512Single; 8] {
+        // SAFETY: the caller's promise.
+        unsafe {
+            // First and second four numbers of bodies 0 to 3 and of 4 to 7; and the same of 8 to 15.
+            let [a, b, c, d] = transposed([
+                octet_rows(base, indices, 0),
+                octet_rows(base, indices, 1),
+                octet_rows(base, indices, 2),
+                octet_rows(base, indices, 3),
+            ]);
+            let [e, f, g, h] = transposed([
+                octet_rows(base, indices, 8),
+                octet_rows(base, indices, 9),
+                octet_rows(base, indices, 10),
+                octet_rows(base, indices, 11),
+            ]);
+            [
+                Avx512Single(_mm512_shuffle_f32x4::<0x88>(a, e)),
+                Avx512Single(_mm512_shuffle_f32x4::<0x88>(b, f)),
+                Avx512Single(_mm512_shuffle_f32x4::<0x88>(c, g)),
+                Avx512Single(_mm512_shuffle_f32x4::<0x88>(d, h)),
+                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(a, e)),
+                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(b, f)),
+                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(c, g)),
+                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(d, h)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Avx512Single; 8]) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let [x, y, z, w, p, q, r, s] = octets;
+            let [a, b, c, d] = transposed([merge::<0>(x, p), merge::<0>(y, q), merge::<0>(z, r), merge::<0>(w, s)]);
+            put_octet_rows(base, indices, 0, a);
+            put_octet_rows(base, indices, 1, b);
+            put_octet_rows(base, indices, 2, c);
+            put_octet_rows(base, indices, 3, d);
+            let [a, b, c, d] = transposed([merge::<1>(x, p), merge::<1>(y, q), merge::<1>(z, r), merge::<1>(w, s)]);
+            put_octet_rows(base, indices, 8, a);
+            put_octet_rows(base, indices, 9, b);
+            put_octet_rows(base, indices, 10, c);
+            put_octet_rows(base, indices, 11, d);
         }
     }
 }

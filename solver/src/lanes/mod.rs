@@ -27,19 +27,27 @@ pub const LANES: usize = 8;
 /// sweep are fetched twice as far ahead. Two to eight are about as good: `docs/memory.md` tells what was measured.
 pub const PREFETCH: usize = 4;
 
+/// Number of contacts in a lane group in single precision: two groups side by side.
+pub const SINGLE_LANES: usize = 2 * LANES;
+
 /// Eight `f64` in memory, one a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Eight(pub [f64; LANES]);
 
-/// One `f64` or several, with the operations that kernels are made of.
+/// Sixteen `f32` in memory, one a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct Sixteen(pub [f32; SINGLE_LANES]);
+
+/// One number or several of one precision, with the operations that kernels are made of.
 pub trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// A truth value a lane.
     type Mask: Copy + BitAnd<Output = Self::Mask> + Not<Output = Self::Mask>;
 
-    /// The same number in each lane.
+    /// The same number in each lane, rounded to the precision of the lanes.
     fn splat(value: f64) -> Self;
     /// Correctly rounded square root.
     fn sqrt(self) -> Self;
@@ -68,6 +76,9 @@ pub trait Number:
 /// Records of bodies, spheres and impulses are kept as [`Quad`]s. Eight of them are loaded as aligned halves of cache
 /// lines and transposed in registers: gathers are slower on every processor that was tried.
 pub trait Lanes: Number {
+    /// Sixteen lanes of single precision in the same registers.
+    type Single: SingleLanes;
+
     /// Reads eight numbers.
     fn load(from: &Eight) -> Self;
 
@@ -90,10 +101,36 @@ pub trait Lanes: Number {
     unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Self; 4]);
 }
 
+/// Sixteen lanes of single precision. A body is one [`Octet`] there.
+pub trait SingleLanes: Number {
+    /// Reads sixteen numbers.
+    fn load(from: &Sixteen) -> Self;
+
+    /// Writes sixteen numbers.
+    fn store(self, to: &mut Sixteen);
+
+    /// Reads the octets `base + indices[lane]` and transposes them.
+    ///
+    /// # Safety
+    /// Each of these octets must lie in memory that may be read.
+    unsafe fn load_octets(base: *const Octet, indices: &[u32; SINGLE_LANES]) -> [Self; 8];
+
+    /// Transposes and writes the octets `base + indices[lane]`.
+    ///
+    /// # Safety
+    /// Each of these octets must lie in memory that may be written, and nothing else may use it meanwhile.
+    unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Self; 8]);
+}
+
 /// Four numbers that are read together: half a cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub struct Quad(pub [f64; 4]);
+
+/// Eight numbers of single precision that are read together: half a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct Octet(pub [f32; 8]);
 
 /// Scalar product.
 #[inline(always)]
@@ -178,7 +215,7 @@ impl InstructionSet {
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 => unsafe { run_avx2(kernel) },
-            _ => kernel.run::<portable::Portable>(),
+            _ => kernel.run::<portable::Portable<f64, LANES>>(),
         }
     }
 }

@@ -3,40 +3,82 @@
 // One index runs over several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::{Eight, LANES, Lanes, Number, Quad};
+use super::{Eight, LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
-/// Eight numbers as an array.
+/// `N` numbers as an array.
 #[derive(Clone, Copy)]
-pub struct Portable([f64; LANES]);
+pub struct Portable<T, const N: usize>([T; N]);
 
-/// Eight truth values as an array.
+/// `N` truth values as an array.
 #[derive(Clone, Copy)]
-pub struct PortableMask([bool; LANES]);
+pub struct PortableMask<const N: usize>([bool; N]);
 
-impl Portable {
+/// A precision: `f64` or `f32`.
+pub trait Real:
+    Copy
+    + PartialOrd
+    + Default
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The nearest number of this precision.
+    fn nearest(value: f64) -> Self;
+    /// Correctly rounded square root.
+    fn root(self) -> Self;
+    /// Magnitude.
+    fn magnitude(self) -> Self;
+}
+
+macro_rules! real {
+    ($real:ty) => {
+        impl Real for $real {
+            #[inline(always)]
+            fn nearest(value: f64) -> $real {
+                value as $real
+            }
+
+            #[inline(always)]
+            fn root(self) -> $real {
+                self.sqrt()
+            }
+
+            #[inline(always)]
+            fn magnitude(self) -> $real {
+                self.abs()
+            }
+        }
+    };
+}
+real!(f64);
+real!(f32);
+
+impl<T: Real, const N: usize> Portable<T, N> {
     #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> Portable {
-        let mut out = [0.0; LANES];
-        for lane in 0..LANES {
+    fn map(self, f: impl Fn(T) -> T) -> Self {
+        let mut out = [T::default(); N];
+        for lane in 0..N {
             out[lane] = f(self.0[lane]);
         }
         Portable(out)
     }
 
     #[inline(always)]
-    fn zip(self, other: Portable, f: impl Fn(f64, f64) -> f64) -> Portable {
-        let mut out = [0.0; LANES];
-        for lane in 0..LANES {
+    fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
+        let mut out = [T::default(); N];
+        for lane in 0..N {
             out[lane] = f(self.0[lane], other.0[lane]);
         }
         Portable(out)
     }
 
     #[inline(always)]
-    fn test(self, other: Portable, f: impl Fn(&f64, &f64) -> bool) -> PortableMask {
-        let mut out = [false; LANES];
-        for lane in 0..LANES {
+    fn test(self, other: Self, f: impl Fn(&T, &T) -> bool) -> PortableMask<N> {
+        let mut out = [false; N];
+        for lane in 0..N {
             out[lane] = f(&self.0[lane], &other.0[lane]);
         }
         PortableMask(out)
@@ -45,10 +87,10 @@ impl Portable {
 
 macro_rules! operator {
     ($operator:ident, $method:ident, $symbol:tt) => {
-        impl $operator for Portable {
-            type Output = Portable;
+        impl<T: Real, const N: usize> $operator for Portable<T, N> {
+            type Output = Self;
             #[inline(always)]
-            fn $method(self, other: Portable) -> Portable {
+            fn $method(self, other: Self) -> Self {
                 self.zip(other, |a, b| a $symbol b)
             }
         }
@@ -59,81 +101,83 @@ operator!(Sub, sub, -);
 operator!(Mul, mul, *);
 operator!(Div, div, /);
 
-impl Neg for Portable {
-    type Output = Portable;
+impl<T: Real, const N: usize> Neg for Portable<T, N> {
+    type Output = Self;
     #[inline(always)]
-    fn neg(self) -> Portable {
+    fn neg(self) -> Self {
         self.map(|value| -value)
     }
 }
 
-impl BitAnd for PortableMask {
-    type Output = PortableMask;
+impl<const N: usize> BitAnd for PortableMask<N> {
+    type Output = Self;
     #[inline(always)]
-    fn bitand(self, other: PortableMask) -> PortableMask {
+    fn bitand(self, other: Self) -> Self {
         PortableMask(std::array::from_fn(|lane| self.0[lane] & other.0[lane]))
     }
 }
 
-impl Not for PortableMask {
-    type Output = PortableMask;
+impl<const N: usize> Not for PortableMask<N> {
+    type Output = Self;
     #[inline(always)]
-    fn not(self) -> PortableMask {
+    fn not(self) -> Self {
         PortableMask(self.0.map(|truth| !truth))
     }
 }
 
-impl Number for Portable {
-    type Mask = PortableMask;
+impl<T: Real, const N: usize> Number for Portable<T, N> {
+    type Mask = PortableMask<N>;
 
     #[inline(always)]
-    fn splat(value: f64) -> Portable {
-        Portable([value; LANES])
+    fn splat(value: f64) -> Self {
+        Portable([T::nearest(value); N])
     }
 
     #[inline(always)]
-    fn sqrt(self) -> Portable {
-        self.map(f64::sqrt)
+    fn sqrt(self) -> Self {
+        self.map(T::root)
     }
 
     #[inline(always)]
-    fn abs(self) -> Portable {
-        self.map(f64::abs)
+    fn abs(self) -> Self {
+        self.map(T::magnitude)
     }
 
     #[inline(always)]
-    fn larger(self, other: Portable) -> Portable {
+    fn larger(self, other: Self) -> Self {
         self.zip(other, |a, b| if a > b { a } else { b })
     }
 
     #[inline(always)]
-    fn smaller(self, other: Portable) -> Portable {
+    fn smaller(self, other: Self) -> Self {
         self.zip(other, |a, b| if a < b { a } else { b })
     }
 
     #[inline(always)]
-    fn below(self, other: Portable) -> PortableMask {
-        self.test(other, f64::lt)
+    fn below(self, other: Self) -> PortableMask<N> {
+        self.test(other, T::lt)
     }
 
     #[inline(always)]
-    fn at_most(self, other: Portable) -> PortableMask {
-        self.test(other, f64::le)
+    fn at_most(self, other: Self) -> PortableMask<N> {
+        self.test(other, T::le)
     }
 
     #[inline(always)]
-    fn select(mask: PortableMask, yes: Portable, no: Portable) -> Portable {
-        let mut out = [0.0; LANES];
-        for lane in 0..LANES {
+    fn select(mask: PortableMask<N>, yes: Self, no: Self) -> Self {
+        let mut out = [T::default(); N];
+        for lane in 0..N {
             out[lane] = if mask.0[lane] { yes.0[lane] } else { no.0[lane] };
         }
         Portable(out)
     }
 }
 
-impl Lanes for Portable {
+impl Lanes for Portable<f64, LANES> {
+    type Single = Portable<f32, SINGLE_LANES>;
+
     #[inline(always)]
-    fn load(from: &Eight) -> Portable {
+    fn load(from: &Eight) -> Self {
         Portable(from.0)
     }
 
@@ -143,7 +187,7 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn bits(mask: PortableMask) -> u32 {
+    fn bits(mask: PortableMask<LANES>) -> u32 {
         let mut bits = 0;
         for lane in 0..LANES {
             bits |= u32::from(mask.0[lane]) << lane;
@@ -152,7 +196,7 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    unsafe fn load_quads<const STRIDE: usize>(base: *const Quad, indices: &[u32; LANES]) -> [Portable; 4] {
+    unsafe fn load_quads<const STRIDE: usize>(base: *const Quad, indices: &[u32; LANES]) -> [Self; 4] {
         let mut out = [Portable([0.0; LANES]); 4];
         for lane in 0..LANES {
             // SAFETY: the caller's promise.
@@ -165,11 +209,45 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Portable; 4]) {
+    unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Self; 4]) {
         for lane in 0..LANES {
             let quad = Quad(std::array::from_fn(|part| quads[part].0[lane]));
             // SAFETY: the caller's promise.
             unsafe { *base.add(STRIDE * indices[lane] as usize) = quad };
+        }
+    }
+}
+
+impl SingleLanes for Portable<f32, SINGLE_LANES> {
+    #[inline(always)]
+    fn load(from: &Sixteen) -> Self {
+        Portable(from.0)
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Sixteen) {
+        to.0 = self.0;
+    }
+
+    #[inline(always)]
+    unsafe fn load_octets(base: *const Octet, indices: &[u32; SINGLE_LANES]) -> [Self; 8] {
+        let mut out = [Portable([0.0; SINGLE_LANES]); 8];
+        for lane in 0..SINGLE_LANES {
+            // SAFETY: the caller's promise.
+            let octet = unsafe { (*base.add(indices[lane] as usize)).0 };
+            for part in 0..8 {
+                out[part].0[lane] = octet[part];
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Self; 8]) {
+        for lane in 0..SINGLE_LANES {
+            let octet = Octet(std::array::from_fn(|part| octets[part].0[lane]));
+            // SAFETY: the caller's promise.
+            unsafe { *base.add(indices[lane] as usize) = octet };
         }
     }
 }

@@ -7,7 +7,40 @@ const OTHERS: [f64; 8] = [0.1, 0.0, -0.0, -2.25, 7.0, 2.0, 1.0, -4.0];
 
 struct Operations<'a> {
     results: &'a mut Vec<Eight>,
+    singles: &'a mut Vec<Sixteen>,
     bits: &'a mut Vec<u32>,
+}
+
+/// The values, then the values negated.
+fn sixteen(values: [f64; 8]) -> Sixteen {
+    Sixteen(std::array::from_fn(|lane| values[lane % 8] as f32 * if lane < 8 { 1.0 } else { -1.0 }))
+}
+
+/// Every operation in single precision.
+#[inline(always)]
+fn single_operations<S: SingleLanes>(results: &mut Vec<Sixteen>) {
+    let (a, b) = (S::load(&sixteen(VALUES)), S::load(&sixteen(OTHERS)));
+    let masks = [a.below(b), a.at_most(b), !a.below(b), a.at_most(b) & !a.below(b)];
+    let values = [a + b, a - b, a * b, a / b, -a, a.abs().sqrt(), a.larger(b), a.smaller(b), S::splat(0.1)];
+    let selected = masks.map(|mask| S::select(mask, a, b));
+    let mut put = |value: S| {
+        let mut out = Sixteen::default();
+        value.store(&mut out);
+        results.push(out);
+    };
+    values.into_iter().chain(selected).for_each(&mut put);
+    let mut records: Vec<Octet> = (0..40).map(|i| Octet(std::array::from_fn(|part| (8 * i + part) as f32))).collect();
+    let indices = [3, 0, 17, 12, 5, 6, 19, 1, 39, 21, 33, 30, 22, 27, 35, 8];
+    // SAFETY: all indices are below 40, and the vector is this function's own.
+    unsafe {
+        let octets = S::load_octets(records.as_ptr(), &indices);
+        octets.into_iter().for_each(&mut put);
+        S::store_octets(records.as_mut_ptr(), &indices, octets.map(|part| part + part));
+    }
+    for pair in records.chunks_exact(2) {
+        let both: Vec<f32> = pair.iter().flat_map(|octet| octet.0).collect();
+        results.push(Sixteen(both.try_into().expect("two octets are sixteen numbers")));
+    }
 }
 
 impl Kernel for Operations<'_> {
@@ -42,21 +75,25 @@ impl Kernel for Operations<'_> {
             let both: Vec<f64> = pair.iter().flat_map(|quad| quad.0).collect();
             self.results.push(Eight(both.try_into().expect("two quads are eight numbers")));
         }
+        single_operations::<L::Single>(self.singles);
     }
 }
 
 #[test]
 fn instruction_sets_agree_on_every_operation() {
     let run = |set: InstructionSet| {
-        let (mut results, mut bits) = (Vec::new(), Vec::new());
-        set.run(Operations { results: &mut results, bits: &mut bits });
+        let (mut results, mut singles, mut bits) = (Vec::new(), Vec::new(), Vec::new());
+        set.run(Operations { results: &mut results, singles: &mut singles, bits: &mut bits });
         // Every NaN is as good as any other: IEEE leaves their payload open.
         let plain = |x: f64| if x.is_nan() { u64::MAX } else { x.to_bits() };
-        (results.iter().map(|eight| eight.0.map(plain)).collect::<Vec<_>>(), bits)
+        let singles: Vec<_> = singles.iter().map(|sixteen| sixteen.0.map(|x| plain(x.into()))).collect();
+        (results.iter().map(|eight| eight.0.map(plain)).collect::<Vec<_>>(), bits, singles)
     };
     let generic = run(InstructionSet::Generic);
     assert_eq!(generic.1[0], 0b0001_0000, "only 1e-310 is below its partner");
     assert_eq!(generic.0[13][2], 136_f64.to_bits(), "first number of quad 2 * 17");
+    assert_eq!(generic.2[13][2], 136_f64.to_bits(), "first number of octet 17");
+    assert_eq!(generic.2[20][15], (8.0 * 8.0 + 7.0_f64).to_bits(), "last number of octet 8");
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
         assert_eq!(run(set), generic, "{set:?}");
     }

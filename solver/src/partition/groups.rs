@@ -5,22 +5,22 @@ use crate::lanes::{Eight, LANES};
 /// Marks a lane that holds no contact.
 const NO_SOURCE: u32 = u32::MAX;
 
-/// Constraint data and impulses of eight contacts.
+/// Constraint data and impulses of eight contacts, or of sixteen in single precision.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub struct ContactLanes {
+pub struct ContactLanes<Several = Eight> {
     /// Unit normals from the first body to the second, or to the wall.
-    pub normal: [Eight; 3],
+    pub normal: [Several; 3],
     /// Biases q, m/s.
-    pub bias: Eight,
+    pub bias: Several,
     /// Regularisations Sigma', 1/kg.
-    pub regularisation: Eight,
+    pub regularisation: Several,
     /// Friction coefficients.
-    pub friction: Eight,
+    pub friction: Several,
     /// Normal impulses, N s.
-    pub impulse_normal: Eight,
+    pub impulse_normal: Several,
     /// Tangential impulses on the second body, or on the wall, N s.
-    pub impulse_tangential: [Eight; 3],
+    pub impulse_tangential: [Several; 3],
 }
 
 /// Eight contacts of pairs of grains that share no body.
@@ -75,7 +75,7 @@ impl PairGroup {
         PairGroup { first, second, contacts: ContactLanes::default() }
     }
 
-    fn padding_places(dummies: u32) -> [[u32; LANES]; 2] {
+    pub(super) fn padding_places(dummies: u32) -> [[u32; LANES]; 2] {
         [0, LANES as u32].map(|side| std::array::from_fn(|lane| dummies + side + lane as u32))
     }
 

@@ -14,8 +14,8 @@
 
 use super::residual::LaneResidual;
 use crate::effects::friction::disc_shrinkage;
-use crate::lanes::{Eight, LANES, Lanes, Number, Quad, cross, dot, minus, plus, times};
-use crate::partition::ContactLanes;
+use crate::lanes::{LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, cross, dot, minus, plus, times};
+use crate::partition::{ContactLanes, SingleBody};
 use crate::world::Body;
 
 /// Inverse of `I/(m r^2)` for a solid sphere.
@@ -64,6 +64,32 @@ impl<L: Lanes> Bodies<L> {
     }
 }
 
+impl<S: SingleLanes> Bodies<S> {
+    /// Loads sixteen bodies in single precision.
+    ///
+    /// # Safety
+    /// As for `load`.
+    #[inline(always)]
+    pub unsafe fn load_single(bodies: *const SingleBody, places: &[u32; SINGLE_LANES]) -> Self {
+        // SAFETY: the caller's promise; a body is an octet.
+        let [x, y, z, inverse_mass, along_x, along_y, along_z, spare] =
+            unsafe { S::load_octets(bodies.cast::<Octet>(), places) };
+        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], spare }
+    }
+
+    /// Stores sixteen bodies in single precision.
+    ///
+    /// # Safety
+    /// As for `load`.
+    #[inline(always)]
+    pub unsafe fn store_single(self, bodies: *mut SingleBody, places: &[u32; SINGLE_LANES]) {
+        let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.surface_speed);
+        let octets = [x, y, z, self.inverse_mass, along_x, along_y, along_z, self.spare];
+        // SAFETY: the caller's promise; a body is an octet.
+        unsafe { S::store_octets(bodies.cast::<Octet>(), places, octets) };
+    }
+}
+
 impl Bodies<f64> {
     /// One body.
     pub fn of(body: &Body) -> Self {
@@ -104,7 +130,7 @@ pub(super) struct Contact<N> {
 impl<N: Number> Contact<N> {
     /// Reads a contact, number by number.
     #[inline(always)]
-    pub fn read(contacts: &ContactLanes, number: impl Fn(&Eight) -> N) -> Self {
+    pub fn read<S>(contacts: &ContactLanes<S>, number: impl Fn(&S) -> N) -> Self {
         Self {
             normal: contacts.normal.each_ref().map(&number),
             bias: number(&contacts.bias),
@@ -117,7 +143,7 @@ impl<N: Number> Contact<N> {
 
     /// Writes its impulses back.
     #[inline(always)]
-    pub fn write<const FRICTION: bool>(&self, contacts: &mut ContactLanes, number: impl Fn(N, &mut Eight)) {
+    pub fn write<const FRICTION: bool, S>(&self, contacts: &mut ContactLanes<S>, number: impl Fn(N, &mut S)) {
         number(self.impulse_normal, &mut contacts.impulse_normal);
         if FRICTION {
             for axis in 0..3 {

@@ -4,6 +4,7 @@ mod count;
 mod kernel;
 mod residual;
 mod scalar;
+mod single;
 
 pub use count::Operations;
 pub(crate) use residual::TaskResidual;
@@ -22,7 +23,7 @@ use residual::LaneResidual;
 pub struct Relaxation {
     /// Instruction set of the kernel.
     pub instruction_set: InstructionSet,
-    /// One contact at a time instead of eight: what lanes are measured against.
+    /// One contact at a time instead of eight: what lanes are measured against. In double precision only.
     pub scalar: bool,
     /// Whether contacts have friction; without it bodies carry no spin through the sweep.
     pub friction: bool,
@@ -143,7 +144,7 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, M
                 contact.relax_pair::<FRICTION, MEASURE>(&mut first, &mut second, factor, &mut residual);
                 first.store::<FRICTION>(self.bodies, &group.first);
                 second.store::<FRICTION>(self.bodies, &group.second);
-                contact.write::<FRICTION>(&mut group.contacts, L::store);
+                contact.write::<FRICTION, _>(&mut group.contacts, L::store);
             }
         }
         for group in &mut self.groups.walls {
@@ -154,7 +155,7 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, M
                 let wall_velocity = group.wall_velocity.each_ref().map(L::load);
                 contact.relax_wall::<FRICTION, MEASURE>(&mut grain, wall_velocity, factor, &mut residual);
                 grain.store::<FRICTION>(self.bodies, &group.body);
-                contact.write::<FRICTION>(&mut group.contacts, L::store);
+                contact.write::<FRICTION, _>(&mut group.contacts, L::store);
             }
         }
         if MEASURE {

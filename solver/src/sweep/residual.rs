@@ -1,6 +1,6 @@
 //! How far a sweep still moved the contacts: |delta lambda| S, in m/s, for the normal and two tangential directions.
 
-use crate::lanes::{Eight, Lanes, Number, dot};
+use crate::lanes::{Eight, LANES, Lanes, Number, SingleLanes, Sixteen, dot};
 use serde::{Deserialize, Serialize};
 
 /// Root mean square and maximum of a residual over all contacts, m/s.
@@ -97,6 +97,25 @@ impl<L: Lanes> LaneResidual<L> {
     }
 }
 
+impl<S: SingleLanes> LaneResidual<S> {
+    /// Adds the sums of sixteen lanes, two by two.
+    #[inline(always)]
+    pub fn add_to(self, to: &mut TaskResidual) {
+        for direction in 0..3 {
+            let [mut squares, mut largest] = [Sixteen::default(); 2];
+            self.squares[direction].store(&mut squares);
+            self.largest[direction].store(&mut largest);
+            for lane in 0..LANES {
+                let halves = |sixteen: &Sixteen| [lane, LANES + lane].map(|lane| f64::from(sixteen.0[lane]));
+                let ([low, high], [a, b]) = (halves(&squares), halves(&largest));
+                to.squares[direction].0[lane] += low + high;
+                let all = &mut to.largest[direction].0[lane];
+                *all = all.larger(a.larger(b));
+            }
+        }
+    }
+}
+
 impl TaskResidual {
     /// Adds what one lane did.
     pub(super) fn add_lane(&mut self, lane: usize, own: LaneResidual<f64>) {
@@ -110,7 +129,7 @@ impl TaskResidual {
     /// Adds the sums of another task; callers keep the order of tasks.
     pub fn merge(&mut self, other: &TaskResidual) {
         for direction in 0..3 {
-            for lane in 0..crate::lanes::LANES {
+            for lane in 0..LANES {
                 self.squares[direction].0[lane] += other.squares[direction].0[lane];
                 let largest = &mut self.largest[direction].0[lane];
                 *largest = largest.larger(other.largest[direction].0[lane]);

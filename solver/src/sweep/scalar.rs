@@ -27,7 +27,7 @@ pub(super) unsafe fn sweep<const FRICTION: bool, const MEASURE: bool>(
             contact.relax_pair::<FRICTION, MEASURE>(&mut first, &mut second, relaxation, &mut own);
             put::<FRICTION>(at(a), &first);
             put::<FRICTION>(at(b), &second);
-            contact.write::<FRICTION>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
+            contact.write::<FRICTION, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
             if MEASURE {
                 residual.add_lane(lane, own);
             }
@@ -42,7 +42,7 @@ pub(super) unsafe fn sweep<const FRICTION: bool, const MEASURE: bool>(
             let mut own = LaneResidual::zero();
             contact.relax_wall::<FRICTION, MEASURE>(&mut grain, wall_velocity, relaxation, &mut own);
             put::<FRICTION>(at(place), &grain);
-            contact.write::<FRICTION>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
+            contact.write::<FRICTION, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
             if MEASURE {
                 residual.add_lane(lane, own);
             }

@@ -1,5 +1,6 @@
 //! The page on the sweep's instructions says what there is.
 
+use super::single::SingleSweep;
 use super::*;
 use crate::lanes::disassembly::{address_of, kernels_at, knights_corner_mnemonics};
 use std::collections::BTreeSet;
@@ -25,6 +26,10 @@ fn the_page_lists_every_instruction_of_the_sweep() {
         address_of::<Sweep<'static, false, true>>(),
         address_of::<Sweep<'static, true, false>>(),
         address_of::<Sweep<'static, true, true>>(),
+        address_of::<SingleSweep<'static, false, false>>(),
+        address_of::<SingleSweep<'static, false, true>>(),
+        address_of::<SingleSweep<'static, true, false>>(),
+        address_of::<SingleSweep<'static, true, true>>(),
     ];
     let kernels = kernels_at(&addresses);
     assert_eq!(kernels.len(), addresses.len(), "kernels of the sweep found by address");

@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use makadam::lanes::{InstructionSet, PREFETCH};
+use makadam::scene::Precision;
 use makadam::schedule::Scheduler;
 use std::path::PathBuf;
 
@@ -58,6 +59,9 @@ pub struct RunArguments {
     /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor.
     #[arg(long, default_value_t = PREFETCH as u16, value_parser = clap::value_parser!(u16).range(..=1024))]
     pub prefetch: u16,
+    /// Precision of the sweeps; the scene's, if absent. The result depends on it.
+    #[arg(long, value_enum)]
+    pub precision: Option<PrecisionName>,
     /// Steps to take, in place of the scene's duration.
     #[arg(long)]
     pub steps: Option<u64>,
@@ -86,6 +90,24 @@ impl From<SchedulerName> for Scheduler {
             SchedulerName::Serial => Scheduler::Serial,
             SchedulerName::CentralQueue => Scheduler::CentralQueue,
             SchedulerName::WorkStealing => Scheduler::WorkStealing,
+        }
+    }
+}
+
+/// A precision of the sweeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PrecisionName {
+    /// 64 bits, eight contacts at a time.
+    Double,
+    /// 32 bits, sixteen contacts at a time.
+    Single,
+}
+
+impl From<PrecisionName> for Precision {
+    fn from(name: PrecisionName) -> Precision {
+        match name {
+            PrecisionName::Double => Precision::Double,
+            PrecisionName::Single => Precision::Single,
         }
     }
 }

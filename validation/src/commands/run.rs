@@ -34,7 +34,7 @@ const COLUMNS: [&str; 8] = [
 
 /// Simulates a scene.
 pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let (file, scene) = load(&arguments.scene)?;
+    let (file, mut scene) = load(&arguments.scene)?;
     let seed = arguments.seed.unwrap_or(scene.seed);
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join(file_stem(&scene.name)));
     let execution = Execution {
@@ -43,8 +43,12 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         instruction_set: arguments.isa.map_or_else(InstructionSet::detect, InstructionSet::from),
         prefetch: usize::from(arguments.prefetch),
     };
+    let (mut simulation, _) = begin(&scene, seed, &file, &execution, console)?;
+    if let Some(precision) = arguments.precision {
+        scene.solver.precision = precision.into();
+        simulation.use_precision(scene.solver.precision);
+    }
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
-    let (simulation, _) = begin(&scene, seed, &file, &execution, console)?;
     create_folder(&output)?;
     let mut session = Session {
         started: simulation.time(),

@@ -1,0 +1,284 @@
+//! The same bodies and lane groups in single precision: half the memory, and sixteen contacts a group.
+//!
+//! A step is laid out in double precision. For its sweeps alone bodies and constraint data are rounded to `f32`; two groups
+//! that follow each other become one where they share no body. Afterwards impulses go back as they are, and each body
+//! receives the change of its velocity, so that what no contact touches is not rounded.
+
+use super::{ContactLanes, Layout, PairGroup, TaskGroups, WallGroup};
+use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
+use crate::schedule::{Disjoint, Phase, Team};
+use crate::world::{Body, World, chunk, chunks};
+
+/// Dynamic state of a grain in single precision: half a cache line, laid out as [`Body`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub(crate) struct SingleBody {
+    velocity: [f32; 3],
+    inverse_mass: f32,
+    surface_speed: [f32; 3],
+    spare: f32,
+}
+
+/// Sixteen contacts of pairs of grains that share no body.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct SinglePairGroup {
+    pub first: [u32; SINGLE_LANES],
+    pub second: [u32; SINGLE_LANES],
+    pub contacts: ContactLanes<Sixteen>,
+}
+
+/// Sixteen contacts of different grains with walls.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct SingleWallGroup {
+    pub body: [u32; SINGLE_LANES],
+    pub wall_velocity: [Sixteen; 3],
+    pub contacts: ContactLanes<Sixteen>,
+}
+
+/// Lane groups of one task.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SingleGroups {
+    pub pairs: Vec<SinglePairGroup>,
+    pub walls: Vec<SingleWallGroup>,
+    /// How many groups of eight each group was made of, pairs before walls.
+    joined: Vec<u8>,
+}
+
+/// Bodies and lane groups of a step in single precision; empty where a scene does not ask for it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SingleCopy {
+    pub bodies: Vec<SingleBody>,
+    /// By the number of the task, as in [`Layout`].
+    pub groups: Vec<SingleGroups>,
+}
+
+impl SingleBody {
+    fn of(body: &Body) -> SingleBody {
+        SingleBody {
+            velocity: body.velocity.map(|component| component as f32),
+            inverse_mass: body.inverse_mass as f32,
+            surface_speed: body.surface_speed.map(|component| component as f32),
+            spare: body.spare as f32,
+        }
+    }
+
+    /// Adds to a body how this one has changed since it was made of it.
+    fn give_change(&self, body: &mut Body) {
+        let before = SingleBody::of(body);
+        for axis in 0..3 {
+            body.velocity[axis] += f64::from(self.velocity[axis]) - f64::from(before.velocity[axis]);
+            body.surface_speed[axis] += f64::from(self.surface_speed[axis]) - f64::from(before.surface_speed[axis]);
+        }
+    }
+}
+
+impl SingleCopy {
+    /// Rounds bodies and the lane groups that a step has laid out.
+    pub fn take(&mut self, world: &World, layout: &Layout, set: InstructionSet, team: &Team) {
+        let bodies = &world.bodies;
+        self.bodies.resize(bodies.len(), SingleBody::default());
+        self.groups.resize_with(layout.groups.len(), SingleGroups::default);
+        let (copies, groups) = (Disjoint::new(&mut self.bodies), Disjoint::new(&mut self.groups));
+        team.each(Phase::Sweep, chunks(bodies.len()), |number| {
+            let places = chunk(number, bodies.len());
+            // SAFETY: chunks do not overlap.
+            let copies = unsafe { copies.range(places.clone()) };
+            copies.iter_mut().zip(&bodies[places]).for_each(|(copy, body)| *copy = SingleBody::of(body));
+        });
+        let (tasks, batches) = (layout.plan.tasks(), layout.plan.all_batches());
+        team.each(Phase::Sweep, batches.len(), |batch| {
+            for task in &tasks[batches[batch].clone()] {
+                let number = task.number as usize;
+                // SAFETY: each task has its own groups.
+                let copy = unsafe { groups.at(number) };
+                let (grains, dummies) = (world.grains() as u32, world.dummies_of(task.home as usize));
+                set.run(Take { copy, task: &layout.groups[number], grains, dummies });
+            }
+        });
+    }
+
+    /// Gives the impulses, and the change of each body's velocities, back.
+    pub fn give_back(&self, bodies: &mut [Body], layout: &mut Layout, team: &Team) {
+        let count = bodies.len();
+        let bodies = Disjoint::new(bodies);
+        team.each(Phase::Sweep, chunks(count), |number| {
+            let places = chunk(number, count);
+            // SAFETY: chunks do not overlap.
+            let bodies = unsafe { bodies.range(places.clone()) };
+            bodies.iter_mut().zip(&self.bodies[places]).for_each(|(body, copy)| copy.give_change(body));
+        });
+        let (tasks, batches) = (layout.plan.tasks(), layout.plan.all_batches());
+        let groups = Disjoint::new(&mut layout.groups);
+        team.each(Phase::Sweep, batches.len(), |batch| {
+            for task in &tasks[batches[batch].clone()] {
+                let number = task.number as usize;
+                // SAFETY: each task has its own groups.
+                self.groups[number].give_back(unsafe { groups.at(number) });
+            }
+        });
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        let of_task = |task: &SingleGroups| {
+            size_of::<SingleGroups>()
+                + task.pairs.capacity() * size_of::<SinglePairGroup>()
+                + task.walls.capacity() * size_of::<SingleWallGroup>()
+                + task.joined.capacity()
+        };
+        self.bodies.capacity() * size_of::<SingleBody>() + self.groups.iter().map(of_task).sum::<usize>()
+    }
+}
+
+impl SingleGroups {
+    /// Rounds the groups of a task. Bodies from `grains` on are dummies, those of its box from `dummies` on.
+    #[inline(always)]
+    fn take(&mut self, task: &TaskGroups, grains: u32, dummies: u32) {
+        let (padding, nothing) = (PairGroup::padding_places(dummies), ContactLanes::default());
+        self.pairs.clear();
+        self.walls.clear();
+        self.joined.clear();
+        reserve(&mut self.pairs, task.pairs.len());
+        reserve(&mut self.walls, task.walls.len());
+        reserve(&mut self.joined, task.pairs.len() + task.walls.len());
+        let mut pairs = task.pairs.as_slice();
+        while let [group, rest @ ..] = pairs {
+            let partner = rest.first().filter(|next| !share_a_grain(group, next, grains));
+            let other = partner.map(|next| &next.contacts);
+            self.pairs.push(SinglePairGroup {
+                first: side_by_side(&group.first, partner.map_or(&padding[0], |next| &next.first)),
+                second: side_by_side(&group.second, partner.map_or(&padding[1], |next| &next.second)),
+                contacts: joined(&group.contacts, other.unwrap_or(&nothing)),
+            });
+            let count = 1 + usize::from(partner.is_some());
+            self.joined.push(count as u8);
+            pairs = &pairs[count..];
+        }
+        let mut walls = task.walls.as_slice();
+        while let [group, rest @ ..] = walls {
+            let partner = rest.first().filter(|next| !any_equal(&group.body, &next.body, grains));
+            let at_rest = &nothing.normal;
+            self.walls.push(SingleWallGroup {
+                body: side_by_side(&group.body, partner.map_or(&padding[0], |next| &next.body)),
+                wall_velocity: joined_vectors(
+                    &group.wall_velocity,
+                    partner.map_or(at_rest, |next| &next.wall_velocity),
+                ),
+                contacts: joined(&group.contacts, partner.map_or(&nothing, |next| &next.contacts)),
+            });
+            let count = 1 + usize::from(partner.is_some());
+            self.joined.push(count as u8);
+            walls = &walls[count..];
+        }
+    }
+
+    /// Gives the impulses back to the groups that these were made of.
+    fn give_back(&self, task: &mut TaskGroups) {
+        let mut joined = self.joined.iter();
+        let mut pairs = task.pairs.iter_mut().map(|group: &mut PairGroup| &mut group.contacts);
+        let mut walls = task.walls.iter_mut().map(|group: &mut WallGroup| &mut group.contacts);
+        for (group, &count) in self.pairs.iter().zip(joined.by_ref()) {
+            (0..count).zip(&mut pairs).for_each(|(half, contacts)| give_impulses(&group.contacts, half, contacts));
+        }
+        for (group, &count) in self.walls.iter().zip(joined) {
+            (0..count).zip(&mut walls).for_each(|(half, contacts)| give_impulses(&group.contacts, half, contacts));
+        }
+    }
+}
+
+/// Makes room for so many, an eighth more than asked where there was too little.
+fn reserve<T>(all: &mut Vec<T>, count: usize) {
+    if count > all.capacity() {
+        all.reserve_exact(count + count / 8 + 2);
+    }
+}
+
+/// Whether a grain is in both groups. Dummies may be: nothing moves them.
+#[inline(always)]
+fn share_a_grain(own: &PairGroup, next: &PairGroup, grains: u32) -> bool {
+    any_equal(&own.first, &next.first, grains)
+        | any_equal(&own.first, &next.second, grains)
+        | any_equal(&own.second, &next.first, grains)
+        | any_equal(&own.second, &next.second, grains)
+}
+
+/// Whether a place below `grains` is in both lists.
+#[inline(always)]
+fn any_equal(own: &[u32; LANES], others: &[u32; LANES], grains: u32) -> bool {
+    // All lanes at once, turned by one place after another.
+    let mut equal = [false; LANES];
+    for turn in 0..LANES {
+        for lane in 0..LANES {
+            equal[lane] |= (own[(lane + turn) % LANES] == others[lane]) & (others[lane] < grains);
+        }
+    }
+    equal.iter().fold(false, |any, &equal| any | equal)
+}
+
+/// Places of two groups.
+#[inline(always)]
+fn side_by_side(own: &[u32; LANES], partner: &[u32; LANES]) -> [u32; SINGLE_LANES] {
+    let mut out = [0; SINGLE_LANES];
+    out[..LANES].copy_from_slice(own);
+    out[LANES..].copy_from_slice(partner);
+    out
+}
+
+/// Two times eight numbers, rounded.
+#[inline(always)]
+fn rounded(own: &Eight, partner: &Eight) -> Sixteen {
+    let mut out = Sixteen::default();
+    for lane in 0..LANES {
+        out.0[lane] = own.0[lane] as f32;
+        out.0[LANES + lane] = partner.0[lane] as f32;
+    }
+    out
+}
+
+#[inline(always)]
+fn joined_vectors(own: &[Eight; 3], partner: &[Eight; 3]) -> [Sixteen; 3] {
+    [rounded(&own[0], &partner[0]), rounded(&own[1], &partner[1]), rounded(&own[2], &partner[2])]
+}
+
+#[inline(always)]
+fn joined(own: &ContactLanes, partner: &ContactLanes) -> ContactLanes<Sixteen> {
+    ContactLanes {
+        normal: joined_vectors(&own.normal, &partner.normal),
+        bias: rounded(&own.bias, &partner.bias),
+        regularisation: rounded(&own.regularisation, &partner.regularisation),
+        friction: rounded(&own.friction, &partner.friction),
+        impulse_normal: rounded(&own.impulse_normal, &partner.impulse_normal),
+        impulse_tangential: joined_vectors(&own.impulse_tangential, &partner.impulse_tangential),
+    }
+}
+
+/// Rounds the groups of a task; see [`SingleGroups::take`].
+struct Take<'a> {
+    copy: &'a mut SingleGroups,
+    task: &'a TaskGroups,
+    grains: u32,
+    dummies: u32,
+}
+
+impl Kernel for Take<'_> {
+    type Output = ();
+
+    // Plain loops: the compiler turns them into conversions of as many numbers as the registers hold.
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.copy.take(self.task, self.grains, self.dummies);
+    }
+}
+
+/// Gives the impulses of the lower (0) or upper (1) eight lanes back.
+fn give_impulses(from: &ContactLanes<Sixteen>, half: u8, to: &mut ContactLanes) {
+    let copy = |from: &Sixteen, to: &mut Eight| {
+        let lanes = &from.0[usize::from(half) * LANES..][..LANES];
+        to.0.iter_mut().zip(lanes).for_each(|(to, &from)| *to = f64::from(from));
+    };
+    copy(&from.impulse_normal, &mut to.impulse_normal);
+    for axis in 0..3 {
+        copy(&from.impulse_tangential[axis], &mut to.impulse_tangential[axis]);
+    }
+}

@@ -1,0 +1,112 @@
+//! The sweep in single precision: the same relaxation, sixteen contacts at a time.
+
+use super::Relaxation;
+use super::kernel::{Bodies, Contact};
+use super::residual::{LaneResidual, TaskResidual};
+use crate::lanes::{Kernel, Lanes, SINGLE_LANES, SingleLanes, Sixteen, prefetch};
+use crate::partition::{SingleBody, SingleGroups, SinglePairGroup};
+
+/// One sweep over a task.
+pub(super) struct SingleSweep<'a, const FRICTION: bool, const MEASURE: bool> {
+    bodies: *mut SingleBody,
+    groups: &'a mut SingleGroups,
+    factor: f64,
+    prefetch: usize,
+    residual: &'a mut TaskResidual,
+}
+
+impl Relaxation {
+    /// As [`Relaxation::sweep`], in single precision; always in lanes.
+    ///
+    /// # Safety
+    /// The groups name bodies behind `bodies`, and no other task uses these meanwhile.
+    pub(crate) unsafe fn sweep_single(
+        &self,
+        bodies: *mut SingleBody,
+        groups: &mut SingleGroups,
+        factor: f64,
+        measure: bool,
+        residual: &mut TaskResidual,
+    ) {
+        match (self.friction, measure) {
+            (true, true) => self.run_single::<true, true>(bodies, groups, factor, residual),
+            (true, false) => self.run_single::<true, false>(bodies, groups, factor, residual),
+            (false, true) => self.run_single::<false, true>(bodies, groups, factor, residual),
+            (false, false) => self.run_single::<false, false>(bodies, groups, factor, residual),
+        }
+    }
+
+    fn run_single<const FRICTION: bool, const MEASURE: bool>(
+        &self,
+        bodies: *mut SingleBody,
+        groups: &mut SingleGroups,
+        factor: f64,
+        residual: &mut TaskResidual,
+    ) {
+        let prefetch = self.prefetch.div_ceil(2);
+        self.instruction_set.run(SingleSweep::<FRICTION, MEASURE> { bodies, groups, factor, prefetch, residual });
+    }
+}
+
+impl<const FRICTION: bool, const MEASURE: bool> Kernel for SingleSweep<'_, FRICTION, MEASURE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let factor = <L::Single as crate::lanes::Number>::splat(self.factor);
+        let mut residual = LaneResidual::<L::Single>::zero();
+        let pairs = &mut self.groups.pairs;
+        for number in 0..pairs.len() {
+            if self.prefetch > 0 {
+                // The group itself is fetched before the bodies that it names.
+                prefetch_group(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch));
+                if let Some(ahead) = pairs.get(number + self.prefetch) {
+                    prefetch_bodies(self.bodies, &ahead.first);
+                    prefetch_bodies(self.bodies, &ahead.second);
+                }
+            }
+            let group = &mut pairs[number];
+            // SAFETY: the promise of `Relaxation::sweep_single`; the grains of a group are different ones.
+            unsafe {
+                let mut first = Bodies::<L::Single>::load_single(self.bodies, &group.first);
+                let mut second = Bodies::<L::Single>::load_single(self.bodies, &group.second);
+                let mut contact = Contact::read(&group.contacts, L::Single::load);
+                contact.relax_pair::<FRICTION, MEASURE>(&mut first, &mut second, factor, &mut residual);
+                first.store_single(self.bodies, &group.first);
+                second.store_single(self.bodies, &group.second);
+                contact.write::<FRICTION, _>(&mut group.contacts, L::Single::store);
+            }
+        }
+        for group in &mut self.groups.walls {
+            // SAFETY: as above.
+            unsafe {
+                let mut grain = Bodies::<L::Single>::load_single(self.bodies, &group.body);
+                let mut contact = Contact::read(&group.contacts, L::Single::load);
+                let wall_velocity = group.wall_velocity.each_ref().map(L::Single::load);
+                contact.relax_wall::<FRICTION, MEASURE>(&mut grain, wall_velocity, factor, &mut residual);
+                grain.store_single(self.bodies, &group.body);
+                contact.write::<FRICTION, _>(&mut group.contacts, L::Single::store);
+            }
+        }
+        if MEASURE {
+            residual.add_to(self.residual);
+        }
+    }
+}
+
+/// Asks for the lines of sixteen bodies.
+#[inline(always)]
+fn prefetch_bodies(bodies: *const SingleBody, places: &[u32; SINGLE_LANES]) {
+    for &place in places {
+        prefetch(bodies.wrapping_add(place as usize).cast());
+    }
+}
+
+/// Asks for the lines of a lane group.
+#[inline(always)]
+fn prefetch_group(group: *const SinglePairGroup) {
+    let lines: *const Sixteen = group.cast();
+    for line in 0..size_of::<SinglePairGroup>() / size_of::<Sixteen>() {
+        prefetch(lines.wrapping_add(line).cast());
+    }
+}
