@@ -1,5 +1,6 @@
-//! The loop around sweeps: over-relaxation and its fall-back, when to stop, what to report.
+//! The loop around iterations of a method: when to stop, what to report.
 
+use crate::methods::{Problem, Solver};
 use crate::partition::{Layout, STAGES};
 use crate::scene::{SolverSettings, Stop};
 use crate::schedule::{Disjoint, Phase, Team};
@@ -28,36 +29,32 @@ pub enum StopReason {
 /// What a solve did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolveReport {
-    /// Sweeps done.
+    /// Iterations of the method done; for most a sweep each.
     pub sweeps: u32,
     /// Why it stopped.
     pub reason: StopReason,
-    /// Residuals of the last sweep, m/s.
+    /// Residuals of the last iteration that was measured, m/s: see [`methods`](crate::methods).
     pub residuals: Residuals,
     /// Whether over-relaxation fell back to 1.
     pub fell_back: bool,
 }
 
 /// Where the number of sweeps is fixed, the first, the last and every sweep whose number this divides are measured.
-const MEASURE_EVERY: u32 = 4;
+pub(crate) const MEASURE_EVERY: u32 = 4;
 
-/// Relaxes the contacts of a step until the settings say stop.
-///
-/// The residual of a sweep is |delta lambda| S in m/s. If it has grown since it was last measured, over-relaxation falls
-/// back to 1 for the rest of the solve: factors that speed up most systems never converge on some.
+/// Iterates on the contacts of a step until the settings say stop.
 pub(crate) fn solve(
     world: &mut World,
     layout: &mut Layout,
     relaxation: &Relaxation,
     settings: &SolverSettings,
     team: &Team,
-    residuals: &mut Vec<TaskResidual>,
+    solver: &mut Solver,
 ) -> SolveReport {
     let mut report = SolveReport::default();
     if layout.contacts == 0 {
         return report;
     }
-    let inner = settings.inner_sweeps.max(1);
     let start = Instant::now();
     let limit = settings.stop.max_sweeps();
     let tolerance = match settings.stop {
@@ -66,23 +63,18 @@ pub(crate) fn solve(
     };
     // A solve that may stop after any sweep must know the residual of each.
     let open_ended = !matches!(settings.stop, Stop::Sweeps { .. });
-    let mut factor = settings.over_relaxation;
-    let mut last = f64::INFINITY;
+    let (method, workspace) = solver.parts();
+    let mut problem = Problem { bodies: &mut world.bodies, layout, relaxation, settings, team, workspace };
+    method.begin(&mut problem);
     loop {
         let sweep = report.sweeps + 1;
         let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || open_ended;
-        let sums =
-            sweep_all(&mut world.bodies, layout, relaxation, factor, inner, measure.then_some(&mut *residuals), team);
+        let residuals = method.iterate(&mut problem, measure);
         report.sweeps = sweep;
-        if measure {
-            report.residuals = sums.finish(layout.contacts);
-            let rms = report.residuals.rms();
-            if rms > last && factor > 1.0 {
-                factor = 1.0;
-                report.fell_back = true;
-            }
-            last = rms;
-            if tolerance.is_some_and(|tolerance| rms <= tolerance) {
+        if let Some(residuals) = residuals {
+            report.residuals = residuals;
+            report.fell_back = method.fell_back();
+            if tolerance.is_some_and(|tolerance| residuals.rms() <= tolerance) {
                 report.reason = StopReason::Residual;
                 return report;
             }
@@ -143,7 +135,7 @@ pub(crate) fn sweep_all(
 }
 
 /// Velocity that residuals are measured against: g h, or 1 m/s where there is no gravity.
-fn residual_unit(world: &World, h: f64) -> f64 {
+pub(crate) fn residual_unit(world: &World, h: f64) -> f64 {
     let gravity = world.gravity.norm();
     if gravity > 0.0 { gravity * h } else { 1.0 }
 }
