@@ -1,7 +1,7 @@
 //! A steady step allocates nothing: memory is reused from step to step.
 
 use makadam::Simulation;
-use makadam::scene::Scene;
+use makadam::scene::{Scene, SolverMethod};
 use makadam::schedule::Scheduler;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
@@ -66,6 +66,15 @@ fn steady_steps_allocate_nothing() {
         let total: u64 = counts.iter().sum();
         println!("{scheduler:?}: {total} allocations in {steps} steps");
         assert!(total <= steps as u64 / 16, "{scheduler:?}: {total} allocations in {steps} steps");
+    }
+
+    // Every method reuses its memory.
+    for method in SolverMethod::ALL {
+        let mut simulation = settled.clone();
+        simulation.use_method(method);
+        assert!(allocations(&mut simulation, 100).iter().sum::<u64>() > 0, "{} has memory", method.name());
+        let total: u64 = allocations(&mut simulation, 200).iter().sum();
+        assert_eq!(total, 0, "{} in a settled packing", method.name());
     }
 
     // Where grains flow, lists are built all the time; their memory is found within the first of them.

@@ -79,7 +79,7 @@ pub(crate) trait Method {
 #[derive(Clone, Debug)]
 enum Chosen {
     GaussSeidel(GaussSeidel),
-    Anderson(Anderson),
+    Anderson(Box<Anderson>),
     NonlinearConjugateGradients(NonlinearConjugateGradients),
     AcceleratedProjectedGradients(AcceleratedProjectedGradients),
     Jacobi(Jacobi),
@@ -98,7 +98,7 @@ impl Solver {
     pub fn new(method: SolverMethod) -> Solver {
         let chosen = match method {
             SolverMethod::GaussSeidel => Chosen::GaussSeidel(GaussSeidel::default()),
-            SolverMethod::Anderson { memory } => Chosen::Anderson(Anderson::new(memory)),
+            SolverMethod::Anderson { memory } => Chosen::Anderson(Box::new(Anderson::new(memory))),
             SolverMethod::NonlinearConjugateGradients => {
                 Chosen::NonlinearConjugateGradients(NonlinearConjugateGradients::default())
             }
@@ -117,7 +117,7 @@ impl Solver {
     pub fn parts(&mut self) -> (&mut dyn Method, &mut Workspace) {
         let method: &mut dyn Method = match &mut self.chosen {
             Chosen::GaussSeidel(method) => method,
-            Chosen::Anderson(method) => method,
+            Chosen::Anderson(method) => method.as_mut(),
             Chosen::NonlinearConjugateGradients(method) => method,
             Chosen::AcceleratedProjectedGradients(method) => method,
             Chosen::Jacobi(method) => method,
@@ -129,7 +129,7 @@ impl Solver {
     pub fn memory_bytes(&self) -> usize {
         let method: &dyn Method = match &self.chosen {
             Chosen::GaussSeidel(method) => method,
-            Chosen::Anderson(method) => method,
+            Chosen::Anderson(method) => method.as_ref(),
             Chosen::NonlinearConjugateGradients(method) => method,
             Chosen::AcceleratedProjectedGradients(method) => method,
             Chosen::Jacobi(method) => method,

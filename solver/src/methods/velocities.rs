@@ -140,8 +140,8 @@ pub(crate) fn products(
     for (index, total) in totals.iter_mut().enumerate() {
         let mut lanes = [0.0; LANES];
         for sum in sums.iter() {
-            for lane in 0..LANES {
-                lanes[lane] += sum[index].0[lane];
+            for (lane, own) in lanes.iter_mut().zip(sum[index].0) {
+                *lane += own;
             }
         }
         *total = sum_of(lanes);
