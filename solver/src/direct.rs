@@ -57,7 +57,8 @@ pub enum DirectError {
         /// Contacts of the step.
         contacts: usize,
     },
-    /// Neither Newton steps nor sweeps arrive.
+    /// Neither Newton steps nor sweeps arrive: so it is with some piles of rigid grains with friction, whose solutions are not
+    /// isolated.
     #[error("the direct solution stopped at a residual of {residual:e} m/s; there may be none at this friction")]
     NotConverged {
         /// Largest natural-map residual, m/s.

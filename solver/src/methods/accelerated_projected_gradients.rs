@@ -25,7 +25,7 @@ use crate::sweep::Residuals;
 /// The operator scaled by its diagonal has a trace of one a row, so its largest eigenvalue is no smaller.
 const SMALLEST_CURVATURE: f64 = 1.0;
 
-/// It is no larger than twice the contacts of a grain, whatever the geometry: doubling ends here.
+/// It is no larger than the number of contacts of a grain (see `jacobi`): only rounding doubles as far as this.
 const LARGEST_CURVATURE: f64 = 1e3;
 
 /// What of L is left after an iteration.
