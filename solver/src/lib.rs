@@ -15,19 +15,25 @@
 
 pub mod checkpoint;
 pub mod constrain;
+mod convergence;
 pub mod detect;
+pub mod direct;
 pub mod effects;
 mod energy;
 pub mod lanes;
+pub mod methods;
 pub mod partition;
 pub mod probe;
 pub mod scene;
 pub mod schedule;
 mod simulation;
 pub mod snapshot;
+mod solution_error;
 pub mod solve;
 pub mod sweep;
 pub mod world;
 
+pub use convergence::ConvergencePoint;
 pub use energy::Energy;
 pub use simulation::{PhaseSeconds, Simulation, StepReport};
+pub use solution_error::SolutionError;

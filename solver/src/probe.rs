@@ -48,12 +48,13 @@ impl Simulation {
     /// the number of contact sweeps.
     pub fn sweep_times(&mut self, sweeps: u32) -> u64 {
         let team = self.team.clone();
-        let Simulation { world, layout, single, relaxation, settings, .. } = self;
+        let Simulation { world, layout, solver, relaxation, settings, .. } = self;
         team.enter(|| {
             let unknowns = match settings.precision {
                 Precision::Double => Unknowns::double(&mut world.bodies, &mut layout.groups),
                 Precision::Single => {
-                    single.take(world, layout, relaxation.instruction_set, &team);
+                    let single = &mut solver.workspace.single;
+                    single.take(&world.bodies, layout, relaxation.instruction_set, &team);
                     Unknowns::single(single)
                 }
             };

@@ -4,11 +4,12 @@ use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
 use crate::lanes::{InstructionSet, PREFETCH, Quad};
-use crate::partition::{BoxGrid, Layout, SingleCopy};
-use crate::scene::{Precision, Scene, SceneError, SolverSettings, populate};
+use crate::methods::Solver;
+use crate::partition::{BoxGrid, Layout};
+use crate::scene::{Precision, Scene, SceneError, SolverMethod, SolverSettings, Stop, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
-use crate::sweep::{Relaxation, TaskResidual};
+use crate::sweep::Relaxation;
 use crate::world::{World, chunk, chunks};
 use nalgebra::Vector3;
 use rayon::ThreadPoolBuildError;
@@ -25,8 +26,7 @@ pub struct Simulation {
     pub(crate) relaxation: Relaxation,
     pub(crate) constrainer: Constrainer,
     pub(crate) layout: Layout,
-    pub(crate) single: SingleCopy,
-    residuals: Vec<TaskResidual>,
+    pub(crate) solver: Solver,
     pub(crate) team: Team,
     pub(crate) steps: u64,
     contact_sweeps: u64,
@@ -82,8 +82,7 @@ impl Simulation {
             settings: scene.solver.clone(),
             constrainer: Constrainer::default(),
             layout: Layout::new(boxes.tasks()),
-            single: SingleCopy::default(),
-            residuals: Vec::new(),
+            solver: Solver::new(scene.solver.method),
             team: Team::default(),
             steps: 0,
             contact_sweeps: 0,
@@ -105,6 +104,25 @@ impl Simulation {
     }
 
     fn step_of(&mut self, team: &Team) -> StepReport {
+        // The contact problem of the step.
+        self.pose_problem(team);
+        let clock = Clock::start();
+        // Iterations until the settings say stop.
+        let Simulation { world, settings, layout, relaxation, solver, .. } = self;
+        let solve = solve(world, layout, relaxation, settings, team, solver);
+        let clock = clock.lap(&mut self.phases.sweep);
+        // Motion with the new velocities.
+        self.remember_impulses(team);
+        self.move_bodies(team);
+        clock.lap(&mut self.phases.integrate);
+        let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.sweeps_per_iteration());
+        self.contact_sweeps += sweeps * self.layout.contacts as u64;
+        StepReport { solve, contacts: self.layout.contacts }
+    }
+
+    /// Poses the next step's contact problem: contacts laid out with the impulses that they start from, and bodies with the
+    /// velocities that go with these.
+    pub(crate) fn pose_problem(&mut self, team: &Team) {
         let set = self.relaxation.instruction_set;
         let clock = Clock::start();
         // Which grains and walls may touch.
@@ -117,18 +135,7 @@ impl Simulation {
         let clock = clock.lap(&mut self.phases.integrate);
         // Which do, as constraints laid out in boxes, stages and lane groups; they start from their last impulses.
         self.constrain(team);
-        let clock = clock.lap(&mut self.phases.constrain);
-        // Sweeps until the settings say stop.
-        let Simulation { world, settings, layout, single, relaxation, residuals, .. } = self;
-        let solve = solve(world, layout, single, relaxation, settings, team, residuals);
-        let clock = clock.lap(&mut self.phases.sweep);
-        // Motion with the new velocities.
-        self.remember_impulses(team);
-        self.move_bodies(team);
-        clock.lap(&mut self.phases.integrate);
-        let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.inner_sweeps.max(1));
-        self.contact_sweeps += sweeps * self.layout.contacts as u64;
-        StepReport { solve, contacts: self.layout.contacts }
+        clock.lap(&mut self.phases.constrain);
     }
 
     /// Keeps the velocities at the start of a step of length `h` (s), then lets gravity act on the grains.
@@ -265,9 +272,8 @@ impl Simulation {
         self.world.memory_bytes()
             + self.candidates.memory_bytes()
             + self.layout.memory_bytes()
-            + self.single.memory_bytes()
             + self.constrainer.memory_bytes()
-            + self.residuals.capacity() * size_of::<TaskResidual>()
+            + self.solver.memory_bytes()
     }
 
     /// Works on another instruction set than the one found at start; all give the same bits.
@@ -284,7 +290,8 @@ impl Simulation {
         self.relaxation.scalar = scalar;
     }
 
-    /// Sweeps in another precision from the next step on; this changes the result.
+    /// Sweeps in another precision from the next step on; this changes the result. Methods other than Gauss-Seidel stay in
+    /// double precision.
     pub fn use_precision(&mut self, precision: Precision) {
         self.settings.precision = precision;
     }
@@ -292,6 +299,17 @@ impl Simulation {
     /// Fetches bodies into the cache so many lane groups before a sweep needs them; 0 leaves it to the processor.
     pub fn use_prefetch(&mut self, groups: usize) {
         self.relaxation.prefetch = groups;
+    }
+
+    /// Solves the steps to come with another method.
+    pub fn use_method(&mut self, method: SolverMethod) {
+        self.settings.method = method;
+        self.solver = Solver::new(method);
+    }
+
+    /// Stops the solves to come by another rule.
+    pub fn use_stop(&mut self, stop: Stop) {
+        self.settings.stop = stop;
     }
 
     /// Steps on so many threads that share tasks in this way; any choice gives the same bits.

@@ -1,7 +1,8 @@
-//! The loop around sweeps: over-relaxation and its fall-back, when to stop, what to report.
+//! The loop around iterations of a method: when to stop, what to report.
 
+use crate::methods::{Problem, Solver};
 use crate::partition::{Layout, Plan, STAGES, SingleBody, SingleCopy, SingleGroups, TaskGroups};
-use crate::scene::{Precision, SolverSettings, Stop};
+use crate::scene::{SolverSettings, Stop};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::sweep::{Relaxation, Residuals, TaskResidual};
 use crate::world::{Body, World};
@@ -28,46 +29,68 @@ pub enum StopReason {
 /// What a solve did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolveReport {
-    /// Sweeps done.
+    /// Iterations of the method done; for most a sweep each.
     pub sweeps: u32,
     /// Why it stopped.
     pub reason: StopReason,
-    /// Residuals of the last sweep, m/s.
+    /// Residuals of the last iteration that was measured, m/s: see [`methods`](crate::methods).
     pub residuals: Residuals,
     /// Whether over-relaxation fell back to 1.
     pub fell_back: bool,
 }
 
 /// Where the number of sweeps is fixed, the first, the last and every sweep whose number this divides are measured.
-const MEASURE_EVERY: u32 = 4;
+pub(crate) const MEASURE_EVERY: u32 = 4;
 
-/// Relaxes the contacts of a step until the settings say stop, in the precision that they ask for.
+/// Iterates on the contacts of a step until the settings say stop.
 pub(crate) fn solve(
     world: &mut World,
     layout: &mut Layout,
-    single: &mut SingleCopy,
     relaxation: &Relaxation,
     settings: &SolverSettings,
     team: &Team,
-    residuals: &mut Vec<TaskResidual>,
+    solver: &mut Solver,
 ) -> SolveReport {
-    let (contacts, unit) = (layout.contacts, residual_unit(world, settings.step));
-    if contacts == 0 {
-        return SolveReport::default();
+    let mut report = SolveReport::default();
+    if layout.contacts == 0 {
+        return report;
     }
-    match settings.precision {
-        Precision::Double => {
-            let unknowns = Unknowns::double(&mut world.bodies, &mut layout.groups);
-            iterate(&layout.plan, contacts, unit, &unknowns, relaxation, settings, team, residuals)
+    let start = Instant::now();
+    let limit = settings.stop.max_sweeps();
+    let tolerance = match settings.stop {
+        Stop::Residual { tolerance, .. } => Some(tolerance * residual_unit(world, settings.step)),
+        _ => None,
+    };
+    // A solve that may stop after any sweep must know the residual of each.
+    let open_ended = !matches!(settings.stop, Stop::Sweeps { .. });
+    let (method, workspace) = solver.parts();
+    let mut problem = Problem { bodies: &mut world.bodies, layout, relaxation, settings, team, workspace };
+    method.begin(&mut problem);
+    problem.enter_precision();
+    report.reason = loop {
+        let sweep = report.sweeps + 1;
+        let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || open_ended;
+        let residuals = method.iterate(&mut problem, measure);
+        report.sweeps = sweep;
+        if let Some(residuals) = residuals {
+            report.residuals = residuals;
+            report.fell_back = method.fell_back();
+            if tolerance.is_some_and(|tolerance| residuals.rms() <= tolerance) {
+                break StopReason::Residual;
+            }
         }
-        Precision::Single => {
-            single.take(world, layout, relaxation.instruction_set, team);
-            let unknowns = Unknowns::single(single);
-            let report = iterate(&layout.plan, contacts, unit, &unknowns, relaxation, settings, team, residuals);
-            single.give_back(&mut world.bodies, layout, team);
-            report
+        if sweep >= limit {
+            break match settings.stop {
+                Stop::Sweeps { .. } => StopReason::Sweeps,
+                _ => StopReason::MaxSweeps,
+            };
         }
-    }
+        if matches!(settings.stop, Stop::TimeBudget { seconds, .. } if start.elapsed().as_secs_f64() >= seconds) {
+            break StopReason::TimeBudget;
+        }
+    };
+    problem.leave_precision();
+    report
 }
 
 /// What sweeps read and write, in one of the precisions.
@@ -89,7 +112,7 @@ impl<'a> Unknowns<'a> {
     ///
     /// # Safety
     /// No other task uses the task's groups, or the bodies that they name, meanwhile.
-    unsafe fn sweep(
+    pub unsafe fn sweep(
         &self,
         relaxation: &Relaxation,
         task: usize,
@@ -107,65 +130,6 @@ impl<'a> Unknowns<'a> {
                     relaxation.sweep_single(bodies.as_ptr(), groups.at(task), factor, measure, residual);
                 }
             }
-        }
-    }
-}
-
-/// Sweeps until the settings say stop; residuals are measured in units of `unit` (m/s).
-///
-/// The residual of a sweep is |delta lambda| S in m/s. If it has grown since it was last measured, over-relaxation falls
-/// back to 1 for the rest of the solve: factors that speed up most systems never converge on some.
-#[allow(clippy::too_many_arguments)]
-fn iterate(
-    plan: &Plan,
-    contacts: usize,
-    unit: f64,
-    unknowns: &Unknowns<'_>,
-    relaxation: &Relaxation,
-    settings: &SolverSettings,
-    team: &Team,
-    residuals: &mut Vec<TaskResidual>,
-) -> SolveReport {
-    let mut report = SolveReport::default();
-    let inner = settings.inner_sweeps.max(1);
-    let start = Instant::now();
-    let limit = settings.stop.max_sweeps();
-    let tolerance = match settings.stop {
-        Stop::Residual { tolerance, .. } => Some(tolerance * unit),
-        _ => None,
-    };
-    // A solve that may stop after any sweep must know the residual of each.
-    let open_ended = !matches!(settings.stop, Stop::Sweeps { .. });
-    let mut factor = settings.over_relaxation;
-    let mut last = f64::INFINITY;
-    loop {
-        let sweep = report.sweeps + 1;
-        let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || open_ended;
-        let sums = sweep_all(plan, unknowns, relaxation, factor, inner, measure.then_some(&mut *residuals), team);
-        report.sweeps = sweep;
-        if measure {
-            report.residuals = sums.finish(contacts);
-            let rms = report.residuals.rms();
-            if rms > last && factor > 1.0 {
-                factor = 1.0;
-                report.fell_back = true;
-            }
-            last = rms;
-            if tolerance.is_some_and(|tolerance| rms <= tolerance) {
-                report.reason = StopReason::Residual;
-                return report;
-            }
-        }
-        if sweep >= limit {
-            report.reason = match settings.stop {
-                Stop::Sweeps { .. } => StopReason::Sweeps,
-                _ => StopReason::MaxSweeps,
-            };
-            return report;
-        }
-        if matches!(settings.stop, Stop::TimeBudget { seconds, .. } if start.elapsed().as_secs_f64() >= seconds) {
-            report.reason = StopReason::TimeBudget;
-            return report;
         }
     }
 }
@@ -211,7 +175,7 @@ pub(crate) fn sweep_all(
 }
 
 /// Velocity that residuals are measured against: g h, or 1 m/s where there is no gravity.
-fn residual_unit(world: &World, h: f64) -> f64 {
+pub(crate) fn residual_unit(world: &World, h: f64) -> f64 {
     let gravity = world.gravity.norm();
     if gravity > 0.0 { gravity * h } else { 1.0 }
 }

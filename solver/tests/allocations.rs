@@ -1,7 +1,7 @@
 //! A steady step allocates nothing: memory is reused from step to step.
 
 use makadam::Simulation;
-use makadam::scene::{Precision, Scene};
+use makadam::scene::{Precision, Scene, SolverMethod};
 use makadam::schedule::Scheduler;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
@@ -71,6 +71,16 @@ fn steady_steps_allocate_nothing() {
     settled.use_precision(Precision::Single);
     assert!(allocations(&mut settled, steps).iter().sum::<u64>() > 0, "room for a copy in single precision");
     assert_eq!(allocations(&mut settled, steps).iter().sum::<u64>(), 0, "the same in single precision");
+    settled.use_precision(Precision::Double);
+
+    // Every method reuses its memory. This is no copy: a copy has no room to spare.
+    let mut simulation = settled;
+    for method in SolverMethod::ALL {
+        simulation.use_method(method);
+        assert!(allocations(&mut simulation, 100).iter().sum::<u64>() > 0, "{} has memory", method.name());
+        let total: u64 = allocations(&mut simulation, 200).iter().sum();
+        assert_eq!(total, 0, "{} in a settled packing", method.name());
+    }
 
     // Where grains flow, lists are built all the time; their memory is found within the first of them.
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum/scene.toml");

@@ -1,6 +1,6 @@
 //! Scenes: the reference scenes load and populate; bad input names file, line and remedy.
 
-use makadam::scene::{Scene, populate};
+use makadam::scene::{Scene, SolverMethod, populate};
 use std::path::{Path, PathBuf};
 
 fn reference_scene(name: &str) -> (PathBuf, Scene) {
@@ -44,6 +44,32 @@ fn bad_input_names_file_line_and_remedy() {
     assert!(message.starts_with("bad.toml:") && message.contains("name one of: grain, wall"), "{message}");
     let message = refusal("count = 2000", "count = 20000");
     assert!(message.contains("do not fit"), "{message}");
+}
+
+#[test]
+fn methods_are_chosen_by_name_and_their_parameters_checked() {
+    let parse = |method: &str| {
+        let (file, _) = reference_scene("packing");
+        let text = std::fs::read_to_string(&file).unwrap();
+        let text = match text.contains("[solver]") {
+            true => text.replacen("[solver]", &format!("[solver]\nmethod = {method}"), 1),
+            false => text.replacen("[measure]", &format!("[solver]\nmethod = {method}\n\n[measure]"), 1),
+        };
+        Scene::parse(&text, Path::new("bad.toml")).map(|scene| scene.solver.method).map_err(|error| error.to_string())
+    };
+    for method in SolverMethod::ALL {
+        assert_eq!(parse(&format!("{{ kind = '{}' }}", method.name())).unwrap(), method);
+    }
+    assert_eq!(parse("{ kind = 'anderson', memory = 5 }").unwrap(), SolverMethod::Anderson { memory: 5 });
+    let message = parse("{ kind = 'anderson', memory = 9 }").unwrap_err();
+    assert!(message.contains("solver.method.memory: 9") && message.contains("from 1 to 8"), "{message}");
+    let message = parse("{ kind = 'jacobi', damping = 0.0 }").unwrap_err();
+    assert!(message.contains("solver.method.damping: 0") && message.contains("from 0.001 to 1"), "{message}");
+    assert!(parse("{ kind = 'gauss-seidel' }\nprecision = 'single'").is_ok());
+    let message = parse("{ kind = 'anderson' }\nprecision = 'single'").unwrap_err();
+    assert!(message.contains("solver.precision: single, with method anderson"), "{message}");
+    let message = parse("{ kind = 'newton' }").unwrap_err();
+    assert!(message.contains("newton") && message.contains("gauss-seidel"), "{message}");
 }
 
 #[test]

@@ -4,10 +4,10 @@
 //! that follow each other become one where they share no body. Afterwards impulses go back as they are, and each body
 //! receives the change of its velocity, so that what no contact touches is not rounded.
 
-use super::{ContactLanes, Layout, PairGroup, TaskGroups, WallGroup};
+use super::{ContactLanes, Layout, PairGroup, STAGES, TaskGroups, WallGroup};
 use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{Body, World, chunk, chunks};
+use crate::world::{Body, DUMMIES, chunk, chunks};
 
 /// Dynamic state of a grain in single precision: half a cache line, laid out as [`Body`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -76,8 +76,9 @@ impl SingleBody {
 
 impl SingleCopy {
     /// Rounds bodies and the lane groups that a step has laid out.
-    pub fn take(&mut self, world: &World, layout: &Layout, set: InstructionSet, team: &Team) {
-        let bodies = &world.bodies;
+    pub fn take(&mut self, bodies: &[Body], layout: &Layout, set: InstructionSet, team: &Team) {
+        // Behind the grains lie the dummies of the boxes.
+        let grains = bodies.len() - layout.groups.len() / STAGES * DUMMIES;
         self.bodies.resize(bodies.len(), SingleBody::default());
         self.groups.resize_with(layout.groups.len(), SingleGroups::default);
         let (copies, groups) = (Disjoint::new(&mut self.bodies), Disjoint::new(&mut self.groups));
@@ -93,8 +94,8 @@ impl SingleCopy {
                 let number = task.number as usize;
                 // SAFETY: each task has its own groups.
                 let copy = unsafe { groups.at(number) };
-                let (grains, dummies) = (world.grains() as u32, world.dummies_of(task.home as usize));
-                set.run(Take { copy, task: &layout.groups[number], grains, dummies });
+                let dummies = (grains + task.home as usize * DUMMIES) as u32;
+                set.run(Take { copy, task: &layout.groups[number], grains: grains as u32, dummies });
             }
         });
     }

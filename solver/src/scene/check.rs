@@ -1,7 +1,8 @@
 //! Range checks of a scene, before anything is simulated.
 
 use super::error::{Fault, Step};
-use super::{Motion, NormalLaw, RadiusDistribution, Region, Scene, Shape, Stop};
+use super::{Motion, NormalLaw, Precision, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop};
+use crate::methods::MOST_MEMORY;
 
 type Checked = Result<(), Fault>;
 
@@ -164,6 +165,18 @@ fn solver(scene: &Scene) -> Checked {
     at.key("warm_start").range(settings.warm_start, 0.0, 1.0, "(no unit)")?;
     if let NormalLaw::Linear { stiffness } = settings.normal_law {
         at.key("normal_law").key("stiffness").range(stiffness, 1e-6, 1e15, "N/m")?;
+    }
+    let method = at.key("method");
+    match settings.method {
+        SolverMethod::Anderson { memory } => {
+            method.key("memory").range(f64::from(memory), 1.0, MOST_MEMORY as f64, "iterations")?;
+        }
+        SolverMethod::Jacobi { damping } => method.key("damping").range(damping, 1e-3, 1.0, "(no unit)")?,
+        _ => {}
+    }
+    if settings.precision == Precision::Single && settings.method != SolverMethod::GaussSeidel {
+        let problem = format!("single, with method {}", settings.method.name());
+        return Err(at.key("precision").fault(problem, "single precision goes with gauss-seidel alone; leave one out"));
     }
     let stop = at.key("stop");
     match settings.stop {

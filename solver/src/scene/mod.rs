@@ -12,7 +12,7 @@ mod types;
 
 pub use error::SceneError;
 pub use populate::{Grain, populate};
-pub use settings::{NormalLaw, Precision, SolverSettings, Stop};
+pub use settings::{NormalLaw, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
     Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population, Prepare,
     RadiusDistribution, Region, Shape, Wall,

@@ -10,12 +10,15 @@ pub struct SolverSettings {
     pub step: f64,
     /// When a solve stops.
     pub stop: Stop,
+    /// How the contact problem is solved.
+    #[serde(skip_serializing_if = "is_default")]
+    pub method: SolverMethod,
     /// Sweeps over each box while it is in the cache, for each sweep over all boxes.
     pub inner_sweeps: u32,
-    /// Over-relaxation factor of the sweeps; falls back to 1 within a solve whose residual grows.
+    /// Over-relaxation factor of the sweeps; falls back to 1 within a solve whose residual grows. Methods that do not sweep
+    /// take no notice of it, nor of `inner_sweeps`.
     pub over_relaxation: f64,
-    /// Precision of the sweeps; everything else is done in double precision. Left out of what is written where it is the
-    /// default, so that scenes keep the hash that their recorded results carry.
+    /// Precision of the sweeps; everything else is done in double precision. Single goes with Gauss-Seidel only.
     #[serde(skip_serializing_if = "is_default")]
     pub precision: Precision,
     /// Law of the normal contact.
@@ -35,6 +38,7 @@ impl Default for SolverSettings {
         Self {
             step: 5e-4,
             stop: Stop::Sweeps { sweeps: 10 },
+            method: SolverMethod::default(),
             inner_sweeps: 1,
             over_relaxation: 1.3,
             precision: Precision::Double,
@@ -47,6 +51,7 @@ impl Default for SolverSettings {
     }
 }
 
+/// What is left out of written scenes where it is the default, so that these keep the hash that recorded results carry.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -60,6 +65,68 @@ pub enum Precision {
     Double,
     /// `f32`, sixteen contacts at a time: velocities within a step are good to 6e-8 of themselves.
     Single,
+}
+
+/// How the contact problem of a step is solved: see [`methods`](crate::methods).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum SolverMethod {
+    /// Projected Gauss-Seidel.
+    #[default]
+    GaussSeidel,
+    /// Gauss-Seidel with Anderson's acceleration.
+    Anderson {
+        /// Earlier iterations that the next one is extrapolated from.
+        #[serde(default = "anderson_memory")]
+        memory: u32,
+    },
+    /// Nonlinear conjugate gradients over Gauss-Seidel sweeps.
+    NonlinearConjugateGradients,
+    /// Accelerated projected gradients.
+    AcceleratedProjectedGradients,
+    /// Damped Jacobi, a historical baseline.
+    Jacobi {
+        /// Share of each contact's own correction that is applied.
+        #[serde(default = "jacobi_damping")]
+        damping: f64,
+    },
+    /// Projected conjugate gradients, a historical baseline.
+    ProjectedConjugateGradients,
+}
+
+const ANDERSON_MEMORY: u32 = 3;
+const JACOBI_DAMPING: f64 = 0.3;
+
+fn anderson_memory() -> u32 {
+    ANDERSON_MEMORY
+}
+
+fn jacobi_damping() -> f64 {
+    JACOBI_DAMPING
+}
+
+impl SolverMethod {
+    /// All of them, with their default parameters.
+    pub const ALL: [SolverMethod; 6] = [
+        SolverMethod::GaussSeidel,
+        SolverMethod::Anderson { memory: ANDERSON_MEMORY },
+        SolverMethod::NonlinearConjugateGradients,
+        SolverMethod::AcceleratedProjectedGradients,
+        SolverMethod::Jacobi { damping: JACOBI_DAMPING },
+        SolverMethod::ProjectedConjugateGradients,
+    ];
+
+    /// Its name, as a scene says it.
+    pub fn name(self) -> &'static str {
+        match self {
+            SolverMethod::GaussSeidel => "gauss-seidel",
+            SolverMethod::Anderson { .. } => "anderson",
+            SolverMethod::NonlinearConjugateGradients => "nonlinear-conjugate-gradients",
+            SolverMethod::AcceleratedProjectedGradients => "accelerated-projected-gradients",
+            SolverMethod::Jacobi { .. } => "jacobi",
+            SolverMethod::ProjectedConjugateGradients => "projected-conjugate-gradients",
+        }
+    }
 }
 
 /// Law of the normal contact.

@@ -23,7 +23,7 @@ const INVERSE_INERTIA: f64 = 2.5;
 
 /// One body, or eight.
 #[derive(Clone, Copy)]
-pub(super) struct Bodies<N> {
+pub(crate) struct Bodies<N> {
     pub velocity: [N; 3],
     pub inverse_mass: N,
     pub surface_speed: [N; 3],
@@ -118,7 +118,7 @@ impl<N: Number> Bodies<N> {
 
 /// Constraint data and impulses of one contact, or of eight.
 #[derive(Clone, Copy)]
-pub(super) struct Contact<N> {
+pub(crate) struct Contact<N> {
     pub normal: [N; 3],
     pub bias: N,
     pub regularisation: N,
@@ -196,6 +196,26 @@ impl<N: Number> Contact<N> {
         impulse
     }
 
+    /// Relative velocity of two grains at their contact.
+    #[inline(always)]
+    pub fn velocity_of_pair<const FRICTION: bool>(&self, first: &Bodies<N>, second: &Bodies<N>) -> [N; 3] {
+        let velocity = minus(second.velocity, first.velocity);
+        if !FRICTION {
+            return velocity;
+        }
+        minus(velocity, cross(plus(first.surface_speed, second.surface_speed), self.normal))
+    }
+
+    /// Relative velocity of a grain and a wall that moves with `wall_velocity` at their contact.
+    #[inline(always)]
+    pub fn velocity_at_wall<const FRICTION: bool>(&self, grain: &Bodies<N>, wall_velocity: [N; 3]) -> [N; 3] {
+        let velocity = minus(wall_velocity, grain.velocity);
+        if !FRICTION {
+            return velocity;
+        }
+        minus(velocity, cross(grain.surface_speed, self.normal))
+    }
+
     /// Relaxes a contact of two grains.
     #[inline(always)]
     pub fn relax_pair<const FRICTION: bool, const MEASURE: bool>(
@@ -205,11 +225,7 @@ impl<N: Number> Contact<N> {
         relaxation: N,
         residual: &mut LaneResidual<N>,
     ) {
-        // Relative velocity at the contact.
-        let mut velocity = minus(second.velocity, first.velocity);
-        if FRICTION {
-            velocity = minus(velocity, cross(plus(first.surface_speed, second.surface_speed), self.normal));
-        }
+        let velocity = self.velocity_of_pair::<FRICTION>(first, second);
         let inverse_mass = first.inverse_mass + second.inverse_mass;
         let impulse = self.relax::<FRICTION, MEASURE>(velocity, inverse_mass, relaxation, residual);
         // Both bodies take the impulse; their spins change alike.
@@ -227,10 +243,7 @@ impl<N: Number> Contact<N> {
         relaxation: N,
         residual: &mut LaneResidual<N>,
     ) {
-        let mut velocity = minus(wall_velocity, grain.velocity);
-        if FRICTION {
-            velocity = minus(velocity, cross(grain.surface_speed, self.normal));
-        }
+        let velocity = self.velocity_at_wall::<FRICTION>(grain, wall_velocity);
         let impulse = self.relax::<FRICTION, MEASURE>(velocity, grain.inverse_mass, relaxation, residual);
         grain.push::<FRICTION>(-1.0, impulse, cross(self.normal, impulse));
     }

@@ -1,13 +1,13 @@
 //! One relaxation of a task's lane groups, in the same arithmetic on every instruction set.
 
 mod count;
-mod kernel;
+pub(crate) mod kernel;
 mod residual;
 mod scalar;
 mod single;
 
 pub use count::Operations;
-pub(crate) use residual::TaskResidual;
+pub(crate) use residual::{LaneResidual, TaskResidual};
 pub use residual::{Residual, Residuals};
 
 use crate::detect::Impulse;
@@ -16,7 +16,6 @@ use crate::partition::{PairGroup, TaskGroups};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact};
-use residual::LaneResidual;
 
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
 #[derive(Clone, Copy, Debug)]

@@ -33,7 +33,7 @@ impl Residuals {
 
 /// Sums over lane groups while they are relaxed, still lane by lane, so that their order is fixed.
 #[derive(Clone, Copy)]
-pub(super) struct LaneResidual<N> {
+pub(crate) struct LaneResidual<N> {
     squares: [N; 3],
     largest: [N; 3],
 }

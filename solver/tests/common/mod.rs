@@ -49,6 +49,11 @@ pub const FLOOR: &str =
 impl Setup {
     /// Parses the scene and places its grains.
     pub fn start(&self) -> Simulation {
+        self.start_from(1)
+    }
+
+    /// The same from a seed.
+    pub fn start_from(&self, seed: u64) -> Simulation {
         let [x, y, z] = self.gravity;
         let material = |name: &str, friction: f64| {
             format!(
@@ -66,7 +71,7 @@ impl Setup {
             self.body
         );
         let scene = Scene::parse(&text, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        Simulation::new(&scene, 1, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
+        Simulation::new(&scene, seed, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
     }
 }
 

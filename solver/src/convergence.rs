@@ -1,0 +1,52 @@
+//! How a method converges on the problem of one step.
+
+use crate::Simulation;
+use crate::methods::{Problem, Solver};
+use crate::scene::SolverMethod;
+use crate::solve::MEASURE_EVERY;
+use crate::sweep::Residuals;
+use serde::{Deserialize, Serialize};
+use std::time::Instant;
+
+/// A solve after some iterations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ConvergencePoint {
+    /// Iterations done.
+    pub iterations: u32,
+    /// Wall time spent in them, making ready included, measuring left out, s.
+    pub seconds: f64,
+    /// Natural-map residuals of the state that they left, m/s: see [`SolutionError`](crate::SolutionError).
+    pub residuals: Residuals,
+}
+
+impl Simulation {
+    /// Solves the contact problem of the next step with a method for so many iterations, and measures after each. The first
+    /// point is the state that the solve starts from. The simulation itself stays as it is: a copy takes the step.
+    pub fn convergence(&self, method: SolverMethod, iterations: u32) -> Vec<ConvergencePoint> {
+        let mut copy = self.clone();
+        copy.settings.method = method;
+        let team = copy.team.clone();
+        team.enter(|| {
+            copy.pose_problem(&team);
+            let mut solver = Solver::new(method);
+            let (method, workspace) = solver.parts();
+            let Simulation { world, layout, relaxation, settings, .. } = &mut copy;
+            let mut problem =
+                Problem { bodies: &mut world.bodies, layout, relaxation, settings, team: &team, workspace };
+            let mut points = Vec::with_capacity(iterations as usize + 1);
+            points.push(ConvergencePoint { residuals: problem.measure().0, ..ConvergencePoint::default() });
+            let mut seconds = 0.0;
+            for number in 1..=iterations {
+                let clock = Instant::now();
+                if number == 1 {
+                    method.begin(&mut problem);
+                }
+                // Over-relaxation needs to know whether the residual grows, as often as in a solve of many sweeps.
+                method.iterate(&mut problem, number == 1 || number.is_multiple_of(MEASURE_EVERY));
+                seconds += clock.elapsed().as_secs_f64();
+                points.push(ConvergencePoint { iterations: number, seconds, residuals: problem.measure().0 });
+            }
+            points
+        })
+    }
+}

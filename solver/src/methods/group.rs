@@ -1,0 +1,213 @@
+//! Kernels over the contacts of a task: pairs and walls alike, written once.
+
+use crate::effects::friction::disc_shrinkage;
+use crate::lanes::{Eight, Kernel, LANES, Lanes, PREFETCH, cross, dot, minus, prefetch, times};
+use crate::partition::{ContactLanes, PairGroup, TaskGroups, WallGroup};
+use crate::sweep::kernel::{Bodies, Contact};
+use crate::world::Body;
+
+/// One 3-vector a contact, for eight contacts; in the frame of the world.
+pub(crate) type Block = [Eight; 3];
+
+/// Reads eight vectors.
+#[inline(always)]
+pub(crate) fn load<L: Lanes>(block: &Block) -> [L; 3] {
+    [L::load(&block[0]), L::load(&block[1]), L::load(&block[2])]
+}
+
+/// Writes eight vectors.
+#[inline(always)]
+pub(crate) fn store<L: Lanes>(vector: [L; 3], block: &mut Block) {
+    for axis in 0..3 {
+        vector[axis].store(&mut block[axis]);
+    }
+}
+
+/// Adds to a sum in memory.
+#[inline(always)]
+pub(crate) fn add<L: Lanes>(sum: &mut Eight, value: L) {
+    (L::load(sum) + value).store(sum);
+}
+
+/// What a kernel asks of a lane group, whether its contacts are with grains or with walls.
+pub(crate) trait Group {
+    /// Constraint data and impulses.
+    fn contacts(&self) -> &ContactLanes;
+
+    /// The same, to be written.
+    fn contacts_mut(&mut self) -> &mut ContactLanes;
+
+    /// Asks for the cache lines of its bodies.
+    fn fetch(&self, bodies: *const Body);
+
+    /// Relative velocities at the contacts and inverse masses S_n. Walls move with `wall_share` of their velocity: 1 for
+    /// velocities, 0 for changes of velocities.
+    ///
+    /// # Safety
+    /// The group names bodies behind `bodies`, and no other task writes these meanwhile.
+    unsafe fn velocity<L: Lanes, const FRICTION: bool>(
+        &self,
+        bodies: *const Body,
+        contact: &Contact<L>,
+        wall_share: f64,
+    ) -> ([L; 3], L);
+
+    /// Gives the bodies an impulse.
+    ///
+    /// # Safety
+    /// The group names bodies behind `bodies`, and no other task uses these meanwhile.
+    unsafe fn push<L: Lanes, const FRICTION: bool>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]);
+}
+
+impl Group for PairGroup {
+    #[inline(always)]
+    fn contacts(&self) -> &ContactLanes {
+        &self.contacts
+    }
+
+    #[inline(always)]
+    fn contacts_mut(&mut self) -> &mut ContactLanes {
+        &mut self.contacts
+    }
+
+    #[inline(always)]
+    fn fetch(&self, bodies: *const Body) {
+        for lane in 0..LANES {
+            prefetch(bodies.wrapping_add(self.first[lane] as usize).cast());
+            prefetch(bodies.wrapping_add(self.second[lane] as usize).cast());
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn velocity<L: Lanes, const FRICTION: bool>(
+        &self,
+        bodies: *const Body,
+        contact: &Contact<L>,
+        _: f64,
+    ) -> ([L; 3], L) {
+        // SAFETY: the caller's promise.
+        let (first, second) = unsafe {
+            (Bodies::<L>::load::<FRICTION>(bodies, &self.first), Bodies::<L>::load::<FRICTION>(bodies, &self.second))
+        };
+        (contact.velocity_of_pair::<FRICTION>(&first, &second), first.inverse_mass + second.inverse_mass)
+    }
+
+    #[inline(always)]
+    unsafe fn push<L: Lanes, const FRICTION: bool>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
+        // SAFETY: the caller's promise; the sixteen bodies of a group are different ones.
+        unsafe {
+            let mut first = Bodies::<L>::load::<FRICTION>(bodies, &self.first);
+            let mut second = Bodies::<L>::load::<FRICTION>(bodies, &self.second);
+            let lever = cross(normal, impulse);
+            first.push::<FRICTION>(-1.0, impulse, lever);
+            second.push::<FRICTION>(1.0, impulse, lever);
+            first.store::<FRICTION>(bodies, &self.first);
+            second.store::<FRICTION>(bodies, &self.second);
+        }
+    }
+}
+
+impl Group for WallGroup {
+    #[inline(always)]
+    fn contacts(&self) -> &ContactLanes {
+        &self.contacts
+    }
+
+    #[inline(always)]
+    fn contacts_mut(&mut self) -> &mut ContactLanes {
+        &mut self.contacts
+    }
+
+    #[inline(always)]
+    fn fetch(&self, bodies: *const Body) {
+        for lane in 0..LANES {
+            prefetch(bodies.wrapping_add(self.body[lane] as usize).cast());
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn velocity<L: Lanes, const FRICTION: bool>(
+        &self,
+        bodies: *const Body,
+        contact: &Contact<L>,
+        wall_share: f64,
+    ) -> ([L; 3], L) {
+        // SAFETY: the caller's promise.
+        let grain = unsafe { Bodies::<L>::load::<FRICTION>(bodies, &self.body) };
+        let wall_velocity = times(load(&self.wall_velocity), L::splat(wall_share));
+        (contact.velocity_at_wall::<FRICTION>(&grain, wall_velocity), grain.inverse_mass)
+    }
+
+    #[inline(always)]
+    unsafe fn push<L: Lanes, const FRICTION: bool>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
+        // SAFETY: the caller's promise; the eight bodies of a group are different ones.
+        unsafe {
+            let mut grain = Bodies::<L>::load::<FRICTION>(bodies, &self.body);
+            grain.push::<FRICTION>(-1.0, impulse, cross(normal, impulse));
+            grain.store::<FRICTION>(bodies, &self.body);
+        }
+    }
+}
+
+/// What is done to one lane group after another.
+///
+/// Whoever makes one promises that its bodies are those that the groups name, and that no other task uses them meanwhile.
+pub(crate) trait Visit {
+    /// Whether bodies are written, so that tasks that share one must come one after another.
+    const PUSHES: bool;
+
+    /// Bodies that are worth fetching ahead; null for none.
+    #[inline(always)]
+    fn bodies(&self) -> *const Body {
+        std::ptr::null()
+    }
+
+    /// Does it to the group with this number in its task, pairs first.
+    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G);
+}
+
+/// A visit to every group of a task.
+pub(crate) struct Visiting<'a, V, const FRICTION: bool> {
+    pub groups: &'a mut TaskGroups,
+    pub visit: V,
+}
+
+impl<V: Visit, const FRICTION: bool> Kernel for Visiting<'_, V, FRICTION> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        let (pairs, walls) = (&mut self.groups.pairs, &mut self.groups.walls);
+        let bodies = self.visit.bodies();
+        for number in 0..pairs.len() {
+            if !bodies.is_null()
+                && let Some(ahead) = pairs.get(number + PREFETCH)
+            {
+                ahead.fetch(bodies);
+            }
+            self.visit.visit::<L, PairGroup, FRICTION>(number, &mut pairs[number]);
+        }
+        for (number, group) in walls.iter_mut().enumerate() {
+            self.visit.visit::<L, WallGroup, FRICTION>(pairs.len() + number, group);
+        }
+    }
+}
+
+impl<L: Lanes> Contact<L> {
+    /// Takes an impulse apart into its normal and tangential part.
+    #[inline(always)]
+    pub(crate) fn set_impulse(&mut self, impulse: [L; 3]) {
+        self.impulse_normal = dot(self.normal, impulse);
+        self.impulse_tangential = minus(impulse, times(self.normal, self.impulse_normal));
+    }
+
+    /// Projects the impulse: the normal part onto repulsion, then the tangential part onto the Coulomb disc.
+    #[inline(always)]
+    pub(crate) fn project<const FRICTION: bool>(&mut self) {
+        self.impulse_normal = self.impulse_normal.larger(L::zero());
+        if FRICTION {
+            let shrinkage = disc_shrinkage(self.impulse_tangential, self.friction * self.impulse_normal);
+            self.impulse_tangential = times(self.impulse_tangential, shrinkage);
+        }
+    }
+}

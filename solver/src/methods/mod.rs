@@ -1,0 +1,154 @@
+//! How the contact problem of a step is solved: one method a file, behind one trait.
+//!
+//! ```text
+//! problem   contacts laid out by `constrain`, bodies, threads; a state is impulses and the velocities that go with them
+//! method    one iteration, from a state to a better one
+//! loop      `solve`: iterates, stops, reports
+//! ```
+//!
+//! A solution is a fixed point of relaxing each contact by itself,
+//!
+//! ```text
+//! lambda_n = max(0, lambda_n - w_n / D_n)                 w_n = u_n + Sigma' lambda_n - q    D_n = S_n + Sigma'
+//! lambda_t = P_{|.| <= mu lambda_n}[lambda_t - u_t / D_t]                                    D_t = S_t
+//! ```
+//!
+//! that is, complementarity and Coulomb's law. All methods look for this point and no other. By how much a state misses it is
+//! measured alike for all: as `|change of lambda| D`, in m/s, for the normal and two tangential directions.
+//!
+//! | method | an iteration is | state besides impulses and velocities |
+//! | --- | --- | --- |
+//! | Gauss-Seidel | a sweep | none |
+//! | Anderson | a sweep and a combination of the last m + 1 | 2 m + 3 velocities, m + 1 impulses |
+//! | nonlinear conjugate gradients | a sweep and a step along the last direction | 2 of each |
+//! | accelerated projected gradients | one or more projected steps with all velocities frozen | 3 velocities, 2 impulses |
+//! | Jacobi | one such step | 1 of each |
+//! | projected conjugate gradients | a step along a direction, three passes over contacts | 1 velocity, 2 impulses |
+//!
+//! Every pass over contacts is a kernel over lane groups, and every sum is taken in the order of tasks or of chunks of
+//! bodies: the contract of same bits holds for all of them.
+
+mod accelerated_projected_gradients;
+mod anderson;
+mod gauss_seidel;
+mod group;
+mod jacobi;
+mod nonlinear_conjugate_gradients;
+mod problem;
+mod projected_conjugate_gradients;
+mod velocities;
+mod visits;
+
+pub(crate) use problem::{Problem, Workspace};
+
+use crate::scene::{SolverMethod, SolverSettings};
+use crate::sweep::Residuals;
+use accelerated_projected_gradients::AcceleratedProjectedGradients;
+use anderson::Anderson;
+use gauss_seidel::GaussSeidel;
+use jacobi::Jacobi;
+use nonlinear_conjugate_gradients::NonlinearConjugateGradients;
+use projected_conjugate_gradients::ProjectedConjugateGradients;
+
+/// Most iterations that Anderson's acceleration can remember.
+pub const MOST_MEMORY: usize = 8;
+
+/// One iteration of a method, and its memory.
+pub(crate) trait Method {
+    /// Makes ready for a new problem.
+    fn begin(&mut self, problem: &mut Problem<'_>);
+
+    /// Goes from a state to a better one whose impulses lie in their cones.
+    ///
+    /// Residuals (m/s) are those that come free on the way: a sweep's |delta lambda| S, the natural map where a gradient was
+    /// taken. A method that can do without may leave them out where `measure` is false.
+    fn iterate(&mut self, problem: &mut Problem<'_>, measure: bool) -> Option<Residuals>;
+
+    /// Whether over-relaxation fell back to 1 in this solve.
+    fn fell_back(&self) -> bool {
+        false
+    }
+
+    /// Bytes that it holds.
+    fn memory_bytes(&self) -> usize {
+        0
+    }
+}
+
+/// A method with the memory that it reuses from solve to solve.
+#[derive(Clone, Debug)]
+enum Chosen {
+    GaussSeidel(GaussSeidel),
+    Anderson(Box<Anderson>),
+    NonlinearConjugateGradients(NonlinearConjugateGradients),
+    AcceleratedProjectedGradients(AcceleratedProjectedGradients),
+    Jacobi(Jacobi),
+    ProjectedConjugateGradients(ProjectedConjugateGradients),
+}
+
+/// The method that a scene chose, and room to work in.
+#[derive(Clone, Debug)]
+pub(crate) struct Solver {
+    chosen: Chosen,
+    pub workspace: Workspace,
+}
+
+impl Solver {
+    /// With the method of the settings.
+    pub fn new(method: SolverMethod) -> Solver {
+        let chosen = match method {
+            SolverMethod::GaussSeidel => Chosen::GaussSeidel(GaussSeidel::default()),
+            SolverMethod::Anderson { memory } => Chosen::Anderson(Box::new(Anderson::new(memory))),
+            SolverMethod::NonlinearConjugateGradients => {
+                Chosen::NonlinearConjugateGradients(NonlinearConjugateGradients::default())
+            }
+            SolverMethod::AcceleratedProjectedGradients => {
+                Chosen::AcceleratedProjectedGradients(AcceleratedProjectedGradients::default())
+            }
+            SolverMethod::Jacobi { damping } => Chosen::Jacobi(Jacobi::new(damping)),
+            SolverMethod::ProjectedConjugateGradients => {
+                Chosen::ProjectedConjugateGradients(ProjectedConjugateGradients::default())
+            }
+        };
+        Solver { chosen, workspace: Workspace::default() }
+    }
+
+    /// The method and the room beside it.
+    pub fn parts(&mut self) -> (&mut dyn Method, &mut Workspace) {
+        let method: &mut dyn Method = match &mut self.chosen {
+            Chosen::GaussSeidel(method) => method,
+            Chosen::Anderson(method) => method.as_mut(),
+            Chosen::NonlinearConjugateGradients(method) => method,
+            Chosen::AcceleratedProjectedGradients(method) => method,
+            Chosen::Jacobi(method) => method,
+            Chosen::ProjectedConjugateGradients(method) => method,
+        };
+        (method, &mut self.workspace)
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        let method: &dyn Method = match &self.chosen {
+            Chosen::GaussSeidel(method) => method,
+            Chosen::Anderson(method) => method.as_ref(),
+            Chosen::NonlinearConjugateGradients(method) => method,
+            Chosen::AcceleratedProjectedGradients(method) => method,
+            Chosen::Jacobi(method) => method,
+            Chosen::ProjectedConjugateGradients(method) => method,
+        };
+        method.memory_bytes() + self.workspace.memory_bytes()
+    }
+}
+
+impl SolverSettings {
+    /// Sweeps over all contacts in an iteration.
+    pub(crate) fn sweeps_per_iteration(&self) -> u32 {
+        match self.method {
+            SolverMethod::GaussSeidel | SolverMethod::Anderson { .. } | SolverMethod::NonlinearConjugateGradients => {
+                self.inner_sweeps.max(1)
+            }
+            SolverMethod::AcceleratedProjectedGradients
+            | SolverMethod::Jacobi { .. }
+            | SolverMethod::ProjectedConjugateGradients => 1,
+        }
+    }
+}

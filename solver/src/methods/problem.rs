@@ -1,0 +1,308 @@
+//! The contact problem of a step, with the operations that methods are made of.
+//!
+//! A state is an impulse for each contact, kept in the lane groups, and the velocities that go with them, kept in the
+//! bodies: `v = v_free + M^-1 G^T lambda`. Velocities are affine in the impulses, so states whose coefficients sum to one
+//! combine alike on both sides; where a projection bends an impulse, the difference is given to the bodies.
+
+use super::group::{Block, Visit, Visiting};
+use super::velocities::{self, Coefficients, MOST, sum_of};
+use super::visits::{Combine, Keep, Measure, Step, Transform};
+use crate::lanes::{Eight, LANES};
+use crate::partition::{Layout, STAGES, SingleCopy};
+use crate::scene::{Precision, SolverMethod, SolverSettings};
+use crate::schedule::{Disjoint, Phase, Team};
+use crate::solve::{Unknowns, sweep_all};
+use crate::sweep::{Relaxation, Residual, Residuals, TaskResidual};
+use crate::world::Body;
+use std::ops::Range;
+
+/// What a task sums up over its contacts, lane by lane.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tally {
+    /// Three sums; each kernel says of what.
+    pub sums: [Eight; 3],
+    /// Natural-map residuals, m/s.
+    pub residual: TaskResidual,
+    /// By how much tangential impulses leave the Coulomb disc, m/s.
+    pub cone: TaskResidual,
+}
+
+/// A step's contacts and bodies, who works on them, and memory that is reused from solve to solve.
+pub(crate) struct Problem<'a> {
+    pub bodies: &'a mut [Body],
+    pub layout: &'a mut Layout,
+    pub relaxation: &'a Relaxation,
+    pub settings: &'a SolverSettings,
+    pub team: &'a Team,
+    pub workspace: &'a mut Workspace,
+}
+
+/// Where tasks leave their sums, and where their vectors begin.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Workspace {
+    /// First block of each task in vectors over contacts, and one more.
+    pub starts: Vec<usize>,
+    /// What sweeps in single precision work on.
+    pub single: SingleCopy,
+    /// Of sweeps.
+    residuals: Vec<TaskResidual>,
+    pub tallies: Vec<Tally>,
+    energies: Vec<[Eight; MOST]>,
+}
+
+/// A state put aside: an impulse for each contact, N s, and the velocities that go with them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct State {
+    /// Impulses, task after task, pairs before walls.
+    pub impulses: Vec<Block>,
+    /// Velocities.
+    pub velocities: Vec<Body>,
+}
+
+impl State {
+    /// Makes room for a problem's contacts and bodies; the bodies' masses are right, all else means nothing.
+    pub fn fit(&mut self, problem: &Problem<'_>) {
+        fit(&mut self.impulses, problem);
+        self.velocities.clear();
+        self.velocities.extend_from_slice(problem.bodies);
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        self.impulses.capacity() * size_of::<Block>() + self.velocities.capacity() * size_of::<Body>()
+    }
+}
+
+/// Makes room for a vector over a problem's contacts, with an eighth to spare: the next step may have more of them.
+pub(crate) fn fit(vectors: &mut Vec<Block>, problem: &Problem<'_>) {
+    let count = problem.workspace.starts.last().copied().unwrap_or(0);
+    if count > vectors.capacity() {
+        vectors.reserve_exact(count + count / 8 - vectors.len());
+    }
+    vectors.resize(count, Block::default());
+}
+
+impl Workspace {
+    pub fn memory_bytes(&self) -> usize {
+        self.single.memory_bytes()
+            + self.starts.capacity() * size_of::<usize>()
+            + self.residuals.capacity() * size_of::<TaskResidual>()
+            + self.tallies.capacity() * size_of::<Tally>()
+            + self.energies.capacity() * size_of::<[Eight; MOST]>()
+    }
+}
+
+/// What a projected step did.
+pub(crate) struct StepSums {
+    /// `d.D d` of the change d, D the diagonal of the operator, J.
+    pub scaled: f64,
+    /// Part of `d.S d` that compliance adds to the kinetic energy, J.
+    pub compliant: f64,
+    /// Gradient times the way from the last state to the new one, J; positive where the step went uphill.
+    pub slope: f64,
+    /// Natural-map residuals where the step began, m/s.
+    pub residuals: Residuals,
+}
+
+impl Problem<'_> {
+    /// Numbers the lane groups, so that vectors over contacts can be made.
+    pub fn number_groups(&mut self) {
+        let starts = &mut self.workspace.starts;
+        starts.clear();
+        let mut next = 0;
+        for task in self.layout.plan.tasks() {
+            starts.push(next);
+            let groups = &self.layout.groups[task.number as usize];
+            next += groups.pairs.len() + groups.walls.len();
+        }
+        starts.push(next);
+    }
+
+    /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, if they are asked for.
+    pub fn sweep(&mut self, factor: f64, measure: bool) -> Option<Residuals> {
+        let (inner, precision) = (self.settings.inner_sweeps.max(1), self.precision());
+        let residuals = measure.then_some(&mut self.workspace.residuals);
+        let unknowns = match precision {
+            Precision::Double => Unknowns::double(self.bodies, &mut self.layout.groups),
+            Precision::Single => Unknowns::single(&mut self.workspace.single),
+        };
+        let sums = sweep_all(&self.layout.plan, &unknowns, self.relaxation, factor, inner, residuals, self.team);
+        measure.then(|| sums.finish(self.layout.contacts))
+    }
+
+    /// Precision of the sweeps. Methods that combine states need them as they are.
+    fn precision(&self) -> Precision {
+        match self.settings.method {
+            SolverMethod::GaussSeidel => self.settings.precision,
+            _ => Precision::Double,
+        }
+    }
+
+    /// Makes the copy that sweeps in single precision work on.
+    pub fn enter_precision(&mut self) {
+        if self.precision() == Precision::Single {
+            let set = self.relaxation.instruction_set;
+            self.workspace.single.take(self.bodies, self.layout, set, self.team);
+        }
+    }
+
+    /// Takes over what sweeps in single precision did.
+    pub fn leave_precision(&mut self) {
+        if self.precision() == Precision::Single {
+            self.workspace.single.give_back(self.bodies, self.layout, self.team);
+        }
+    }
+
+    /// Puts the present state aside.
+    pub fn keep(&mut self, state: &mut State) {
+        state.velocities.copy_from_slice(self.bodies);
+        let vectors = Disjoint::new(&mut state.impulses);
+        let starts = &self.workspace.starts;
+        visit(self.layout, self.relaxation, self.team, |place| {
+            // SAFETY: each task has its own part.
+            Keep { to: unsafe { vectors.range(part(starts, place)) } }
+        });
+    }
+
+    /// The present state becomes a combination of others, whose coefficients sum to one.
+    pub fn combine(&mut self, coefficients: &[f64], states: &[&State]) {
+        let mut velocities: [&[Body]; MOST] = [&[]; MOST];
+        for (velocities, state) in velocities.iter_mut().zip(states) {
+            *velocities = &state.velocities;
+        }
+        let set = self.relaxation.instruction_set;
+        velocities::combine(self.bodies, coefficients, &velocities[..states.len()], set, self.team);
+        let starts = &self.workspace.starts;
+        visit(self.layout, self.relaxation, self.team, |place| {
+            let mut from: [&[Block]; MOST] = [&[]; MOST];
+            for (from, state) in from.iter_mut().zip(states) {
+                *from = &state.impulses[part(starts, place)];
+            }
+            Combine { coefficients, from, count: states.len() }
+        });
+    }
+
+    /// The present state (first) and two others become combinations of the three.
+    pub fn transform(&mut self, coefficients: &Coefficients, second: &mut State, third: &mut State) {
+        let bodies = [&mut *self.bodies, &mut second.velocities, &mut third.velocities];
+        velocities::transform(bodies, coefficients, self.relaxation.instruction_set, self.team);
+        let (second, third) = (Disjoint::new(&mut second.impulses), Disjoint::new(&mut third.impulses));
+        let starts = &self.workspace.starts;
+        visit(self.layout, self.relaxation, self.team, |place| {
+            let part = part(starts, place);
+            // SAFETY: each task has its own parts.
+            let (second, third) = unsafe { (second.range(part.clone()), third.range(part)) };
+            Transform { coefficients, second, third }
+        });
+    }
+
+    /// The present state becomes the projection of `from - step D^-1 (S from - b)`, D the diagonal of S. The slope counts from
+    /// `last`.
+    pub fn projected_step(&mut self, from: &State, last: &[Block], step: f64) -> StepSums {
+        self.bodies.copy_from_slice(&from.velocities);
+        let Workspace { starts, tallies, .. } = &mut *self.workspace;
+        {
+            let (bodies, tallies) = (Disjoint::new(self.bodies), Tally::of_tasks(tallies, self.layout));
+            visit(self.layout, self.relaxation, self.team, |place| {
+                let part = part(starts, place);
+                let (point, last) = (&from.impulses[part.clone()], &last[part]);
+                // SAFETY: each task has its own tally.
+                let tally = unsafe { tallies.at(place) };
+                Step { ahead: from.velocities.as_ptr(), bodies: bodies.as_ptr(), from: point, last, step, tally }
+            });
+        }
+        let total = Tally::total(tallies);
+        let [scaled, compliant, slope] = total.sums();
+        StepSums { scaled, compliant, slope, residuals: total.residual.finish(self.layout.contacts) }
+    }
+
+    /// Natural-map residuals of the present state, and by how much impulses leave their cones, m/s.
+    pub fn measure(&mut self) -> (Residuals, Residual) {
+        let tallies = &mut self.workspace.tallies;
+        {
+            let (bodies, tallies) = (&*self.bodies, Tally::of_tasks(tallies, self.layout));
+            visit(self.layout, self.relaxation, self.team, |place| {
+                // SAFETY: each task has its own tally.
+                Measure { bodies: bodies.as_ptr(), tally: unsafe { tallies.at(place) } }
+            });
+        }
+        let (total, contacts) = (Tally::total(tallies), self.layout.contacts);
+        (total.residual.finish(contacts), total.cone.finish(contacts).normal)
+    }
+
+    /// `difference = bodies - velocities`, and twice its kinetic energy, J.
+    pub fn velocity_change(&mut self, velocities: &[Body], difference: &mut [Body]) -> f64 {
+        let set = self.relaxation.instruction_set;
+        velocities::difference(difference, [self.bodies, velocities], &mut self.workspace.energies, set, self.team)
+    }
+
+    /// Twice the kinetic energies of one difference of velocities with several, J.
+    pub fn products(&mut self, one: &[Body], others: &[&[Body]]) -> [f64; MOST] {
+        let set = self.relaxation.instruction_set;
+        velocities::products(one, others, &mut self.workspace.energies, set, self.team)
+    }
+}
+
+/// Visits the lane groups of every task, stage after stage where bodies are written.
+pub(crate) fn visit<V: Visit>(
+    layout: &mut Layout,
+    relaxation: &Relaxation,
+    team: &Team,
+    make: impl Fn(usize) -> V + Sync,
+) {
+    let (plan, groups) = (&layout.plan, Disjoint::new(&mut layout.groups));
+    let set = relaxation.instruction_set;
+    let batch = |places: Range<usize>| {
+        for place in places {
+            // SAFETY: each task has its own groups.
+            let groups = unsafe { groups.at(plan.tasks()[place].number as usize) };
+            match relaxation.friction {
+                true => set.run(Visiting::<V, true> { groups, visit: make(place) }),
+                false => set.run(Visiting::<V, false> { groups, visit: make(place) }),
+            }
+        }
+    };
+    if V::PUSHES {
+        for stage in 0..STAGES {
+            let batches = plan.batches(stage);
+            team.each(Phase::Sweep, batches.len(), |number| batch(batches[number].clone()));
+        }
+    } else {
+        let batches = plan.all_batches();
+        team.each(Phase::Sweep, batches.len(), |number| batch(batches[number].clone()));
+    }
+}
+
+impl Tally {
+    /// Empty tallies, one a task.
+    pub fn of_tasks<'a>(tallies: &'a mut Vec<Tally>, layout: &Layout) -> Disjoint<'a, Tally> {
+        tallies.clear();
+        tallies.resize(layout.plan.tasks().len(), Tally::default());
+        Disjoint::new(tallies)
+    }
+
+    /// All of them together, in the order of tasks.
+    pub fn total(tallies: &[Tally]) -> Tally {
+        let mut total = Tally::default();
+        for tally in tallies {
+            for (sum, own) in total.sums.iter_mut().zip(&tally.sums) {
+                for lane in 0..LANES {
+                    sum.0[lane] += own.0[lane];
+                }
+            }
+            total.residual.merge(&tally.residual);
+            total.cone.merge(&tally.cone);
+        }
+        total
+    }
+
+    /// The three sums.
+    pub fn sums(&self) -> [f64; 3] {
+        [0, 1, 2].map(|index| sum_of(self.sums[index].0))
+    }
+}
+
+/// Blocks of a task in vectors over contacts.
+#[inline]
+pub(crate) fn part(starts: &[usize], place: usize) -> Range<usize> {
+    starts[place]..starts[place + 1]
+}

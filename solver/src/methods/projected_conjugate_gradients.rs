@@ -1,0 +1,263 @@
+//! Projected conjugate gradients. A historical baseline.
+//!
+//! After M. Renouf and P. Alart, *Conjugate gradient type algorithms for frictional multi-contact problems: applications to granular
+//! materials*, Computer Methods in Applied Mechanics and Engineering 194 (2005), preconditioned by the operator's diagonal D. With
+//! the operator S, the residual `r = b - S lambda` and projections T onto the directions that do not leave the cones (each disc as large as it
+//! is),
+//!
+//! ```text
+//! alpha    = r.p / p.S p
+//! lambda  <- P(lambda + alpha p)       first the normal impulse, then the disc at that impulse
+//! w, z     = T(D^-1 r), T(p)           both at the new lambda
+//! p       <- w - (w.S p / p.S p) z
+//! ```
+//!
+//! Where the set of sliding and open contacts keeps changing, directions are not conjugate and nothing ensures progress: it
+//! may stall or run in circles.
+
+use super::group::{Block, Group, Visit, add, load, store};
+use super::problem::{Tally, fit, part, visit};
+use super::visits::{TANGENTIAL, natural_map};
+use super::{Method, Problem};
+use crate::lanes::{Lanes, dot, minus, plus, times};
+use crate::schedule::Disjoint;
+use crate::sweep::Residuals;
+use crate::sweep::kernel::Contact;
+use crate::world::Body;
+
+/// Share of the Coulomb disc's radius from which a contact counts as sliding.
+const SLIDING: f64 = 1.0 - 1e-12;
+
+/// Projected conjugate gradients.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ProjectedConjugateGradients {
+    /// p, then z.
+    direction: Vec<Block>,
+    /// w.
+    gradient: Vec<Block>,
+    /// Velocities that go with p.
+    velocities: Vec<Body>,
+    beta: f64,
+    /// r.p.
+    descent: f64,
+}
+
+impl ProjectedConjugateGradients {
+    /// Residual and direction at the present state. `curvature` is p.S p of the last direction.
+    fn turn(&mut self, problem: &mut Problem<'_>, curvature: f64) -> Residuals {
+        let workspace = &mut *problem.workspace;
+        {
+            let tallies = Tally::of_tasks(&mut workspace.tallies, problem.layout);
+            let (directions, gradients) = (Disjoint::new(&mut self.direction), Disjoint::new(&mut self.gradient));
+            let (bodies, velocities, starts) = (&*problem.bodies, &*self.velocities, &workspace.starts);
+            visit(problem.layout, problem.relaxation, problem.team, |place| {
+                let part = part(starts, place);
+                // SAFETY: each task has its own parts.
+                let (direction, gradient, tally) =
+                    unsafe { (directions.range(part.clone()), gradients.range(part), tallies.at(place)) };
+                Turn { bodies: bodies.as_ptr(), velocities: velocities.as_ptr(), direction, gradient, tally }
+            });
+        }
+        let total = Tally::total(&workspace.tallies);
+        let [conjugate, along_gradient, along_direction] = total.sums();
+        self.beta = if curvature > 0.0 { -conjugate / curvature } else { 0.0 };
+        self.descent = along_gradient + self.beta * along_direction;
+        if self.descent <= 0.0 {
+            (self.beta, self.descent) = (0.0, along_gradient);
+        }
+        total.residual.finish(problem.layout.contacts)
+    }
+
+    /// p = w + beta z, and the velocities that go with it; returns p.S p.
+    fn aim(&mut self, problem: &mut Problem<'_>) -> f64 {
+        for body in &mut self.velocities {
+            (body.velocity, body.surface_speed) = ([0.0; 3], [0.0; 3]);
+        }
+        let workspace = &mut *problem.workspace;
+        {
+            let tallies = Tally::of_tasks(&mut workspace.tallies, problem.layout);
+            let (directions, velocities) = (Disjoint::new(&mut self.direction), Disjoint::new(&mut self.velocities));
+            let (gradient, starts, beta) = (&self.gradient, &workspace.starts, self.beta);
+            visit(problem.layout, problem.relaxation, problem.team, |place| {
+                let part = part(starts, place);
+                let gradient = &gradient[part.clone()];
+                // SAFETY: each task has its own parts.
+                let (direction, tally) = unsafe { (directions.range(part), tallies.at(place)) };
+                Aim { velocities: velocities.as_ptr(), direction, gradient, beta, tally }
+            });
+        }
+        let velocities = &*self.velocities;
+        problem.products(velocities, &[velocities])[0] + Tally::total(&problem.workspace.tallies).sums()[0]
+    }
+
+    /// lambda = P(lambda + alpha p).
+    fn advance(&mut self, problem: &mut Problem<'_>, alpha: f64) {
+        let (bodies, direction, starts) = (Disjoint::new(problem.bodies), &self.direction, &problem.workspace.starts);
+        visit(problem.layout, problem.relaxation, problem.team, |place| Advance {
+            bodies: bodies.as_ptr(),
+            direction: &direction[part(starts, place)],
+            alpha,
+        });
+    }
+}
+
+impl Method for ProjectedConjugateGradients {
+    fn begin(&mut self, problem: &mut Problem<'_>) {
+        problem.number_groups();
+        fit(&mut self.direction, problem);
+        fit(&mut self.gradient, problem);
+        self.direction.fill(Block::default());
+        self.velocities.clear();
+        self.velocities.extend_from_slice(problem.bodies);
+        self.turn(problem, 0.0);
+    }
+
+    fn iterate(&mut self, problem: &mut Problem<'_>, _: bool) -> Option<Residuals> {
+        let curvature = self.aim(problem);
+        if curvature > 0.0 {
+            self.advance(problem, self.descent / curvature);
+        }
+        Some(self.turn(problem, curvature))
+    }
+
+    fn memory_bytes(&self) -> usize {
+        (self.direction.capacity() + self.gradient.capacity()) * size_of::<Block>()
+            + self.velocities.capacity() * size_of::<Body>()
+    }
+}
+
+/// Sums: w.S p, r.w, r.z.
+struct Turn<'a> {
+    bodies: *const Body,
+    velocities: *const Body,
+    direction: &'a mut [Block],
+    gradient: &'a mut [Block],
+    tally: &'a mut Tally,
+}
+
+impl Visit for Turn<'_> {
+    const PUSHES: bool = false;
+
+    #[inline(always)]
+    fn bodies(&self) -> *const Body {
+        self.bodies
+    }
+
+    #[inline(always)]
+    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+        let contact = Contact::read(group.contacts(), L::load);
+        let normal = contact.normal;
+        // SAFETY: the promise of `Visit`.
+        let (velocity, inverse_mass, across) = unsafe {
+            let (velocity, inverse_mass) = group.velocity::<L, FRICTION>(self.bodies, &contact, 1.0);
+            (velocity, inverse_mass, group.velocity::<L, FRICTION>(self.velocities, &contact, 0.0).0)
+        };
+        natural_map::<L, FRICTION>(contact, velocity, inverse_mass, self.tally);
+        // Residual r and S p, their normal and tangential parts.
+        let direction = load::<L>(&self.direction[number]);
+        let (along, along_direction, across_normal) =
+            (dot(normal, velocity), dot(normal, direction), dot(normal, across));
+        let residual_normal = contact.bias - along - contact.regularisation * contact.impulse_normal;
+        let operated_normal = across_normal + contact.regularisation * along_direction;
+        let (mut residual, mut operated) = (times(normal, residual_normal), times(normal, operated_normal));
+        let operator = inverse_mass + contact.regularisation;
+        let mut scaled = times(normal, residual_normal / operator);
+        if FRICTION {
+            let tangential = minus(times(normal, along), velocity);
+            residual = plus(residual, tangential);
+            operated = plus(operated, minus(across, times(normal, across_normal)));
+            scaled = plus(scaled, times(tangential, L::splat(1.0) / (L::splat(TANGENTIAL) * inverse_mass)));
+        }
+        let gradient = along_cone::<L, FRICTION>(&contact, scaled);
+        let direction = along_cone::<L, FRICTION>(&contact, direction);
+        store(gradient, &mut self.gradient[number]);
+        store(direction, &mut self.direction[number]);
+        let [conjugate, with_gradient, with_direction] = &mut self.tally.sums;
+        add(conjugate, dot(gradient, operated));
+        add(with_gradient, dot(residual, gradient));
+        add(with_direction, dot(residual, direction));
+    }
+}
+
+/// The part of a direction that leaves neither repulsion nor the Coulomb disc of the present normal impulse.
+///
+/// The disc counts as fixed: a direction that shrank the disc's rim along with the normal impulse would do so against the residual
+/// of a sliding contact, and `r.w` could become negative.
+#[inline(always)]
+fn along_cone<L: Lanes, const FRICTION: bool>(contact: &Contact<L>, direction: [L; 3]) -> [L; 3] {
+    let zero = L::zero();
+    let along = dot(contact.normal, direction);
+    let open = contact.impulse_normal.at_most(zero);
+    let mut result = times(contact.normal, L::select(open, along.larger(zero), along));
+    if FRICTION {
+        let tangential = minus(direction, times(contact.normal, along));
+        let impulse = contact.impulse_tangential;
+        let (length, radius) = (dot(impulse, impulse).sqrt(), contact.friction * contact.impulse_normal);
+        // On the rim no radial part leads outwards; a disc that is a point has no directions.
+        let outwards = (dot(impulse, tangential) / length).larger(zero) / length;
+        let correction = L::select(length.below(radius * L::splat(SLIDING)), zero, outwards);
+        let point = radius.at_most(zero);
+        for axis in 0..3 {
+            let rim = tangential[axis] - impulse[axis] * correction;
+            result[axis] = result[axis] + L::select(point, zero, rim);
+        }
+    }
+    result
+}
+
+/// Sum: compliant part of p.S p.
+struct Aim<'a> {
+    velocities: *mut Body,
+    direction: &'a mut [Block],
+    gradient: &'a [Block],
+    beta: f64,
+    tally: &'a mut Tally,
+}
+
+impl Visit for Aim<'_> {
+    const PUSHES: bool = true;
+
+    #[inline(always)]
+    fn bodies(&self) -> *const Body {
+        self.velocities
+    }
+
+    #[inline(always)]
+    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+        let contact = Contact::read(group.contacts(), L::load);
+        let old = load::<L>(&self.direction[number]);
+        let direction = plus(load(&self.gradient[number]), times(old, L::splat(self.beta)));
+        store(direction, &mut self.direction[number]);
+        // SAFETY: the promise of `Visit`.
+        unsafe { group.push::<L, FRICTION>(self.velocities, contact.normal, direction) };
+        let along = dot(contact.normal, direction);
+        add(&mut self.tally.sums[0], contact.regularisation * along * along);
+    }
+}
+
+struct Advance<'a> {
+    bodies: *mut Body,
+    direction: &'a [Block],
+    alpha: f64,
+}
+
+impl Visit for Advance<'_> {
+    const PUSHES: bool = true;
+
+    #[inline(always)]
+    fn bodies(&self) -> *const Body {
+        self.bodies
+    }
+
+    #[inline(always)]
+    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+        let mut contact = Contact::read(group.contacts(), L::load);
+        let before = contact.impulse();
+        contact.set_impulse(plus(before, times(load(&self.direction[number]), L::splat(self.alpha))));
+        contact.project::<FRICTION>();
+        let change = minus(contact.impulse(), before);
+        // SAFETY: the promise of `Visit`.
+        unsafe { group.push::<L, FRICTION>(self.bodies, contact.normal, change) };
+        contact.write::<FRICTION, _>(group.contacts_mut(), L::store);
+    }
+}

@@ -1,0 +1,176 @@
+//! Linear algebra over the velocities of all bodies, a cache line a body.
+
+use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes};
+use crate::schedule::{Disjoint, Phase, Team};
+use crate::world::{Body, chunk, chunks};
+
+/// Most states that a combination or a set of products can have.
+pub(crate) const MOST: usize = super::MOST_MEMORY + 1;
+
+/// Coefficients of new states (rows) by old ones.
+pub(crate) type Coefficients = [[f64; 3]; 3];
+
+/// `m v^2 + 0.4 m s^2` is twice the kinetic energy of a solid sphere with surface speed s.
+const KINETIC: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.4, 0.4, 0.4, 0.0]);
+
+/// A body as eight numbers: velocity, inverse mass, surface speed, nothing.
+#[inline(always)]
+fn numbers(body: &Body) -> &Eight {
+    // SAFETY: both are eight numbers in memory, aligned to 64 bytes.
+    unsafe { &*std::ptr::from_ref(body).cast() }
+}
+
+/// Writes a body's velocities and leaves its mass as it is.
+#[inline(always)]
+fn write<L: Lanes>(value: L, body: &mut Body) {
+    let inverse_mass = body.inverse_mass;
+    // SAFETY: as in `numbers`.
+    value.store(unsafe { &mut *std::ptr::from_mut(body).cast() });
+    body.inverse_mass = inverse_mass;
+}
+
+/// `to = sum of coefficients[i] from[i]`, velocities only. No allocation; `from` has at most [`MOST`] states.
+pub(crate) fn combine(to: &mut [Body], coefficients: &[f64], from: &[&[Body]], set: InstructionSet, team: &Team) {
+    let count = to.len();
+    let to = Disjoint::new(to);
+    team.each(Phase::Sweep, chunks(count), |number| {
+        let places = chunk(number, count);
+        let mut parts: [&[Body]; MOST] = [&[]; MOST];
+        for (part, from) in parts.iter_mut().zip(from) {
+            *part = &from[places.clone()];
+        }
+        // SAFETY: chunks do not overlap.
+        let to = unsafe { to.range(places) };
+        set.run(Combine { to, coefficients, from: &parts[..from.len()] });
+    });
+}
+
+struct Combine<'a> {
+    to: &'a mut [Body],
+    coefficients: &'a [f64],
+    from: &'a [&'a [Body]],
+}
+
+impl Kernel for Combine<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for (place, to) in self.to.iter_mut().enumerate() {
+            let mut sum = L::zero();
+            for (coefficient, from) in self.coefficients.iter().zip(self.from) {
+                sum = sum + L::splat(*coefficient) * L::load(numbers(&from[place]));
+            }
+            write(sum, to);
+        }
+    }
+}
+
+/// Replaces three states by combinations of themselves.
+pub(crate) fn transform(states: [&mut [Body]; 3], coefficients: &Coefficients, set: InstructionSet, team: &Team) {
+    let count = states[0].len();
+    let states = states.map(Disjoint::new);
+    team.each(Phase::Sweep, chunks(count), |number| {
+        // SAFETY: chunks do not overlap.
+        let states = states.each_ref().map(|state| unsafe { state.range(chunk(number, count)) });
+        set.run(Transform { states, coefficients });
+    });
+}
+
+struct Transform<'a> {
+    states: [&'a mut [Body]; 3],
+    coefficients: &'a Coefficients,
+}
+
+impl Kernel for Transform<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let [first, second, third] = self.states;
+        let [to_first, to_second, to_third] = self.coefficients;
+        for ((first, second), third) in first.iter_mut().zip(second).zip(third) {
+            let old = [L::load(numbers(first)), L::load(numbers(second)), L::load(numbers(third))];
+            write(combined(to_first, old), first);
+            write(combined(to_second, old), second);
+            write(combined(to_third, old), third);
+        }
+    }
+}
+
+/// One row of a transform.
+#[inline(always)]
+pub(crate) fn combined<L: Lanes>(row: &[f64; 3], old: [L; 3]) -> L {
+    L::splat(row[0]) * old[0] + L::splat(row[1]) * old[1] + L::splat(row[2]) * old[2]
+}
+
+/// `difference = a - b`, and twice its kinetic energy, J; sums in the order of chunks.
+pub(crate) fn difference(
+    difference: &mut [Body],
+    [a, b]: [&[Body]; 2],
+    sums: &mut Vec<[Eight; MOST]>,
+    set: InstructionSet,
+    team: &Team,
+) -> f64 {
+    combine(difference, &[1.0, -1.0], &[a, b], set, team);
+    products(difference, &[difference], sums, set, team)[0]
+}
+
+/// Twice the kinetic energies `m a.b` of one difference of velocities with several, J.
+pub(crate) fn products(
+    one: &[Body],
+    others: &[&[Body]],
+    sums: &mut Vec<[Eight; MOST]>,
+    set: InstructionSet,
+    team: &Team,
+) -> [f64; MOST] {
+    let count = one.len();
+    sums.clear();
+    sums.resize(chunks(count), [Eight::default(); MOST]);
+    let parts = Disjoint::new(sums);
+    team.each(Phase::Sweep, chunks(count), |number| {
+        let places = chunk(number, count);
+        // SAFETY: each chunk has its own sums.
+        let sums = unsafe { parts.at(number) };
+        for (sum, other) in sums.iter_mut().zip(others) {
+            set.run(Product { one: &one[places.clone()], other: &other[places.clone()], sum });
+        }
+    });
+    let mut totals = [0.0; MOST];
+    for (index, total) in totals.iter_mut().enumerate() {
+        let mut lanes = [0.0; LANES];
+        for sum in sums.iter() {
+            for (lane, own) in lanes.iter_mut().zip(sum[index].0) {
+                *lane += own;
+            }
+        }
+        *total = sum_of(lanes);
+    }
+    totals
+}
+
+/// Sum over lanes in one fixed order.
+pub(crate) fn sum_of([a, b, c, d, e, f, g, h]: [f64; LANES]) -> f64 {
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
+}
+
+struct Product<'a> {
+    one: &'a [Body],
+    other: &'a [Body],
+    sum: &'a mut Eight,
+}
+
+impl Kernel for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let weight = L::load(&KINETIC);
+        let mut sum = L::zero();
+        for (one, other) in self.one.iter().zip(self.other) {
+            let mass = weight * L::splat(1.0 / one.inverse_mass);
+            sum = sum + mass * L::load(numbers(one)) * L::load(numbers(other));
+        }
+        sum.store(self.sum);
+    }
+}

@@ -1,0 +1,188 @@
+//! The kernels that several methods share, each as what it does to one lane group.
+
+use super::group::{Block, Group, Visit, add, load, store};
+use super::problem::Tally;
+use super::velocities::{Coefficients, MOST, combined};
+use crate::lanes::{Lanes, dot, minus, times};
+use crate::sweep::LaneResidual;
+use crate::sweep::kernel::Contact;
+use crate::world::Body;
+
+/// Tangential operator over inverse mass: `S_t = 3.5 S_n` for solid spheres.
+pub(crate) const TANGENTIAL: f64 = 3.5;
+
+/// Copies impulses into a vector.
+pub(crate) struct Keep<'a> {
+    pub to: &'a mut [Block],
+}
+
+impl Visit for Keep<'_> {
+    const PUSHES: bool = false;
+
+    #[inline(always)]
+    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+        store(Contact::read(group.contacts(), L::load).impulse(), &mut self.to[number]);
+    }
+}
+
+/// Impulses become a combination of vectors.
+pub(crate) struct Combine<'a> {
+    pub coefficients: &'a [f64],
+    pub from: [&'a [Block]; MOST],
+    pub count: usize,
+}
+
+impl Visit for Combine<'_> {
+    const PUSHES: bool = false;
+
+    #[inline(always)]
+    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+        let mut sum = [L::zero(); 3];
+        for (coefficient, from) in self.coefficients.iter().zip(&self.from[..self.count]) {
+            let own = load::<L>(&from[number]);
+            for axis in 0..3 {
+                sum[axis] = sum[axis] + L::splat(*coefficient) * own[axis];
+            }
+        }
+        put::<L, FRICTION>(sum, group.contacts_mut());
+    }
+}
+
+/// Writes impulses given as vectors.
+#[inline(always)]
+fn put<L: Lanes, const FRICTION: bool>(impulse: [L; 3], contacts: &mut crate::partition::ContactLanes) {
+    let mut contact = Contact::read(contacts, L::load);
+    contact.set_impulse(impulse);
+    contact.write::<FRICTION, _>(contacts, L::store);
+}
+
+/// Impulses and two vectors become combinations of the three.
+pub(crate) struct Transform<'a> {
+    pub coefficients: &'a Coefficients,
+    pub second: &'a mut [Block],
+    pub third: &'a mut [Block],
+}
+
+impl Visit for Transform<'_> {
+    const PUSHES: bool = false;
+
+    #[inline(always)]
+    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+        let [to_first, to_second, to_third] = self.coefficients;
+        let first = Contact::read(group.contacts(), L::load).impulse();
+        let (second, third) = (load::<L>(&self.second[number]), load::<L>(&self.third[number]));
+        let mut impulse = first;
+        for axis in 0..3 {
+            let old = [first[axis], second[axis], third[axis]];
+            impulse[axis] = combined(to_first, old);
+            combined(to_second, old).store(&mut self.second[number][axis]);
+            combined(to_third, old).store(&mut self.third[number][axis]);
+        }
+        put::<L, FRICTION>(impulse, group.contacts_mut());
+    }
+}
+
+/// One projected step along the scaled gradient, from a point with its own velocities.
+///
+/// Sums: `d.D d` of the change d, its compliant part `Sigma' d_n^2`, and gradient times the way from `last`.
+pub(crate) struct Step<'a> {
+    /// Velocities at the point.
+    pub ahead: *const Body,
+    /// Velocities that receive the change.
+    pub bodies: *mut Body,
+    pub from: &'a [Block],
+    pub last: &'a [Block],
+    pub step: f64,
+    pub tally: &'a mut Tally,
+}
+
+impl Visit for Step<'_> {
+    const PUSHES: bool = true;
+
+    #[inline(always)]
+    fn bodies(&self) -> *const Body {
+        self.ahead
+    }
+
+    #[inline(always)]
+    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+        let mut contact = Contact::read(group.contacts(), L::load);
+        contact.set_impulse(load(&self.from[number]));
+        let normal = contact.normal;
+        // SAFETY: the promise of `Visit`.
+        let (velocity, inverse_mass) = unsafe { group.velocity::<L, FRICTION>(self.ahead, &contact, 1.0) };
+        // Gradient, before the impulse changes.
+        let along = dot(normal, velocity);
+        let slack = along + contact.regularisation * contact.impulse_normal - contact.bias;
+        natural_map::<L, FRICTION>(contact, velocity, inverse_mass, self.tally);
+        let mut unused = LaneResidual::zero();
+        let step = L::splat(self.step);
+        let change = contact.relax::<FRICTION, false>(velocity, inverse_mass, step, &mut unused);
+        // SAFETY: as above.
+        unsafe { group.push::<L, FRICTION>(self.bodies, normal, change) };
+        contact.write::<FRICTION, _>(group.contacts_mut(), L::store);
+        // How far it went, in the metric of the diagonal.
+        let change_normal = dot(normal, change);
+        let compliant = contact.regularisation * change_normal * change_normal;
+        let mut scaled = inverse_mass * change_normal * change_normal + compliant;
+        let way = minus(contact.impulse(), load(&self.last[number]));
+        let way_normal = dot(normal, way);
+        let mut slope = slack * way_normal;
+        if FRICTION {
+            let change_tangential = minus(change, times(normal, change_normal));
+            let operator = L::splat(TANGENTIAL) * inverse_mass;
+            scaled = scaled + operator * dot(change_tangential, change_tangential);
+            slope = slope + dot(velocity, way) - along * way_normal;
+        }
+        let [scaled_sum, compliant_sum, slope_sum] = &mut self.tally.sums;
+        add(scaled_sum, scaled);
+        add(compliant_sum, compliant);
+        add(slope_sum, slope);
+    }
+}
+
+/// Adds what one unrelaxed update of each contact by itself would change, m/s: zero at the solution only.
+#[inline(always)]
+pub(crate) fn natural_map<L: Lanes, const FRICTION: bool>(
+    mut contact: Contact<L>,
+    velocity: [L; 3],
+    inverse_mass: L,
+    tally: &mut Tally,
+) {
+    let mut residual = LaneResidual::<L>::read(&tally.residual);
+    contact.relax::<FRICTION, true>(velocity, inverse_mass, L::splat(1.0), &mut residual);
+    residual.write(&mut tally.residual);
+}
+
+/// Measures how far a state is from the solution.
+pub(crate) struct Measure<'a> {
+    pub bodies: *const Body,
+    pub tally: &'a mut Tally,
+}
+
+impl Visit for Measure<'_> {
+    const PUSHES: bool = false;
+
+    #[inline(always)]
+    fn bodies(&self) -> *const Body {
+        self.bodies
+    }
+
+    #[inline(always)]
+    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, _: usize, group: &mut G) {
+        let contact = Contact::read(group.contacts(), L::load);
+        // SAFETY: the promise of `Visit`.
+        let (velocity, inverse_mass) = unsafe { group.velocity::<L, FRICTION>(self.bodies, &contact, 1.0) };
+        natural_map::<L, FRICTION>(contact, velocity, inverse_mass, self.tally);
+        // Attraction, or the tangential impulse beyond the disc.
+        let mut excess = -contact.impulse_normal * (inverse_mass + contact.regularisation);
+        if FRICTION {
+            let tangential = contact.impulse_tangential;
+            let beyond = dot(tangential, tangential).sqrt() - contact.friction * contact.impulse_normal;
+            excess = excess.larger(beyond * L::splat(TANGENTIAL) * inverse_mass);
+        }
+        let mut cone = LaneResidual::<L>::read(&self.tally.cone);
+        cone.add_normal(excess.larger(L::zero()));
+        cone.write(&mut self.tally.cone);
+    }
+}
