@@ -56,9 +56,11 @@ fn figure(study: &Study, reference: &Reference) -> Option<Figure> {
     let wall = |point: &Point| point.wall_seconds_per_simulated_second;
     let least = all.iter().map(|point| wall(point)).fold(f64::INFINITY, f64::min);
     let most = all.iter().map(|point| wall(point)).fold(0.0, f64::max);
-    let y = Axis::fine(&format!("error of {}", titled(name, &reference.unit)), low, 1.5 * largest);
+    let label = format!("error of {}", titled(name, &reference.unit));
+    // The finer marks of small numbers would run into the label.
+    let y = if low < 1e-3 { Axis::logarithmic } else { Axis::fine }(&label, low, 1.5 * largest);
     let (bottom, top) = (y.low, y.high);
-    let x = Axis::fine("wall time over simulated time (s/s, one core)", least, most);
+    let x = Axis::fine("wall time over simulated time (s/s, one core)", least, 1.4 * most);
     let (left, right) = (x.low, x.high);
     let mut plot = Plot::new(x, y);
     if let Some(bound) = bound_of(study, name) {
