@@ -38,7 +38,10 @@ fn kept(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn table(document: &Value) -> Value {
     let mut points = document["points"].clone();
     for point in points.as_array_mut().unwrap() {
-        point.as_object_mut().unwrap().retain(|name, _| !name.starts_with("wall_seconds"));
+        point
+            .as_object_mut()
+            .unwrap()
+            .retain(|name, _| !name.starts_with("wall_seconds") && name != "core_share_least");
         for deviation in point["deviations"].as_array_mut().unwrap() {
             deviation.as_object_mut().unwrap().remove("on_front");
         }

@@ -1,6 +1,7 @@
 //! Carries out a plan: one run after the other on one core, cheap ones first, each kept as it ends.
 
 use super::configuration::Configuration;
+use super::core_share::CoreClock;
 use super::cost::Costs;
 use super::kept::{Found, KeptRun, Key, Shelf};
 use super::plan::Plan;
@@ -15,8 +16,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Wall time at which a run is given up, over the limit at which it is cut short beforehand: expected times err.
+/// Wall time at which a run is stopped, over the limit at which it is cut short beforehand: expected times err.
 const PATIENCE: f64 = 3.0;
+
+/// The same for a run that should not take long, since its first seed did not or it has been cut short: machines get busy.
+const MORE_PATIENCE: f64 = 30.0;
 
 /// Told what runs and which share of the expected wall time has passed, 0 to 1.
 pub type Progress = Arc<dyn Fn(&str, f64) + Send + Sync>;
@@ -67,6 +71,20 @@ pub enum CampaignError {
     Code(#[from] CodeError),
 }
 
+/// One run that is due.
+struct Task<'a> {
+    /// Place of the configuration in the plan.
+    place: usize,
+    /// Seed of the initial positions.
+    seed: u64,
+    /// Code, setting and seed in words.
+    label: &'a str,
+    /// Expected wall times: of what came before, of this run, of everything, s.
+    span: [f64; 3],
+    /// Whether it may be cut short.
+    may_cut: bool,
+}
+
 /// What came of one attempt.
 enum Attempt {
     Run(Box<KeptRun>),
@@ -101,12 +119,14 @@ impl Campaign<'_> {
             let left: f64 = missing.iter().map(|&(_, place)| self.expected(place, &costs)).sum();
             let label = format!("{} {}, seed {seed}", configuration.code, configuration.setting());
             let clock = Instant::now();
-            let span = [done, here, done + here + left];
-            match self.attempt(place, seed, &label, span, outcome.runs[place].is_empty(), &mut costs)? {
+            // Only a first seed: what it tells of the wall time decides for the others.
+            let may_cut = outcome.runs[place].is_empty() && !self.plan.is_grid(place);
+            let task = Task { place, seed, label: &label, span: [done, here, done + here + left], may_cut };
+            match self.attempt(&task, &mut costs)? {
                 Attempt::Run(kept) => {
                     let runs = &mut outcome.runs[place];
                     self.shelf.keep(&self.key(place, seed), &kept)?;
-                    costs.learn(configuration, kept.run.wall_seconds, kept.run.simulated_seconds);
+                    costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
                     runs.push(*kept);
                     runs.sort_by_key(|kept| kept.run.seed);
                     outcome.made += 1;
@@ -136,7 +156,7 @@ impl Campaign<'_> {
             for seed in 1..=self.seeds {
                 match self.shelf.find(&self.key(place, seed))? {
                     Found::Run(kept) if self.serves(&kept) => {
-                        costs.learn(configuration, kept.run.wall_seconds, kept.run.simulated_seconds);
+                        costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
                         outcome.runs[place].push(*kept);
                         continue;
                     }
@@ -154,8 +174,7 @@ impl Campaign<'_> {
 
     /// Whether a kept run is what would be run now: one that was cut short is not, where the limit has been raised.
     fn serves(&self, kept: &KeptRun) -> bool {
-        let pace = kept.run.wall_seconds / kept.run.simulated_seconds;
-        !kept.extrapolated || pace * self.scene.duration > self.time_limit
+        !kept.extrapolated || kept.pace() * self.scene.duration > self.time_limit
     }
 
     /// What is run next: every configuration with its first seed, the cheapest first, then the next seed.
@@ -180,29 +199,27 @@ impl Campaign<'_> {
         self.codes.iter().find(|code| code.name() == configuration.code).map(AsRef::as_ref)
     }
 
-    /// One run, cut short if its first seed is expected to last, or turns out to last, beyond the limit. `span` is the
-    /// wall time before it, its own and that of everything, s.
-    fn attempt(
-        &self,
-        place: usize,
-        seed: u64,
-        label: &str,
-        span: [f64; 3],
-        first: bool,
-        costs: &mut Costs,
-    ) -> Result<Attempt, CampaignError> {
-        let configuration = &self.plan.configurations[place];
-        let may_cut = first && !self.plan.is_grid(place);
-        let stretch = |costs: &Costs| (may_cut).then(|| self.stretch(configuration, costs)).flatten();
+    /// One run, cut short where it may be and is expected to last, or turns out to last, beyond the limit.
+    fn attempt(&self, task: &Task<'_>, costs: &mut Costs) -> Result<Attempt, CampaignError> {
+        let configuration = &self.plan.configurations[task.place];
+        let stretch = |costs: &Costs| task.may_cut.then(|| self.stretch(configuration, costs)).flatten();
         let mut simulated = stretch(costs);
-        let clock = Instant::now();
-        let mut result = self.run(place, seed, label, span, simulated);
-        if let (Err((CodeError::TimedOut { .. }, share)), None, true) = (&result, simulated, may_cut) {
+        let mut clock = CoreClock::start();
+        let began = Instant::now();
+        let mut result = self.run(task, simulated);
+        if let (Err((CodeError::TimedOut { .. }, share)), None, true) = (&result, simulated, task.may_cut) {
             // It took longer than expected: now it is known how long.
-            costs.learn(configuration, clock.elapsed().as_secs_f64(), share.max(1e-6) * self.scene.duration);
-            simulated = Some(stretch(costs).unwrap_or(0.5 * share * self.scene.duration));
-            result = self.run(place, seed, label, span, simulated);
+            costs.learn(
+                configuration,
+                began.elapsed().as_secs_f64() * clock.share().unwrap_or(1.0),
+                share.max(1e-6) * self.scene.duration,
+            );
+            simulated =
+                Some(stretch(costs).unwrap_or(0.5 * share * self.scene.duration).max(self.scene.measure.interval));
+            clock = CoreClock::start();
+            result = self.run(task, simulated);
         }
+        let core_share = clock.share();
         match result {
             Ok(harvest) => {
                 let mut run = harvest.run;
@@ -214,6 +231,7 @@ impl Campaign<'_> {
                 Ok(Attempt::Run(Box::new(KeptRun {
                     configuration: configuration.clone(),
                     extrapolated: simulated.is_some(),
+                    core_share,
                     run,
                     build: Build::here(),
                     command: command_line(),
@@ -241,31 +259,26 @@ impl Campaign<'_> {
         Some(frames * interval).filter(|stretch| *stretch < duration)
     }
 
-    /// One run over `simulated` seconds, or all of the scene's; a failure comes with the share that was done.
-    fn run(
-        &self,
-        place: usize,
-        seed: u64,
-        label: &str,
-        [before, own, all]: [f64; 3],
-        simulated: Option<f64>,
-    ) -> Result<Harvest, (CodeError, f64)> {
-        let configuration = &self.plan.configurations[place];
+    /// One run over `simulated` seconds, or all of the scene's; a failure comes with the share that was done. One that may
+    /// be cut short is not waited for so long.
+    fn run(&self, task: &Task<'_>, simulated: Option<f64>) -> Result<Harvest, (CodeError, f64)> {
+        let configuration = &self.plan.configurations[task.place];
+        let [before, own, all] = task.span;
         let mut scene = configuration.scene(self.scene);
         scene.duration = simulated.unwrap_or(scene.duration);
         let reached = Arc::new(AtomicU64::new(0));
         let announce = |_: &str| -> Share {
-            let (progress, label, reached) = (self.progress.clone(), label.to_string(), reached.clone());
+            let (progress, label, reached) = (self.progress.clone(), task.label.to_string(), reached.clone());
             Box::new(move |share| {
                 reached.store(share.to_bits(), Ordering::Relaxed);
                 progress(&label, (before + share * own) / all);
             })
         };
-        let limit = PATIENCE * self.time_limit * if simulated.is_some() { PATIENCE } else { 1.0 };
+        let limit = self.time_limit * if task.may_cut && simulated.is_none() { PATIENCE } else { MORE_PATIENCE };
         let runs = Runs {
             scene: self.scene,
             scene_file: self.scene_file,
-            seeds: vec![seed],
+            seeds: vec![task.seed],
             rayleigh_fraction: configuration.rayleigh_fraction().unwrap_or_default(),
             stiffness_factor: configuration.stiffness_factor,
             time_limit: Duration::from_secs_f64(limit),
@@ -275,6 +288,6 @@ impl Campaign<'_> {
         let Some(code) = self.code(configuration) else {
             return Err((CodeError::Missing { code: "a code of the plan" }, 0.0));
         };
-        runs.one(code, &scene, seed).map_err(|error| (error, f64::from_bits(reached.load(Ordering::Relaxed))))
+        runs.one(code, &scene, task.seed).map_err(|error| (error, f64::from_bits(reached.load(Ordering::Relaxed))))
     }
 }

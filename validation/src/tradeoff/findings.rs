@@ -6,6 +6,9 @@ use super::words::{self, modulus};
 use crate::report::names::observable;
 use crate::report::numbers::two_digits;
 
+/// Share of a core below which a run was disturbed.
+const QUIET: f64 = 0.9;
+
 /// The sentences, the answer first.
 pub(super) fn findings(study: &Study) -> Vec<String> {
     let mut sentences: Vec<String> = study.fastest.iter().map(|row| fastest(study, row)).collect();
@@ -14,6 +17,7 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences.extend(study.references.iter().filter(bounded).filter_map(|row| trust(study, row)));
     sentences.extend(study.references.iter().filter(bounded).filter_map(shift));
     sentences.extend(extrapolated(study));
+    sentences.extend(neighbours(study));
     if study.bounds.is_empty() {
         sentences.push(
             "No observable of this scene has a bound, so there is no fastest setting; give one with --bound.".into(),
@@ -101,6 +105,18 @@ fn extrapolated(study: &Study) -> Option<String> {
              part, in which grains still fall and a step costs less, and there is no error.",
             if count == 1 { " was" } else { "s were" },
             two_digits(study.time_limit)
+        )
+    })
+}
+
+/// How busy the machine was.
+fn neighbours(study: &Study) -> Option<String> {
+    let share = study.points.iter().filter_map(|point| point.core_share_least).reduce(f64::min)?;
+    (share < QUIET).then(|| {
+        format!(
+            "Other programs were running: a run got as little as {:.0}% of a core. Wall times are those of a core of its own, \
+             by processor time; what shared caches and memory cost is not taken out.",
+            100.0 * share
         )
     })
 }

@@ -20,12 +20,26 @@ pub struct KeptRun {
     pub configuration: Configuration,
     /// Whether it was stopped before the scene's end, so that it tells wall time and nothing else.
     pub extrapolated: bool,
+    /// Share of a core that the run got, 0 to 1; absent where the system does not tell.
+    pub core_share: Option<f64>,
     /// Its measurements and times.
     pub run: MeasuredRun,
     /// The program that started it, and the machine.
     pub build: Build,
     /// The command line.
     pub command: String,
+}
+
+impl KeptRun {
+    /// Wall time of the stepping on a core of its own, s: as measured, times the share of a core that the run got.
+    pub fn core_seconds(&self) -> f64 {
+        self.run.wall_seconds * self.core_share.unwrap_or(1.0)
+    }
+
+    /// The same over simulated time.
+    pub fn pace(&self) -> f64 {
+        self.core_seconds() / self.run.simulated_seconds
+    }
 }
 
 /// What a file holds: the run, and a seal by which damage is seen.

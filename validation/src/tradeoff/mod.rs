@@ -10,11 +10,13 @@
 //! stiffness, seed by seed: soft grains are other physics. The reference is the smallest step with the most sweeps;
 //! three grids tell how far it may still be from the limit ([`Convergence`]).
 //!
-//! Runs are timed one after the other on one core. Wall times are those of the stepping, without set-up and output.
+//! Runs are timed one after the other on one core. A wall time is that of the stepping, without set-up and output, times the
+//! share of a core that the run got: what it takes on a core of its own, however busy the machine was.
 
 mod campaign;
 mod configuration;
 mod convergence;
+mod core_share;
 mod cost;
 mod figures;
 mod findings;

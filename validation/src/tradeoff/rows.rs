@@ -99,12 +99,15 @@ pub struct Point {
     pub sweeps: Option<u32>,
     /// Seeds that were run.
     pub seeds: Vec<u64>,
-    /// Wall time of the stepping over simulated time on one core, median over seeds.
+    /// Wall time of the stepping over simulated time on a core of its own, median over seeds
+    /// ([`KeptRun::pace`](super::KeptRun::pace)).
     pub wall_seconds_per_simulated_second: f64,
     /// The fastest seed.
     pub wall_seconds_per_simulated_second_least: f64,
     /// The slowest seed.
     pub wall_seconds_per_simulated_second_most: f64,
+    /// Smallest share of a core that a run got; absent where the system does not tell.
+    pub core_share_least: Option<f64>,
     /// Simulated time of a run, s.
     pub simulated_seconds: f64,
     /// Whether runs were cut short after that time, so that the wall time is extrapolated and there are no deviations.

@@ -75,7 +75,7 @@ impl Table<'_> {
         let configuration = &self.plan.configurations[place];
         let runs = &self.outcome.runs[place];
         let first = runs.first()?;
-        let pace: Vec<f64> = runs.iter().map(|kept| kept.run.wall_seconds / kept.run.simulated_seconds).collect();
+        let pace: Vec<f64> = runs.iter().map(KeptRun::pace).collect();
         let deviations: Vec<Deviation> =
             self.names.iter().filter_map(|(name, unit)| self.deviation(place, name, unit)).collect();
         let verdict = |part: fn(&Deviation) -> Option<bool>| {
@@ -99,6 +99,7 @@ impl Table<'_> {
             wall_seconds_per_simulated_second: median(pace.iter().copied()),
             wall_seconds_per_simulated_second_least: pace.iter().copied().fold(f64::INFINITY, f64::min),
             wall_seconds_per_simulated_second_most: pace.iter().copied().fold(0.0, f64::max),
+            core_share_least: runs.iter().filter_map(|kept| kept.core_share).reduce(f64::min),
             simulated_seconds: first.run.simulated_seconds,
             extrapolated: runs.iter().any(|kept: &KeptRun| kept.extrapolated),
             reference: self.plan.refinements.iter().any(|refinement| refinement.grids[2] == place),
