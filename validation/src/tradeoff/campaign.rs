@@ -1,4 +1,4 @@
-//! Carries out a plan: one run after the other on one core, cheap ones first, each kept as it ends.
+//! Carries out a plan: one run after the other on one core, the reference and cheap ones first, each kept as it ends.
 
 use super::configuration::Configuration;
 use super::core_share::CoreClock;
@@ -177,10 +177,15 @@ impl Campaign<'_> {
         !kept.extrapolated || kept.pace() * self.scene.duration > self.time_limit
     }
 
-    /// What is run next: every configuration with its first seed, the cheapest first, then the next seed.
+    /// What is run next: every configuration with its first seed, then with the next one. Within a seed the reference at
+    /// the scene's stiffness comes first, without which nothing has an error, then what is cheapest.
     fn next(&self, missing: &BTreeSet<(u64, usize)>, costs: &Costs) -> Option<(u64, usize)> {
+        let reference = self.plan.refinement(1.0).map(|refinement| refinement.grids[2]);
         let cost = |place: usize| costs.seconds(&self.plan.configurations[place]);
-        missing.iter().copied().min_by(|a, b| a.0.cmp(&b.0).then(cost(a.1).total_cmp(&cost(b.1))))
+        missing.iter().copied().min_by(|a, b| {
+            let later = |place: usize| Some(place) != reference;
+            a.0.cmp(&b.0).then(later(a.1).cmp(&later(b.1))).then(cost(a.1).total_cmp(&cost(b.1)))
+        })
     }
 
     /// Expected wall time of a run, s.

@@ -65,11 +65,14 @@ fn figure(study: &Study, reference: &Reference) -> Option<Figure> {
     let mut plot = Plot::new(x, y);
     if let Some(bound) = bound_of(study, name) {
         plot.curve("ideal", [[left, bound], [right, bound]].into_iter());
-        plot.label([right, bound], [-6.0, -5.0], Anchor::End, &format!("bound {}", compact(bound)));
+        // On the side away from the noise.
+        let down = if noise > bound { 13.0 } else { -5.0 };
+        plot.label([right, bound], [-6.0, down], Anchor::End, &format!("bound {}", compact(bound)));
     }
     if noise > bottom {
         plot.curve("ideal noise", [[left, noise], [right, noise]].into_iter());
-        plot.label([right, noise], [-6.0, 13.0], Anchor::End, "noise of the seeds (median)");
+        // To the left, where settings are too cheap to be that near.
+        plot.label([left, noise], [6.0, 13.0], Anchor::Start, "noise of the seeds (median)");
     }
     let mut codes: Vec<&str> = Vec::new();
     for point in &all {
