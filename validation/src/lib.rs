@@ -19,3 +19,4 @@ pub mod report;
 pub mod roofline;
 pub mod scaling;
 pub mod statistics;
+pub mod tradeoff;

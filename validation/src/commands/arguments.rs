@@ -35,6 +35,8 @@ pub enum Command {
     Qualify(QualifyArguments),
     /// Measure how a scene's step scales with threads, and replay it beyond the cores at hand.
     Scaling(ScalingArguments),
+    /// Show what accuracy costs in time: error against wall time over the settings of each code.
+    Tradeoff(TradeoffArguments),
     /// Measure the contact sweep against what arithmetic and memory deliver.
     Roofline(RooflineArguments),
 }
@@ -259,6 +261,47 @@ pub struct ScalingArguments {
     pub json: bool,
 }
 
+/// Arguments of `makadam tradeoff`.
+#[derive(Debug, Args)]
+pub struct TradeoffArguments {
+    /// A folder under reference-scenes/, or a path to a TOML file.
+    pub scene: String,
+    /// Few configurations, at the scene's stiffness alone: an answer in about ten minutes for drum or packing.
+    #[arg(long)]
+    pub quick: bool,
+    /// Number of seeds, counted from 1; 3, if absent.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: Option<u64>,
+    /// Codes to run; the converged references are Makadam's in any case.
+    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam", "yade", "liggghts"])]
+    pub codes: Vec<CodeName>,
+    /// Factors on every Young's modulus; 0.5, 1, 10 and 100, if absent, or 1 with --quick. 1 is always run.
+    #[arg(long, value_delimiter = ',', value_parser = positive)]
+    pub stiffness_factors: Option<Vec<f64>>,
+    /// Tolerated deviation of an observable from the reference; can be given several times. An angle of repose has
+    /// 0.5 degrees and packing_fraction 0.002 unless given here.
+    #[arg(long, value_name = "OBSERVABLE=VALUE", value_parser = bound)]
+    pub bound: Vec<BoundArgument>,
+    /// Wall time beyond which a run is cut short and its wall time extrapolated, s; 900, if absent, or 60 with --quick.
+    #[arg(long, value_parser = positive)]
+    pub time_limit: Option<f64>,
+    /// Folder to write into, and to take finished runs from; results/tradeoff/SCENE, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the study as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A tolerated deviation of an observable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundArgument {
+    /// Name of the observable.
+    pub observable: String,
+    /// Largest absolute deviation, in the observable's unit.
+    pub value: f64,
+}
+
 /// Arguments of `makadam roofline`.
 #[derive(Debug, Args)]
 pub struct RooflineArguments {
@@ -290,4 +333,10 @@ fn rayleigh_fraction(text: &str) -> Result<f64, String> {
         Ok(value) if value > 0.0 && value <= 0.5 => Ok(value),
         _ => Err("give a number above 0 and at most 0.5; beyond it the peers lose their restitution".into()),
     }
+}
+
+fn bound(text: &str) -> Result<BoundArgument, String> {
+    let (observable, value) =
+        text.split_once('=').ok_or("give an observable and a value, such as packing_fraction=0.002")?;
+    Ok(BoundArgument { observable: observable.trim().replace('-', "_"), value: positive(value.trim())? })
 }

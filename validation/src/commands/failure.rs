@@ -7,6 +7,7 @@ use crate::prepared::StartError;
 use crate::recording::RecordingError;
 use crate::report::ReportError;
 use crate::scaling::MeasureError;
+use crate::tradeoff::CampaignError;
 use makadam::scene::SceneError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
@@ -87,6 +88,16 @@ impl From<CodeError> for Failure {
             CodeError::Interrupted { .. } => Failure::Interrupted("not kept".into()),
             CodeError::Missing { .. } => Failure::MissingCode(error.to_string()),
             other => Failure::Running(other.to_string()),
+        }
+    }
+}
+
+impl From<CampaignError> for Failure {
+    fn from(error: CampaignError) -> Failure {
+        match error {
+            CampaignError::Scene(error) => Failure::Scene(error),
+            CampaignError::Write(error) => error.into(),
+            CampaignError::Code(error) => error.into(),
         }
     }
 }

@@ -9,6 +9,7 @@ mod record;
 mod roofline;
 mod run;
 mod scaling;
+mod tradeoff;
 
 pub use console::Console;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
@@ -34,6 +35,7 @@ pub fn main() -> ExitCode {
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),
+        Command::Tradeoff(tradeoff) => tradeoff::tradeoff(tradeoff, &console),
     };
     match done {
         Ok(code) => code,

@@ -5,9 +5,10 @@ use crate::observables::{ForcePool, Measurement, measure, series};
 use crate::provenance::processor;
 use crate::recording::Recording;
 use makadam::scene::Scene;
+use serde::{Deserialize, Serialize};
 
 /// One run of one code, measured.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredRun {
     /// The code.
     pub code: String,

@@ -4,7 +4,7 @@ use super::numbers::Rounding;
 use crate::compare::{Outcome, Source};
 
 /// A reader's name of an observable.
-pub(super) fn observable(name: &str) -> String {
+pub(crate) fn observable(name: &str) -> String {
     match name {
         "gini" => "Gini coefficient of normal forces".into(),
         "share_below_mean" => "share of forces below the mean".into(),
@@ -19,7 +19,7 @@ pub(super) fn observable(name: &str) -> String {
 }
 
 /// A unit as it stands beside a number.
-pub(super) fn unit(unit: &str) -> &str {
+pub(crate) fn unit(unit: &str) -> &str {
     match unit {
         "degree" | "degrees" | "deg" => "°",
         "m2" => "m²",
@@ -59,7 +59,7 @@ pub(crate) struct CodeStyle {
 }
 
 /// Style of a code.
-pub(super) fn code_style(code: &str) -> CodeStyle {
+pub(crate) fn code_style(code: &str) -> CodeStyle {
     let (class, marker) = match code.to_ascii_lowercase().as_str() {
         "makadam" => ("code-makadam", Marker::Circle),
         "liggghts" => ("code-liggghts", Marker::Square),

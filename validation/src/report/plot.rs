@@ -189,6 +189,14 @@ impl Plot {
         }
     }
 
+    /// A code's open marker, if it lies inside the frame.
+    pub(crate) fn open_marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
+        if self.contains(x, y) {
+            let at = self.at(x, y);
+            self.drawing.marker(style, at, size, true);
+        }
+    }
+
     /// A vertical bar of error, cut off at the frame.
     pub(crate) fn error_bar(&mut self, class: &str, x: f64, low: f64, high: f64) {
         let low = low.max(self.y.low);

@@ -1,0 +1,120 @@
+//! `makadam tradeoff`: what accuracy costs in time.
+
+use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
+use super::compare::{FEW_SEEDS, codes};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, json, load};
+use crate::prepared::file_stem;
+use crate::provenance::account;
+use crate::tradeoff::{self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Shelf, Study, Terms};
+use makadam::scene::{Scene, Stop};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Wall time at which a run is cut short, s, where none is given: for few configurations, and for all.
+const TIME_LIMITS: [f64; 2] = [60.0, 900.0];
+
+/// Tolerated deviations where none are given.
+const BOUNDS: [(&str, f64); 3] =
+    [("dynamic_angle_of_repose", 0.5), ("static_angle_of_repose", 0.5), ("packing_fraction", 0.002)];
+
+/// Runs what is missing, then writes and says what all runs tell.
+pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let (file, scene) = load(&arguments.scene)?;
+    refuse(&scene)?;
+    let wanted = codes(&arguments.codes);
+    if let Some(code) = wanted.iter().find(|code| code.version().is_none()) {
+        return Err(Failure::MissingCode(format!(
+            "{} is not installed; run scripts/install-peers, or leave it out with --codes",
+            code.name()
+        )));
+    }
+    let names: Vec<&str> = wanted.iter().map(|code| code.name()).collect();
+    let plan = Plan::new(&scene, arguments.quick, &names, &stiffness_factors(arguments));
+    // The reference is Makadam's, whichever codes are asked for.
+    let runners = codes(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
+    let [quick, full] = TIME_LIMITS;
+    let terms = Terms {
+        quick: arguments.quick,
+        seeds: arguments.seeds.unwrap_or(FEW_SEEDS),
+        bounds: bounds(&arguments.bound),
+        time_limit: arguments.time_limit.unwrap_or(if arguments.quick { quick } else { full }),
+        provenance: account(1, &[&scene]),
+    };
+    let folder = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("results").join("tradeoff").join(file_stem(&scene.name)));
+    let shelf = Shelf::open(&folder.join("runs"))?;
+    let outcome = {
+        let bar = console.bar(&scene.name);
+        let progress: Progress = Arc::new(move |label, share| {
+            bar.say(label.to_string());
+            bar.set(share);
+        });
+        Campaign {
+            scene: &scene,
+            scene_file: &file,
+            plan: &plan,
+            seeds: terms.seeds,
+            codes: &runners,
+            time_limit: terms.time_limit,
+            shelf: &shelf,
+            progress,
+        }
+        .carry_out()?
+    };
+    outcome.notes.iter().for_each(|note| console.warn(note));
+    let found: usize = outcome.runs.iter().map(Vec::len).sum();
+    console.note(&format!("{} runs made, {} taken from {}", outcome.made, found - outcome.made, folder.display()));
+
+    let study = Study::new(&scene, &plan, &outcome, terms);
+    let page = tradeoff::write(&study, &folder)?;
+    console.result(&match arguments.json {
+        true => json(&study),
+        false => format!("{}\npage: {}", tradeoff::table(&study), page.display()),
+    })?;
+    match (study.complete, study.reaches_bounds("Makadam")) {
+        (false, _) => {
+            Err(Failure::Interrupted(format!("kept in {}; the same command goes on from there", folder.display())))
+        }
+        (true, Some(false)) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
+        (true, _) => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// Scenes that cannot be compared with a converged reference, told before anything runs.
+fn refuse(scene: &Scene) -> Result<(), Failure> {
+    if matches!(scene.solver.stop, Stop::TimeBudget { .. }) {
+        return Err(Failure::Usage(format!(
+            "the solves of {} stop when their wall time is spent, so no two runs do the same work; set solver.stop to \
+             sweeps or residual",
+            scene.name
+        )));
+    }
+    if scene.measure.observables.is_empty() {
+        return Err(Failure::Usage(format!(
+            "{} measures nothing, so there is no error to show; name observables under [measure]",
+            scene.name
+        )));
+    }
+    Ok(())
+}
+
+fn stiffness_factors(arguments: &TradeoffArguments) -> Vec<f64> {
+    match &arguments.stiffness_factors {
+        Some(factors) => factors.clone(),
+        None if arguments.quick => vec![1.0],
+        None => STIFFNESS_FACTORS.to_vec(),
+    }
+}
+
+/// The default bounds with those that were given in their place.
+fn bounds(given: &[BoundArgument]) -> Vec<Bound> {
+    let mut bounds: Vec<Bound> = BOUNDS.iter().map(|&(name, value)| Bound { observable: name.into(), value }).collect();
+    for BoundArgument { observable, value } in given {
+        bounds.retain(|bound| bound.observable != *observable);
+        bounds.push(Bound { observable: observable.clone(), value: *value });
+    }
+    bounds
+}

@@ -1,0 +1,45 @@
+//! What accuracy costs in time: a scene at many settings of every code, each placed as error against wall time.
+//!
+//! ```text
+//! plan ─> campaign ─> one file a run ─> table ─> references, points ─┬─> fronts, fastest ─> findings
+//!             ^              │                                       └─> figure, page, JSON, CSV
+//!             └── what is there is not run again
+//! ```
+//!
+//! The error of a setting is the deviation of an observable from a converged reference of Makadam at the same
+//! stiffness, seed by seed: soft grains are other physics. The reference is the smallest step with the most sweeps;
+//! three grids tell how far it may still be from the limit ([`Convergence`]).
+//!
+//! Runs are timed one after the other on one core. A wall time is that of the stepping, without set-up and output, times the
+//! share of a core that the run got: what it takes on a core of its own, however busy the machine was.
+
+mod campaign;
+mod configuration;
+mod convergence;
+mod core_share;
+mod cost;
+mod figures;
+mod findings;
+mod flat;
+mod front;
+mod kept;
+mod page;
+mod plan;
+mod ranking;
+mod rows;
+mod study;
+mod table;
+mod terminal;
+mod words;
+mod write;
+
+pub use campaign::{Campaign, CampaignError, Outcome, Progress};
+pub use configuration::{Configuration, Knobs};
+pub use convergence::Convergence;
+pub use front::pareto_front;
+pub use kept::{Found, KeptRun, Key, Shelf};
+pub use plan::{Plan, Refinement, STIFFNESS_FACTORS};
+pub use rows::{Bound, Deviation, Fastest, Point, Reference};
+pub use study::{Study, Terms};
+pub use terminal::table;
+pub use write::write;

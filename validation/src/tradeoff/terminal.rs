@@ -1,0 +1,85 @@
+//! A trade-off as plain text for a terminal.
+
+use super::rows::Point;
+use super::study::Study;
+use super::words::{self, modulus, titled};
+use crate::report::numbers::two_digits;
+
+/// Columns of words; the others are numbers.
+const WORDS: usize = 3;
+
+/// Observables that a terminal has room for, bounded ones first.
+const SHOWN: usize = 2;
+
+/// Points by stiffness, code and wall time, and the sentences below.
+///
+/// Columns are padded by characters, so it wants a terminal that knows UTF-8.
+pub fn table(study: &Study) -> String {
+    let names: Vec<&str> = study.observables().into_iter().take(SHOWN).collect();
+    let unit = |name: &str| study.references.iter().find(|row| row.observable == name).map_or("", |row| &row.unit);
+    let mut head: Vec<String> = ["stiffness", "code", "setting", "s a simulated s"].map(String::from).into();
+    head.extend(names.iter().map(|name| format!("error of {}", titled(name, unit(name)))));
+    head.push("bounds".into());
+    let mut rows = vec![head];
+    rows.extend(ordered(study).into_iter().map(|point| cells(study, point, &names)));
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let mut text = format!("{}: {} grains, {} seeds\n\n", study.scene, study.particles, study.seeds);
+    for row in &rows {
+        let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
+            let gap = " ".repeat(width - cell.chars().count());
+            let words = column < WORDS || column + 1 == row.len();
+            if words { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
+        });
+        text += cells.collect::<Vec<_>>().join("  ").trim_end();
+        text.push('\n');
+    }
+    text += "\n* on the Pareto front of its code; ~ extrapolated; ± standard error over seeds\n\n";
+    for sentence in study.findings.iter().chain(&study.notes) {
+        text += &format!("{sentence}\n");
+    }
+    text
+}
+
+/// Points by stiffness, code and wall time.
+pub(super) fn ordered(study: &Study) -> Vec<&Point> {
+    let mut points: Vec<&Point> = study.points.iter().collect();
+    let rank = |code: &str| study.points.iter().position(|point| point.code == code);
+    points.sort_by(|a, b| {
+        let wall = |point: &Point| point.wall_seconds_per_simulated_second;
+        a.stiffness_factor
+            .total_cmp(&b.stiffness_factor)
+            .then(rank(&a.code).cmp(&rank(&b.code)))
+            .then(wall(a).total_cmp(&wall(b)))
+    });
+    points
+}
+
+/// Whether a point keeps the bounds, in words.
+pub(super) fn verdict(study: &Study, point: &Point) -> &'static str {
+    match (point.reference, point.within_bounds, point.intervals_within_bounds) {
+        _ if study.bounds.is_empty() => "",
+        (true, ..) => "reference",
+        (_, Some(true), Some(true)) => "within, interval too",
+        (_, Some(true), _) => "within",
+        (_, Some(false), _) => "beyond",
+        (_, None, _) => "",
+    }
+}
+
+fn cells(study: &Study, point: &Point, names: &[&str]) -> Vec<String> {
+    let about = if point.extrapolated { "~" } else { "" };
+    let mut cells = vec![
+        modulus(point.youngs_modulus),
+        point.code.clone(),
+        point.setting.clone(),
+        format!("{about}{}", two_digits(point.wall_seconds_per_simulated_second)),
+    ];
+    cells.extend(names.iter().map(|name| {
+        point.deviation(name).map_or("-".into(), |deviation| {
+            format!("{}{}", words::deviation(deviation), if deviation.on_front { " *" } else { "  " })
+        })
+    }));
+    cells.push(verdict(study, point).into());
+    cells
+}
