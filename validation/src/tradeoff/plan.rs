@@ -1,7 +1,7 @@
 //! What is run: the knobs of each code and the values that they take.
 
 use super::configuration::{Configuration, Knobs};
-use makadam::scene::{Scene, SolverSettings, Stop};
+use makadam::scene::{Precision, Scene, SolverMethod, SolverSettings, Stop};
 
 /// A change of one setting of the solver, beside step and sweeps.
 struct Variation {
@@ -12,11 +12,22 @@ struct Variation {
 }
 
 /// The axes that are varied one at a time about the scene's own settings.
-const VARIATIONS: [Variation; 4] = [
+const VARIATIONS: [Variation; 9] = [
     Variation { name: "warm start 0", change: |settings| settings.warm_start = 0.0 },
     Variation { name: "over-relaxation 1", change: |settings| settings.over_relaxation = 1.0 },
     Variation { name: "2 inner sweeps", change: |settings| settings.inner_sweeps = 2 },
     Variation { name: "4 inner sweeps", change: |settings| settings.inner_sweeps = 4 },
+    Variation { name: "single precision", change: |settings| settings.precision = Precision::Single },
+    Variation { name: "Anderson", change: |settings| settings.method = SolverMethod::Anderson { memory: 3 } },
+    Variation {
+        name: "nonlinear conjugate gradients",
+        change: |settings| settings.method = SolverMethod::NonlinearConjugateGradients,
+    },
+    Variation {
+        name: "accelerated projected gradients",
+        change: |settings| settings.method = SolverMethod::AcceleratedProjectedGradients,
+    },
+    Variation { name: "Jacobi", change: |settings| settings.method = SolverMethod::Jacobi { damping: 0.3 } },
 ];
 
 /// How much is run. Steps are over the scene's own step.
@@ -57,7 +68,7 @@ const QUICK: Extent = Extent {
     variations: false,
     refinement: [2.0, 1.0, 0.5],
     most_sweeps: 20,
-    elsewhere: &[(2.0, 5), (1.0, 5)],
+    elsewhere: &[(2.0, 5), (1.0, 5), (1.0, 10)],
     rayleigh_fractions: &[0.5, 0.2],
     rayleigh_fractions_elsewhere: &[0.5, 0.2],
 };
