@@ -90,7 +90,11 @@ impl Configuration {
         match &self.knobs {
             Knobs::Solver { settings, variation } => {
                 let varied = variation.as_ref().map_or(String::new(), |variation| format!(", {variation}"));
-                format!("{} ms×{}{varied}", compact(1e3 * settings.step), settings.stop.max_sweeps())
+                let sweeps = match settings.stop {
+                    Stop::Sweeps { sweeps } => format!("×{sweeps}"),
+                    Stop::Residual { .. } | Stop::TimeBudget { .. } => String::new(),
+                };
+                format!("{} ms{sweeps}{varied}", compact(1e3 * settings.step))
             }
             Knobs::Explicit { rayleigh_fraction } => format!("{}%", compact(100.0 * rayleigh_fraction)),
         }

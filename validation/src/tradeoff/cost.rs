@@ -1,7 +1,7 @@
 //! What a run will take, from those that have ended: for the order, the time left, and what is cut short.
 
 use super::configuration::{Configuration, Knobs};
-use makadam::scene::Scene;
+use makadam::scene::{Scene, Stop};
 use std::collections::BTreeMap;
 
 /// Time of a grain's step before anything has run, s: of the right order on a processor of the 2020s.
@@ -9,6 +9,9 @@ const GUESSES: [(&str, f64); 3] = [("Makadam", 1e-7), ("LIGGGHTS", 3e-7), ("YADE
 
 /// Cost of one sweep over the contacts of a grain, over that of everything else in a step of Makadam.
 const SWEEP: f64 = 0.17;
+
+/// Sweeps that a solve is expected to take where its residual or its time says when to stop.
+const OPEN_ENDED: u32 = 20;
 
 /// Expected wall times.
 pub(super) struct Costs {
@@ -29,7 +32,13 @@ impl Costs {
     fn units(&self, configuration: &Configuration) -> f64 {
         let per_second = match &configuration.knobs {
             Knobs::Solver { settings, .. } => {
-                let sweeps = f64::from(settings.stop.max_sweeps() * settings.inner_sweeps.max(1));
+                let sweeps = match settings.stop {
+                    Stop::Sweeps { sweeps } => sweeps,
+                    Stop::Residual { max_sweeps, .. } | Stop::TimeBudget { max_sweeps, .. } => {
+                        max_sweeps.min(OPEN_ENDED)
+                    }
+                };
+                let sweeps = f64::from(sweeps * settings.inner_sweeps.max(1));
                 (1.0 + SWEEP * sweeps) / settings.step
             }
             // The Rayleigh step goes as the inverse root of the stiffness.

@@ -12,11 +12,15 @@ struct Variation {
 }
 
 /// The axes that are varied one at a time about the scene's own settings.
-const VARIATIONS: [Variation; 9] = [
+const VARIATIONS: [Variation; 13] = [
     Variation { name: "warm start 0", change: |settings| settings.warm_start = 0.0 },
     Variation { name: "over-relaxation 1", change: |settings| settings.over_relaxation = 1.0 },
     Variation { name: "2 inner sweeps", change: |settings| settings.inner_sweeps = 2 },
     Variation { name: "4 inner sweeps", change: |settings| settings.inner_sweeps = 4 },
+    Variation { name: "residual 0.1", change: |settings| settings.stop = down_to(0.1) },
+    Variation { name: "residual 0.03", change: |settings| settings.stop = down_to(0.03) },
+    Variation { name: "residual 0.01", change: |settings| settings.stop = down_to(0.01) },
+    Variation { name: "residual 0.003", change: |settings| settings.stop = down_to(0.003) },
     Variation { name: "single precision", change: |settings| settings.precision = Precision::Single },
     Variation { name: "Anderson", change: |settings| settings.method = SolverMethod::Anderson { memory: 3 } },
     Variation {
@@ -29,6 +33,11 @@ const VARIATIONS: [Variation; 9] = [
     },
     Variation { name: "Jacobi", change: |settings| settings.method = SolverMethod::Jacobi { damping: 0.3 } },
 ];
+
+/// Sweeps until the residual is so small, in units of g h.
+fn down_to(tolerance: f64) -> Stop {
+    Stop::Residual { tolerance, max_sweeps: 400 }
+}
 
 /// How much is run. Steps are over the scene's own step.
 struct Extent {
