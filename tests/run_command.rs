@@ -135,6 +135,22 @@ fn single_precision_is_another_result_and_says_so() {
 }
 
 #[test]
+fn an_accuracy_chooses_step_and_sweeps_and_says_what_it_took() {
+    let folder = tempfile::tempdir().unwrap();
+    let fine = run(folder.path(), &["-q", "--accuracy", "0.5%"]);
+    let coarse = run(folder.path(), &["-q", "--accuracy", "2%"]);
+    assert!(fine["time_step"].as_f64().unwrap() < coarse["time_step"].as_f64().unwrap());
+    let solves = &fine["residuals"];
+    assert_eq!(fine["provenance"]["solver"]["stop"]["kind"], "residual");
+    assert!(solves["mean_sweeps"].as_f64().unwrap() <= solves["most_sweeps"].as_f64().unwrap());
+    assert_eq!(solves["unconverged"], 0);
+    for wrong in ["soon", "angle=", "hue=1", "1%,2%"] {
+        let output = makadam(folder.path()).arg("run").arg(smoke()).args(["--accuracy", wrong]).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+    }
+}
+
+#[test]
 fn observables_are_a_table_over_time() {
     let folder = tempfile::tempdir().unwrap();
     let summary = run(folder.path(), &["-q"]);

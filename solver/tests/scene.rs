@@ -1,6 +1,6 @@
 //! Scenes: the reference scenes load and populate; bad input names file, line and remedy.
 
-use makadam::scene::{Scene, SolverMethod, populate};
+use makadam::scene::{Scene, SolverMethod, SolverSettings, Stop, populate};
 use std::path::{Path, PathBuf};
 
 fn reference_scene(name: &str) -> (PathBuf, Scene) {
@@ -70,6 +70,40 @@ fn methods_are_chosen_by_name_and_their_parameters_checked() {
     assert!(message.contains("solver.precision: single, with method anderson"), "{message}");
     let message = parse("{ kind = 'newton' }").unwrap_err();
     assert!(message.contains("newton") && message.contains("gauss-seidel"), "{message}");
+}
+
+#[test]
+fn an_accuracy_takes_the_place_of_step_and_sweeps() {
+    let (file, _) = reference_scene("packing");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let parse = |accuracy: &str, modulus: &str, solver: &str| {
+        let text = text.replace("youngs_modulus = 1e7", &format!("youngs_modulus = {modulus}"));
+        let text = text.replacen("[material.grain]", &format!("accuracy = {accuracy}\n{solver}\n[material.grain]"), 1);
+        Scene::parse(&text, Path::new("asked.toml")).map(|scene| scene.solver).map_err(|error| error.to_string())
+    };
+    let asked = |accuracy: &str, modulus: &str| parse(accuracy, modulus, "").unwrap();
+    let tolerance = |settings: &SolverSettings| match settings.stop {
+        Stop::Residual { tolerance, .. } => tolerance,
+        other => panic!("{other:?}"),
+    };
+    let coarse = asked("{ packing_fraction = 0.004 }", "1e7");
+    let fine = asked("{ packing_fraction = 0.002 }", "1e7");
+    approx::assert_relative_eq!(coarse.step, 2.0 * fine.step, max_relative = 1e-12);
+    // A contact's frequency goes as the root of its stiffness, which under a given load goes as E^(2/3).
+    let stiff = asked("{ packing_fraction = 0.002 }", "1e10");
+    approx::assert_relative_eq!(stiff.step * 10.0, fine.step, max_relative = 1e-12);
+    // The strictest demand decides; overlaps need sweeps, not small steps.
+    assert_eq!(asked("{ packing_fraction = 0.002, angle = 5.0 }", "1e7").step, fine.step);
+    let overlap = asked("{ packing_fraction = 0.002, overlap = 1e-6 }", "1e7");
+    assert_eq!(overlap.step, fine.step);
+    assert!(tolerance(&overlap) < 0.1 * tolerance(&fine));
+    // What is wrong is said with its remedy.
+    let message = parse("{ angle = 0.5 }", "1e7", "[solver]\nstep = 1e-3\n").unwrap_err();
+    assert!(message.contains("solver.step: given beside accuracy"), "{message}");
+    let message = parse("{}", "1e7", "").unwrap_err();
+    assert!(message.contains("accuracy: asks for nothing"), "{message}");
+    let message = parse("{ angle = -1.0 }", "1e7", "").unwrap_err();
+    assert!(message.contains("accuracy.angle: -1"), "{message}");
 }
 
 #[test]

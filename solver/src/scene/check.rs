@@ -15,6 +15,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
     materials(scene)?;
     walls(scene)?;
     grains(scene)?;
+    accuracy(scene)?;
     if let Some(prepare) = &scene.prepare {
         root.key("prepare").key("duration").range(prepare.duration, 0.0, 1e5, "s")?;
         root.key("prepare").key("step").range(prepare.step, 1e-9, 0.1, "s")?;
@@ -119,6 +120,39 @@ fn grains(scene: &Scene) -> Checked {
         at.key("position").finite(&grain.position)?;
         at.key("velocity").finite(&grain.velocity)?;
         at.key("spin").finite(&grain.spin)?;
+    }
+    Ok(())
+}
+
+/// An accuracy chooses step and stop; a scene that gives these too contradicts itself.
+pub(super) fn chosen_twice(text: &str) -> Checked {
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
+    let solver = table.get("solver").and_then(toml::Value::as_table);
+    match ["step", "stop"].into_iter().find(|key| solver.is_some_and(|solver| solver.contains_key(*key))) {
+        Some(key) => Err(Place::default()
+            .key("solver")
+            .key(key)
+            .fault("given beside accuracy, which chooses it".into(), "leave this key or accuracy out")),
+        None => Ok(()),
+    }
+}
+
+fn accuracy(scene: &Scene) -> Checked {
+    let Some(accuracy) = &scene.accuracy else { return Ok(()) };
+    let at = Place::default().key("accuracy");
+    if accuracy.is_empty() {
+        return Err(at.fault("asks for nothing".into(), "give one of angle, packing_fraction, overlap, relative"));
+    }
+    let asked = [
+        ("angle", accuracy.angle, "degrees"),
+        ("packing_fraction", accuracy.packing_fraction, "(no unit)"),
+        ("overlap", accuracy.overlap, "mean radii"),
+        ("relative", accuracy.relative, "(no unit)"),
+    ];
+    for (key, value, unit) in asked {
+        if let Some(value) = value {
+            at.key(key).range(value, 1e-6, 10.0, unit)?;
+        }
     }
     Ok(())
 }

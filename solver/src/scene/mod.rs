@@ -4,12 +4,14 @@
 //! line, what is wrong and what would be right. [`populate`](populate()) turns a scene and a seed into the grains
 //! that every code starts from.
 
+mod accuracy;
 mod check;
 mod error;
 mod populate;
 mod settings;
 mod types;
 
+pub use accuracy::Accuracy;
 pub use error::SceneError;
 pub use populate::{Grain, populate};
 pub use settings::{NormalLaw, Precision, SolverMethod, SolverSettings, Stop};
@@ -57,6 +59,9 @@ pub struct Scene {
     /// What is simulated before the run begins, where a run starts from a flowing state.
     #[serde(default)]
     pub prepare: Option<Prepare>,
+    /// How accurate the result has to be; it then decides on the solver's `step` and `stop`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// How Makadam solves it.
     #[serde(default)]
     pub solver: SolverSettings,
@@ -84,9 +89,19 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
-        let scene: Scene = toml::from_str(text).map_err(|error| SceneError::from_toml(file, text, &error))?;
+        let mut scene: Scene = toml::from_str(text).map_err(|error| SceneError::from_toml(file, text, &error))?;
         check::check(&scene).map_err(|fault| fault.locate(file, text))?;
+        if let Some(accuracy) = scene.accuracy {
+            check::chosen_twice(text).map_err(|fault| fault.locate(file, text))?;
+            scene.ask(accuracy);
+        }
         Ok(scene)
+    }
+
+    /// Asks for an accuracy, which decides on the solver's step and stop by the law of [`Accuracy`].
+    pub fn ask(&mut self, accuracy: Accuracy) {
+        self.accuracy = Some(accuracy);
+        (self.solver.step, self.solver.stop) = accuracy.settings(self);
     }
 
     /// Finds the file of a scene named by a path, or by its folder under `reference-scenes/` in `roots`.

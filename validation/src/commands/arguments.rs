@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use makadam::lanes::{InstructionSet, PREFETCH};
-use makadam::scene::Precision;
+use makadam::scene::{Accuracy, Precision};
 use makadam::schedule::Scheduler;
 use std::path::PathBuf;
 
@@ -61,6 +61,10 @@ pub struct RunArguments {
     /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor.
     #[arg(long, default_value_t = PREFETCH as u16, value_parser = clap::value_parser!(u16).range(..=1024))]
     pub prefetch: u16,
+    /// Accuracy in place of the scene's step and sweeps: a share such as 1%, or deviations such as
+    /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (degrees, none, mean radii).
+    #[arg(long, value_parser = accuracy)]
+    pub accuracy: Option<Accuracy>,
     /// Precision of the sweeps; the scene's, if absent. The result depends on it.
     #[arg(long, value_enum)]
     pub precision: Option<PrecisionName>,
@@ -73,6 +77,31 @@ pub struct RunArguments {
     /// Print the summary as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Reads an accuracy: one share of everything, or deviations by name.
+fn accuracy(text: &str) -> Result<Accuracy, String> {
+    let number = |text: &str| match text.strip_suffix('%') {
+        Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
+        None => text.trim().parse::<f64>(),
+    };
+    let mut accuracy = Accuracy::default();
+    for part in text.split(',') {
+        let (name, value) = part.split_once('=').unwrap_or(("relative", part));
+        let value = number(value).ok().filter(|value| (1e-6..=10.0).contains(value));
+        let value = value.ok_or_else(|| format!("{part}: give a number from 1e-6 to 10, or a share such as 1%"))?;
+        let place = match name.trim() {
+            "angle" => &mut accuracy.angle,
+            "packing_fraction" => &mut accuracy.packing_fraction,
+            "overlap" => &mut accuracy.overlap,
+            "relative" => &mut accuracy.relative,
+            other => return Err(format!("{other} is none of angle, packing_fraction, overlap, relative")),
+        };
+        if place.replace(value).is_some() {
+            return Err(format!("{} is given twice", name.trim()));
+        }
+    }
+    Ok(accuracy)
 }
 
 /// A way in which threads share tasks.

@@ -14,6 +14,7 @@ use crate::recording::Recording;
 use makadam::lanes::InstructionSet;
 use makadam::scene::Scene;
 use makadam::snapshot::Snapshot;
+use makadam::solve::StopReason;
 use makadam::{Simulation, StepReport};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -35,6 +36,9 @@ const COLUMNS: [&str; 8] = [
 /// Simulates a scene.
 pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, mut scene) = load(&arguments.scene)?;
+    if let Some(accuracy) = arguments.accuracy {
+        scene.ask(accuracy);
+    }
     let seed = arguments.seed.unwrap_or(scene.seed);
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join(file_stem(&scene.name)));
     let execution = Execution {
@@ -59,6 +63,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         output_time: Duration::ZERO,
         last: None,
         worst_normal_rms: 0.0,
+        solves: Solves::default(),
         frames: FrameWriter::create(&output)?,
         table: TimeTable::new(&output.join("observables.csv"), &COLUMNS),
         kept: Vec::new(),
@@ -90,10 +95,29 @@ struct Session<'a> {
     output_time: Duration,
     last: Option<StepReport>,
     worst_normal_rms: f64,
+    solves: Solves,
     frames: FrameWriter,
     table: TimeTable,
     /// Frames that are measured at the end.
     kept: Vec<Snapshot>,
+}
+
+/// What the solves of a run took.
+#[derive(Default)]
+struct Solves {
+    count: u64,
+    sweeps: u64,
+    most: u32,
+    unconverged: u64,
+}
+
+impl Solves {
+    fn add(&mut self, report: &StepReport) {
+        self.count += u64::from(report.solve.reason != StopReason::NoContacts);
+        self.sweeps += u64::from(report.solve.sweeps);
+        self.most = self.most.max(report.solve.sweeps);
+        self.unconverged += u64::from(report.solve.reason == StopReason::MaxSweeps);
+    }
 }
 
 impl Session<'_> {
@@ -108,6 +132,7 @@ impl Session<'_> {
             self.wall += clock.elapsed();
             self.steps += 1;
             self.worst_normal_rms = self.worst_normal_rms.max(report.solve.residuals.normal.rms);
+            self.solves.add(&report);
             self.last = Some(report);
             let interrupted = crate::interrupt::requested();
             if interrupted || self.steps == steps || frame_is_due(self.steps, step_seconds, interval) {
@@ -200,6 +225,9 @@ impl Session<'_> {
             bytes_per_particle: bytes as f64 / particles.max(1) as f64,
             residuals: self.last.map(|report| SolveSummary {
                 sweeps: report.solve.sweeps,
+                mean_sweeps: self.solves.sweeps as f64 / self.solves.count.max(1) as f64,
+                most_sweeps: self.solves.most,
+                unconverged: self.solves.unconverged,
                 stop_reason: report.solve.reason,
                 last: report.solve.residuals,
                 worst_normal_rms: self.worst_normal_rms,
@@ -303,6 +331,15 @@ fn describe(summary: &RunSummary) -> String {
         summary.peak_bytes as f64 / 1e6
     );
     if let Some(solve) = &summary.residuals {
+        text += &format!(
+            "solves           {:.1} sweeps on average, {} at most{}\n",
+            solve.mean_sweeps,
+            solve.most_sweeps,
+            match solve.unconverged {
+                0 => String::new(),
+                some => format!("; {some} ended before their residual was as small as asked for"),
+            }
+        );
         text += &format!(
             "residual         {:.2e} m/s normal (root mean square, last solve), {:.2e} m/s at worst\n",
             solve.last.normal.rms, solve.worst_normal_rms

@@ -81,6 +81,12 @@ pub struct PhaseTimes {
 pub struct SolveSummary {
     /// Sweeps of the last solve.
     pub sweeps: u32,
+    /// Sweeps of a solve, on average over the run.
+    pub mean_sweeps: f64,
+    /// Sweeps of the longest solve.
+    pub most_sweeps: u32,
+    /// Solves that had to end before their residual was as small as asked for.
+    pub unconverged: u64,
     /// Why the last solve stopped.
     pub stop_reason: StopReason,
     /// Last solve: `normal`, `tangential_u`, `tangential_v`, each with `rms` and `max`.

@@ -1,0 +1,146 @@
+//! An accuracy in place of a time step and a number of sweeps.
+//!
+//! What a long step leaves out is the elasticity of the contacts: where it is long against their own period, impacts and
+//! loads are those of overdamped grains that have not quite come to rest. The measure of that is
+//!
+//! ```text
+//! x = h sqrt(k S)                S = 1/m_a + 1/m_b
+//! k = 5/4 k_H sqrt(d)            of Hertz's law at the overlap d = (f/k_H)^(2/3) under the load f of half the bed
+//! ```
+//!
+//! the step in units of a contact's own time (`effects::compliance`). At 10 MPa to 1 GPa and with ten sweeps or more the
+//! deviation of a packing fraction from its converged value grows in proportion to x, as `makadam tradeoff packing` finds; a
+//! drum's angle shows no trend above the spread of its seeds there, and its slope is an upper bound. So the law is a line
+//! through zero, one slope an observable. Sweeps are not fixed: a solve goes on until its residual is small, in proportion to
+//! the overlap that is tolerated.
+
+use super::{NormalLaw, RadiusDistribution, Scene, Stop};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Largest deviations from the converged solution that are tolerated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Accuracy {
+    /// Of an angle of repose, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<f64>,
+    /// Of a packing fraction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub packing_fraction: Option<f64>,
+    /// Of an overlap, over the mean radius.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overlap: Option<f64>,
+    /// Of all of these: of an angle of 30 degrees, a packing fraction of 0.6 and an overlap of a hundredth of the radius.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relative: Option<f64>,
+}
+
+/// Deviation of a packing fraction where x = 1.
+const PACKING_FRACTION_SLOPE: f64 = 0.0017;
+/// Deviation of a drum's angle of repose where x = 1, degrees: no larger than this.
+const ANGLE_SLOPE: f64 = 0.3;
+/// Residual that leaves angles and packing fractions alone, in units of g h.
+const RESIDUAL: f64 = 0.02;
+/// Smallest and largest x of those measurements; the law is not carried beyond them.
+const MEASURED: [f64; 2] = [0.4, 8.0];
+/// Most sweeps of a solve.
+const MOST_SWEEPS: u32 = 400;
+/// Solid fraction of a bed, for its depth.
+const BED_FRACTION: f64 = 0.6;
+
+/// A bed of equal grains, as many as a scene has, on the ground of its domain.
+struct Bed {
+    /// m.
+    radius: f64,
+    /// kg.
+    mass: f64,
+    /// m.
+    depth: f64,
+    /// m/s2.
+    gravity: f64,
+}
+
+impl Accuracy {
+    /// Whether nothing was asked for.
+    pub fn is_empty(&self) -> bool {
+        *self == Accuracy::default()
+    }
+
+    /// Step (s) and stop of the solves that keep a scene within the accuracy by the law above.
+    pub(super) fn settings(&self, scene: &Scene) -> (f64, Stop) {
+        let bed = Bed::of(scene);
+        let relative = self.relative.unwrap_or(f64::INFINITY);
+        let angle = self.angle.unwrap_or(f64::INFINITY).min(30.0 * relative);
+        let packing_fraction = self.packing_fraction.unwrap_or(f64::INFINITY).min(0.6 * relative);
+        let overlap = self.overlap.unwrap_or(f64::INFINITY).min(0.01 * relative);
+        let measure = (angle / ANGLE_SLOPE).min(packing_fraction / PACKING_FRACTION_SLOPE);
+        let step = measure.clamp(MEASURED[0], MEASURED[1]) * bed.contact_time(scene);
+        // A grain that still moves with the residual sinks by h times it; the error adds up over the layers of the bed.
+        let layers = (bed.depth / (2.0 * bed.radius)).max(1.0);
+        let sinking = bed.gravity.max(1e-300) * step * step * layers / bed.radius;
+        let tolerance = RESIDUAL.min(overlap / sinking).max(1e-9);
+        (step, Stop::Residual { tolerance, max_sweeps: MOST_SWEEPS })
+    }
+}
+
+impl Bed {
+    fn of(scene: &Scene) -> Bed {
+        let sphere = |radius: f64| 4.0 / 3.0 * PI * radius * radius * radius;
+        let placed = scene.population.iter().map(|population| {
+            (population.count as f64, population.radius.mean(), scene.material[&population.material].density)
+        });
+        let listed = scene.grain.iter().map(|grain| (1.0, grain.radius, scene.material[&grain.material].density));
+        let [mut count, mut radius, mut volume, mut mass] = [0.0; 4];
+        for (number, own, density) in placed.chain(listed) {
+            count += number;
+            radius += number * own;
+            volume += number * sphere(own);
+            mass += number * sphere(own) * density;
+        }
+        let count = f64::max(count, 1.0);
+        let size: [f64; 3] = std::array::from_fn(|axis| scene.domain.max[axis] - scene.domain.min[axis]);
+        let gravity = scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+        // The ground is the domain's extent across gravity.
+        let down = (0..3).max_by(|&a, &b| scene.gravity[a].abs().total_cmp(&scene.gravity[b].abs())).unwrap_or(2);
+        let ground = size.iter().product::<f64>() / size[down];
+        let radius = (radius / count).max(1e-9);
+        let depth = (volume / BED_FRACTION / ground).max(2.0 * radius);
+        Bed { radius, mass: (mass / count).max(1e-300), depth, gravity }
+    }
+
+    /// Time scale of a contact in the bed, `1/sqrt(k S)`, s; of the stiffest material.
+    fn contact_time(&self, scene: &Scene) -> f64 {
+        let inverse_mass = 2.0 / self.mass;
+        let effective_radius = self.radius / 2.0;
+        let hertz = scene.material.values().map(|material| {
+            let modulus = material.youngs_modulus / (2.0 * (1.0 - material.poisson_ratio * material.poisson_ratio));
+            4.0 / 3.0 * modulus * effective_radius.sqrt()
+        });
+        let hertz = hertz.fold(0.0, f64::max);
+        let stiffness = match scene.solver.normal_law {
+            NormalLaw::Linear { stiffness } => stiffness,
+            // Rigid grains are resolved as if they had the stiffness of their material.
+            NormalLaw::Hertz | NormalLaw::Rigid => {
+                let weight = self.mass * self.gravity.max(1e-3);
+                let load = (0.5 * self.depth / (2.0 * self.radius)).max(1.0) * weight;
+                1.25 * hertz * (load / hertz).cbrt()
+            }
+        };
+        1.0 / (stiffness * inverse_mass).sqrt()
+    }
+}
+
+impl RadiusDistribution {
+    /// Mean radius, m; of a normal distribution before it is cut.
+    fn mean(&self) -> f64 {
+        match self {
+            RadiusDistribution::Fixed { value } => *value,
+            RadiusDistribution::Uniform { mean, .. } | RadiusDistribution::Normal { mean, .. } => *mean,
+            RadiusDistribution::Discrete { radii, shares } => {
+                let weighted: f64 = radii.iter().zip(shares).map(|(radius, share)| radius * share).sum();
+                weighted / shares.iter().sum::<f64>()
+            }
+        }
+    }
+}
