@@ -10,6 +10,8 @@
 //! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures show what the
 //! comparison says and compute no verdict of their own.
 
+mod columns;
+pub(crate) mod figure;
 mod forces;
 mod forest;
 pub(crate) mod names;
@@ -28,6 +30,7 @@ mod terminal;
 mod view;
 mod write;
 
+pub(crate) use columns::columns;
 pub use qualification::{Qualification, Standing, Verdict};
 pub use speed::speed_sentence;
 pub use terminal::comparison_table;

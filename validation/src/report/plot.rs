@@ -10,6 +10,10 @@ const LEFT: f64 = 58.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
+/// Height of a line of a legend.
+const LEGEND_LINE: f64 = 18.0;
+/// Where the lines of a legend of several begin.
+const LEGEND_LEFT: f64 = 14.0;
 
 /// One axis.
 pub(crate) struct Axis {
@@ -123,23 +127,62 @@ pub(crate) enum Key<'a> {
     Points(CodeStyle, &'a str),
 }
 
+impl Key<'_> {
+    /// Width in a legend, with a gap behind it.
+    fn width(&self) -> f64 {
+        let (Key::Code(label) | Key::Line(_, label) | Key::Series(_, label) | Key::Points(_, label)) = self;
+        // There is no measuring of text here; 7.6 pixels a character is on the wide side.
+        50.0 + 7.6 * label.chars().count() as f64
+    }
+}
+
 /// A plot that is being made.
 pub(crate) struct Plot {
     drawing: Drawing,
     x: Axis,
     y: Axis,
+    /// Upper and lower edge of the frame.
+    top: f64,
+    bottom: f64,
 }
 
 impl Plot {
     /// A frame with its axes.
     pub(crate) fn new(x: Axis, y: Axis) -> Plot {
-        let mut plot = Plot { drawing: Drawing::new(WIDTH, HEIGHT), x, y };
+        Plot::below_legend(x, y, 1)
+    }
+
+    /// A frame with its axes, and above it a legend of as many lines as it needs.
+    pub(crate) fn with_legend(x: Axis, y: Axis, keys: &[Key<'_>]) -> Plot {
+        let (mut lines, mut right) = (vec![Vec::new()], LEGEND_LEFT);
+        for key in keys {
+            let line = lines.last_mut().expect("there is a line from the beginning");
+            right += key.width();
+            if right > WIDTH && !line.is_empty() {
+                right = LEGEND_LEFT + key.width();
+                lines.push(vec![key]);
+            } else {
+                line.push(key);
+            }
+        }
+        let mut plot = Plot::below_legend(x, y, lines.len());
+        let left = if lines.len() > 1 { LEGEND_LEFT } else { LEFT };
+        for (place, line) in lines.into_iter().enumerate() {
+            plot.legend_line(line.into_iter(), [left, 14.0 + LEGEND_LINE * place as f64]);
+        }
+        plot
+    }
+
+    fn below_legend(x: Axis, y: Axis, lines: usize) -> Plot {
+        let more = LEGEND_LINE * lines.saturating_sub(1) as f64;
+        let (top, bottom) = (TOP + more, HEIGHT + more - BOTTOM);
+        let mut plot = Plot { drawing: Drawing::new(WIDTH, HEIGHT + more), x, y, top, bottom };
         plot.grid();
         plot
     }
 
     fn grid(&mut self) {
-        let (left, right, top, bottom) = (LEFT, WIDTH - RIGHT, TOP, HEIGHT - BOTTOM);
+        let (left, right, top, bottom) = (LEFT, WIDTH - RIGHT, self.top, self.bottom);
         for (value, label) in self.x.ticks(7) {
             let x = self.at(value, self.y.low)[0];
             self.drawing.line("grid", [x, top], [x, bottom]);
@@ -152,13 +195,13 @@ impl Plot {
         }
         self.drawing.rectangle("frame", [left, top], [right, bottom]);
         let (x, y) = (self.x.label.clone(), self.y.label.clone());
-        self.drawing.text("label", [(left + right) / 2.0, HEIGHT - 8.0], Anchor::Middle, &x);
+        self.drawing.text("label", [(left + right) / 2.0, bottom + BOTTOM - 8.0], Anchor::Middle, &x);
         self.drawing.text_upwards("label", [13.0, (top + bottom) / 2.0], &y);
     }
 
     /// Where a point of the plane lies on the drawing.
     fn at(&self, x: f64, y: f64) -> [f64; 2] {
-        [LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT), HEIGHT - BOTTOM - self.y.share(y) * (HEIGHT - TOP - BOTTOM)]
+        [LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT), self.bottom - self.y.share(y) * (self.bottom - self.top)]
     }
 
     /// Marks a range of the horizontal axis.
@@ -168,7 +211,7 @@ impl Plot {
             return;
         }
         let (a, b) = (self.at(from, self.y.high), self.at(to, self.y.low));
-        let (a, b) = ([a[0], TOP], [b[0], HEIGHT - BOTTOM]);
+        let (a, b) = ([a[0], self.top], [b[0], self.bottom]);
         self.drawing.rectangle("window", a, b);
         self.drawing.text("tick", [b[0] - 5.0, b[1] - 6.0], Anchor::End, label);
     }
@@ -176,7 +219,7 @@ impl Plot {
     /// A curve of a class, cut off at the frame.
     pub(crate) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
         let points: Vec<[f64; 2]> = points.map(|[x, y]| self.at(x, y)).collect();
-        self.drawing.begin_clip([LEFT, TOP], WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
+        self.drawing.begin_clip([LEFT, self.top], WIDTH - LEFT - RIGHT, self.bottom - self.top);
         self.drawing.curve(class, points.into_iter());
         self.drawing.end_clip();
     }
@@ -213,9 +256,11 @@ impl Plot {
 
     /// The legend, above the frame, in one line.
     pub(crate) fn legend(&mut self, keys: &[Key<'_>]) {
-        let mut x = LEFT;
+        self.legend_line(keys.iter(), [LEFT, 14.0]);
+    }
+
+    fn legend_line<'a>(&mut self, keys: impl Iterator<Item = &'a Key<'a>>, [mut x, y]: [f64; 2]) {
         for key in keys {
-            let y = 14.0;
             let label = match *key {
                 Key::Code(code) => {
                     self.sample(code_style(code), x, y);
@@ -235,8 +280,7 @@ impl Plot {
                 }
             };
             self.drawing.text("key", [x + 32.0, y + 4.0], Anchor::Start, label);
-            // There is no measuring of text here; 7.6 pixels a character is on the wide side.
-            x += 50.0 + 7.6 * label.chars().count() as f64;
+            x += key.width();
         }
     }
 
@@ -262,7 +306,7 @@ impl Plot {
 
     /// A few words in the upper or the lower left corner.
     pub(crate) fn remark(&mut self, upper: bool, text: &str) {
-        let y = if upper { TOP + 18.0 } else { HEIGHT - BOTTOM - 10.0 };
+        let y = if upper { self.top + 18.0 } else { self.bottom - 10.0 };
         self.drawing.text("tick", [LEFT + 9.0, y], Anchor::Start, text);
     }
 
