@@ -64,8 +64,18 @@ fn chosen_methods_are_recorded_beside_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let scene =
         changed(folder.path(), "[measure]", "[solver]\nmethod = { kind = \"anderson\", memory = 5 }\n\n[measure]");
-    let arguments =
-        ["--methods", "anderson,gauss-seidel", "--iterations", "5", "--record", "--output", "out", "--quiet"];
+    let arguments = [
+        "--methods",
+        "anderson,gauss-seidel",
+        "--iterations",
+        "5",
+        "--repetitions",
+        "1",
+        "--record",
+        "--output",
+        "out",
+        "--quiet",
+    ];
     let output = makadam(folder.path()).arg("convergence").arg(&scene).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.stderr.is_empty() && String::from_utf8_lossy(&output.stdout).contains("gauss-seidel"));

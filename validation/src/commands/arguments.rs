@@ -272,6 +272,9 @@ pub struct ConvergenceArguments {
     /// Iterations of each method.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub iterations: u32,
+    /// Times that each method solves the problem, in turn; each iteration counts with its shortest time.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repetitions: u32,
     /// Methods, named as in scenes; all, if absent.
     #[arg(long, value_delimiter = ',', value_parser = method())]
     pub methods: Option<Vec<String>>,

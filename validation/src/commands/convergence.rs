@@ -37,18 +37,23 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
         )));
     }
     let bar = console.bar(&scene.name);
-    let mut curves = Vec::new();
-    for (place, &method) in methods.iter().enumerate() {
-        bar.say(method.name().into());
-        bar.set(place as f64 / methods.len() as f64);
-        let points = simulation.convergence(method, arguments.iterations);
-        curves.push(Curve::new(method, points, problem.residual_unit));
-        if crate::interrupt::requested() {
-            return Err(Failure::Interrupted("nothing: the methods were not finished".into()));
+    let mut solves = vec![Vec::new(); methods.len()];
+    // In turn, so that what interferes for a while falls on all methods.
+    for repetition in 0..arguments.repetitions as usize {
+        for (place, &method) in methods.iter().enumerate() {
+            let share = place as f64 / methods.len() as f64;
+            bar.say(method.name().into());
+            bar.set((repetition as f64 + share) / f64::from(arguments.repetitions));
+            solves[place].push(simulation.convergence(method, arguments.iterations));
+            if crate::interrupt::requested() {
+                return Err(Failure::Interrupted("nothing: the methods were not finished".into()));
+            }
         }
     }
     drop(bar);
-    let study = Study::new(problem, arguments.iterations, curves, provenance);
+    let unit = problem.residual_unit;
+    let curves = methods.into_iter().zip(solves).map(|(method, solves)| Curve::new(method, solves, unit)).collect();
+    let study = Study::new(problem, [arguments.iterations, arguments.repetitions], curves, provenance);
 
     let folder = arguments
         .output

@@ -91,8 +91,8 @@ fn all_methods(study: &Study, against_time: bool) -> Figure {
     let threads = study.provenance.threads;
     let how = match (against_time, threads) {
         (false, _) => String::new(),
-        (true, 1) => " One thread; measuring is left out.".into(),
-        (true, _) => format!(" {threads} threads; measuring is left out."),
+        (true, 1) => " One thread; the figure ends where half of the methods are done.".into(),
+        (true, _) => format!(" {threads} threads; the figure ends where half of the methods are done."),
     };
     Figure {
         name: format!("methods-{name}"),

@@ -1,5 +1,6 @@
 //! What a study says, in sentences.
 
+use super::figures::title;
 use super::study::{Curve, Reached, Study};
 use crate::report::numbers::{compact, two_digits};
 
@@ -12,7 +13,7 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
         let mut arrived: Vec<(&Curve, (u32, f64))> =
             study.methods.iter().filter_map(|curve| Some((curve, reached(curve)?))).collect();
         arrived.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
-        let tolerance = compact(tolerance);
+        let tolerance = power(tolerance);
         let Some((first, (iterations, seconds))) = arrived.first() else {
             sentences.push(format!("No method reaches {tolerance} {unit} in {} iterations.", study.iterations));
             // None reaches a lower one.
@@ -23,9 +24,9 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
             continue;
         }
         let mut sentence =
-            format!("{tolerance} {unit}: {} is the first, {}", first.method.name(), cost(*iterations, *seconds));
+            format!("To {tolerance} {unit} {} is the first, {}", title(first.method), cost(*iterations, *seconds));
         if let Some((next, (iterations, seconds))) = arrived.get(1) {
-            sentence += &format!("; then {}, {}", next.method.name(), cost(*iterations, *seconds));
+            sentence += &format!(", {} the next, {}", title(next.method), cost(*iterations, *seconds));
         }
         sentences.push(sentence + ".");
     }
@@ -38,5 +39,10 @@ fn when(reached: &Reached) -> Option<(u32, f64)> {
 
 fn cost(iterations: u32, seconds: f64) -> String {
     let plural = if iterations == 1 { "" } else { "s" };
-    format!("{} ms ({iterations} iteration{plural})", two_digits(1e3 * seconds))
+    format!("with {iterations} iteration{plural} in {} ms", two_digits(1e3 * seconds))
+}
+
+/// A tolerance, such as 0.01 or 10⁻⁶.
+pub(super) fn power(tolerance: f64) -> String {
+    compact(tolerance).trim_start_matches("1×").into()
 }

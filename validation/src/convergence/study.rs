@@ -24,6 +24,8 @@ pub struct Study {
     pub problem: Problem,
     /// Iterations of each method.
     pub iterations: u32,
+    /// How often each method solved the problem; each iteration counts with its shortest time.
+    pub repetitions: u32,
     /// Residuals that methods were timed to, in units of `residual_unit`.
     pub tolerances: Vec<f64>,
     /// One a method.
@@ -98,11 +100,12 @@ pub struct Reached {
 }
 
 impl Curve {
-    /// Makes a curve of points with residuals in m/s.
-    pub fn new(method: SolverMethod, points: Vec<ConvergencePoint>, unit: f64) -> Curve {
-        let points: Vec<ConvergencePoint> = points
-            .into_iter()
-            .map(|point| ConvergencePoint { residuals: over(&point.residuals, unit), ..point })
+    /// Makes a curve of a method's solves of one problem, at least one, with residuals in m/s. Solves differ in their times
+    /// alone; an iteration's is the shortest that it took in any of them, since all that interferes makes it longer.
+    pub fn new(method: SolverMethod, mut solves: Vec<Vec<ConvergencePoint>>, unit: f64) -> Curve {
+        let fastest = fastest(&solves);
+        let points: Vec<ConvergencePoint> = (solves.swap_remove(0).into_iter().zip(fastest))
+            .map(|(point, seconds)| ConvergencePoint { seconds, residuals: over(&point.residuals, unit), ..point })
             .collect();
         let reached = TOLERANCES.map(|tolerance| {
             let first = points.iter().find(|point| point.residuals.rms() <= tolerance);
@@ -123,13 +126,19 @@ impl Curve {
 }
 
 impl Study {
-    /// Makes a study of curves.
-    pub fn new(problem: Problem, iterations: u32, methods: Vec<Curve>, provenance: Provenance) -> Study {
+    /// Makes a study of curves of so many iterations, repeated so many times.
+    pub fn new(
+        problem: Problem,
+        [iterations, repetitions]: [u32; 2],
+        methods: Vec<Curve>,
+        provenance: Provenance,
+    ) -> Study {
         let mut study = Study {
             version: JSON_VERSION,
             command: "convergence".into(),
             problem,
             iterations,
+            repetitions,
             tolerances: TOLERANCES.into(),
             methods,
             findings: Vec::new(),
@@ -138,6 +147,19 @@ impl Study {
         study.findings = findings(&study);
         study
     }
+}
+
+/// Wall time until each point if every iteration takes the shortest time that it took in any solve, s.
+fn fastest(solves: &[Vec<ConvergencePoint>]) -> Vec<f64> {
+    let count = solves.iter().map(Vec::len).min().unwrap_or(0);
+    let mut total = 0.0;
+    let times = (0..count).map(|place| {
+        let before = |points: &[ConvergencePoint]| if place > 0 { points[place - 1].seconds } else { 0.0 };
+        let own = solves.iter().map(|points| points[place].seconds - before(points));
+        total += own.fold(f64::INFINITY, f64::min);
+        total
+    });
+    times.collect()
 }
 
 /// Residuals over a unit.

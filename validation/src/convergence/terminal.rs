@@ -1,5 +1,6 @@
 //! A study as plain text for a terminal.
 
+use super::findings::power;
 use super::study::{Curve, Study};
 use crate::report::columns;
 use crate::report::numbers::{compact, two_digits};
@@ -28,14 +29,12 @@ pub fn table(study: &Study) -> String {
     text
 }
 
-/// Heads of the table: the same on a terminal and on the page.
-pub(super) fn heads(study: &Study) -> Vec<String> {
-    let tolerances = study.tolerances.iter().flat_map(|&tolerance| [compact(tolerance), "ms".into()]);
+fn heads(study: &Study) -> Vec<String> {
+    let tolerances = study.tolerances.iter().flat_map(|&tolerance| [power(tolerance), "ms".into()]);
     ["method".to_string(), "ms an iteration".to_string()].into_iter().chain(tolerances).collect()
 }
 
-/// A row of the table: the same on a terminal and on the page.
-pub(super) fn cells(curve: &Curve) -> Vec<String> {
+fn cells(curve: &Curve) -> Vec<String> {
     let mut cells = vec![curve.method.name().to_string(), two_digits(1e3 * curve.seconds_per_iteration)];
     for reached in &curve.reached {
         cells.push(reached.iterations.map_or("-".into(), |iterations| iterations.to_string()));

@@ -10,6 +10,7 @@
 //! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures show what the
 //! comparison says and compute no verdict of their own.
 
+mod axis;
 mod columns;
 pub(crate) mod figure;
 mod forces;
