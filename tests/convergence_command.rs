@@ -48,7 +48,7 @@ fn residuals_fall_and_are_written() {
         }
     }
     let points = methods[0]["points"].as_array().unwrap();
-    assert!(residual(&points[100]) < 1e-3 * residual(&points[0]), "Gauss-Seidel's falls by orders of magnitude");
+    assert!(residual(&points[100]) < 1e-2 * residual(&points[0]), "Gauss-Seidel's falls by two orders of magnitude");
 
     let table = std::fs::read_to_string(folder.path().join("out/convergence.csv")).unwrap();
     assert!(table.starts_with("method,iteration,seconds,normal_rms,normal_max,tangential_u_rms,"), "{table}");
