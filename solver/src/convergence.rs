@@ -3,7 +3,7 @@
 use crate::Simulation;
 use crate::methods::{Problem, Solver};
 use crate::scene::SolverMethod;
-use crate::solve::MEASURE_EVERY;
+use crate::solve::{MEASURE_EVERY, residual_unit};
 use crate::sweep::Residuals;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -40,13 +40,21 @@ impl Simulation {
                 let clock = Instant::now();
                 if number == 1 {
                     method.begin(&mut problem);
+                    problem.enter_precision();
                 }
                 // Over-relaxation needs to know whether the residual grows, as often as in a solve of many sweeps.
                 method.iterate(&mut problem, number == 1 || number.is_multiple_of(MEASURE_EVERY));
                 seconds += clock.elapsed().as_secs_f64();
+                // Sweeps in single precision work on a copy, and go on from it.
+                problem.leave_precision();
                 points.push(ConvergencePoint { iterations: number, seconds, residuals: problem.measure().0 });
             }
             points
         })
+    }
+
+    /// Velocity that residuals compare with: g h, or 1 m/s where there is no gravity.
+    pub fn residual_unit(&self) -> f64 {
+        residual_unit(&self.world, self.settings.step)
     }
 }

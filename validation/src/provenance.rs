@@ -95,6 +95,16 @@ impl Provenance {
             command: command_line(),
         }
     }
+
+    /// Names and values as text, for tables.
+    pub fn pairs(&self) -> Vec<(String, String)> {
+        let Ok(serde_json::Value::Object(fields)) = serde_json::to_value(self) else { return Vec::new() };
+        let plain = |value: serde_json::Value| match value {
+            serde_json::Value::String(text) => text,
+            other => other.to_string(),
+        };
+        fields.into_iter().map(|(key, value)| (key.replace('_', " "), plain(value))).collect()
+    }
 }
 
 /// A path as seen from the folder that the program runs in, if it lies below: records are moved to other machines.

@@ -1,8 +1,9 @@
 //! The command line.
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use makadam::lanes::{InstructionSet, PREFETCH};
-use makadam::scene::{Accuracy, Precision};
+use makadam::scene::{Accuracy, Precision, SolverMethod};
 use makadam::schedule::Scheduler;
 use std::path::PathBuf;
 
@@ -35,6 +36,8 @@ pub enum Command {
     Qualify(QualifyArguments),
     /// Measure how a scene's step scales with threads, and replay it beyond the cores at hand.
     Scaling(ScalingArguments),
+    /// Show how each method converges on the problem of one step: residual against iterations and wall time.
+    Convergence(ConvergenceArguments),
     /// Show what accuracy costs in time: error against wall time over the settings of each code.
     Tradeoff(TradeoffArguments),
     /// Measure the contact sweep against what arithmetic and memory deliver.
@@ -290,6 +293,41 @@ pub struct ScalingArguments {
     pub json: bool,
 }
 
+/// Arguments of `makadam convergence`.
+#[derive(Debug, Args)]
+pub struct ConvergenceArguments {
+    /// A folder under reference-scenes/, or a path to a TOML file.
+    pub scene: String,
+    /// Iterations of each method.
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub iterations: u32,
+    /// Times that each method solves the problem, in turn; each iteration counts with its shortest time.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repetitions: u32,
+    /// Methods, named as in scenes; all, if absent.
+    #[arg(long, value_delimiter = ',', value_parser = method())]
+    pub methods: Option<Vec<String>>,
+    /// Simulated time before the problem is taken, s. If absent: none where the scene prepares a flowing state, else as long as
+    /// it settles before it is measured (measure.from), or its whole duration.
+    #[arg(long, value_parser = positive)]
+    pub settle: Option<f64>,
+    /// Seed of the initial positions; the scene's, if absent.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Threads that share the work. Residuals do not depend on it.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Write the table beside the scene too, in a folder named after processor and instruction set.
+    #[arg(long)]
+    pub record: bool,
+    /// Folder to write into; results/convergence/SCENE, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the study as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `makadam tradeoff`.
 #[derive(Debug, Args)]
 pub struct TradeoffArguments {
@@ -348,6 +386,11 @@ pub struct RooflineArguments {
     /// Print the study as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// One of the methods' names.
+fn method() -> PossibleValuesParser {
+    PossibleValuesParser::new(SolverMethod::ALL.map(SolverMethod::name))
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -3,6 +3,7 @@
 mod arguments;
 mod compare;
 mod console;
+mod convergence;
 mod failure;
 mod qualify;
 mod record;
@@ -32,6 +33,7 @@ pub fn main() -> ExitCode {
     let done = match &arguments.command {
         Command::Run(run) => run::run(run, &console),
         Command::Compare(compare) => compare::compare(compare, &console),
+        Command::Convergence(convergence) => convergence::convergence(convergence, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),

@@ -3,6 +3,7 @@
 use super::arguments::ScalingArguments;
 use super::{Console, Failure, begin, json, load, settle};
 use crate::execution::{Execution, cores};
+use crate::output::record_folder;
 use crate::prepared::{Start, file_stem};
 use crate::provenance::Provenance;
 use crate::scaling::{self, Bandwidth, Costs, Machine, Plan, Setting, Study};
@@ -71,7 +72,7 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     };
     console.result(&text)?;
     if arguments.record {
-        let folder = scaling::record_folder(&study, &file);
+        let folder = record_folder("scaling", &file, &study.provenance.build.processor, study.widest());
         scaling::write_tables(&study, &folder)?;
         console.note(&format!("tables: {}", folder.display()));
     }

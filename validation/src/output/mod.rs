@@ -1,11 +1,13 @@
 //! What `makadam run` leaves on disk: frames for ParaView, observables as CSV, a summary as JSON.
 
 mod frames;
+mod record;
 mod summary;
 mod table;
 mod vtk;
 
 pub use frames::FrameWriter;
+pub use record::record_folder;
 pub use summary::{JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
 pub use table::TimeTable;
 

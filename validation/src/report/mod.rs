@@ -10,6 +10,9 @@
 //! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures show what the
 //! comparison says and compute no verdict of their own.
 
+mod axis;
+mod columns;
+pub(crate) mod figure;
 mod forces;
 mod forest;
 pub(crate) mod names;
@@ -28,6 +31,7 @@ mod terminal;
 mod view;
 mod write;
 
+pub(crate) use columns::columns;
 pub use qualification::{Qualification, Standing, Verdict};
 pub use speed::speed_sentence;
 pub use terminal::comparison_table;

@@ -10,12 +10,18 @@ pub(crate) fn style() -> &'static str {
     concat!(include_str!("figure.css"), include_str!("page.css"))
 }
 
-/// Renders the page.
-pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja::Error> {
+/// Templates whose every value is escaped.
+pub(crate) fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
     environment.set_trim_blocks(true);
     environment.set_lstrip_blocks(true);
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment
+}
+
+/// Renders the page.
+pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja::Error> {
+    let mut environment = environment();
     environment.add_template("page", include_str!("page.html"))?;
     environment.add_template("results", include_str!("results.html"))?;
     environment.add_template("scene", include_str!("scene.html"))?;

@@ -1,7 +1,7 @@
 //! The one kind of plot: a frame with two axes, a light grid, a legend above.
 
+pub(crate) use super::axis::Axis;
 use super::names::{CodeStyle, code_style};
-use super::numbers::{compact, round_ticks, superscript};
 use super::svg::{Anchor, Drawing};
 
 const WIDTH: f64 = 540.0;
@@ -10,106 +10,10 @@ const LEFT: f64 = 58.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
-
-/// One axis.
-pub(crate) struct Axis {
-    /// What it shows, with its unit.
-    pub(crate) label: String,
-    /// Lower end.
-    pub(crate) low: f64,
-    /// Upper end.
-    pub(crate) high: f64,
-    /// How values are spread over it.
-    pub(crate) scale: Scale,
-}
-
-/// How values are spread over an axis, and which of them are marked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Scale {
-    /// Evenly.
-    Linear,
-    /// By their logarithm; powers of ten are marked.
-    Decades,
-    /// By their logarithm; 1, 2 and 5 of every power of ten are marked.
-    FineDecades,
-    /// By their logarithm; powers of two are marked.
-    Doublings,
-}
-
-impl Axis {
-    /// A linear axis.
-    pub(crate) fn linear(label: &str, low: f64, high: f64) -> Axis {
-        // An axis of no length would divide by zero.
-        let high = if high > low { high } else { low + 1.0 };
-        Axis { label: label.into(), low, high, scale: Scale::Linear }
-    }
-
-    /// A logarithmic axis; its ends are moved out to powers of ten.
-    pub(crate) fn logarithmic(label: &str, low: f64, high: f64) -> Axis {
-        let low = 10f64.powf((low.log10() + 1e-9).floor());
-        let high = 10f64.powf((high.log10() - 1e-9).ceil()).max(10.0 * low);
-        Axis { label: label.into(), low, high, scale: Scale::Decades }
-    }
-
-    /// A logarithmic axis that is marked in steps of 1, 2, 5; its ends are moved out to marks.
-    pub(crate) fn fine(label: &str, low: f64, high: f64) -> Axis {
-        let mark = |value: f64, up: bool| {
-            let power = 10f64.powf((value.log10() + 1e-9).floor());
-            let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
-            let found = match up {
-                true => steps.into_iter().find(|&step| step >= value * (1.0 - 1e-9)),
-                false => steps.into_iter().rev().find(|&step| step <= value * (1.0 + 1e-9)),
-            };
-            found.unwrap_or(value)
-        };
-        let (low, high) = (mark(low, false), mark(high, true));
-        Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::FineDecades }
-    }
-
-    /// A logarithmic axis that is marked at powers of two.
-    pub(crate) fn doublings(label: &str, low: f64, high: f64) -> Axis {
-        Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::Doublings }
-    }
-
-    /// Where a value lies, 0 at the lower end and 1 at the upper.
-    fn share(&self, value: f64) -> f64 {
-        if self.scale != Scale::Linear {
-            (value / self.low).ln() / (self.high / self.low).ln()
-        } else {
-            (value - self.low) / (self.high - self.low)
-        }
-    }
-
-    fn ticks(&self, count: usize) -> Vec<(f64, String)> {
-        let within = |value: &f64| (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(value);
-        let decades = (self.low.log10() - 1e-9).floor() as i32..=(self.high.log10() + 1e-9).ceil() as i32;
-        match self.scale {
-            Scale::Decades => {
-                return decades.map(|k| (10f64.powi(k), power_of_ten(k))).filter(|t| within(&t.0)).collect();
-            }
-            Scale::FineDecades => {
-                let marks = decades.flat_map(|k| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(k)));
-                return marks.filter(within).map(|mark| (mark, compact(mark))).collect();
-            }
-            Scale::Doublings => {
-                let marks = (self.low.log2().floor() as i32..=self.high.log2().ceil() as i32).map(|k| 2f64.powi(k));
-                return marks.filter(within).map(|mark| (mark, format!("{mark}"))).collect();
-            }
-            Scale::Linear => {}
-        }
-        let (ticks, digits) = round_ticks(self.low, self.high, count);
-        ticks.into_iter().map(|t| (t, format!("{t:.digits$}").replace('-', "−"))).collect()
-    }
-}
-
-fn power_of_ten(exponent: i32) -> String {
-    match exponent {
-        0 => "1".into(),
-        1 => "10".into(),
-        2 => "100".into(),
-        k => format!("10{}", superscript(k)),
-    }
-}
+/// Height of a line of a legend.
+const LEGEND_LINE: f64 = 18.0;
+/// Where the lines of a legend of several begin.
+const LEGEND_LEFT: f64 = 14.0;
 
 /// An entry of a legend.
 pub(crate) enum Key<'a> {
@@ -123,23 +27,62 @@ pub(crate) enum Key<'a> {
     Points(CodeStyle, &'a str),
 }
 
+impl Key<'_> {
+    /// Width in a legend, with a gap behind it.
+    fn width(&self) -> f64 {
+        let (Key::Code(label) | Key::Line(_, label) | Key::Series(_, label) | Key::Points(_, label)) = self;
+        // There is no measuring of text here; 7.6 pixels a character is on the wide side.
+        50.0 + 7.6 * label.chars().count() as f64
+    }
+}
+
 /// A plot that is being made.
 pub(crate) struct Plot {
     drawing: Drawing,
     x: Axis,
     y: Axis,
+    /// Upper and lower edge of the frame.
+    top: f64,
+    bottom: f64,
 }
 
 impl Plot {
     /// A frame with its axes.
     pub(crate) fn new(x: Axis, y: Axis) -> Plot {
-        let mut plot = Plot { drawing: Drawing::new(WIDTH, HEIGHT), x, y };
+        Plot::below_legend(x, y, 1)
+    }
+
+    /// A frame with its axes, and above it a legend of as many lines as it needs.
+    pub(crate) fn with_legend(x: Axis, y: Axis, keys: &[Key<'_>]) -> Plot {
+        let (mut lines, mut right) = (vec![Vec::new()], LEGEND_LEFT);
+        for key in keys {
+            let line = lines.last_mut().expect("there is a line from the beginning");
+            right += key.width();
+            if right > WIDTH && !line.is_empty() {
+                right = LEGEND_LEFT + key.width();
+                lines.push(vec![key]);
+            } else {
+                line.push(key);
+            }
+        }
+        let mut plot = Plot::below_legend(x, y, lines.len());
+        let left = if lines.len() > 1 { LEGEND_LEFT } else { LEFT };
+        for (place, line) in lines.into_iter().enumerate() {
+            plot.legend_line(line.into_iter(), [left, 14.0 + LEGEND_LINE * place as f64]);
+        }
+        plot
+    }
+
+    fn below_legend(x: Axis, y: Axis, lines: usize) -> Plot {
+        let more = LEGEND_LINE * lines.saturating_sub(1) as f64;
+        let (top, bottom) = (TOP + more, HEIGHT + more - BOTTOM);
+        let mut plot = Plot { drawing: Drawing::new(WIDTH, HEIGHT + more), x, y, top, bottom };
         plot.grid();
         plot
     }
 
     fn grid(&mut self) {
-        let (left, right, top, bottom) = (LEFT, WIDTH - RIGHT, TOP, HEIGHT - BOTTOM);
+        let (left, right, top, bottom) = (LEFT, WIDTH - RIGHT, self.top, self.bottom);
         for (value, label) in self.x.ticks(7) {
             let x = self.at(value, self.y.low)[0];
             self.drawing.line("grid", [x, top], [x, bottom]);
@@ -152,13 +95,13 @@ impl Plot {
         }
         self.drawing.rectangle("frame", [left, top], [right, bottom]);
         let (x, y) = (self.x.label.clone(), self.y.label.clone());
-        self.drawing.text("label", [(left + right) / 2.0, HEIGHT - 8.0], Anchor::Middle, &x);
+        self.drawing.text("label", [(left + right) / 2.0, bottom + BOTTOM - 8.0], Anchor::Middle, &x);
         self.drawing.text_upwards("label", [13.0, (top + bottom) / 2.0], &y);
     }
 
     /// Where a point of the plane lies on the drawing.
     fn at(&self, x: f64, y: f64) -> [f64; 2] {
-        [LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT), HEIGHT - BOTTOM - self.y.share(y) * (HEIGHT - TOP - BOTTOM)]
+        [LEFT + self.x.share(x) * (WIDTH - LEFT - RIGHT), self.bottom - self.y.share(y) * (self.bottom - self.top)]
     }
 
     /// Marks a range of the horizontal axis.
@@ -168,7 +111,7 @@ impl Plot {
             return;
         }
         let (a, b) = (self.at(from, self.y.high), self.at(to, self.y.low));
-        let (a, b) = ([a[0], TOP], [b[0], HEIGHT - BOTTOM]);
+        let (a, b) = ([a[0], self.top], [b[0], self.bottom]);
         self.drawing.rectangle("window", a, b);
         self.drawing.text("tick", [b[0] - 5.0, b[1] - 6.0], Anchor::End, label);
     }
@@ -176,7 +119,7 @@ impl Plot {
     /// A curve of a class, cut off at the frame.
     pub(crate) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
         let points: Vec<[f64; 2]> = points.map(|[x, y]| self.at(x, y)).collect();
-        self.drawing.begin_clip([LEFT, TOP], WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
+        self.drawing.begin_clip([LEFT, self.top], WIDTH - LEFT - RIGHT, self.bottom - self.top);
         self.drawing.curve(class, points.into_iter());
         self.drawing.end_clip();
     }
@@ -213,9 +156,11 @@ impl Plot {
 
     /// The legend, above the frame, in one line.
     pub(crate) fn legend(&mut self, keys: &[Key<'_>]) {
-        let mut x = LEFT;
+        self.legend_line(keys.iter(), [LEFT, 14.0]);
+    }
+
+    fn legend_line<'a>(&mut self, keys: impl Iterator<Item = &'a Key<'a>>, [mut x, y]: [f64; 2]) {
         for key in keys {
-            let y = 14.0;
             let label = match *key {
                 Key::Code(code) => {
                     self.sample(code_style(code), x, y);
@@ -235,8 +180,7 @@ impl Plot {
                 }
             };
             self.drawing.text("key", [x + 32.0, y + 4.0], Anchor::Start, label);
-            // There is no measuring of text here; 7.6 pixels a character is on the wide side.
-            x += 50.0 + 7.6 * label.chars().count() as f64;
+            x += key.width();
         }
     }
 
@@ -262,7 +206,7 @@ impl Plot {
 
     /// A few words in the upper or the lower left corner.
     pub(crate) fn remark(&mut self, upper: bool, text: &str) {
-        let y = if upper { TOP + 18.0 } else { HEIGHT - BOTTOM - 10.0 };
+        let y = if upper { self.top + 18.0 } else { self.bottom - 10.0 };
         self.drawing.text("tick", [LEFT + 9.0, y], Anchor::Start, text);
     }
 

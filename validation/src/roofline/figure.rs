@@ -4,22 +4,11 @@ use super::machine::Roofs;
 use super::point::{Kernel, Point};
 use super::study::Study;
 use super::terminal::{kernel, threads};
+use crate::report::figure::Figure;
 use crate::report::names::{CodeStyle, Marker};
 use crate::report::numbers::two_digits;
 use crate::report::plot::{Axis, Key, Plot};
 use crate::report::svg::Anchor;
-use serde::Serialize;
-
-/// A finished figure.
-#[derive(Serialize)]
-pub(super) struct Figure {
-    /// Name of its file, without the ending.
-    pub(super) name: String,
-    /// The drawing.
-    pub(super) svg: String,
-    /// What it shows.
-    pub(super) caption: String,
-}
 
 /// Range of the horizontal axis, operations a byte: sweeps lie between 0.5 and 0.7.
 const INTENSITIES: (f64, f64) = (0.05, 10.0);

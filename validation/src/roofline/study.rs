@@ -1,17 +1,18 @@
 //! A roofline as data, and its files.
 
-use super::figure::{Figure, figure};
+use super::figure::figure;
 use super::machine::Roofs;
 use super::point::Point;
 use super::terminal::{cells, threads};
 use crate::output::{create_folder, write_whole};
 use crate::report::ReportError;
+use crate::report::figure::Figure;
 use crate::report::numbers::two_digits;
-use crate::report::page::style;
+use crate::report::page::{environment, style};
 use crate::report::svg::standalone;
 use crate::scaling::csv;
 use makadam::sweep::Operations;
-use minijinja::{AutoEscape, Environment, context};
+use minijinja::context;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -87,10 +88,7 @@ impl Study {
     }
 
     fn render(&self, figures: &[Figure]) -> Result<String, minijinja::Error> {
-        let mut environment = Environment::new();
-        environment.set_trim_blocks(true);
-        environment.set_lstrip_blocks(true);
-        environment.set_auto_escape_callback(|_| AutoEscape::Html);
+        let mut environment = environment();
         environment.add_template("page", include_str!("page.html"))?;
         let roofs = self.roofs.iter().map(|roofs| {
             let levels =

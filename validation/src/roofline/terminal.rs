@@ -2,6 +2,7 @@
 
 use super::point::{Kernel, Point};
 use super::study::Study;
+use crate::report::columns;
 use crate::report::numbers::two_digits;
 
 /// Roofs, and the sweeps beneath them.
@@ -22,18 +23,8 @@ pub fn table(study: &Study) -> String {
     let heads = ["scene", "kernel", "lives in", "threads", "M/s", "ns", "flop", "byte", "Gflop/s", "GB/s", "of roof"];
     let mut rows = vec![heads.map(String::from)];
     rows.extend(study.points.iter().map(|point| cells(study, point)));
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: [usize; 11] = std::array::from_fn(width);
     text.push('\n');
-    for row in &rows {
-        let cells = row.iter().zip(widths).enumerate().map(|(column, (cell, width))| {
-            let gap = " ".repeat(width - cell.chars().count());
-            // Words to the left, numbers to the right.
-            if column < 3 { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
-        });
-        text += cells.collect::<Vec<_>>().join("  ").trim_end();
-        text.push('\n');
-    }
+    text += &columns(&rows, |column| column < 3);
     text + "\nM/s: million contact sweeps a second; flop and byte: of one contact sweep.\n"
 }
 

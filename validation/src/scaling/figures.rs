@@ -5,22 +5,11 @@ use super::findings::curve_rows;
 use super::machine::{MOST_WORKERS, Machine};
 use super::rows::MeasuredRow;
 use super::study::Study;
+use crate::report::figure::Figure;
 use crate::report::names::{CodeStyle, Marker};
 use crate::report::plot::{Axis, Key, Plot};
 use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
-use serde::Serialize;
-
-/// A finished figure.
-#[derive(Serialize)]
-pub(super) struct Figure {
-    /// Name of its file, without the ending.
-    pub(super) name: String,
-    /// The drawing.
-    pub(super) svg: String,
-    /// What it shows.
-    pub(super) caption: String,
-}
 
 /// One curve: a replayed line, and measured points where there are any.
 struct Series {

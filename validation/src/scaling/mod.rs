@@ -32,4 +32,4 @@ pub use rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 pub use study::{Setting, Study};
 pub use terminal::table;
 pub(crate) use write::csv;
-pub use write::{record_folder, write, write_tables};
+pub use write::{write, write_tables};

@@ -1,24 +1,21 @@
 //! The page of a study: figures, tables and what they say, in one file that loads nothing.
 
-use super::figures::Figure;
 use super::findings::{LINEAR_SHARE, time};
 use super::rows::{MeasuredRow, ReplayedRow, TaskRow};
 use super::study::Study;
+use crate::report::figure::Figure;
 use crate::report::numbers::{count, two_digits};
-use crate::report::page::style;
+use crate::report::page::{environment, style};
 use makadam::lanes::InstructionSet;
 use makadam::schedule::{Phase, Scheduler};
-use minijinja::{AutoEscape, Environment, Value, context};
+use minijinja::{Value, context};
 
 /// Numbers of workers that the table of replays shows; the figures and `replayed.csv` have them all.
 const SHOWN: [usize; 10] = [1, 2, 4, 8, 16, 25, 40, 57, 114, 228];
 
 /// Renders the page.
 pub(super) fn render(study: &Study, figures: &[[Figure; 2]]) -> Result<String, minijinja::Error> {
-    let mut environment = Environment::new();
-    environment.set_trim_blocks(true);
-    environment.set_lstrip_blocks(true);
-    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    let mut environment = environment();
     environment.add_template("page", include_str!("page.html"))?;
     environment.get_template("page")?.render(context! {
         title => format!("Scaling of the scene {}", study.scene),
@@ -40,7 +37,7 @@ pub(super) fn render(study: &Study, figures: &[[Figure; 2]]) -> Result<String, m
         machines => machines(study),
         tasks => study.tasks.iter().filter(|row| Some(row.instruction_set) == study.widest()).map(task).collect::<Vec<_>>(),
         widest => study.widest().map(InstructionSet::name),
-        provenance => provenance(study),
+        provenance => study.provenance.pairs(),
     })
 }
 
@@ -144,13 +141,4 @@ fn phase_name(phase: Phase) -> &'static str {
         Phase::Sweep => "sweep",
         Phase::Integrate => "integrate",
     }
-}
-
-fn provenance(study: &Study) -> Vec<(String, String)> {
-    let Ok(serde_json::Value::Object(fields)) = serde_json::to_value(&study.provenance) else { return Vec::new() };
-    let plain = |value: serde_json::Value| match value {
-        serde_json::Value::String(text) => text,
-        other => other.to_string(),
-    };
-    fields.into_iter().map(|(key, value)| (key.replace('_', " "), plain(value))).collect()
 }

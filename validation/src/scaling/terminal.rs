@@ -3,6 +3,7 @@
 use super::findings::time;
 use super::page::signed_percent;
 use super::study::Study;
+use crate::report::columns;
 use crate::report::numbers::two_digits;
 
 /// Measured configurations, each with what the replay says of it, and the sentences below.
@@ -30,18 +31,8 @@ pub fn table(study: &Study) -> String {
             check.map_or("-".into(), |check| signed_percent(check.deviation_percent)),
         ]);
     }
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: [usize; 10] = std::array::from_fn(width);
     let mut text = format!("{}: {} grains, {:.0} contacts\n\n", study.scene, study.particles, study.contacts);
-    for row in &rows {
-        let cells = row.iter().zip(widths).enumerate().map(|(column, (cell, width))| {
-            let gap = " ".repeat(width - cell.chars().count());
-            // Words to the left, numbers to the right.
-            if column < 2 { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
-        });
-        text += cells.collect::<Vec<_>>().join("  ").trim_end();
-        text.push('\n');
-    }
+    text += &columns(&rows, |column| column < 2);
     text.push('\n');
     for sentence in &study.findings {
         text += &format!("{sentence}\n");

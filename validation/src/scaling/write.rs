@@ -4,10 +4,8 @@ use super::figures::figures;
 use super::page;
 use super::study::Study;
 use crate::output::{create_folder, write_whole};
-use crate::prepared::file_stem;
 use crate::report::ReportError;
 use crate::report::svg::standalone;
-use makadam::lanes::InstructionSet;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -38,20 +36,6 @@ pub fn write_tables(study: &Study, folder: &Path) -> Result<(), ReportError> {
     put(&folder.join("checks.csv"), &csv(&study.checks)?)?;
     put(&folder.join("tasks.csv"), &csv(&study.tasks)?)?;
     put(&folder.join("provenance.json"), &serde_json::to_vec_pretty(&study.provenance)?)
-}
-
-/// Folder of a scene's recorded tables: `scaling` beside a `scene.toml`, `NAME-scaling` beside any other file, and in it
-/// a folder named after the processor and the widest instruction set.
-pub fn record_folder(study: &Study, scene_file: &Path) -> PathBuf {
-    let folder = match scene_file.file_stem().and_then(|stem| stem.to_str()) {
-        Some("scene") | None => scene_file.with_file_name("scaling"),
-        Some(stem) => scene_file.with_file_name(format!("{stem}-scaling")),
-    };
-    let processor = file_stem(&study.provenance.build.processor).to_ascii_lowercase();
-    // Brackets and trade marks leave rows of dashes.
-    let parts: Vec<&str> = processor.split('-').filter(|part| !part.is_empty()).collect();
-    let set = study.widest().map_or("", InstructionSet::name);
-    folder.join(format!("{}-{set}", parts.join("-")))
 }
 
 /// Rows of a table as CSV.

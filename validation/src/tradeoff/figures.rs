@@ -4,25 +4,14 @@ use super::rows::{Deviation, Point, Reference};
 use super::study::Study;
 use super::words::{modulus, titled};
 use crate::prepared::file_stem;
+use crate::report::figure::Figure;
 use crate::report::names::{CodeStyle, Marker, code_style, observable};
 use crate::report::numbers::compact;
 use crate::report::plot::{Axis, Key, Plot};
 use crate::report::svg::Anchor;
-use serde::Serialize;
 
 /// Observables that have a figure at the scene's stiffness; at others only bounded ones have.
 const SHOWN: usize = 4;
-
-/// A finished figure.
-#[derive(Serialize)]
-pub(super) struct Figure {
-    /// Name of its file, without the ending.
-    pub(super) name: String,
-    /// The drawing.
-    pub(super) svg: String,
-    /// What it shows.
-    pub(super) caption: String,
-}
 
 /// Figures of the scene's stiffness first, then the bounded observables at the others.
 pub(super) fn figures(study: &Study) -> Vec<Figure> {

@@ -1,21 +1,18 @@
 //! The page of a trade-off: figures, tables and what they say, in one file that loads nothing.
 
-use super::figures::Figure;
 use super::rows::{Fastest, Point, Reference};
 use super::study::Study;
 use super::terminal::{ordered, verdict};
 use super::words::{self, modulus, titled};
+use crate::report::figure::Figure;
 use crate::report::names::{code_style, observable};
 use crate::report::numbers::{count, duration, two_digits};
-use crate::report::page::style;
-use minijinja::{AutoEscape, Environment, Value, context};
+use crate::report::page::{environment, style};
+use minijinja::{Value, context};
 
 /// Renders the page.
 pub(super) fn render(study: &Study, figures: &[Figure]) -> Result<String, minijinja::Error> {
-    let mut environment = Environment::new();
-    environment.set_trim_blocks(true);
-    environment.set_lstrip_blocks(true);
-    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    let mut environment = environment();
     environment.add_template("page", include_str!("page.html"))?;
     let names = study.observables();
     let unit = |name: &str| study.references.iter().find(|row| row.observable == name).map_or("", |row| &row.unit);

@@ -3,6 +3,7 @@
 use super::rows::Point;
 use super::study::Study;
 use super::words::{self, modulus, titled};
+use crate::report::columns;
 use crate::report::numbers::two_digits;
 
 /// Columns of words; the others are numbers.
@@ -12,8 +13,6 @@ const WORDS: usize = 3;
 const SHOWN: usize = 2;
 
 /// Points by stiffness, code and wall time, and the sentences below.
-///
-/// Columns are padded by characters, so it wants a terminal that knows UTF-8.
 pub fn table(study: &Study) -> String {
     let names: Vec<&str> = study.observables().into_iter().take(SHOWN).collect();
     let unit = |name: &str| study.references.iter().find(|row| row.observable == name).map_or("", |row| &row.unit);
@@ -22,18 +21,9 @@ pub fn table(study: &Study) -> String {
     head.push("bounds".into());
     let mut rows = vec![head];
     rows.extend(ordered(study).into_iter().map(|point| cells(study, point, &names)));
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let last = rows[0].len() - 1;
     let mut text = format!("{}: {} grains, {} seeds\n\n", study.scene, study.particles, study.seeds);
-    for row in &rows {
-        let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
-            let gap = " ".repeat(width - cell.chars().count());
-            let words = column < WORDS || column + 1 == row.len();
-            if words { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
-        });
-        text += cells.collect::<Vec<_>>().join("  ").trim_end();
-        text.push('\n');
-    }
+    text += &columns(&rows, |column| column < WORDS || column == last);
     text += "\n* on the Pareto front of its code; ~ extrapolated; ± standard error over seeds\n\n";
     for sentence in study.findings.iter().chain(&study.notes) {
         text += &format!("{sentence}\n");

@@ -1,0 +1,21 @@
+//! How each method converges on the problem of one step: the thesis's figure 6.1, for every method and against wall time.
+//!
+//! ```text
+//! flowing state ─> the problem of its next step ─> method by method ─> residual after each iteration ─> study
+//!                                                                                                        │
+//!                                    terminal, page, figures, CSV <── findings, tolerances reached <─────┘
+//! ```
+//!
+//! Every method starts from the same state of the same problem, and one measure is taken of all of them: the natural map of
+//! [`makadam::methods`].
+
+mod figures;
+mod findings;
+mod page;
+mod study;
+mod terminal;
+mod write;
+
+pub use study::{Curve, Problem, Reached, Study, TOLERANCES};
+pub use terminal::table;
+pub use write::{write, write_tables};

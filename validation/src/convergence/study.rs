@@ -1,0 +1,177 @@
+//! A study of convergence as data.
+
+use super::findings::findings;
+use crate::output::JSON_VERSION;
+use crate::provenance::Provenance;
+use crate::scaling::median;
+use makadam::scene::{Scene, SolverMethod};
+use makadam::sweep::{Residual, Residuals};
+use makadam::{ConvergencePoint, Simulation};
+use serde::{Serialize, Serializer};
+
+/// Residuals that a method is timed to, in the study's unit.
+pub const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6];
+
+/// What `makadam convergence --json` prints and `convergence.json` holds; its documentation is `validation/docs/json.md`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Study {
+    /// [`JSON_VERSION`].
+    pub version: u32,
+    /// Always "convergence".
+    pub command: String,
+    /// The problem that was solved.
+    #[serde(flatten)]
+    pub problem: Problem,
+    /// Iterations of each method.
+    pub iterations: u32,
+    /// How often each method solved the problem; each iteration counts with its shortest time.
+    pub repetitions: u32,
+    /// Residuals that methods were timed to, in units of `residual_unit`.
+    pub tolerances: Vec<f64>,
+    /// One a method.
+    pub methods: Vec<Curve>,
+    /// What was found, in sentences.
+    pub findings: Vec<String>,
+    /// Where it came from.
+    pub provenance: Provenance,
+}
+
+/// The problem of one step.
+#[derive(Clone, Debug, Serialize)]
+pub struct Problem {
+    /// Name of the scene.
+    pub scene: String,
+    /// Simulated time of the state whose next step it is, s.
+    pub start_seconds: f64,
+    /// Time step, s.
+    pub time_step: f64,
+    /// Number of grains.
+    pub particles: usize,
+    /// Number of contacts.
+    pub contacts: usize,
+    /// Velocity that residuals are given in, m/s.
+    pub residual_unit: f64,
+    /// What that velocity is: "g h", or "m/s" where there is no gravity.
+    pub residual_unit_name: String,
+}
+
+impl Problem {
+    /// The problem of a simulation's next step; the simulation stays as it is.
+    pub fn next(scene: &Scene, simulation: &Simulation) -> Problem {
+        let unit = simulation.residual_unit();
+        let mut copy = simulation.clone();
+        Problem {
+            scene: scene.name.clone(),
+            start_seconds: simulation.time(),
+            time_step: simulation.time_step(),
+            particles: simulation.snapshot().particles.len(),
+            contacts: copy.step().contacts,
+            residual_unit: unit,
+            residual_unit_name: if scene.gravity == [0.0; 3] { "m/s" } else { "g h" }.into(),
+        }
+    }
+}
+
+/// How a method converged. Residuals are in the study's unit.
+#[derive(Clone, Debug, Serialize)]
+pub struct Curve {
+    /// The method.
+    #[serde(serialize_with = "name")]
+    pub method: SolverMethod,
+    /// Its parameters, as a scene says them.
+    pub parameters: SolverMethod,
+    /// Wall time of an iteration, median, s.
+    pub seconds_per_iteration: f64,
+    /// When it reached each tolerance.
+    pub reached: Vec<Reached>,
+    /// The state that the solve started from, and that after each iteration.
+    pub points: Vec<ConvergencePoint>,
+}
+
+/// When a root mean square residual over the three directions was first at or below a tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Reached {
+    /// The tolerance, in the study's unit.
+    pub tolerance: f64,
+    /// Iterations until then; absent if it was not reached.
+    pub iterations: Option<u32>,
+    /// Wall time until then, s; absent if it was not reached.
+    pub seconds: Option<f64>,
+}
+
+impl Curve {
+    /// Makes a curve of a method's solves of one problem, at least one, with residuals in m/s. Solves differ in their times
+    /// alone; an iteration's is the shortest that it took in any of them, since all that interferes makes it longer.
+    pub fn new(method: SolverMethod, mut solves: Vec<Vec<ConvergencePoint>>, unit: f64) -> Curve {
+        let fastest = fastest(&solves);
+        let points: Vec<ConvergencePoint> = (solves.swap_remove(0).into_iter().zip(fastest))
+            .map(|(point, seconds)| ConvergencePoint { seconds, residuals: over(&point.residuals, unit), ..point })
+            .collect();
+        let reached = TOLERANCES.map(|tolerance| {
+            let first = points.iter().find(|point| point.residuals.rms() <= tolerance);
+            Reached {
+                tolerance,
+                iterations: first.map(|point| point.iterations),
+                seconds: first.map(|point| point.seconds),
+            }
+        });
+        Curve {
+            method,
+            parameters: method,
+            seconds_per_iteration: median(points.windows(2).map(|two| two[1].seconds - two[0].seconds)),
+            reached: reached.into(),
+            points,
+        }
+    }
+}
+
+impl Study {
+    /// Makes a study of curves of so many iterations, repeated so many times.
+    pub fn new(
+        problem: Problem,
+        [iterations, repetitions]: [u32; 2],
+        methods: Vec<Curve>,
+        provenance: Provenance,
+    ) -> Study {
+        let mut study = Study {
+            version: JSON_VERSION,
+            command: "convergence".into(),
+            problem,
+            iterations,
+            repetitions,
+            tolerances: TOLERANCES.into(),
+            methods,
+            findings: Vec::new(),
+            provenance,
+        };
+        study.findings = findings(&study);
+        study
+    }
+}
+
+/// Wall time until each point if every iteration takes the shortest time that it took in any solve, s.
+fn fastest(solves: &[Vec<ConvergencePoint>]) -> Vec<f64> {
+    let count = solves.iter().map(Vec::len).min().unwrap_or(0);
+    let mut total = 0.0;
+    let times = (0..count).map(|place| {
+        let before = |points: &[ConvergencePoint]| if place > 0 { points[place - 1].seconds } else { 0.0 };
+        let own = solves.iter().map(|points| points[place].seconds - before(points));
+        total += own.fold(f64::INFINITY, f64::min);
+        total
+    });
+    times.collect()
+}
+
+/// Residuals over a unit.
+fn over(residuals: &Residuals, unit: f64) -> Residuals {
+    let one = |residual: Residual| Residual { rms: residual.rms / unit, max: residual.max / unit };
+    Residuals {
+        normal: one(residuals.normal),
+        tangential_u: one(residuals.tangential_u),
+        tangential_v: one(residuals.tangential_v),
+    }
+}
+
+fn name<S: Serializer>(method: &SolverMethod, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(method.name())
+}

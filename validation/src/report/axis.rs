@@ -1,0 +1,104 @@
+//! An axis of a plot: where values lie on it, and which are marked.
+
+use super::numbers::{compact, round_ticks, superscript};
+
+/// One axis.
+pub(crate) struct Axis {
+    /// What it shows, with its unit.
+    pub(super) label: String,
+    /// Lower end.
+    pub(crate) low: f64,
+    /// Upper end.
+    pub(crate) high: f64,
+    /// How values are spread over it.
+    scale: Scale,
+}
+
+/// How values are spread over an axis, and which of them are marked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scale {
+    /// Evenly.
+    Linear,
+    /// By their logarithm; powers of ten are marked.
+    Decades,
+    /// By their logarithm; 1, 2 and 5 of every power of ten are marked.
+    FineDecades,
+    /// By their logarithm; powers of two are marked.
+    Doublings,
+}
+
+impl Axis {
+    /// A linear axis.
+    pub(crate) fn linear(label: &str, low: f64, high: f64) -> Axis {
+        // An axis of no length would divide by zero.
+        let high = if high > low { high } else { low + 1.0 };
+        Axis { label: label.into(), low, high, scale: Scale::Linear }
+    }
+
+    /// A logarithmic axis; its ends are moved out to powers of ten.
+    pub(crate) fn logarithmic(label: &str, low: f64, high: f64) -> Axis {
+        let low = 10f64.powf((low.log10() + 1e-9).floor());
+        let high = 10f64.powf((high.log10() - 1e-9).ceil()).max(10.0 * low);
+        Axis { label: label.into(), low, high, scale: Scale::Decades }
+    }
+
+    /// A logarithmic axis that is marked in steps of 1, 2, 5; its ends are moved out to marks.
+    pub(crate) fn fine(label: &str, low: f64, high: f64) -> Axis {
+        let mark = |value: f64, up: bool| {
+            let power = 10f64.powf((value.log10() + 1e-9).floor());
+            let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
+            let found = match up {
+                true => steps.into_iter().find(|&step| step >= value * (1.0 - 1e-9)),
+                false => steps.into_iter().rev().find(|&step| step <= value * (1.0 + 1e-9)),
+            };
+            found.unwrap_or(value)
+        };
+        let (low, high) = (mark(low, false), mark(high, true));
+        Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::FineDecades }
+    }
+
+    /// A logarithmic axis that is marked at powers of two.
+    pub(crate) fn doublings(label: &str, low: f64, high: f64) -> Axis {
+        Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::Doublings }
+    }
+
+    /// Where a value lies, 0 at the lower end and 1 at the upper.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        if self.scale != Scale::Linear {
+            (value / self.low).ln() / (self.high / self.low).ln()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        }
+    }
+
+    /// Values that are marked, with their labels; on a linear axis about so many.
+    pub(super) fn ticks(&self, count: usize) -> Vec<(f64, String)> {
+        let within = |value: &f64| (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(value);
+        let decades = (self.low.log10() - 1e-9).floor() as i32..=(self.high.log10() + 1e-9).ceil() as i32;
+        match self.scale {
+            Scale::Decades => {
+                return decades.map(|k| (10f64.powi(k), power_of_ten(k))).filter(|t| within(&t.0)).collect();
+            }
+            Scale::FineDecades => {
+                let marks = decades.flat_map(|k| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(k)));
+                return marks.filter(within).map(|mark| (mark, compact(mark))).collect();
+            }
+            Scale::Doublings => {
+                let marks = (self.low.log2().floor() as i32..=self.high.log2().ceil() as i32).map(|k| 2f64.powi(k));
+                return marks.filter(within).map(|mark| (mark, format!("{mark}"))).collect();
+            }
+            Scale::Linear => {}
+        }
+        let (ticks, digits) = round_ticks(self.low, self.high, count);
+        ticks.into_iter().map(|t| (t, format!("{t:.digits$}").replace('-', "−"))).collect()
+    }
+}
+
+fn power_of_ten(exponent: i32) -> String {
+    match exponent {
+        0 => "1".into(),
+        1 => "10".into(),
+        2 => "100".into(),
+        k => format!("10{}", superscript(k)),
+    }
+}

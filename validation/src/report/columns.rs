@@ -1,0 +1,19 @@
+//! Rows as columns of plain text.
+
+/// Rows of equal length as lines, cells padded to the width of their column: words to the left, numbers to the right. Widths
+/// are counted in characters, so it wants a terminal that knows UTF-8.
+pub(crate) fn columns<R: AsRef<[String]>>(rows: &[R], is_words: impl Fn(usize) -> bool) -> String {
+    let length = rows.first().map_or(0, |row| row.as_ref().len());
+    let width = |column: usize| rows.iter().map(|row| row.as_ref()[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..length).map(width).collect();
+    let mut text = String::new();
+    for row in rows {
+        let cells = row.as_ref().iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
+            let gap = " ".repeat(width - cell.chars().count());
+            if is_words(column) { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
+        });
+        text += cells.collect::<Vec<_>>().join("  ").trim_end();
+        text.push('\n');
+    }
+    text
+}
