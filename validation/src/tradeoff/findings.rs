@@ -1,6 +1,6 @@
 //! What a trade-off found, in sentences: every number is computed from its rows.
 
-use super::rows::{Fastest, Reference};
+use super::rows::{Fastest, Point, Reference};
 use super::study::Study;
 use super::words::{self, modulus};
 use crate::report::names::observable;
@@ -26,12 +26,31 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences
 }
 
+/// Whether a point is one of those that a row chose from.
+fn is_of(point: &Point, row: &Fastest) -> bool {
+    point.code == row.code && point.stiffness_factor == row.stiffness_factor
+}
+
 fn fastest(study: &Study, row: &Fastest) -> String {
     let bounds = study.bounds.iter().map(words::bound).collect::<Vec<_>>().join(" and ");
     let stiffness = modulus(row.youngs_modulus);
     let Some((setting, wall)) = row.setting.as_ref().zip(row.wall_seconds_per_simulated_second) else {
-        return format!("At {stiffness} no measured setting of {} keeps the {bounds}.", row.code);
+        let mut own = study.points.iter().filter(|point| is_of(point, row));
+        return match own.any(|point| !point.extrapolated) {
+            true => format!("At {stiffness} no setting of {} that ran to its end keeps the {bounds}.", row.code),
+            false => format!(
+                "At {stiffness} every run of {} was cut short, so there is no error: raise --time-limit for one.",
+                row.code
+            ),
+        };
     };
+    if study.points.iter().any(|point| is_of(point, row) && point.reference && point.setting == *setting) {
+        return format!(
+            "At {stiffness} no setting of {} keeps the {bounds} but the reference itself, {setting}: {} s a simulated second.",
+            row.code,
+            two_digits(wall)
+        );
+    }
     let interval = match row.intervals_within_bounds {
         Some(true) => "; the 90% interval lies within too",
         Some(false) => "; the 90% interval reaches beyond, more seeds would tell",
