@@ -40,8 +40,10 @@ pub struct Accuracy {
 const PACKING_FRACTION_SLOPE: f64 = 0.0017;
 /// Deviation of a drum's angle of repose where x = 1, degrees: no larger than this.
 const ANGLE_SLOPE: f64 = 0.3;
-/// Residual that leaves angles and packing fractions alone, in units of g h.
-const RESIDUAL: f64 = 0.02;
+/// Residual that leaves packing fractions alone, in units of g h.
+const PACKING_FRACTION_RESIDUAL: f64 = 0.02;
+/// The same for angles of repose: a flowing bed forgives more, and takes twice the sweeps for the smaller one.
+const ANGLE_RESIDUAL: f64 = 0.1;
 /// Smallest and largest x of those measurements; the law is not carried beyond them.
 const MEASURED: [f64; 2] = [0.4, 8.0];
 /// Most sweeps of a solve.
@@ -79,7 +81,8 @@ impl Accuracy {
         // A grain that still moves with the residual sinks by h times it; the error adds up over the layers of the bed.
         let layers = (bed.depth / (2.0 * bed.radius)).max(1.0);
         let sinking = bed.gravity.max(1e-300) * step * step * layers / bed.radius;
-        let tolerance = RESIDUAL.min(overlap / sinking).max(1e-9);
+        let residual = if packing_fraction.is_finite() { PACKING_FRACTION_RESIDUAL } else { ANGLE_RESIDUAL };
+        let tolerance = residual.min(overlap / sinking).max(1e-9);
         (step, Stop::Residual { tolerance, max_sweeps: MOST_SWEEPS })
     }
 }
