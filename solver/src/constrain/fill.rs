@@ -3,7 +3,7 @@
 use super::{Given, LaneMaterial, write_contacts};
 use crate::detect::Impulse;
 use crate::effects::compliance::NormalContact;
-use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch, times};
+use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch_places, times};
 use crate::partition::TaskGroups;
 use crate::schedule::Disjoint;
 
@@ -28,9 +28,8 @@ impl Kernel for FillPairs<'_> {
         let groups = &mut self.groups.pairs;
         for (number, sources) in self.groups.pair_sources.iter().enumerate() {
             if let Some(ahead) = groups.get(number + PREFETCH) {
-                for &place in ahead.first.iter().chain(&ahead.second) {
-                    prefetch(before.wrapping_add(place as usize).cast());
-                }
+                prefetch_places(before, &ahead.first);
+                prefetch_places(before, &ahead.second);
             }
             let group = &mut groups[number];
             // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.

@@ -244,6 +244,24 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
 // Whoever builds for a newer processor than the Xeon Phi gets its instructions.
 #[cfg(all(test, target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
 pub(crate) mod disassembly;
+
+/// Asks for the records at so many places, each no longer than a cache line.
+#[inline(always)]
+pub(crate) fn prefetch_places<T>(records: *const T, places: &[u32]) {
+    for &place in places {
+        prefetch(records.wrapping_add(place as usize).cast());
+    }
+}
+
+/// Asks for every line of a record that begins with one.
+#[inline(always)]
+pub(crate) fn prefetch_lines<T>(record: *const T) {
+    let lines: *const Eight = record.cast();
+    for line in 0..size_of::<T>() / size_of::<Eight>() {
+        prefetch(lines.wrapping_add(line).cast());
+    }
+}
+
 /// Asks for the cache line at an address, which need not be one of this program's.
 #[inline(always)]
 pub(crate) fn prefetch(address: *const i8) {

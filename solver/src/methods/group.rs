@@ -1,7 +1,7 @@
 //! Kernels over the contacts of a task: pairs and walls alike, written once.
 
 use crate::effects::friction::disc_shrinkage;
-use crate::lanes::{Eight, Kernel, LANES, Lanes, PREFETCH, cross, dot, minus, prefetch, times};
+use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, cross, dot, minus, prefetch_places, times};
 use crate::partition::{ContactLanes, PairGroup, TaskGroups, WallGroup};
 use crate::sweep::kernel::{Bodies, Contact};
 use crate::world::Body;
@@ -72,10 +72,8 @@ impl Group for PairGroup {
 
     #[inline(always)]
     fn fetch(&self, bodies: *const Body) {
-        for lane in 0..LANES {
-            prefetch(bodies.wrapping_add(self.first[lane] as usize).cast());
-            prefetch(bodies.wrapping_add(self.second[lane] as usize).cast());
-        }
+        prefetch_places(bodies, &self.first);
+        prefetch_places(bodies, &self.second);
     }
 
     #[inline(always)]
@@ -120,9 +118,7 @@ impl Group for WallGroup {
 
     #[inline(always)]
     fn fetch(&self, bodies: *const Body) {
-        for lane in 0..LANES {
-            prefetch(bodies.wrapping_add(self.body[lane] as usize).cast());
-        }
+        prefetch_places(bodies, &self.body);
     }
 
     #[inline(always)]

@@ -21,7 +21,7 @@ pub use boxes::{BoxGrid, STAGES};
 pub use groups::{ContactLanes, PairGroup, Sources, WallGroup};
 pub(crate) use packing::{Packer, Taken};
 pub use plan::{Plan, PlannedTask};
-pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
+pub(crate) use single::{SingleBody, SingleCopy, SingleGroups};
 
 /// Lane groups of one task; what sweeps read and write besides bodies.
 #[derive(Clone, Debug, Default)]

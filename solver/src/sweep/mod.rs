@@ -11,8 +11,8 @@ pub(crate) use residual::{LaneResidual, TaskResidual};
 pub use residual::{Residual, Residuals};
 
 use crate::detect::Impulse;
-use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, PREFETCH, Quad, prefetch};
-use crate::partition::{PairGroup, TaskGroups};
+use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, prefetch_lines, prefetch_places};
+use crate::partition::TaskGroups;
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact};
@@ -128,10 +128,10 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, M
         for number in 0..pairs.len() {
             if self.prefetch > 0 {
                 // The group itself is fetched before the bodies that it names.
-                prefetch_group(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch));
+                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch));
                 if let Some(ahead) = pairs.get(number + self.prefetch) {
-                    prefetch_bodies(self.bodies, &ahead.first);
-                    prefetch_bodies(self.bodies, &ahead.second);
+                    prefetch_places(self.bodies, &ahead.first);
+                    prefetch_places(self.bodies, &ahead.second);
                 }
             }
             let group = &mut pairs[number];
@@ -163,23 +163,6 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, M
     }
 }
 
-/// Asks for the lines of eight bodies.
-#[inline(always)]
-fn prefetch_bodies(bodies: *const Body, places: &[u32; LANES]) {
-    for &place in places {
-        prefetch(bodies.wrapping_add(place as usize).cast());
-    }
-}
-
-/// Asks for the lines of a lane group.
-#[inline(always)]
-fn prefetch_group(group: *const PairGroup) {
-    let lines: *const Eight = group.cast();
-    for line in 0..size_of::<PairGroup>() / size_of::<Eight>() {
-        prefetch(lines.wrapping_add(line).cast());
-    }
-}
-
 impl<const FRICTION: bool> Kernel for Start<'_, FRICTION> {
     type Output = ();
 
@@ -187,8 +170,8 @@ impl<const FRICTION: bool> Kernel for Start<'_, FRICTION> {
     fn run<L: Lanes>(self) {
         for (number, group) in self.groups.pairs.iter().enumerate() {
             if let Some(ahead) = self.groups.pairs.get(number + PREFETCH) {
-                prefetch_bodies(self.bodies, &ahead.first);
-                prefetch_bodies(self.bodies, &ahead.second);
+                prefetch_places(self.bodies, &ahead.first);
+                prefetch_places(self.bodies, &ahead.second);
             }
             // SAFETY: the promise of `Relaxation::start`; the sixteen bodies of a group are different ones.
             unsafe {

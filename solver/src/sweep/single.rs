@@ -3,8 +3,8 @@
 use super::Relaxation;
 use super::kernel::{Bodies, Contact};
 use super::residual::{LaneResidual, TaskResidual};
-use crate::lanes::{Kernel, Lanes, SINGLE_LANES, SingleLanes, Sixteen, prefetch};
-use crate::partition::{SingleBody, SingleGroups, SinglePairGroup};
+use crate::lanes::{Kernel, Lanes, Number, SingleLanes, prefetch_lines, prefetch_places};
+use crate::partition::{SingleBody, SingleGroups};
 
 /// One sweep over a task.
 pub(super) struct SingleSweep<'a, const FRICTION: bool, const MEASURE: bool> {
@@ -53,16 +53,16 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for SingleSweep<'_, FRICT
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let factor = <L::Single as crate::lanes::Number>::splat(self.factor);
+        let factor = <L::Single as Number>::splat(self.factor);
         let mut residual = LaneResidual::<L::Single>::zero();
         let pairs = &mut self.groups.pairs;
         for number in 0..pairs.len() {
             if self.prefetch > 0 {
                 // The group itself is fetched before the bodies that it names.
-                prefetch_group(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch));
+                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch));
                 if let Some(ahead) = pairs.get(number + self.prefetch) {
-                    prefetch_bodies(self.bodies, &ahead.first);
-                    prefetch_bodies(self.bodies, &ahead.second);
+                    prefetch_places(self.bodies, &ahead.first);
+                    prefetch_places(self.bodies, &ahead.second);
                 }
             }
             let group = &mut pairs[number];
@@ -91,22 +91,5 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for SingleSweep<'_, FRICT
         if MEASURE {
             residual.add_to(self.residual);
         }
-    }
-}
-
-/// Asks for the lines of sixteen bodies.
-#[inline(always)]
-fn prefetch_bodies(bodies: *const SingleBody, places: &[u32; SINGLE_LANES]) {
-    for &place in places {
-        prefetch(bodies.wrapping_add(place as usize).cast());
-    }
-}
-
-/// Asks for the lines of a lane group.
-#[inline(always)]
-fn prefetch_group(group: *const SinglePairGroup) {
-    let lines: *const Sixteen = group.cast();
-    for line in 0..size_of::<SinglePairGroup>() / size_of::<Sixteen>() {
-        prefetch(lines.wrapping_add(line).cast());
     }
 }

@@ -10,7 +10,7 @@ use minijinja::{Value, context};
 
 /// Renders the page.
 pub(super) fn render(study: &Study, figures: &[Figure]) -> Result<String, minijinja::Error> {
-    let mut environment = environment();
+    let mut environment = environment()?;
     environment.add_template("page", include_str!("page.html"))?;
     let problem = &study.problem;
     environment.get_template("page")?.render(context! {

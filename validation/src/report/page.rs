@@ -10,18 +10,21 @@ pub(crate) fn style() -> &'static str {
     concat!(include_str!("figure.css"), include_str!("page.css"))
 }
 
-/// Templates whose every value is escaped.
-pub(crate) fn environment() -> Environment<'static> {
+/// Templates whose every value is escaped, with the parts that all pages share: "head" takes `title` and `style`,
+/// "provenance" takes pairs.
+pub(crate) fn environment() -> Result<Environment<'static>, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_trim_blocks(true);
     environment.set_lstrip_blocks(true);
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    environment
+    environment.add_template("head", include_str!("head.html"))?;
+    environment.add_template("provenance", include_str!("provenance.html"))?;
+    Ok(environment)
 }
 
 /// Renders the page.
 pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja::Error> {
-    let mut environment = environment();
+    let mut environment = environment()?;
     environment.add_template("page", include_str!("page.html"))?;
     environment.add_template("results", include_str!("results.html"))?;
     environment.add_template("scene", include_str!("scene.html"))?;

@@ -88,7 +88,7 @@ impl Study {
     }
 
     fn render(&self, figures: &[Figure]) -> Result<String, minijinja::Error> {
-        let mut environment = environment();
+        let mut environment = environment()?;
         environment.add_template("page", include_str!("page.html"))?;
         let roofs = self.roofs.iter().map(|roofs| {
             let levels =

@@ -15,7 +15,7 @@ const SHOWN: [usize; 10] = [1, 2, 4, 8, 16, 25, 40, 57, 114, 228];
 
 /// Renders the page.
 pub(super) fn render(study: &Study, figures: &[[Figure; 2]]) -> Result<String, minijinja::Error> {
-    let mut environment = environment();
+    let mut environment = environment()?;
     environment.add_template("page", include_str!("page.html"))?;
     environment.get_template("page")?.render(context! {
         title => format!("Scaling of the scene {}", study.scene),

@@ -12,7 +12,7 @@ use minijinja::{Value, context};
 
 /// Renders the page.
 pub(super) fn render(study: &Study, figures: &[Figure]) -> Result<String, minijinja::Error> {
-    let mut environment = environment();
+    let mut environment = environment()?;
     environment.add_template("page", include_str!("page.html"))?;
     let names = study.observables();
     let unit = |name: &str| study.references.iter().find(|row| row.observable == name).map_or("", |row| &row.unit);
