@@ -1,7 +1,7 @@
 //! Fronts, orders of convergence and plans, against what can be worked out by hand.
 
 use approx::assert_relative_eq;
-use makadam::scene::{Scene, Stop};
+use makadam::scene::{Scene, SolverSettings, Stop};
 use makadam_validation::tradeoff::{Convergence, Knobs, Plan, pareto_front};
 use std::path::Path;
 
@@ -93,12 +93,19 @@ fn one_setting_is_varied_at_a_time() {
     let mut varied = 0;
     for configuration in &plan.configurations {
         let Knobs::Solver { settings, variation } = &configuration.knobs else { panic!("only Makadam was asked for") };
-        assert!(matches!(settings.stop, Stop::Sweeps { .. }));
-        if variation.is_some() {
-            varied += 1;
-            assert_ne!(*settings, scene.solver);
-            assert_eq!((settings.step, settings.stop), (scene.solver.step, scene.solver.stop));
+        let Some(variation) = variation else {
+            assert!(matches!(settings.stop, Stop::Sweeps { .. }));
+            continue;
+        };
+        varied += 1;
+        assert_ne!(*settings, scene.solver);
+        assert_eq!(settings.step, scene.solver.step);
+        if variation.starts_with("residual") {
+            assert!(matches!(settings.stop, Stop::Residual { .. }));
+            assert_eq!(SolverSettings { stop: scene.solver.stop, ..settings.clone() }, scene.solver);
+        } else {
+            assert_eq!(settings.stop, scene.solver.stop);
         }
     }
-    assert!(varied >= 4, "warm start, over-relaxation, inner sweeps");
+    assert!(varied >= 10, "warm start, over-relaxation, inner sweeps, residuals, precision, methods: {varied}");
 }

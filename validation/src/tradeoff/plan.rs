@@ -34,9 +34,9 @@ const VARIATIONS: [Variation; 13] = [
     Variation { name: "Jacobi", change: |settings| settings.method = SolverMethod::Jacobi { damping: 0.3 } },
 ];
 
-/// Sweeps until the residual is so small, in units of g h.
+/// Sweeps until the residual is so small, in units of g h, but no more than the reference takes.
 fn down_to(tolerance: f64) -> Stop {
-    Stop::Residual { tolerance, max_sweeps: 400 }
+    Stop::Residual { tolerance, max_sweeps: FULL.most_sweeps }
 }
 
 /// How much is run. Steps are over the scene's own step.
