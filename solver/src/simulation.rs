@@ -78,9 +78,9 @@ impl Simulation {
                 prefetch: PREFETCH,
             },
             candidates: Candidates::new(&boxes, world.grains(), largest, skin),
+            constrainer: Constrainer::new(&world, &scene.solver),
             world,
             settings: scene.solver.clone(),
-            constrainer: Constrainer::default(),
             layout: Layout::new(boxes.tasks()),
             solver: Solver::new(scene.solver.method),
             team: Team::default(),
@@ -163,10 +163,10 @@ impl Simulation {
     }
 
     pub(crate) fn constrain(&mut self, team: &Team) {
-        let Simulation { world, settings, candidates, relaxation, constrainer, layout, .. } = self;
+        let Simulation { world, candidates, relaxation, constrainer, layout, .. } = self;
         let mut bodies = std::mem::take(&mut world.bodies);
         let parts = Disjoint::new(&mut bodies);
-        constrainer.constrain(world, candidates, settings, relaxation.instruction_set, team, layout, |groups| {
+        constrainer.constrain(world, candidates, relaxation.instruction_set, team, layout, |groups| {
             // SAFETY: no other task uses the bodies of these groups meanwhile.
             unsafe { relaxation.start(parts.as_ptr(), groups) };
         });

@@ -50,6 +50,34 @@ fn a_ball_on_an_incline_slides_or_rolls() {
 }
 
 #[test]
+fn a_grain_that_hovers_is_stopped_at_touch_where_it_is_stiff() {
+    const STEP: f64 = 1e-3;
+    let fall = 0.5 * GRAVITY * STEP * STEP;
+    let after_a_step = |youngs_modulus: f64, gap: f64| {
+        let setup = Setup {
+            youngs_modulus,
+            solver: format!("step = {STEP}\nover_relaxation = 1.0\nstop = {{ kind = 'sweeps', sweeps = 50 }}"),
+            body: format!("{FLOOR}{}", grain(RADIUS, [0.0, 0.0, RADIUS + gap], [0.01, 0.0, 0.0])),
+            ..Setup::default()
+        };
+        let mut simulation = setup.start();
+        simulation.step();
+        simulation.snapshot().particles[0]
+    };
+    // A stiff one touches the ground at the end of the step, as far as its compliance lets it, and rubs already.
+    let stiff = after_a_step(1e12, 0.5 * fall);
+    assert_relative_eq!(stiff.position[2], RADIUS, epsilon = 1e-2 * fall);
+    let impulse = GRAVITY * STEP - 0.5 * fall / STEP;
+    assert_relative_eq!(stiff.velocity[0], 0.01 - 0.5 * impulse.min(0.01 * 2.0 / 3.5), max_relative = 1e-2);
+    // Out of reach, or soft enough for the step to follow its impact, it falls.
+    for (youngs_modulus, gap) in [(1e12, 7.0 * fall), (1e5, 0.5 * fall)] {
+        let falling = after_a_step(youngs_modulus, gap);
+        assert_relative_eq!(falling.velocity[2], -GRAVITY * STEP, max_relative = 1e-12);
+        assert_relative_eq!(falling.velocity[0], 0.01, max_relative = 1e-12);
+    }
+}
+
+#[test]
 fn a_hertzian_grain_rests_at_its_static_overlap() {
     let setup = Setup {
         solver: CONVERGED_HERTZ.into(),

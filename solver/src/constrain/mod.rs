@@ -7,32 +7,31 @@ mod fill;
 mod touch;
 
 use crate::detect::{Candidates, Impulse};
-use crate::effects::compliance::NormalContact;
+use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::restitution::{bears, with_restitution};
 use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number};
 use crate::partition::{Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups};
-use crate::scene::{NormalLaw, SolverSettings};
+use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{ContactMaterial, Pose, World};
 use fill::{FillPairs, FillWalls};
 use touch::PackPairs;
 
 /// Turns candidates into lane groups; keeps its buffers from step to step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Constrainer {
+    constants: StepConstants,
     taken: Vec<Taken>,
     poses: Vec<Pose>,
     steps: u64,
 }
 
-/// What all contacts of a step share.
+/// What all contacts share.
+#[derive(Clone, Copy, Debug)]
 struct StepConstants {
-    law: NormalLaw,
-    h: f64,
-    damping_steps: f64,
-    threshold: f64,
+    scheme: NormalScheme,
     warm_start: f64,
-    /// Gap up to which a contact may still matter in this step, m; zero but for rigid contacts.
+    /// Gap up to which a contact may still matter in a step, m.
     reach: f64,
 }
 
@@ -47,31 +46,31 @@ struct Given<'a> {
 }
 
 impl Constrainer {
+    /// A constrainer for the contacts that a world can have.
+    pub(crate) fn new(world: &World, settings: &SolverSettings) -> Constrainer {
+        let scheme = NormalScheme {
+            law: settings.normal_law,
+            step: settings.step,
+            damping_steps: settings.damping_steps,
+            restitution_threshold: settings.restitution_threshold,
+            gravity: world.gravity.norm(),
+        };
+        let reach = scheme.reach(&world.stiffest_contact());
+        let constants = StepConstants { scheme, warm_start: settings.warm_start, reach };
+        Constrainer { constants, taken: Vec::new(), poses: Vec::new(), steps: 0 }
+    }
+
     /// Lays out the contacts of a step from the state at its start; `then` is called with the groups of each task as soon
     /// as they are complete, while no other task uses its bodies.
-    #[allow(clippy::too_many_arguments)]
     pub(crate) fn constrain(
         &mut self,
         world: &World,
         candidates: &mut Candidates,
-        settings: &SolverSettings,
         set: InstructionSet,
         team: &Team,
         layout: &mut Layout,
         then: impl Fn(&TaskGroups) + Sync,
     ) {
-        let h = settings.step;
-        let constants = StepConstants {
-            law: settings.normal_law,
-            h,
-            damping_steps: settings.damping_steps,
-            threshold: settings.restitution_threshold,
-            warm_start: settings.warm_start,
-            reach: match settings.normal_law {
-                NormalLaw::Rigid => (settings.restitution_threshold + world.gravity.norm() * h) * h,
-                _ => 0.0,
-            },
-        };
         self.poses.clear();
         self.poses.extend(world.surfaces.iter().map(|surface| surface.at(world.time)));
         self.taken.resize(world.grains(), Taken::default());
@@ -80,8 +79,13 @@ impl Constrainer {
         let mut pair_impulses = std::mem::take(&mut candidates.pair_impulses);
         let mut wall_impulses = std::mem::take(&mut candidates.wall_impulses);
         {
-            let given =
-                Given { world, candidates, poses: &self.poses, constants, material: world.table.of_all_grains() };
+            let given = Given {
+                world,
+                candidates,
+                poses: &self.poses,
+                constants: self.constants,
+                material: world.table.of_all_grains(),
+            };
             let (taken, groups) = (Disjoint::new(&mut self.taken), Disjoint::new(&mut layout.groups));
             let (pair_impulses, wall_impulses) = (Disjoint::new(&mut pair_impulses), Disjoint::new(&mut wall_impulses));
             for stage in 0..STAGES {
@@ -184,16 +188,9 @@ fn write_contacts<L: Lanes>(
     remembered: [L; 4],
     constants: &StepConstants,
 ) {
-    let constraint = geometry.constraint(constants.law, constants.h, constants.damping_steps);
-    let constraint = with_restitution(
-        constraint,
-        constants.law,
-        geometry.overlap,
-        geometry.velocity,
-        material.restitution,
-        constants.threshold,
-        constants.h,
-    );
+    let NormalContact { overlap, velocity, .. } = geometry;
+    let scheme = &constants.scheme;
+    let constraint = with_restitution(geometry.constraint(scheme), scheme, overlap, velocity, material.restitution);
     let bears = bears(&constraint);
     let share = L::select(bears, L::splat(constants.warm_start), <L as Number>::zero());
     let [impulse, x, y, z] = remembered;

@@ -15,6 +15,45 @@ use crate::scene::NormalLaw;
 /// otherwise have no stiffness at all.
 const SMALLEST_RELATIVE_OVERLAP: f64 = 1e-5;
 
+/// How far gaps are looked across, in distances that gravity makes in a step: a grain at rest falls that far in three.
+const REACH_IN_FALLS: f64 = 6.0;
+
+/// How contacts are discretised in the normal direction; the same for all contacts of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalScheme {
+    /// Law of the normal contact.
+    pub law: NormalLaw,
+    /// Time step h, s.
+    pub step: f64,
+    /// Damping time of the stabilisation over the time step, tau / h.
+    pub damping_steps: f64,
+    /// Contacts that approach slower than this are at rest, m/s.
+    pub restitution_threshold: f64,
+    /// Gravity, m/s2.
+    pub gravity: f64,
+}
+
+impl NormalScheme {
+    /// Distance that gravity makes in a step from rest, `g h^2/2`, m.
+    #[inline(always)]
+    pub fn fall(&self) -> f64 {
+        0.5 * self.gravity * self.step * self.step
+    }
+
+    /// Gap up to which a contact may still bear something in a step, m, given the stiffest contact that the scene can have.
+    ///
+    /// A contact that opens by less than a fall in one step closes in the next. Where it is stiff against the step, leaving it
+    /// out meanwhile would take its friction away every other step, and beds would creep denser. A contact whose impact the step
+    /// resolves needs no such care: it opens and closes as it would.
+    pub fn reach(&self, stiffest: &NormalContact<f64>) -> f64 {
+        match self.law {
+            NormalLaw::Rigid => (self.restitution_threshold + self.gravity * self.step) * self.step,
+            _ if stiffest.constraint(self).resolves_impact => 0.0,
+            _ => REACH_IN_FALLS * self.fall(),
+        }
+    }
+}
+
 /// Regularisation and bias of a contact's normal constraint.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalConstraint<N: Number> {
@@ -79,18 +118,21 @@ fn log_restitution(z: f64) -> f64 {
 }
 
 impl<N: Number> NormalContact<N> {
-    /// Regularisation and bias by the scene's law, for a step `h` (s) and a stabilisation time of `damping_steps` steps.
+    /// Regularisation and bias by the scheme's law.
     ///
     /// The damping time is that of the impact law, `c/k`, wherever the step resolves it, and `damping_steps h` where it does
-    /// not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay stable.
+    /// not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay stable. Across a gap a
+    /// contact is as stiff as at the depth that it can reach in this step.
     #[inline(always)]
-    pub fn constraint(&self, law: NormalLaw, h: f64, damping_steps: f64) -> NormalConstraint<N> {
+    pub fn constraint(&self, scheme: &NormalScheme) -> NormalConstraint<N> {
         // Divisions and roots are what this costs, so there is one of each where there could be several.
+        let (h, damping_steps) = (scheme.step, scheme.damping_steps);
         let one = N::splat(1.0);
-        let ahead = self.overlap.larger(-self.velocity * N::splat(h));
+        let ahead = self.overlap.larger(-self.velocity * N::splat(h)).larger(N::splat(scheme.fall()));
+        let depth = N::select(self.overlap.below(N::zero()), ahead, self.overlap);
         let smallest = N::splat(SMALLEST_RELATIVE_OVERLAP) * self.effective_radius;
         // Stiffness now and at the depth that the approach will reach; overlap in the constraint's measure.
-        let (stiffness, stiffness_ahead, overlap) = match law {
+        let (stiffness, stiffness_ahead, overlap) = match scheme.law {
             NormalLaw::Rigid => {
                 let damping = one / N::splat(1.0 + 4.0 * damping_steps);
                 return NormalConstraint {
@@ -103,7 +145,7 @@ impl<N: Number> NormalContact<N> {
             NormalLaw::Hertz => {
                 let modulus = N::splat(5.0 / 3.0) * self.effective_modulus;
                 let tangent = |depth: N| modulus * (self.effective_radius * depth.larger(smallest)).sqrt();
-                (tangent(self.overlap), tangent(ahead), N::splat(0.8) * self.overlap)
+                (tangent(depth), tangent(ahead), N::splat(0.8) * self.overlap)
             }
         };
         // c/k over h is 2 zeta / (h sqrt(k/m)); it never falls below `damping_steps`.

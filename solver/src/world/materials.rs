@@ -69,6 +69,11 @@ impl MaterialTable {
         &self.with_wall[grain as usize * self.names.len() + wall as usize]
     }
 
+    /// Largest value of a property over all pairs.
+    pub fn largest(&self, property: impl Fn(&ContactMaterial) -> f64) -> f64 {
+        self.between_grains.iter().chain(&self.with_wall).map(property).fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// Whether any contact can have friction.
     pub fn any_friction(&self) -> bool {
         self.between_grains.iter().chain(&self.with_wall).any(|pair| pair.friction > 0.0)

@@ -6,6 +6,7 @@ mod surface;
 pub use materials::{ContactMaterial, MaterialTable};
 pub use surface::{Pose, Surface};
 
+use crate::effects::compliance::NormalContact;
 use crate::lanes::{LANES, Quad};
 use crate::scene::{Grain, Scene};
 use crate::schedule::{Disjoint, Phase, Team};
@@ -179,6 +180,23 @@ impl World {
     pub fn largest_and_mean_radius(&self) -> (f64, f64) {
         let radii = || self.spheres[..self.grains()].iter().map(|sphere| sphere.radius);
         (radii().fold(0.0, f64::max), radii().sum::<f64>() / self.grains().max(1) as f64)
+    }
+
+    /// A bound on the stiffness, against its inertia, of every contact that the grains can have: two of the smallest grains, at
+    /// touch, made of the stiffest and least damped pair of materials.
+    pub fn stiffest_contact(&self) -> NormalContact<f64> {
+        let grains = self.spheres[..self.grains()].iter().zip(&self.bodies);
+        let (radius, inverse_mass) = grains.fold((f64::INFINITY, 0.0_f64), |(radius, inverse_mass), (sphere, body)| {
+            (radius.min(sphere.radius), inverse_mass.max(body.inverse_mass))
+        });
+        NormalContact {
+            overlap: 0.0,
+            velocity: 0.0,
+            effective_modulus: self.table.largest(|pair| pair.effective_modulus),
+            effective_radius: if radius.is_finite() { 0.5 * radius } else { 0.0 },
+            inverse_mass: 2.0 * inverse_mass,
+            damping_ratio: -self.table.largest(|pair| -pair.damping_ratio),
+        }
     }
 }
 

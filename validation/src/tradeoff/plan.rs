@@ -77,7 +77,7 @@ const QUICK: Extent = Extent {
     variations: false,
     refinement: [2.0, 1.0, 0.5],
     most_sweeps: 20,
-    elsewhere: &[(2.0, 5), (1.0, 5), (1.0, 10)],
+    elsewhere: &[(4.0, 20), (2.0, 5), (2.0, 10), (2.0, 20), (1.0, 10)],
     rayleigh_fractions: &[0.5, 0.2],
     rayleigh_fractions_elsewhere: &[0.5, 0.2],
 };
