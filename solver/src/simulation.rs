@@ -29,7 +29,7 @@ pub struct Simulation {
     pub(crate) solver: Solver,
     pub(crate) team: Team,
     pub(crate) steps: u64,
-    contact_sweeps: u64,
+    pub(crate) contact_sweeps: u64,
     phases: PhaseSeconds,
 }
 
@@ -190,7 +190,7 @@ impl Simulation {
     }
 
     /// Time after a number of steps: a product, so that it gathers no rounding error.
-    fn world_time_after(&self, steps: u64) -> f64 {
+    pub(crate) fn world_time_after(&self, steps: u64) -> f64 {
         steps as f64 * self.settings.step
     }
 

@@ -66,7 +66,7 @@ pub fn start(
     let file = state_file(scene, seed);
     // A state that cannot be read is made anew.
     if file.is_file()
-        && let Ok(mut simulation) = Simulation::resume(scene, &file)
+        && let Ok(mut simulation) = start_from(scene, &file)
     {
         execution.apply(&mut simulation)?;
         return Ok((simulation, Start::Prepared(file)));
@@ -87,9 +87,15 @@ pub fn start(
         create_folder(folder)?;
     }
     simulation.save(&file)?;
-    let mut simulation = Simulation::resume(scene, &file)?;
+    let mut simulation = start_from(scene, &file)?;
     execution.apply(&mut simulation)?;
     Ok((simulation, Start::Prepared(file)))
+}
+
+/// Starts from a state that is kept.
+fn start_from(scene: &Scene, file: &Path) -> Result<Simulation, CheckpointError> {
+    let bytes = std::fs::read(file).map_err(|source| CheckpointError::Io { file: file.into(), source })?;
+    Simulation::start_from(scene, &bytes, file)
 }
 
 /// Whether a run of the scene can start at once: it prepares no flowing state, or that is in the cache.

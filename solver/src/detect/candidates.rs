@@ -99,6 +99,11 @@ impl Candidates {
         }
     }
 
+    /// Centres of the grains by place (m) and simulated time (s) when the list was built; absent while there is none.
+    pub(crate) fn built_from(&self) -> Option<(&[Vector3<f64>], f64)> {
+        (self.rebuilds > 0).then_some((&self.reference, self.built_at))
+    }
+
     /// Whether a grain may have come within touch of a grain or a wall that the list does not know.
     pub fn are_stale(&mut self, world: &World, team: &Team) -> bool {
         if self.rebuilds == 0 || self.reference.len() != world.grains() {

@@ -54,6 +54,11 @@ impl Setup {
 
     /// The same from a seed.
     pub fn start_from(&self, seed: u64) -> Simulation {
+        Simulation::new(&self.scene(), seed, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> Scene {
         let [x, y, z] = self.gravity;
         let material = |name: &str, friction: f64| {
             format!(
@@ -70,8 +75,7 @@ impl Setup {
             self.solver,
             self.body
         );
-        let scene = Scene::parse(&text, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        Simulation::new(&scene, seed, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
+        Scene::parse(&text, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
     }
 }
 

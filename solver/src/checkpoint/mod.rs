@@ -1,0 +1,75 @@
+//! Checkpoints: a simulation written down, to be continued bit for bit, or to start another one from.
+//!
+//! What the next step depends on is the state of the grains, the impulses that contacts bore, and the candidate list: the order
+//! of its pairs is the order in which contacts are relaxed. The list itself is not written. It follows from where the grains
+//! were when it was built, so these places are, and reading builds it again.
+
+mod envelope;
+mod state;
+
+pub(crate) use envelope::checksum;
+pub use envelope::{open, seal, write_atomically};
+
+use crate::Simulation;
+use crate::scene::Scene;
+use state::State;
+use std::path::{Path, PathBuf};
+
+/// First bytes of a file; the last one is the version of the format.
+const MARK: [u8; 8] = *b"makadam\x02";
+
+/// Why a checkpoint could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// The system refused.
+    #[error("{}: {source}; check that the path is right and the disk has room", file.display())]
+    Io {
+        /// The file.
+        file: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The bytes are no checkpoint of this version, or not one of this scene.
+    #[error("{} {problem}; delete it and start anew", file.display())]
+    Format {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+impl Simulation {
+    /// The present state as a checkpoint.
+    pub fn checkpoint(&self) -> Vec<u8> {
+        let body = postcard::to_stdvec(&State::of(self)).expect("a state holds only numbers and lists");
+        seal(MARK, &body)
+    }
+
+    /// Writes a checkpoint to a file; whatever happens meanwhile, what stood there before or the whole of it is there.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Io`] if the file cannot be written.
+    pub fn save(&self, file: &Path) -> Result<(), CheckpointError> {
+        write_atomically(file, &self.checkpoint()).map_err(|source| CheckpointError::Io { file: file.into(), source })
+    }
+
+    /// Goes on from a checkpoint of the same scene, bit for bit as if it had never stopped. `file` is what errors name.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Format`] if the bytes are damaged, or belong to another version or scene.
+    pub fn resume(scene: &Scene, bytes: &[u8], file: &Path) -> Result<Simulation, CheckpointError> {
+        let refuse = |problem| CheckpointError::Format { file: file.into(), problem };
+        State::read(bytes).and_then(|state| state.resume(scene)).map_err(refuse)
+    }
+
+    /// Starts a scene at time zero from the grains of a checkpoint in place of its lattice gas, with the impulses of their
+    /// contacts scaled to the scene's time step. `file` is what errors name.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Format`] if the bytes are damaged, of another version, or hold other grains than the scene.
+    pub fn start_from(scene: &Scene, bytes: &[u8], file: &Path) -> Result<Simulation, CheckpointError> {
+        let refuse = |problem| CheckpointError::Format { file: file.into(), problem };
+        State::read(bytes).and_then(|state| state.start(scene)).map_err(refuse)
+    }
+}

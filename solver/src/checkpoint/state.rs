@@ -1,0 +1,250 @@
+//! What a checkpoint holds.
+
+use super::{MARK, open};
+use crate::Simulation;
+use crate::detect::{Impulse, PairCandidate, WallCandidate};
+use crate::partition::Plan;
+use crate::scene::Scene;
+use crate::schedule::Team;
+use crate::world::{Body, Sphere, World};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// All that later steps depend on.
+#[derive(Serialize, Deserialize)]
+pub(super) struct State {
+    /// Time step, s.
+    step: f64,
+    steps: u64,
+    contact_sweeps: u64,
+    /// Grains by place.
+    grains: Vec<GrainState>,
+    /// Absent before the first step.
+    list: Option<ListState>,
+    pairs: Vec<Remembered>,
+    walls: Vec<Remembered>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct GrainState {
+    id: u32,
+    position: [f64; 3],
+    velocity: [f64; 3],
+    surface_speed: [f64; 3],
+    radius: f64,
+    inverse_mass: f64,
+    material: u8,
+}
+
+/// What the candidate list was built from, and what it then was.
+#[derive(Serialize, Deserialize)]
+struct ListState {
+    /// Simulated time, s.
+    built_at: f64,
+    rebuilds: u64,
+    /// Centres by place, m.
+    reference: Vec<[f64; 3]>,
+    pairs: u32,
+    walls: u32,
+}
+
+/// An impulse that a candidate bore.
+#[derive(Serialize, Deserialize)]
+struct Remembered {
+    /// Place in the list.
+    candidate: u32,
+    /// Id of the first grain.
+    first: u32,
+    /// Id of the second one, or number of the surface.
+    second: u32,
+    /// Normal and tangential impulse, N s.
+    impulse: [f64; 4],
+}
+
+impl Remembered {
+    fn scaled(&self, scale: f64) -> Impulse {
+        let [normal, x, y, z] = self.impulse.map(|component| component * scale);
+        Impulse { normal, tangential: [x, y, z] }
+    }
+}
+
+/// Impulses that are not zero to the last bit, each with its place in the list.
+fn remembered<'a>(
+    impulses: &'a [Impulse],
+    name: impl Fn(usize) -> (u32, u32) + 'a,
+) -> impl Iterator<Item = Remembered> + 'a {
+    let all = impulses.iter().enumerate().map(move |(candidate, impulse)| {
+        let [x, y, z] = impulse.tangential;
+        (candidate, [impulse.normal, x, y, z])
+    });
+    all.filter(|(_, impulse)| impulse.iter().any(|component| component.to_bits() != 0)).map(
+        move |(candidate, impulse)| {
+            let (first, second) = name(candidate);
+            Remembered { candidate: candidate as u32, first, second, impulse }
+        },
+    )
+}
+
+impl State {
+    /// The state of a simulation.
+    pub fn of(simulation: &Simulation) -> State {
+        let Simulation { world, candidates, .. } = simulation;
+        let grains = world.ids.iter().enumerate().map(|(place, &id)| GrainState {
+            id,
+            position: world.spheres[place].centre.into(),
+            velocity: world.bodies[place].velocity,
+            surface_speed: world.bodies[place].surface_speed,
+            radius: world.spheres[place].radius,
+            inverse_mass: world.bodies[place].inverse_mass,
+            material: world.materials[place],
+        });
+        let id = |place: u32| world.ids[place as usize];
+        let (pairs, walls) = (&candidates.pairs, &candidates.walls);
+        let pair_impulses = &candidates.pair_impulses[..pairs.len()];
+        let wall_impulses = &candidates.wall_impulses[..walls.len()];
+        State {
+            step: simulation.settings.step,
+            steps: simulation.steps,
+            contact_sweeps: simulation.contact_sweeps,
+            grains: grains.collect(),
+            list: candidates.built_from().map(|(reference, built_at)| ListState {
+                built_at,
+                rebuilds: candidates.rebuilds,
+                reference: reference.iter().map(|centre| (*centre).into()).collect(),
+                pairs: pairs.len() as u32,
+                walls: walls.len() as u32,
+            }),
+            pairs: remembered(pair_impulses, |c| (id(pairs[c].first), id(pairs[c].second))).collect(),
+            walls: remembered(wall_impulses, |c| (id(walls[c].body), walls[c].surface)).collect(),
+        }
+    }
+
+    /// Reads a checkpoint.
+    pub fn read(bytes: &[u8]) -> Result<State, String> {
+        let body = open(MARK, bytes)?;
+        postcard::from_bytes(body).map_err(|error| format!("does not hold what a checkpoint holds ({error})"))
+    }
+
+    /// A simulation that goes on from here.
+    pub fn resume(&self, scene: &Scene) -> Result<Simulation, String> {
+        if self.step.to_bits() != scene.solver.step.to_bits() {
+            return Err(format!("has a time step of {:e} s where the scene has {:e} s", self.step, scene.solver.step));
+        }
+        let mut simulation = self.start(scene)?;
+        if let Some(list) = &self.list {
+            self.rebuild(&mut simulation, list)?;
+        }
+        simulation.steps = self.steps;
+        simulation.contact_sweeps = self.contact_sweeps;
+        simulation.world.time = simulation.world_time_after(self.steps);
+        Ok(simulation)
+    }
+
+    /// A simulation of the scene at time zero with these grains, in the order of their ids, and the impulses of their contacts.
+    pub fn start(&self, scene: &Scene) -> Result<Simulation, String> {
+        let mut simulation = Simulation::of_world(scene, self.world(scene)?);
+        let scale = scene.solver.step / self.step;
+        let (grains, surfaces) = (self.grains.len() as u32, simulation.world.surfaces.len() as u32);
+        let candidates = &mut simulation.candidates;
+        candidates.pair_impulses.clear();
+        candidates.wall_impulses.clear();
+        for known in &self.pairs {
+            if known.first >= grains || known.second >= grains {
+                return Err("names a grain that is not there".into());
+            }
+            candidates.pairs.push(PairCandidate { first: known.first, second: known.second });
+            candidates.pair_impulses.push(known.scaled(scale));
+        }
+        for known in &self.walls {
+            if known.first >= grains || known.second >= surfaces {
+                return Err("names a grain or a wall that is not there".into());
+            }
+            candidates.walls.push(WallCandidate { body: known.first, surface: known.second });
+            candidates.wall_impulses.push(known.scaled(scale));
+        }
+        candidates.pair_impulses.push(Impulse::default());
+        candidates.wall_impulses.push(Impulse::default());
+        simulation.layout.plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32);
+        Ok(simulation)
+    }
+
+    /// The grains in the order of their ids.
+    fn world(&self, scene: &Scene) -> Result<World, String> {
+        let expected = scene.grain.len() + scene.population.iter().map(|group| group.count).sum::<usize>();
+        if self.grains.len() != expected {
+            return Err(format!("holds {} grains where the scene has {expected}", self.grains.len()));
+        }
+        let mut by_id: Vec<&GrainState> = self.grains.iter().collect();
+        by_id.sort_by_key(|grain| grain.id);
+        let mut world = World::new(scene, &[]);
+        for (id, grain) in by_id.into_iter().enumerate() {
+            let GrainState { position, velocity, surface_speed, radius, inverse_mass, .. } = grain;
+            let numbers = position.iter().chain(velocity).chain(surface_speed);
+            let sound = [radius, inverse_mass].into_iter().all(|&value| value.is_finite() && value > 0.0);
+            if !sound || numbers.into_iter().any(|value| !value.is_finite()) {
+                return Err(format!("gives grain {id} no finite state"));
+            }
+            if grain.id as usize != id {
+                return Err(format!("has no grain {id}"));
+            }
+            if usize::from(grain.material) >= scene.material.len() {
+                return Err("names a material that is not there".into());
+            }
+            world.ids.push(id as u32);
+            world.spheres.push(Sphere { centre: Vector3::from(*position), radius: *radius });
+            world.materials.push(grain.material);
+            world.bodies.push(Body {
+                velocity: *velocity,
+                inverse_mass: *inverse_mass,
+                surface_speed: *surface_speed,
+                spare: 0.0,
+            });
+        }
+        Ok(world)
+    }
+
+    /// Builds the candidate list where it was built, and gives its candidates their impulses.
+    fn rebuild(&self, simulation: &mut Simulation, list: &ListState) -> Result<(), String> {
+        const OTHER: &str = "belongs to another scene or version: its contacts do not come out the same";
+        let Simulation { world, candidates, layout, relaxation, team, .. } = simulation;
+        let team: &Team = team;
+        if list.reference.len() != self.grains.len() || list.reference.iter().flatten().any(|x| !x.is_finite()) {
+            return Err(OTHER.into());
+        }
+        // Grains lie in the order of their ids: put them where they were, then where they are.
+        let places: Vec<u32> = self.grains.iter().map(|grain| grain.id).collect();
+        world.reorder(&places, team);
+        for (sphere, centre) in world.spheres.iter_mut().zip(&list.reference) {
+            sphere.centre = Vector3::from(*centre);
+        }
+        world.time = list.built_at;
+        // The start has put its own candidates there, by id.
+        (candidates.pairs, candidates.walls) = (Vec::new(), Vec::new());
+        layout.plan = Plan::single(0, 0);
+        candidates.rebuild(world, &mut layout.plan, relaxation.instruction_set, team);
+        candidates.rebuilds = list.rebuilds;
+        let same = (candidates.pairs.len() as u32, candidates.walls.len() as u32) == (list.pairs, list.walls);
+        if !same || world.ids != places {
+            return Err(OTHER.into());
+        }
+        for (sphere, grain) in world.spheres.iter_mut().zip(&self.grains) {
+            sphere.centre = Vector3::from(grain.position);
+        }
+        let id = |place: u32| world.ids[place as usize];
+        for known in &self.pairs {
+            let pair = candidates.pairs.get(known.candidate as usize).ok_or(OTHER)?;
+            if (id(pair.first), id(pair.second)) != (known.first, known.second) {
+                return Err(OTHER.into());
+            }
+            candidates.pair_impulses[known.candidate as usize] = known.scaled(1.0);
+        }
+        for known in &self.walls {
+            let wall = candidates.walls.get(known.candidate as usize).ok_or(OTHER)?;
+            if (id(wall.body), wall.surface) != (known.first, known.second) {
+                return Err(OTHER.into());
+            }
+            candidates.wall_impulses[known.candidate as usize] = known.scaled(1.0);
+        }
+        Ok(())
+    }
+}
