@@ -4,13 +4,14 @@ use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
 use crate::lanes::{InstructionSet, PREFETCH, Quad};
+use crate::ledger::Ledger;
 use crate::methods::Solver;
 use crate::partition::{BoxGrid, Layout};
 use crate::scene::{Precision, Scene, SceneError, SolverMethod, SolverSettings, Stop, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
 use crate::sweep::Relaxation;
-use crate::world::{World, chunk, chunks};
+use crate::world::{Body, Sphere, World, chunk, chunks};
 use nalgebra::Vector3;
 use rayon::ThreadPoolBuildError;
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,7 @@ pub struct Simulation {
     pub(crate) team: Team,
     pub(crate) steps: u64,
     pub(crate) contact_sweeps: u64,
+    pub(crate) ledger: Option<Ledger>,
     phases: PhaseSeconds,
 }
 
@@ -86,6 +88,7 @@ impl Simulation {
             team: Team::default(),
             steps: 0,
             contact_sweeps: 0,
+            ledger: None,
             phases: PhaseSeconds::default(),
         }
     }
@@ -111,6 +114,10 @@ impl Simulation {
         let Simulation { world, settings, layout, relaxation, solver, .. } = self;
         let solve = solve(world, layout, relaxation, settings, team, solver);
         let clock = clock.lap(&mut self.phases.sweep);
+        if let Some(mut ledger) = self.ledger.take() {
+            ledger.note(self, self.constrainer.scheme());
+            self.ledger = Some(ledger);
+        }
         // Motion with the new velocities.
         self.remember_impulses(team);
         self.move_bodies(team);
@@ -130,6 +137,9 @@ impl Simulation {
             self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, team);
         }
         let clock = clock.lap(&mut self.phases.detect);
+        if let Some(ledger) = &mut self.ledger {
+            ledger.begin(&self.world);
+        }
         // Forces.
         self.apply_gravity(self.settings.step, team);
         let clock = clock.lap(&mut self.phases.integrate);
@@ -265,6 +275,21 @@ impl Simulation {
             places[id as usize] = place as u32;
         }
         places
+    }
+
+    /// Id of the first grain whose state is not finite.
+    pub fn not_finite(&self) -> Option<u32> {
+        self.first_grain(|sphere, body| {
+            let values = sphere.centre.iter().chain(&body.velocity).chain(&body.surface_speed);
+            values.fold(0.0, |sum, value| sum + 0.0 * value) != 0.0
+        })
+    }
+
+    /// Smallest id of the grains of which something holds.
+    pub(crate) fn first_grain(&self, holds: impl Fn(&Sphere, &Body) -> bool) -> Option<u32> {
+        let World { spheres, bodies, ids, .. } = &self.world;
+        let grains = spheres.iter().zip(bodies).zip(ids);
+        grains.filter(|((sphere, body), _)| holds(sphere, body)).map(|(_, &id)| id).min()
     }
 
     /// Bytes that the simulation holds for its bodies, candidates and contacts.

@@ -9,14 +9,15 @@
 //!
 //! Throughput is in contacts: of `sweep`, contact sweeps a second. `sweep` is twelve sweeps without measuring residuals;
 //! `detect` builds the candidate list, `stale` asks whether that is needed, `set-up` lays out the constraints and starts
-//! them. A phase is repeated on one state; steps go on from it.
+//! them; `look` is one look of the watchdogs. A phase is repeated on one state; steps go on from it.
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use makadam::Simulation;
 use makadam::lanes::InstructionSet;
-use makadam::scene::{Precision, Scene};
+use makadam::scene::{Precision, Scene, Watch};
 use makadam::schedule::Scheduler;
+use makadam::watch::Watchdog;
+use makadam::{Simulation, StepReport};
 use makadam_validation::execution::{Execution, cores};
 use makadam_validation::prepared::{Start, is_ready, start, steps_in};
 use std::hint::black_box;
@@ -139,6 +140,11 @@ fn phases(criterion: &mut Criterion) {
         });
         phase(criterion, ("set-up", name), &state, contacts, wide, |simulation| {
             black_box(simulation.constrain_once());
+        });
+        // One look of the watchdogs; a run takes one every 64 steps.
+        let watch = Watch { every: 1, ..Watch::default() };
+        phase(criterion, ("look", name), &state, contacts, generic, |simulation| {
+            black_box(Watchdog::new(&watch, simulation).observe(simulation, &StepReport::default()));
         });
         phase(criterion, ("step", name), &state, contacts, everywhere, |simulation| {
             black_box(simulation.step());

@@ -3,6 +3,7 @@
 use super::{MARK, open};
 use crate::Simulation;
 use crate::detect::{Impulse, PairCandidate, WallCandidate};
+use crate::ledger::Ledger;
 use crate::partition::Plan;
 use crate::scene::Scene;
 use crate::schedule::Team;
@@ -23,6 +24,8 @@ pub(super) struct State {
     list: Option<ListState>,
     pairs: Vec<Remembered>,
     walls: Vec<Remembered>,
+    /// Where one is kept.
+    ledger: Option<Ledger>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -116,6 +119,7 @@ impl State {
             }),
             pairs: remembered(pair_impulses, |c| (id(pairs[c].first), id(pairs[c].second))).collect(),
             walls: remembered(wall_impulses, |c| (id(walls[c].body), walls[c].surface)).collect(),
+            ledger: simulation.ledger.clone(),
         }
     }
 
@@ -136,6 +140,7 @@ impl State {
         }
         simulation.steps = self.steps;
         simulation.contact_sweeps = self.contact_sweeps;
+        simulation.ledger = self.ledger.clone();
         simulation.world.time = simulation.world_time_after(self.steps);
         Ok(simulation)
     }

@@ -108,6 +108,11 @@ impl Constrainer {
         layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts).sum();
     }
 
+    /// How contacts are discretised.
+    pub(crate) fn scheme(&self) -> &NormalScheme {
+        &self.constants.scheme
+    }
+
     pub(crate) fn memory_bytes(&self) -> usize {
         self.taken.capacity() * size_of::<Taken>()
     }

@@ -21,7 +21,15 @@ pub(super) fn check(scene: &Scene) -> Checked {
         root.key("prepare").key("step").range(prepare.step, 1e-9, 0.1, "s")?;
     }
     solver(scene)?;
+    watch(scene)?;
     measure(scene)
+}
+
+fn watch(scene: &Scene) -> Checked {
+    let (at, watch) = (Place::default().key("watch"), &scene.watch);
+    at.key("overlap").range(watch.overlap, 1e-9, 2.0, "(over the smaller radius)")?;
+    at.key("energy").range(watch.energy, 1e-9, 1e6, "(no unit)")?;
+    at.key("residual").range(watch.residual, 1e-12, 1e12, "(in units of g h)")
 }
 
 fn materials(scene: &Scene) -> Checked {

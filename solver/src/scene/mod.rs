@@ -10,6 +10,7 @@ mod error;
 mod populate;
 mod settings;
 mod types;
+mod watch;
 
 pub use accuracy::Accuracy;
 pub use error::SceneError;
@@ -19,6 +20,7 @@ pub use types::{
     Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population, Prepare,
     RadiusDistribution, Region, Shape, Wall,
 };
+pub use watch::{Reaction, Watch};
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -65,6 +67,9 @@ pub struct Scene {
     /// How Makadam solves it.
     #[serde(default)]
     pub solver: SolverSettings,
+    /// What a run watches for.
+    #[serde(default, skip_serializing_if = "settings::is_default")]
+    pub watch: Watch,
     /// What is measured and when.
     #[serde(default)]
     pub measure: Measure,

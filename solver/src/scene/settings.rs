@@ -52,7 +52,7 @@ impl Default for SolverSettings {
 }
 
 /// What is left out of written scenes where it is the default, so that these keep the hash that recorded results carry.
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 

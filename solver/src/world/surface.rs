@@ -102,6 +102,11 @@ impl Surface {
         pose
     }
 
+    /// Whether it ever moves.
+    pub fn moves(&self) -> bool {
+        !matches!(self.motion, Motion::Fixed)
+    }
+
     /// Upper bound of how far a point of the face within `reach` of the motion's centre moves between two times, m.
     pub fn largest_shift(&self, from: f64, to: f64, reach: f64) -> f64 {
         match &self.motion {

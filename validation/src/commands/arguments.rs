@@ -68,12 +68,27 @@ pub struct RunArguments {
     /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (degrees, none, mean radii).
     #[arg(long, value_parser = accuracy)]
     pub accuracy: Option<Accuracy>,
+    /// The best accuracy that fits into so much wall time, s: the coarsest setting first, then a finer one if there is time.
+    #[arg(long, value_name = "SECONDS", value_parser = positive, conflicts_with_all = ["accuracy", "resume"])]
+    pub time_budget: Option<f64>,
     /// Precision of the sweeps; the scene's, if absent. The result depends on it.
     #[arg(long, value_enum)]
     pub precision: Option<PrecisionName>,
     /// Steps to take, in place of the scene's duration.
     #[arg(long)]
     pub steps: Option<u64>,
+    /// Keep a ledger of energy and momentum, and print how it closes; costs some tenths of a step's time.
+    #[arg(long)]
+    pub ledger: bool,
+    /// Go on from the checkpoint of a run that did not end, if there is one; the result is the same to the last bit.
+    #[arg(long, conflicts_with = "restart")]
+    pub resume: bool,
+    /// Begin anew where a run that did not end has left a checkpoint.
+    #[arg(long)]
+    pub restart: bool,
+    /// Wall time between checkpoints, s; 0 writes one after every step.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
+    pub checkpoint_interval: f64,
     /// Folder to write into; results/SCENE, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
@@ -397,6 +412,13 @@ fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("give a number above 0".into()),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1e9).contains(&value) => Ok(value),
+        _ => Err("give a number of seconds from 0 to 1e9".into()),
     }
 }
 

@@ -21,6 +21,16 @@ impl FrameWriter {
         Ok(FrameWriter { folder: output.to_path_buf(), written: Vec::new() })
     }
 
+    /// Takes frames that an earlier part of the run has written as written.
+    pub fn go_on(&mut self, times: &[f64]) {
+        self.written = times.to_vec();
+    }
+
+    /// Simulated times of the frames on disk, s.
+    pub fn times(&self) -> &[f64] {
+        &self.written
+    }
+
     /// Writes one frame and lists it in `grains.pvd` and `contacts.pvd`.
     ///
     /// # Errors

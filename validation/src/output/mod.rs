@@ -8,7 +8,7 @@ mod vtk;
 
 pub use frames::FrameWriter;
 pub use record::record_folder;
-pub use summary::{JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
+pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
 pub use table::TimeTable;
 
 use std::path::Path;

@@ -1,6 +1,7 @@
 //! The JSON contract of `makadam run`; its documentation is `validation/docs/json.md`.
 
 use crate::provenance::Provenance;
+use makadam::Balance;
 use makadam::solve::StopReason;
 use makadam::sweep::Residuals;
 use serde::Serialize;
@@ -21,6 +22,10 @@ pub struct RunSummary {
     pub complete: bool,
     /// Why it did not.
     pub failure: Option<String>,
+    /// Steps at which the run was continued from a checkpoint.
+    pub continued_at: Vec<u64>,
+    /// What was noticed on the way, one entry a kind.
+    pub alarms: Vec<AlarmSummary>,
     /// Hash of positions, velocities and spins at the end, 16 hexadecimal digits.
     pub state_hash: String,
     /// Steps taken.
@@ -51,6 +56,8 @@ pub struct RunSummary {
     pub bytes_per_particle: f64,
     /// The last solve and the worst one.
     pub residuals: Option<SolveSummary>,
+    /// Where energy and momentum came from and went; absent without `--ledger`.
+    pub balance: Option<Balance>,
     /// Measured over the frames that the scene names, by name.
     pub observables: std::collections::BTreeMap<String, Measured>,
     /// Folder of frames, CSV and JSON.
@@ -59,6 +66,15 @@ pub struct RunSummary {
     pub frames: usize,
     /// Where it came from.
     pub provenance: Provenance,
+}
+
+/// Alarms of one kind.
+#[derive(Clone, Debug, Serialize)]
+pub struct AlarmSummary {
+    /// The first one: what, which grain, step and time.
+    pub first: String,
+    /// Number of looks that found it.
+    pub count: u64,
 }
 
 /// Wall time by phase, s.

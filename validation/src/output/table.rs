@@ -18,6 +18,16 @@ impl TimeTable {
         TimeTable { path: path.to_path_buf(), columns, rows: Vec::new() }
     }
 
+    /// Takes the columns and rows that an earlier part of the run has written.
+    pub fn go_on(&mut self, columns: &[String], rows: &[Vec<Option<f64>>]) {
+        (self.columns, self.rows) = (columns.to_vec(), rows.to_vec());
+    }
+
+    /// Columns and rows so far.
+    pub fn contents(&self) -> (&[String], &[Vec<Option<f64>>]) {
+        (&self.columns, &self.rows)
+    }
+
     /// Adds a row of named values and writes the file. What a row does not name stays empty.
     ///
     /// # Errors

@@ -1,0 +1,99 @@
+//! A run's summary for people.
+
+use crate::output::RunSummary;
+use makadam::Balance;
+
+/// A value to six significant digits.
+fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
+/// The summary for people.
+pub(super) fn describe(summary: &RunSummary) -> String {
+    let ended = if summary.complete { "" } else { " (not complete)" };
+    let mut text = format!(
+        "{}: {} grains, {} steps of {:e} s, {:.4} s simulated in {:.2} s of wall time{ended}\n",
+        summary.scene,
+        summary.particles,
+        summary.steps,
+        summary.time_step,
+        summary.simulated_seconds,
+        summary.wall_seconds
+    );
+    text += &format!("state hash       {}\n", summary.state_hash);
+    if let (Some(rate), Some(cost)) = (summary.contact_sweeps_per_second, summary.nanoseconds_per_contact_sweep) {
+        text += &format!(
+            "contact sweeps   {} ({:.1} million a second, {cost:.1} ns each)\n",
+            summary.contact_sweeps,
+            rate / 1e6
+        );
+    }
+    let phases = &summary.phase_seconds;
+    let shares = [
+        ("detect", phases.detect),
+        ("constrain", phases.constrain),
+        ("sweep", phases.sweep),
+        ("integrate", phases.integrate),
+        ("output", phases.output),
+    ];
+    let total: f64 = shares.iter().map(|(_, seconds)| seconds).sum();
+    let shares = shares.map(|(name, seconds)| format!("{name} {:.1}%", 100.0 * seconds / total.max(1e-300)));
+    text += &format!("time by phase    {}\n", shares.join(", "));
+    text += &format!(
+        "memory           {:.0} bytes a particle in the simulation, {:.1} MB at the peak of the process\n",
+        summary.bytes_per_particle,
+        summary.peak_bytes as f64 / 1e6
+    );
+    if let Some(solve) = &summary.residuals {
+        text += &format!(
+            "solves           {:.1} sweeps on average, {} at most{}\n",
+            solve.mean_sweeps,
+            solve.most_sweeps,
+            match solve.unconverged {
+                0 => String::new(),
+                some => format!("; {some} ended before their residual was as small as asked for"),
+            }
+        );
+        text += &format!(
+            "residual         {:.2e} m/s normal (root mean square, last solve), {:.2e} m/s at worst\n",
+            solve.last.normal.rms, solve.worst_normal_rms
+        );
+    }
+    if let Some(balance) = &summary.balance {
+        text += &ledger(balance);
+    }
+    for (name, measured) in &summary.observables {
+        let error = measured.standard_error.map_or(String::new(), |error| format!(" +- {error:.2}"));
+        text += &format!("{name:<36} {}{error} {}\n", significant(measured.value), measured.unit);
+    }
+    text + &format!("frames, observables.csv and run.json: {}", summary.output)
+}
+
+/// The ledger in four lines.
+fn ledger(balance: &Balance) -> String {
+    let Balance { start, end, .. } = balance;
+    let line = |name: &str, before: f64, after: f64| format!("{name} {before:.4e} to {after:.4e}");
+    let states = [
+        line("kinetic", start.kinetic, end.kinetic),
+        line("potential", start.potential, end.potential),
+        line("elastic", start.elastic, end.elastic),
+    ];
+    let size = |vector: [f64; 3]| vector.iter().map(|component| component * component).sum::<f64>().sqrt();
+    format!(
+        "energy           {} J\n\
+         lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J\n\
+         gained from      walls {:.4e}, overlap at first touch {:.4e} J; left open {:.2e} J\n\
+         momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; left open {:.2e} kg m/s\n",
+        states.join(", "),
+        balance.friction,
+        balance.restitution,
+        balance.stabilisation,
+        balance.walls,
+        balance.first_touch,
+        balance.closure,
+        size(balance.gravity_impulse),
+        size(balance.wall_impulse),
+        size(balance.momentum_closure),
+    )
+}
