@@ -1,18 +1,17 @@
 //! An accuracy in place of a time step and a number of sweeps.
 //!
-//! What a long step leaves out is the elasticity of the contacts: where it is long against their own period, impacts and
-//! loads are those of overdamped grains that have not quite come to rest. The measure of that is
+//! What a long step leaves out shows where grains settle: in a step they fall, and run into each other, by lengths of the order of
+//! `g h^2`. A packing fraction deviates from its converged value in proportion to that length over a radius, whatever the
+//! stiffness, as `makadam tradeoff packing` finds from 10 MPa to 50 GPa. A drum's angle is taken to follow the elasticity of the
+//! contacts that a step passes over, with a slope that is an upper bound:
 //!
 //! ```text
-//! x = h sqrt(k S)                S = 1/m_a + 1/m_b
-//! k = 5/4 k_H sqrt(d)            of Hertz's law at the overlap d = (f/k_H)^(2/3) under the load f of half the bed
+//! deviation of a packing fraction  ~  g h^2 / r
+//! deviation of an angle            ~  x = h sqrt(k S)            S = 1/m_a + 1/m_b
+//! k = 5/4 k_H sqrt(d)              of Hertz's law at the overlap d = (f/k_H)^(2/3) under the load f of half the bed
 //! ```
 //!
-//! the step in units of a contact's own time (`effects::compliance`). At 10 MPa to 1 GPa and with ten sweeps or more the
-//! deviation of a packing fraction from its converged value grows in proportion to x, as `makadam tradeoff packing` finds; a
-//! drum's angle shows no trend above the spread of its seeds there, and its slope is an upper bound. So the law is a line
-//! through zero, one slope an observable. Sweeps are not fixed: a solve goes on until its residual is small, in proportion to
-//! the overlap that is tolerated.
+//! Sweeps are not fixed: a solve goes on until its residual is small, in proportion to the overlap that is tolerated.
 
 use super::{NormalLaw, RadiusDistribution, Scene, Stop};
 use serde::{Deserialize, Serialize};
@@ -36,15 +35,17 @@ pub struct Accuracy {
     pub relative: Option<f64>,
 }
 
-/// Deviation of a packing fraction where x = 1.
-const PACKING_FRACTION_SLOPE: f64 = 0.0017;
+/// Deviation of a packing fraction over `g h^2 / r`.
+const PACKING_FRACTION_SLOPE: f64 = 0.7;
+/// Smallest and largest `g h^2 / r` of those measurements; the law is not carried beyond them.
+const FALLS_MEASURED: [f64; 2] = [1e-4, 8e-3];
 /// Deviation of a drum's angle of repose where x = 1, degrees: no larger than this.
 const ANGLE_SLOPE: f64 = 0.3;
 /// Residual that leaves packing fractions alone, in units of g h.
 const PACKING_FRACTION_RESIDUAL: f64 = 0.02;
 /// The same for angles of repose: a flowing bed forgives more, and takes twice the sweeps for the smaller one.
 const ANGLE_RESIDUAL: f64 = 0.1;
-/// Smallest and largest x of those measurements; the law is not carried beyond them.
+/// Smallest and largest x that angles were measured at.
 const MEASURED: [f64; 2] = [0.4, 8.0];
 /// Most sweeps of a solve.
 const MOST_SWEEPS: u32 = 400;
@@ -76,8 +77,14 @@ impl Accuracy {
         let angle = self.angle.unwrap_or(f64::INFINITY).min(30.0 * relative);
         let packing_fraction = self.packing_fraction.unwrap_or(f64::INFINITY).min(0.6 * relative);
         let overlap = self.overlap.unwrap_or(f64::INFINITY).min(0.01 * relative);
-        let measure = (angle / ANGLE_SLOPE).min(packing_fraction / PACKING_FRACTION_SLOPE);
-        let step = measure.clamp(MEASURED[0], MEASURED[1]) * bed.contact_time(scene);
+        let by_angle = (angle / ANGLE_SLOPE).clamp(MEASURED[0], MEASURED[1]) * bed.contact_time(scene);
+        let fall = (packing_fraction / PACKING_FRACTION_SLOPE).clamp(FALLS_MEASURED[0], FALLS_MEASURED[1]);
+        let by_fraction = (fall * bed.radius / bed.gravity.max(1e-3)).sqrt();
+        let step = match (angle.is_finite(), packing_fraction.is_finite()) {
+            (true, false) => by_angle,
+            (false, true) => by_fraction,
+            _ => by_angle.min(by_fraction),
+        };
         // A grain that still moves with the residual sinks by h times it; the error adds up over the layers of the bed.
         let layers = (bed.depth / (2.0 * bed.radius)).max(1.0);
         let sinking = bed.gravity.max(1e-300) * step * step * layers / bed.radius;
