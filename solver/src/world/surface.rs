@@ -88,13 +88,16 @@ impl Surface {
                     pose.velocity = velocity;
                 }
             }
-            Motion::Rotating { point, axis, rate, start, stop } => {
+            Motion::Rotating { point, axis, rate, start, stop, reverse } => {
                 let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
                 if !self.in_place {
-                    pose.shape = self.shape.turned(centre, axis, rate * active_time(time, *start, *stop));
+                    let back = reverse.map_or(0.0, |reverse| active_time(time, reverse, *stop));
+                    let turned = active_time(time, *start, *stop) - 2.0 * back;
+                    pose.shape = self.shape.turned(centre, axis, rate * turned);
                 }
                 if is_active(time, *start, *stop) {
-                    pose.spin = axis * *rate;
+                    let backwards = reverse.is_some_and(|reverse| time >= reverse);
+                    pose.spin = axis * if backwards { -*rate } else { *rate };
                     pose.centre = centre;
                 }
             }
