@@ -2,7 +2,7 @@
 
 use makadam::scene::{
     Domain, GrainEntry, Material, Measure, Motion, NormalLaw, Population, RadiusDistribution, Region, Scene, Shape,
-    SolverSettings, Stop, Wall,
+    SolverMethod, SolverSettings, Stop, Wall,
 };
 use std::path::Path;
 
@@ -109,6 +109,11 @@ impl Sketch {
     /// Rigid contacts.
     pub fn rigid(self) -> Sketch {
         self.with(|scene| scene.solver.normal_law = NormalLaw::Rigid)
+    }
+
+    /// Anderson's acceleration, for loads that Gauss-Seidel alone takes too many sweeps to carry.
+    pub fn accelerated(self) -> Sketch {
+        self.with(|scene| scene.solver.method = SolverMethod::Anderson { memory: 3 })
     }
 
     /// A fixed number of sweeps a step.

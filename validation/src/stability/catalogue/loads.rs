@@ -44,20 +44,23 @@ fn mass_ratio(exponent: i32) -> Case {
     let (light, heavy) = (mass(RADIUS) / 25.0, mass(RADIUS) / 25.0 * ratio);
     let floor = hertz_overlap((light + heavy) * GRAVITY, [MODULUS; 2], RADIUS);
     let pair = hertz_overlap(heavy * GRAVITY, [MODULUS; 2], RADIUS * radius / (RADIUS + radius));
-    let height = 2.0 * RADIUS + radius;
+    let height = 2.0 * RADIUS + radius - floor - pair;
     let scene = Sketch::new(format!("mass-ratio-1e{exponent}"), 0.5)
         .modulus(MODULUS)
         .material("light", |material| material.density = LIGHT)
         .material("heavy", |material| material.density = LIGHT * ratio / times.powi(3))
+        .accelerated()
+        .with(|scene| scene.largest_start_overlap = 0.1)
         .floor()
-        .grain(RADIUS, [0.0, 0.0, RADIUS])
+        .grain(RADIUS, [0.0, 0.0, RADIUS - floor])
         .made_of("light")
         .grain(radius, [0.0, 0.0, height])
         .made_of("heavy")
         .scene();
-    let right = format!("a grain {ratio:.0} times as heavy as the one under it rests on it at the static overlaps");
+    let right =
+        format!("a grain {ratio:.0} times as heavy as the one under it placed in equilibrium, stays where it is");
     Case::new("mass ratios", scene, right, BALANCE, move |evidence| {
-        let sunk = (height - floor - pair - evidence.grain(1).position[2]) / RADIUS;
+        let sunk = (height - evidence.grain(1).position[2]) / RADIUS;
         let mut findings =
             vec![Finding::near("heavy grain below its place, over the light one's radius", "", sunk, 0.0, 0.01)];
         findings.extend(at_rest(evidence));
@@ -200,7 +203,7 @@ fn size_ratio(ratio: f64) -> Case {
     let from_axis = 3.0 * small;
     let touch = LARGE + small;
     let height = small + (touch * touch - from_axis * from_axis).sqrt();
-    let mut sketch = Sketch::new(format!("size-ratio-{ratio}"), 0.3).modulus(MODULUS).floor();
+    let mut sketch = Sketch::new(format!("size-ratio-{ratio}"), 0.3).modulus(MODULUS).accelerated().floor();
     for corner in 0..3 {
         let (sine, cosine) = (f64::from(corner) * std::f64::consts::TAU / 3.0).sin_cos();
         sketch = sketch.grain(small, [from_axis * cosine, from_axis * sine, small]);
