@@ -7,7 +7,18 @@ use std::time::Duration;
 use support::makadam;
 
 /// Cases that do not end as stated, each with the reason.
-const KNOWN: &[(&str, &str)] = &[];
+const KNOWN: &[(&str, &str)] = &[
+    ("wedge", "a preloaded contact that approaches counts as an impact, and its overlap becomes speed"),
+    ("impossible-gap", "as wedge"),
+    (
+        "impossible-gap-rigid",
+        "two rigid contacts that contradict each other have no solution: impulses grow with sweeps",
+    ),
+    (
+        "drum-froude-2",
+        "grains of the innermost layer roll and are not carried over the top; other codes are still to be asked",
+    ),
+];
 
 #[test]
 fn the_quick_catalogue_ends_as_stated() {
