@@ -2,7 +2,7 @@
 
 use makadam::scene::{
     Domain, GrainEntry, Material, Measure, Motion, NormalLaw, Population, RadiusDistribution, Region, Scene, Shape,
-    SolverMethod, SolverSettings, Stop, Wall,
+    SolverMethod, SolverSettings, Stop, Wall, Watch,
 };
 use std::path::Path;
 
@@ -51,6 +51,7 @@ impl Sketch {
                 stop: Stop::Residual { tolerance: 1e-6, max_sweeps: 1000 },
                 ..SolverSettings::default()
             },
+            watch: Watch::default(),
             measure: Measure { interval: duration / 50.0, from: Some(0.0), observables: Vec::new() },
             compare: Vec::new(),
         })

@@ -58,7 +58,7 @@ fn mass_ratio(exponent: i32) -> Case {
         .made_of("heavy")
         .scene();
     let right =
-        format!("a grain {ratio:.0} times as heavy as the one under it placed in equilibrium, stays where it is");
+        format!("a grain {ratio:.0} times as heavy as the one under it, placed in equilibrium, stays where it is");
     Case::new("mass ratios", scene, right, BALANCE, move |evidence| {
         let sunk = (height - evidence.grain(1).position[2]) / RADIUS;
         let mut findings =
