@@ -44,24 +44,22 @@ for index, wall in enumerate(job["walls"]):
     ]
     for id in ids:
         wall_of[id] = index
-    motion = wall["motion"]
-    if motion is None or not ids:
-        continue
-    if motion["kind"] == "translating":
-        engine = TranslationEngine(
-            translationAxis=motion["axis"], velocity=motion["rate"], ids=ids, dead=True
-        )
-    else:
-        # The engine moves bodies along the circle itself, not along its tangent: no drift over many turns.
-        engine = RotationEngine(
-            rotateAroundZero=True,
-            zeroPoint=motion["point"],
-            rotationAxis=motion["axis"],
-            angularVelocity=motion["rate"],
-            ids=ids,
-            dead=True,
-        )
-    motions.append((engine, motion["first"], motion["last"], ids))
+    for motion in wall["motions"] if ids else []:
+        if motion["kind"] == "translating":
+            engine = TranslationEngine(
+                translationAxis=motion["axis"], velocity=motion["rate"], ids=ids, dead=True
+            )
+        else:
+            # The engine moves bodies along the circle itself, not along its tangent: no drift over many turns.
+            engine = RotationEngine(
+                rotateAroundZero=True,
+                zeroPoint=motion["point"],
+                rotationAxis=motion["axis"],
+                angularVelocity=motion["rate"],
+                ids=ids,
+                dead=True,
+            )
+        motions.append((engine, motion["first"], motion["last"], ids))
 
 O.engines = (
     [
@@ -88,14 +86,16 @@ O.engines = (
 
 
 def switch_motions(step):
-    for engine, first, last, ids in motions:
-        if step == first:
-            engine.dead = False
+    # What ends stands still before what begins at the same step moves on.
+    for engine, _, last, ids in motions:
         if step == last:
             engine.dead = True
             for id in ids:
                 O.bodies[id].state.vel = Vector3.Zero
                 O.bodies[id].state.angVel = Vector3.Zero
+    for engine, first, _, _ in motions:
+        if step == first:
+            engine.dead = False
 
 
 def write_frame(output, step):

@@ -79,7 +79,7 @@ impl Simulation {
                 friction: world.table.any_friction(),
                 prefetch: PREFETCH,
             },
-            candidates: Candidates::new(&boxes, world.grains(), largest, skin),
+            candidates: Candidates::new(&boxes, world.grains(), largest, skin, scene.solver.step),
             constrainer: Constrainer::new(&world, &scene.solver),
             world,
             settings: scene.solver.clone(),

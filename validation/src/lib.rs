@@ -19,5 +19,6 @@ pub mod recording;
 pub mod report;
 pub mod roofline;
 pub mod scaling;
+pub mod stability;
 pub mod statistics;
 pub mod tradeoff;

@@ -3,9 +3,11 @@
 use super::{Given, LaneMaterial, write_contacts};
 use crate::detect::Impulse;
 use crate::effects::compliance::NormalContact;
+use crate::effects::restitution::impact_on_the_way;
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch_places, times};
 use crate::partition::TaskGroups;
 use crate::schedule::Disjoint;
+use nalgebra::Vector3;
 
 /// Fills the groups of pairs of a task.
 ///
@@ -89,17 +91,20 @@ impl Kernel for FillWalls<'_> {
         let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
         for (group, sources) in self.groups.walls.iter_mut().zip(&self.groups.wall_sources) {
             // Faces differ from lane to lane, so their geometry is done one by one.
-            let [mut distance, mut normal_x, mut normal_y, mut normal_z, mut radius] = far;
+            let [mut distances, mut normal_x, mut normal_y, mut normal_z, mut radii] = far;
             let mut wall_velocity = [Eight::default(); 3];
             let mut surfaces = [0; crate::lanes::LANES];
+            let mut meets = 0_u8;
             for (lane, candidate) in sources.occupied() {
                 let wall = candidates.walls[candidate];
                 let sphere = &world.spheres[wall.body as usize];
                 let pose = &poses[wall.surface as usize];
-                let (gap, normal) = pose.nearest(&sphere.centre);
+                let met = self.given.meets(&wall);
+                meets |= u8::from(met.is_some()) << lane;
+                let (gap, normal) = met.unwrap_or_else(|| pose.nearest(&sphere.centre));
                 let velocity = pose.velocity_at(&(sphere.centre + normal * gap));
-                distance.0[lane] = gap;
-                radius.0[lane] = sphere.radius;
+                distances.0[lane] = gap;
+                radii.0[lane] = sphere.radius;
                 (normal_x.0[lane], normal_y.0[lane], normal_z.0[lane]) = (normal.x, normal.y, normal.z);
                 for axis in 0..3 {
                     wall_velocity[axis].0[lane] = velocity[axis];
@@ -112,7 +117,7 @@ impl Kernel for FillWalls<'_> {
                 (L::load_quads::<1>(before, &group.body), L::load_quads::<1>(impulses, &sources.or(nothing)))
             };
             let normal = [&normal_x, &normal_y, &normal_z].map(L::load);
-            let (distance, radius) = (L::load(&distance), L::load(&radius));
+            let (distance, radius) = (L::load(&distances), L::load(&radii));
             let material = LaneMaterial::of_each(|lane| {
                 let grain = world.materials[group.body[lane] as usize];
                 world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material)
@@ -126,6 +131,19 @@ impl Kernel for FillWalls<'_> {
                 damping_ratio: material.damping_ratio,
             };
             write_contacts(&mut group.contacts, normal, geometry, &material, remembered, constants);
+            // Few grains are so fast, and few scenes have any.
+            for lane in (0..crate::lanes::LANES).filter(|lane| meets >> lane & 1 == 1) {
+                let [u, v, w, _] = world.before[group.body[lane] as usize].0;
+                let towards = Vector3::from(group.contacts.normal(lane));
+                let wall = Vector3::from([0, 1, 2].map(|axis| wall_velocity[axis].0[lane]));
+                let velocity = towards.dot(&(wall - Vector3::new(u, v, w)));
+                let grain = world.materials[group.body[lane] as usize];
+                let restitution =
+                    world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material).restitution;
+                let gap = distances.0[lane] - radii.0[lane];
+                group.contacts.bias.0[lane] = impact_on_the_way(&constants.scheme, gap, velocity, restitution);
+                group.contacts.regularisation.0[lane] = 0.0;
+            }
         }
     }
 }

@@ -6,7 +6,7 @@
 mod fill;
 mod touch;
 
-use crate::detect::{Candidates, Impulse};
+use crate::detect::{Candidates, Impulse, WallCandidate};
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::restitution::{bears, with_restitution};
 use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number};
@@ -15,6 +15,7 @@ use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{ContactMaterial, Pose, World};
 use fill::{FillPairs, FillWalls};
+use nalgebra::Vector3;
 use touch::PackPairs;
 
 /// Turns candidates into lane groups; keeps its buffers from step to step.
@@ -119,6 +120,15 @@ impl Constrainer {
 }
 
 impl Given<'_> {
+    /// What the grain of a wall candidate meets if it is too fast for the step: see [`Pose::met_on_the_way`].
+    #[inline(always)]
+    fn meets(&self, wall: &WallCandidate) -> Option<(f64, Vector3<f64>)> {
+        let [u, v, w, _] = self.world.before[wall.body as usize].0;
+        let sphere = &self.world.spheres[wall.body as usize];
+        let pose = &self.poses[wall.surface as usize];
+        pose.met_on_the_way(sphere, &Vector3::new(u, v, w), self.constants.scheme.step)
+    }
+
     /// Lays out one task.
     ///
     /// # Safety

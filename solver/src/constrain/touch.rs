@@ -121,7 +121,7 @@ impl Given<'_> {
             let (distance, _) = self.poses[wall.surface as usize].nearest(&sphere.centre);
             // SAFETY: the caller's promise.
             unsafe {
-                if distance < sphere.radius + self.constants.reach {
+                if distance < sphere.radius + self.constants.reach || self.meets(&wall).is_some() {
                     let place = packer.place([wall.body]);
                     groups.put_wall(place, wall, candidate as u32, dummies);
                     groups.contacts += 1;

@@ -4,7 +4,7 @@ use super::CellGrid;
 use super::drift::Drift;
 use super::grid::DIRECTIONS;
 use super::memory::{OldList, Remembered, resize};
-use super::search::{Found, PairSearch};
+use super::search::{Found, PairSearch, WallReach};
 use crate::lanes::InstructionSet;
 use crate::partition::{BoxGrid, Plan, STAGES};
 use crate::schedule::{Disjoint, Phase, Team};
@@ -58,6 +58,7 @@ pub struct Candidates {
     pub rebuilds: u64,
     boxes: BoxGrid,
     skin: f64,
+    step: f64,
     grid: CellGrid,
     largest_diameter: f64,
     reference: Vec<Vector3<f64>>,
@@ -80,8 +81,8 @@ struct Buffers {
 }
 
 impl Candidates {
-    /// No candidates yet, for a world of so many grains; `largest_radius` and `skin` in m.
-    pub fn new(boxes: &BoxGrid, grains: usize, largest_radius: f64, skin: f64) -> Candidates {
+    /// No candidates yet, for a world of so many grains; `largest_radius` and `skin` in m, `step` in s.
+    pub fn new(boxes: &BoxGrid, grains: usize, largest_radius: f64, skin: f64, step: f64) -> Candidates {
         Candidates {
             pairs: Vec::new(),
             walls: Vec::new(),
@@ -90,6 +91,7 @@ impl Candidates {
             rebuilds: 0,
             boxes: boxes.clone(),
             skin,
+            step,
             grid: CellGrid::new(boxes, grains, 2.0 * largest_radius + skin),
             largest_diameter: 2.0 * largest_radius,
             reference: Vec::new(),
@@ -170,10 +172,11 @@ impl Candidates {
         found.resize_with(boxes, Found::default);
         let parts = Disjoint::new(found);
         let (grid, skin) = (&self.grid, self.skin);
+        let reach = WallReach { skin: WALL_SKINS * skin, step: self.step };
         team.each(Phase::Detect, boxes, |number| {
             // SAFETY: each box has its own entry.
             let found = unsafe { parts.at(number) };
-            found.search_walls(world, grid, poses, number, WALL_SKINS * skin);
+            found.search_walls(world, grid, poses, number, reach);
             set.run(PairSearch { spheres: &world.spheres, ids: &world.ids, grid, number, skin, found });
         });
     }

@@ -19,6 +19,15 @@ pub(super) struct Found {
     pub walls: Vec<WallCandidate>,
 }
 
+/// How far grains look for walls.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WallReach {
+    /// Beyond touch, m.
+    pub skin: f64,
+    /// Time step, s.
+    pub step: f64,
+}
+
 impl Found {
     pub fn memory_bytes(&self) -> usize {
         size_of::<Found>()
@@ -27,7 +36,10 @@ impl Found {
     }
 
     /// Finds the surfaces within reach of the grains of a box.
-    pub fn search_walls(&mut self, world: &World, grid: &CellGrid, poses: &[Pose], number: usize, skin: f64) {
+    ///
+    /// A grain too fast for the step also finds what it meets within the step.
+    pub fn search_walls(&mut self, world: &World, grid: &CellGrid, poses: &[Pose], number: usize, reach: WallReach) {
+        let WallReach { skin, step } = reach;
         self.walls.clear();
         let places = grid.grains_of_box(number);
         if places.is_empty() {
@@ -42,12 +54,17 @@ impl Found {
             radius = radius.max(sphere.radius);
         }
         let (centre, half): (Vector3<f64>, _) = ((low + high) * 0.5, (high - low).norm() * 0.5);
+        let bodies = &world.bodies[places.clone()];
+        let fastest = bodies.iter().map(|body| Vector3::from(body.velocity).norm()).fold(0.0, f64::max);
         for (surface, pose) in poses.iter().enumerate() {
-            if !pose.may_be_within(&centre, (half + radius + skin) * (1.0 + 1e-9)) {
+            let way = (fastest + pose.speed()) * step;
+            let ahead = if way > radius { way } else { 0.0 };
+            if !pose.may_be_within(&centre, (half + radius + skin + ahead) * (1.0 + 1e-9)) {
                 continue;
             }
-            for (grain, sphere) in places.clone().zip(spheres) {
-                if pose.nearest(&sphere.centre).0 < sphere.radius + skin {
+            for ((grain, sphere), body) in places.clone().zip(spheres).zip(bodies) {
+                let meets = || pose.met_on_the_way(sphere, &body.velocity.into(), step).is_some();
+                if pose.nearest(&sphere.centre).0 < sphere.radius + skin || (ahead > 0.0 && meets()) {
                     self.walls.push(WallCandidate { body: grain as u32, surface: surface as u32 });
                 }
             }

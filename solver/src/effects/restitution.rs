@@ -47,6 +47,13 @@ pub fn with_restitution<N: Number>(
     NormalConstraint { bias: N::select(overlap.below(N::zero()), across, touching), regularisation, ..constraint }
 }
 
+/// Bias of the impact of a grain on a wall that it would pass within the step, m/s: it leaves at `-e u_n0`, or, if that is
+/// slower than the threshold, it reaches the wall at the end of the step. `gap` in m, `velocity` in m/s, negative in approach.
+pub fn impact_on_the_way(scheme: &NormalScheme, gap: f64, velocity: f64, restitution: f64) -> f64 {
+    let rebound = -restitution * velocity;
+    if rebound > scheme.restitution_threshold { rebound } else { -gap / scheme.step }
+}
+
 /// Whether a contact may bear something in this step.
 #[inline(always)]
 pub fn bears<N: Number>(constraint: &NormalConstraint<N>) -> N::Mask {

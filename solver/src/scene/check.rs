@@ -12,6 +12,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
     root.key("duration").range(scene.duration, 0.0, 1e5, "s")?;
     root.key("gravity").finite(&scene.gravity)?;
     extent(&root.key("domain"), &scene.domain.min, &scene.domain.max)?;
+    root.key("largest_start_overlap").range(scene.largest_start_overlap, 0.0, 2.0, "smaller radii")?;
     materials(scene)?;
     walls(scene)?;
     grains(scene)?;
@@ -91,11 +92,12 @@ fn walls(scene: &Scene) -> Checked {
                 motion.key("velocity").finite(velocity)?;
                 interval(&motion, *start, *stop)?;
             }
-            Motion::Rotating { point, axis, rate, start, stop } => {
+            Motion::Rotating { point, axis, rate, start, stop, reverse } => {
                 motion.key("point").finite(point)?;
                 motion.key("axis").direction(axis)?;
                 motion.key("rate").range(*rate, -1e5, 1e5, "rad/s")?;
                 interval(&motion, *start, *stop)?;
+                motion.key("reverse").range(reverse.unwrap_or(*start), *start, 1e6, "s")?;
             }
         }
     }

@@ -44,6 +44,9 @@ pub struct Scene {
     pub seed: u64,
     /// Box that no grain may leave, metres.
     pub domain: Domain,
+    /// Largest overlap of two grains, or of a grain and a wall, that is accepted at the start, over the smaller radius.
+    #[serde(default = "types::slight_overlap", skip_serializing_if = "types::is_slight")]
+    pub largest_start_overlap: f64,
     /// Materials by name.
     pub material: BTreeMap<String, Material>,
     /// Friction and restitution of particular pairs of materials.

@@ -8,9 +8,6 @@ use rand_core::{RngCore, SeedableRng};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Largest overlap at the start, over the smaller radius.
-const MAX_INITIAL_OVERLAP: f64 = 0.01;
-
 /// A grain at the start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grain {
@@ -32,7 +29,7 @@ pub struct Grain {
 ///
 /// # Errors
 /// [`SceneError::Invalid`] if a population does not fit its region, a grain lies outside the domain or its
-/// container, or two grains overlap by more than 1% of the smaller radius.
+/// container, or two grains overlap by more than `largest_start_overlap` of the smaller radius.
 pub fn populate(scene: &Scene, seed: u64, file: &Path) -> Result<Vec<Grain>, SceneError> {
     place(scene, seed).map_err(|fault| {
         let text = std::fs::read_to_string(file).unwrap_or_default();
@@ -70,7 +67,7 @@ fn place(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Fault> {
         grains.extend(placed);
     }
     inside_container(scene, &grains, &origin)?;
-    no_overlap(&grains, &origin)?;
+    no_overlap(scene, &grains, &origin)?;
     Ok(grains)
 }
 
@@ -197,7 +194,7 @@ fn inside_container(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Re
         }
         for wall in &scene.wall {
             let overlap = wall_overlap(&wall.shape, grain);
-            if overlap > MAX_INITIAL_OVERLAP * grain.radius {
+            if overlap > scene.largest_start_overlap * grain.radius {
                 return Err(fault(
                     index,
                     format!("lies {overlap:.3e} m inside or behind wall '{}'", wall.name),
@@ -248,7 +245,7 @@ fn wall_overlap(shape: &Shape, grain: &Grain) -> f64 {
     }
 }
 
-fn no_overlap(grains: &[Grain], origin: &[Vec<Step>]) -> Result<(), Fault> {
+fn no_overlap(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Result<(), Fault> {
     let size = 2.0 * grains.iter().map(|grain| grain.radius).fold(1e-12, f64::max);
     let cell = |position: &[f64; 3]| position.map(|x| (x / size).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
@@ -259,11 +256,14 @@ fn no_overlap(grains: &[Grain], origin: &[Vec<Step>]) -> Result<(), Fault> {
                 let there = &grains[other];
                 let distance = (Vector3::from(grain.position) - Vector3::from(there.position)).norm();
                 let overlap = grain.radius + there.radius - distance;
-                if overlap > MAX_INITIAL_OVERLAP * grain.radius.min(there.radius) {
+                if overlap > scene.largest_start_overlap * grain.radius.min(there.radius) {
                     return Err(Fault {
                         path: origin[index].clone(),
                         problem: format!("grains {other} and {index} overlap by {overlap:.3e} m at the start"),
-                        remedy: "move them apart: at most 1% of the smaller radius is accepted".into(),
+                        remedy: format!(
+                            "move them apart: at most {} of the smaller radius is accepted (largest_start_overlap)",
+                            scene.largest_start_overlap
+                        ),
                     });
                 }
             }

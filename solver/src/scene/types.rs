@@ -10,6 +10,17 @@ pub(super) fn first_seed() -> u64 {
     1
 }
 
+const SLIGHT_OVERLAP: f64 = 0.01;
+
+pub(super) fn slight_overlap() -> f64 {
+    SLIGHT_OVERLAP
+}
+
+/// Whether an overlap is the default, which written scenes leave out so that they keep the hash that recorded results carry.
+pub(super) fn is_slight(overlap: &f64) -> bool {
+    *overlap == SLIGHT_OVERLAP
+}
+
 /// An axis-aligned box that no grain may leave, metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -136,6 +147,9 @@ pub enum Motion {
         start: f64,
         /// Time at which it ends, s; never, if absent.
         stop: Option<f64>,
+        /// Time from which it turns the other way at the same rate, s; never, if absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        reverse: Option<f64>,
     },
 }
 

@@ -1,5 +1,6 @@
 //! Faces of walls: where they are at a time, how fast they move, and the nearest point to a grain.
 
+use super::Sphere;
 use crate::scene::{Motion, Shape, Wall};
 use nalgebra::Vector3;
 
@@ -88,13 +89,16 @@ impl Surface {
                     pose.velocity = velocity;
                 }
             }
-            Motion::Rotating { point, axis, rate, start, stop } => {
+            Motion::Rotating { point, axis, rate, start, stop, reverse } => {
                 let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
                 if !self.in_place {
-                    pose.shape = self.shape.turned(centre, axis, rate * active_time(time, *start, *stop));
+                    let back = reverse.map_or(0.0, |reverse| active_time(time, reverse, *stop));
+                    let turned = active_time(time, *start, *stop) - 2.0 * back;
+                    pose.shape = self.shape.turned(centre, axis, rate * turned);
                 }
                 if is_active(time, *start, *stop) {
-                    pose.spin = axis * *rate;
+                    let backwards = reverse.is_some_and(|reverse| time >= reverse);
+                    pose.spin = axis * if backwards { -*rate } else { *rate };
                     pose.centre = centre;
                 }
             }
@@ -212,6 +216,54 @@ impl Pose {
             }
             Face::Shell { .. } => self.nearest(centre).0 < reach,
         }
+    }
+
+    /// What a grain meets that moves by more than its radius against the wall within a step: the distance from its centre to
+    /// the plane that touches the face where they meet, and the unit normal towards it; nothing if it meets nothing.
+    ///
+    /// Such a grain would otherwise be deep behind the face, or on the other side of a shell, before the two are seen to touch.
+    pub(crate) fn met_on_the_way(&self, sphere: &Sphere, velocity: &Vector, step: f64) -> Option<(f64, Vector)> {
+        let (shift, reach) = ((velocity - self.velocity) * step, sphere.radius);
+        if shift.norm_squared() <= reach * reach {
+            return None;
+        }
+        match self.shape {
+            Face::Plane { point, normal } | Face::Disc { centre: point, normal, .. } => {
+                let arm = sphere.centre - point;
+                let (height, fall) = (normal.dot(&arm), -normal.dot(&shift));
+                let share = (height - reach) / fall;
+                // In front of the face now, at it before the step ends.
+                let meets = height > reach && (0.0..=1.0).contains(&share);
+                let across = arm + shift * share - normal * reach;
+                let beside = matches!(self.shape, Face::Disc { radius, .. } if across.norm() > radius);
+                (meets && !beside).then_some((height, -normal))
+            }
+            Face::Shell { base, axis, radius, length } => {
+                let arm = sphere.centre - base;
+                let (across, moved) = (arm - axis * axis.dot(&arm), shift - axis * axis.dot(&shift));
+                // From inside the far crossing with the circle of touch, from outside the near one.
+                let inside = across.norm() < radius;
+                let (side, touch) = if inside { (1.0, radius - reach) } else { (-1.0, radius + reach) };
+                let (square, half) = (moved.norm_squared(), across.dot(&moved));
+                let beyond = across.norm_squared() - touch * touch;
+                let root = half * half - square * beyond;
+                if root < 0.0 || (side * beyond > 0.0 && side * half >= 0.0) || touch <= 0.0 {
+                    return None;
+                }
+                let share = (side * root.sqrt() - half) / square;
+                let along = axis.dot(&(arm + shift * share));
+                if !(0.0..=1.0).contains(&share) || !(0.0..=length).contains(&along) {
+                    return None;
+                }
+                let normal = (across + moved * share) * (side / touch);
+                Some((side * radius - normal.dot(&across), normal))
+            }
+        }
+    }
+
+    /// Speed of the wall's translation, m/s.
+    pub(crate) fn speed(&self) -> f64 {
+        self.velocity.norm()
     }
 
     /// Velocity of the wall at a point, m/s.

@@ -42,6 +42,8 @@ pub enum Command {
     Tradeoff(TradeoffArguments),
     /// Measure the contact sweep against what arithmetic and memory deliver.
     Roofline(RooflineArguments),
+    /// Run the hard cases: what breaks simulators, the right outcome, and who survives it.
+    Stability(StabilityArguments),
 }
 
 /// Arguments of `makadam run`.
@@ -396,6 +398,34 @@ pub struct RooflineArguments {
     #[arg(long, default_value_t = 1.5, value_parser = positive)]
     pub settle: f64,
     /// Folder to write into; results/roofline, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the study as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam stability`.
+#[derive(Debug, Args)]
+pub struct StabilityArguments {
+    /// Parts of names of cases or groups; all cases, if absent.
+    pub cases: Vec<String>,
+    /// Leave out the cases that take more than a few seconds.
+    #[arg(long)]
+    pub quick: bool,
+    /// Say which cases there are, what is right in each, and why; run none.
+    #[arg(long)]
+    pub list: bool,
+    /// Codes to run.
+    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam"])]
+    pub codes: Vec<CodeName>,
+    /// Wall time after which a run is stopped, s; 600, if absent, or 60 with --quick.
+    #[arg(long, value_parser = positive)]
+    pub time_limit: Option<f64>,
+    /// Runs side by side; as many as there are cores, if absent.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Folder to write into; results/stability, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the study as JSON.

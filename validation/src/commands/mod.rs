@@ -10,6 +10,7 @@ mod record;
 mod roofline;
 mod run;
 mod scaling;
+mod stability;
 mod tradeoff;
 
 pub use console::Console;
@@ -37,6 +38,7 @@ pub fn main() -> ExitCode {
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),
+        Command::Stability(stability) => stability::stability(stability, &console),
         Command::Tradeoff(tradeoff) => tradeoff::tradeoff(tradeoff, &console),
     };
     match done {

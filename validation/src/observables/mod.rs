@@ -46,6 +46,7 @@ pub mod walls;
 
 pub use force_distribution::{ForcePool, force_distribution};
 pub use measurement::Measurement;
+pub use neighbours::close_pairs;
 
 use crate::compare::Series;
 use crate::recording::Recording;

@@ -44,9 +44,10 @@ fn place(wall: &Wall, time: f64) -> Vec<Placed> {
     match &wall.motion {
         Motion::Fixed => {}
         Motion::Translating { velocity, start, stop } => shift = Vector3::from(*velocity) * elapsed(*start, *stop),
-        Motion::Rotating { point, axis, rate, start, stop } => {
+        Motion::Rotating { point, axis, rate, start, stop, reverse } => {
             let axis = Unit::new_normalize(Vector3::from(*axis));
-            let back = Rotation3::from_axis_angle(&axis, -rate * elapsed(*start, *stop));
+            let backwards = reverse.map_or(0.0, |reverse| elapsed(reverse, *stop));
+            let back = Rotation3::from_axis_angle(&axis, -rate * (elapsed(*start, *stop) - 2.0 * backwards));
             turn = Some((Vector3::from(*point), back));
         }
     }

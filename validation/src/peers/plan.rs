@@ -19,6 +19,17 @@ pub(super) struct Plan {
     pub fine_from: u64,
 }
 
+/// A part of a wall's motion in which its velocity does not change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MotionPhase {
+    /// Step at which it begins.
+    pub first: u64,
+    /// Step at which it ends.
+    pub last: u64,
+    /// 1 as the scene says, -1 the other way.
+    pub direction: f64,
+}
+
 impl Plan {
     /// Divides a scene's duration by a step of at most `largest_step`.
     pub fn new(scene: &Scene, largest_step: f64) -> Plan {
@@ -44,15 +55,19 @@ impl Plan {
         coarse.chain(fine).chain([self.steps]).collect()
     }
 
-    /// First and last step of a wall's motion; nothing if it never moves within the run.
-    pub fn motion_steps(&self, motion: &Motion) -> Option<(u64, u64)> {
-        let (start, stop) = match motion {
-            Motion::Fixed => return None,
-            Motion::Translating { start, stop, .. } | Motion::Rotating { start, stop, .. } => (*start, *stop),
+    /// The phases of a wall's motion within the run, each at one velocity, in their order.
+    pub fn phases(&self, motion: &Motion) -> Vec<MotionPhase> {
+        let (start, stop, reverse) = match motion {
+            Motion::Fixed => return Vec::new(),
+            Motion::Translating { start, stop, .. } => (*start, *stop, None),
+            Motion::Rotating { start, stop, reverse, .. } => (*start, *stop, *reverse),
         };
         let step_at = |time: f64| ((time / self.time_step).round() as u64).min(self.steps);
         let (first, last) = (step_at(start), stop.map_or(self.steps, step_at));
-        (first < last).then_some((first, last))
+        let turn = reverse.map_or(last, step_at).clamp(first, last.max(first));
+        let forth = MotionPhase { first, last: turn, direction: 1.0 };
+        let back = MotionPhase { first: turn, last, direction: -1.0 };
+        [forth, back].into_iter().filter(|phase| phase.first < phase.last).collect()
     }
 
     /// Steps at which some wall starts or stops or the frames become denser, rising, with both ends of the run.
@@ -60,8 +75,8 @@ impl Plan {
         let mut at: Vec<u64> = scene
             .wall
             .iter()
-            .filter_map(|wall| self.motion_steps(&wall.motion))
-            .flat_map(|(first, last)| [first, last])
+            .flat_map(|wall| self.phases(&wall.motion))
+            .flat_map(|phase| [phase.first, phase.last])
             .chain([0, self.fine_from, self.steps])
             .collect();
         at.sort_unstable();

@@ -3,7 +3,7 @@
 use super::assemble::{contact_from_force, merge_wall_contacts};
 use super::mesh::{Triangle, wall_mesh};
 use super::palette::Palette;
-use super::plan::Plan;
+use super::plan::{MotionPhase, Plan};
 use super::process::{self, Run, io};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
@@ -79,7 +79,7 @@ struct GrainEntry<'a> {
 struct WallEntry {
     material: usize,
     triangles: Vec<Triangle>,
-    motion: Option<MotionEntry>,
+    motions: Vec<MotionEntry>,
 }
 
 #[derive(Serialize)]
@@ -231,21 +231,24 @@ fn job_file<'a>(job: &Job<'_>, grains: &'a [Grain], plan: &Plan) -> JobFile<'a> 
             .map(|wall| WallEntry {
                 material: palette.index(&wall.material, true),
                 triangles: wall_mesh(&wall.shape, &scene.domain, smallest).triangles,
-                motion: motion_entry(&wall.motion, plan),
+                motions: plan
+                    .phases(&wall.motion)
+                    .iter()
+                    .filter_map(|phase| motion_entry(&wall.motion, phase))
+                    .collect(),
             })
             .collect(),
     }
 }
 
-fn motion_entry(motion: &Motion, plan: &Plan) -> Option<MotionEntry> {
-    let (first, last) = plan.motion_steps(motion)?;
+fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<MotionEntry> {
     let (kind, point, direction, rate) = match motion {
         Motion::Fixed => return None,
         Motion::Translating { velocity, .. } => ("translating", [0.0; 3], *velocity, Vector3::from(*velocity).norm()),
         Motion::Rotating { point, axis, rate, .. } => ("rotating", *point, *axis, *rate),
     };
     let axis = Vector3::from(direction).try_normalize(0.0)?.into();
-    Some(MotionEntry { kind, point, axis, rate, first, last })
+    Some(MotionEntry { kind, point, axis, rate: phase.direction * rate, first: phase.first, last: phase.last })
 }
 
 /// Reads the driver's frames; any bytes are either frames or an error.

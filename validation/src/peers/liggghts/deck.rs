@@ -170,10 +170,12 @@ fn pieces(text: &mut String, scene: &Scene, meshes: &[(usize, Mesh)], plan: &Pla
     for (index, &at) in boundaries.iter().enumerate() {
         for (wall, _) in meshes {
             let motion = &scene.wall[*wall].motion;
-            match plan.motion_steps(motion) {
-                Some((first, _)) if first == at => start_motion(text, *wall, motion),
-                Some((_, last)) if last == at && at < plan.steps => _ = writeln!(text, "unfix move{wall}"),
-                _ => {}
+            let phases = plan.phases(motion);
+            if phases.iter().any(|phase| phase.last == at && at < plan.steps) {
+                let _ = writeln!(text, "unfix move{wall}");
+            }
+            if let Some(phase) = phases.iter().find(|phase| phase.first == at) {
+                start_motion(text, *wall, motion, phase.direction);
             }
         }
         let Some(next) = boundaries.get(index + 1) else { break };
@@ -190,13 +192,14 @@ fn pieces(text: &mut String, scene: &Scene, meshes: &[(usize, Mesh)], plan: &Pla
     }
 }
 
-fn start_motion(text: &mut String, wall: usize, motion: &Motion) {
+fn start_motion(text: &mut String, wall: usize, motion: &Motion, direction: f64) {
     let _ = match motion {
         Motion::Fixed => Ok(()),
         Motion::Translating { velocity: [x, y, z], .. } => {
             writeln!(text, "fix move{wall} all move/mesh mesh wall{wall} linear {x:.17e} {y:.17e} {z:.17e}")
         }
         Motion::Rotating { point: [x, y, z], axis, rate, .. } => {
+            let rate = direction * rate;
             // The period has no sign: a wall that turns backwards has its axis turned about.
             let [a, b, c]: [f64; 3] = (Vector3::from(*axis).normalize() * rate.signum()).into();
             let period = std::f64::consts::TAU / rate.abs().max(1e-12);

@@ -1,0 +1,114 @@
+//! `makadam stability`: the hard cases, in Makadam and in other codes.
+
+use super::arguments::StabilityArguments;
+use super::compare::codes;
+use super::{Console, Failure, OUTSIDE_TOLERANCE, json, use_threads};
+use crate::output::{create_folder, write_whole};
+use crate::peers::Code;
+use crate::provenance::account;
+use crate::stability::{Case, CaseResult, StabilityError, Study, catalogue, table};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+/// Wall time after which a run is stopped where none is given, s: of the quick catalogue, and of all cases.
+const TIME_LIMITS: [f64; 2] = [60.0, 600.0];
+
+/// Runs the cases that were asked for, writes what came of them, and says it.
+pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let cases = chosen(arguments)?;
+    if arguments.list {
+        let lines: Vec<String> =
+            cases.iter().map(|case| format!("{}: {}\n  because: {}", case.name, case.right, case.source)).collect();
+        console.result(&lines.join("\n"))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let codes = codes(&arguments.codes);
+    if let Some(code) = codes.iter().find(|code| code.version().is_none()) {
+        return Err(Failure::MissingCode(format!(
+            "{} is not installed; run scripts/install-peers, or leave it out with --codes",
+            code.name()
+        )));
+    }
+    use_threads(arguments.threads)?;
+    let [quick, all] = TIME_LIMITS;
+    let time_limit = arguments.time_limit.unwrap_or(if arguments.quick { quick } else { all });
+    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join("stability"));
+    create_folder(&folder.join("scenes"))?;
+    for case in &cases {
+        let text = toml::to_string(&case.scene).expect("a scene is made of plain tables");
+        write_whole(&folder.join("scenes").join(format!("{}.toml", case.name)), text.as_bytes())?;
+    }
+    let results = run(&cases, &codes, &folder, Duration::from_secs_f64(time_limit), console)?;
+
+    let study = Study {
+        version: 1,
+        command: "stability",
+        as_stated: Study::all_as_stated(&results),
+        cases: results,
+        codes: codes.iter().filter_map(|code| Some((code.name().to_string(), code.version()?))).collect(),
+        time_limit,
+        provenance: account(rayon::current_num_threads(), &[]),
+    };
+    let document = json(&study);
+    write_whole(&folder.join("stability.json"), document.as_bytes())?;
+    console.result(&if arguments.json { document } else { table(&study) })?;
+    Ok(if study.as_stated { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+}
+
+/// The cases of the catalogue whose name or group contains one of the filters; all, if there is none.
+fn chosen(arguments: &StabilityArguments) -> Result<Vec<Case>, Failure> {
+    let wanted = |case: &Case| {
+        let mut filters = arguments.cases.iter();
+        let named = arguments.cases.is_empty()
+            || filters.any(|filter| case.name.contains(filter.as_str()) || case.group.contains(filter.as_str()));
+        named && !(arguments.quick && case.long)
+    };
+    let cases: Vec<Case> = catalogue().into_iter().filter(wanted).collect();
+    match cases.is_empty() {
+        true => Err(Failure::Usage("no case has such a name; makadam stability --list shows all".into())),
+        false => Ok(cases),
+    }
+}
+
+/// Runs every case in every code, several side by side.
+fn run(
+    cases: &[Case],
+    codes: &[Box<dyn Code>],
+    folder: &Path,
+    limit: Duration,
+    console: &Console,
+) -> Result<Vec<CaseResult>, Failure> {
+    let bar = console.bar("hard cases");
+    let (done, runs) = (AtomicUsize::new(0), cases.len() * codes.len());
+    let one = |case: &Case, code: &dyn Code| {
+        bar.say(format!("{} in {}", case.name, code.name()));
+        let outcome = match code.name() {
+            "Makadam" => case.in_makadam(limit),
+            name => case.in_peer(code, &folder.join("runs").join(&case.name).join(name), limit),
+        };
+        bar.set((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / runs as f64);
+        if let Ok(outcome) = &outcome {
+            let words = outcome.verdict.words();
+            console.detail(&format!("{} in {}: {words}, {:.1} s", case.name, outcome.code, outcome.wall_seconds));
+        }
+        outcome
+    };
+    let result = |case: &Case| -> Result<CaseResult, Failure> {
+        let outcomes: Result<Vec<_>, StabilityError> = codes.par_iter().map(|code| one(case, &**code)).collect();
+        Ok(CaseResult::new(case, outcomes?))
+    };
+    cases.par_iter().map(result).collect()
+}
+
+impl From<StabilityError> for Failure {
+    fn from(error: StabilityError) -> Failure {
+        match error {
+            StabilityError::Scene(error) => Failure::Scene(error),
+            StabilityError::Interrupted => Failure::Interrupted("nothing: no study was written".into()),
+            StabilityError::Code(error) => error.into(),
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! A case in one code: run, measured, judged. A run that fails is an outcome.
+
+use super::{Case, Evidence, Finding, Outcome, Verdict};
+use crate::peers::{Code, CodeError, Job, frame_is_due};
+use crate::prepared::steps_in;
+use makadam::Simulation;
+use makadam::scene::{Grain, SceneError, populate};
+use makadam::snapshot::Snapshot;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Time step of explicit codes over the Rayleigh step, where a case leaves the step to them.
+const RAYLEIGH_FRACTION: f64 = 0.2;
+
+/// Why a case could not be judged at all.
+#[derive(Debug, thiserror::Error)]
+pub enum StabilityError {
+    /// The scene cannot be populated.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+    /// The code is not there, or its files cannot be written.
+    #[error(transparent)]
+    Code(CodeError),
+}
+
+/// What came of a run: its frames, or the verdict and the reason why there are none.
+type Run = Result<Frames, (Verdict, String)>;
+
+struct Frames {
+    frames: Vec<Snapshot>,
+    time_step: f64,
+}
+
+impl Case {
+    /// Runs the case in Makadam, on one thread.
+    ///
+    /// # Errors
+    /// [`StabilityError`] if the scene is wrong or the user asked to stop.
+    pub fn in_makadam(&self, limit: Duration) -> Result<Outcome, StabilityError> {
+        let file = Path::new(&self.name);
+        let grains = populate(&self.scene, self.scene.seed, file)?;
+        let start = Instant::now();
+        let run = self.simulate(limit, file)?;
+        Ok(self.outcome("Makadam", &grains, run, start))
+    }
+
+    fn simulate(&self, limit: Duration, file: &Path) -> Result<Run, StabilityError> {
+        let start = Instant::now();
+        let mut simulation = Simulation::new(&self.scene, self.scene.seed, file)?;
+        let time_step = simulation.time_step();
+        let steps = steps_in(self.scene.duration, time_step).max(1);
+        let mut frames = vec![simulation.snapshot()];
+        for step in 1..=steps {
+            simulation.step();
+            if step == steps || frame_is_due(step, time_step, self.scene.measure.interval) {
+                frames.push(simulation.snapshot());
+            }
+            if crate::interrupt::requested() {
+                return Err(StabilityError::Interrupted);
+            }
+            if start.elapsed() > limit {
+                let done = 100.0 * step as f64 / steps as f64;
+                let reason = format!("stopped after {} s at {done:.0}% of the run", limit.as_secs_f64());
+                return Ok(Err((Verdict::TookTooLong, reason)));
+            }
+        }
+        Ok(Ok(Frames { frames, time_step }))
+    }
+
+    /// Runs the case in another code; its files go to `folder`.
+    ///
+    /// # Errors
+    /// [`StabilityError`] if the code is not there, its files cannot be written, or the user asked to stop.
+    pub fn in_peer(&self, code: &dyn Code, folder: &Path, limit: Duration) -> Result<Outcome, StabilityError> {
+        let file = Path::new(&self.name);
+        let grains = populate(&self.scene, self.scene.seed, file)?;
+        let rayleigh_step = self.scene.rayleigh_step(&grains);
+        let job = Job {
+            scene: &self.scene,
+            scene_file: file,
+            seed: self.scene.seed,
+            stiffness_factor: 1.0,
+            rayleigh_fraction: self.peer_step.map_or(RAYLEIGH_FRACTION, |step| step / rayleigh_step),
+            work_folder: folder,
+            time_limit: limit,
+            progress: &|_| {},
+        };
+        let start = Instant::now();
+        let run = match code.simulate(&job) {
+            Ok(recording) => Ok(Frames { frames: recording.frames, time_step: recording.time_step }),
+            Err(CodeError::Interrupted { .. }) => return Err(StabilityError::Interrupted),
+            Err(CodeError::Scene(error)) => return Err(error.into()),
+            Err(CodeError::Unsupported { reason, .. }) => Err((Verdict::CannotBeExpressed, reason)),
+            Err(CodeError::TimedOut { seconds, .. }) => {
+                Err((Verdict::TookTooLong, format!("stopped after {seconds} s")))
+            }
+            Err(CodeError::Crashed { status, tail, .. }) => Err((Verdict::Crashed, format!("{status}: {tail}"))),
+            Err(CodeError::Output { problem, .. }) => Err((Verdict::Crashed, problem)),
+            Err(error) => return Err(StabilityError::Code(error)),
+        };
+        Ok(self.outcome(code.name(), &grains, run, start))
+    }
+
+    fn outcome(&self, code: &str, grains: &[Grain], run: Run, start: Instant) -> Outcome {
+        let (verdict, findings, reason, time_step) = match run {
+            Err((verdict, reason)) => (verdict, Vec::new(), Some(reason), None),
+            Ok(Frames { frames, time_step }) => {
+                let evidence = Evidence::new(&self.scene, grains, &frames);
+                match evidence.is_finite() {
+                    false => {
+                        (Verdict::Crashed, Vec::new(), Some("a number is not finite".to_string()), Some(time_step))
+                    }
+                    true => {
+                        let findings = (self.judge)(&evidence);
+                        let verdict =
+                            if findings.iter().all(Finding::holds) { Verdict::AsStated } else { Verdict::NotAsStated };
+                        (verdict, findings, None, Some(time_step))
+                    }
+                }
+            }
+        };
+        let wall_seconds = start.elapsed().as_secs_f64();
+        Outcome { code: code.into(), verdict, findings, reason, time_step, wall_seconds }
+    }
+}

@@ -1,0 +1,22 @@
+//! Hard cases: a catalogue of scenes that break simulators, each with the right outcome, its source and a measured verdict.
+//!
+//! ```text
+//! catalogue -> Case -> run in a code -> Evidence (frames) -> judge -> Finding -> Verdict -> table, JSON
+//! ```
+//!
+//! Every code is measured by the same figures from its frames. A run that fails is an outcome like any other.
+
+mod carry_out;
+mod case;
+mod catalogue;
+mod evidence;
+mod outcome;
+mod sketch;
+mod table;
+
+pub use carry_out::StabilityError;
+pub use case::{Case, Finding, Judge};
+pub use catalogue::catalogue;
+pub use evidence::Evidence;
+pub use outcome::{CaseResult, Outcome, Study, Verdict};
+pub use table::table;

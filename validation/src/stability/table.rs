@@ -1,0 +1,94 @@
+//! A study as plain text for a terminal: one row a case, one column a code, and what is not as stated below.
+
+use super::{CaseResult, Finding, Outcome, Study, Verdict};
+
+/// The cases by group as aligned text.
+pub fn table(study: &Study) -> String {
+    let codes: Vec<&str> = study.cases.first().map_or(Vec::new(), |case| codes(case));
+    let head: Vec<String> = std::iter::once("case").chain(codes.iter().copied()).map(String::from).collect();
+    let mut rows = vec![head];
+    for case in &study.cases {
+        rows.push(std::iter::once(case.name.clone()).chain(case.outcomes.iter().map(cell)).collect());
+    }
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let mut text = String::new();
+    let mut group = "";
+    for (number, row) in rows.iter().enumerate() {
+        if number > 0 && study.cases[number - 1].group != group {
+            group = study.cases[number - 1].group;
+            text.push_str(&format!("\n{group}\n"));
+        }
+        let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}")).collect::<Vec<_>>();
+        text.push_str(cells.join("  ").trim_end());
+        text.push('\n');
+    }
+    text.push_str(&remarks(study));
+    text.push_str(&summary(study));
+    text
+}
+
+fn codes(case: &CaseResult) -> Vec<&str> {
+    case.outcomes.iter().map(|outcome| outcome.code.as_str()).collect()
+}
+
+/// Verdict and figure in a few words.
+fn cell(outcome: &Outcome) -> String {
+    match outcome.telling() {
+        Some(finding) => format!("{} ({})", outcome.verdict.words(), figure(finding.value, finding.unit)),
+        None => outcome.verdict.words().to_string(),
+    }
+}
+
+fn figure(value: f64, unit: &str) -> String {
+    let size = value.abs();
+    let number = match size == 0.0 || (1e-3..1e5).contains(&size) {
+        true => format!("{value:.4}"),
+        false => format!("{value:.2e}"),
+    };
+    if unit.is_empty() { number } else { format!("{number} {unit}") }
+}
+
+/// What of the cases is not as stated, with figures and bounds.
+fn remarks(study: &Study) -> String {
+    let mut text = String::new();
+    for case in &study.cases {
+        for outcome in case.outcomes.iter().filter(|outcome| outcome.verdict != Verdict::AsStated) {
+            let found: Vec<String> = outcome.findings.iter().filter(|finding| !finding.holds()).map(sentence).collect();
+            let why = outcome.reason.clone().unwrap_or_else(|| found.join("; "));
+            text.push_str(&format!("\n{} in {}: {}: {why}", case.name, outcome.code, outcome.verdict.words()));
+        }
+    }
+    if !text.is_empty() {
+        text.push('\n');
+    }
+    text
+}
+
+fn sentence(finding: &Finding) -> String {
+    let Finding { what, unit, value, low, high } = finding;
+    let value = figure(*value, unit);
+    match (low.is_finite(), high.is_finite()) {
+        (true, true) => format!("{what} {value}, right is {} to {}", figure(*low, unit), figure(*high, unit)),
+        (true, false) => format!("{what} {value}, right is at least {}", figure(*low, unit)),
+        _ => format!("{what} {value}, right is at most {}", figure(*high, unit)),
+    }
+}
+
+/// One line a code: how many cases ended how.
+fn summary(study: &Study) -> String {
+    let Some(first) = study.cases.first() else { return String::from("no cases\n") };
+    let mut text = String::new();
+    for (column, code) in codes(first).into_iter().enumerate() {
+        let verdicts = study.cases.iter().map(|case| case.outcomes[column].verdict);
+        let count = |wanted: Verdict| verdicts.clone().filter(|verdict| *verdict == wanted).count();
+        let others = [Verdict::NotAsStated, Verdict::Crashed, Verdict::TookTooLong, Verdict::CannotBeExpressed];
+        text.push_str(&format!("\n{code}: {} of {} as stated", count(Verdict::AsStated), study.cases.len()));
+        for verdict in others {
+            if count(verdict) > 0 {
+                text.push_str(&format!(", {} {}", count(verdict), verdict.words()));
+            }
+        }
+    }
+    text
+}
