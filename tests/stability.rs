@@ -8,8 +8,6 @@ use support::makadam;
 
 /// Cases that do not end as stated, each with the reason.
 const KNOWN: &[(&str, &str)] = &[
-    ("wedge", "a preloaded contact that approaches counts as an impact, and its overlap becomes speed"),
-    ("impossible-gap", "as wedge"),
     (
         "impossible-gap-rigid",
         "two rigid contacts that contradict each other have no solution: impulses grow with sweeps",

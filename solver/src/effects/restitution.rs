@@ -1,9 +1,10 @@
 //! Restitution of impacts: Newton's law, in the same solve as everything else.
 //!
 //! A contact that approaches faster than a threshold must leave at `e` times its approach speed: its bias becomes
-//! `q = max(q, -e u_n0)` (Lacoursière 2007, 10.31, without a separate impact stage). Below the threshold a contact is
-//! a resting one. A compliant contact whose impact the step resolves needs none of this: its damping gives the
-//! restitution. Where the step does not resolve it, the impact is over within the step, so it is as stiff as a rigid one.
+//! `q = max(q, -e u_n0)` (Lacoursière 2007, 10.31, without a separate impact stage); where the first is larger, the contact
+//! keeps its compliance. Below the threshold a contact is a resting one. A compliant contact whose impact the step resolves
+//! needs none of this: its damping gives the restitution. Where the step does not resolve it, the impact is over within the
+//! step, so it is as stiff as a rigid one.
 
 use super::compliance::{NormalConstraint, NormalScheme};
 use crate::lanes::Number;
@@ -31,14 +32,16 @@ pub fn with_restitution<N: Number>(
     let (never, separates) = (N::splat(OUT_OF_TOUCH), threshold.below(velocity));
     let impact = velocity.below(-threshold);
     let rebound = -restitution * velocity;
-    let unresolved = impact & !constraint.resolves_impact;
+    // A contact that is pushed apart faster than it would rebound bears a load, or is deep: its compliance must go on telling how
+    // much, or the overlap would become speed.
+    let unresolved = impact & !constraint.resolves_impact & constraint.bias.below(rebound);
     let (touching, regularisation) = match scheme.law {
         NormalLaw::Rigid => {
             let resting = N::select(separates, never, constraint.bias.smaller(threshold));
             (N::select(impact, rebound, resting), constraint.regularisation)
         }
         _ => (
-            N::select(unresolved, constraint.bias.larger(rebound), constraint.bias),
+            N::select(unresolved, rebound, constraint.bias),
             N::select(unresolved, N::zero(), constraint.regularisation),
         ),
     };
