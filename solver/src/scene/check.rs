@@ -11,7 +11,7 @@ const MOST_GRAINS: f64 = 1e8;
 /// Most materials: their numbers have eight bits.
 const MOST_MATERIALS: usize = 256;
 /// Most frames of a run.
-const MOST_FRAMES: f64 = 1e7;
+const MOST_FRAMES: f64 = 1e6;
 /// Standard deviations of a normal distribution over the width that its radii are redrawn into: beyond it, drawing takes long.
 const MOST_DEVIATIONS: f64 = 100.0;
 
