@@ -1,10 +1,10 @@
 //! A scene small enough for Miri that goes through all code which leaves the compiler's checks: shared slices, reordering,
 //! lane groups, sweeps of every kind, checkpoints. `scripts/miri` runs it there, where the lanes are those of plain Rust.
 
+use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::scene::{Precision, Scene, SolverMethod};
 use makadam::schedule::Scheduler;
-use makadam::{Simulation, StepReport};
 use std::path::Path;
 
 /// Miri is some thousand times slower.
@@ -37,8 +37,8 @@ fn start(scene: &Scene) -> Simulation {
 
 /// Steps, and returns the hash of the state at the end.
 fn hash_after(mut simulation: Simulation) -> u64 {
-    let reports: Vec<StepReport> = (0..STEPS).map(|_| simulation.step()).collect();
-    assert!(reports.iter().all(|report| report.contacts > 30), "{reports:?}");
+    let contacts: Vec<usize> = (0..STEPS).map(|_| simulation.step().contacts).collect();
+    assert!(contacts.iter().all(|&contacts| contacts > 10), "{contacts:?}");
     simulation.state_hash()
 }
 

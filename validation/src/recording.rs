@@ -89,9 +89,12 @@ impl Recording {
     }
 }
 
+/// No place, speed, size or force comes near it, in SI units.
+const LARGEST: f64 = 1e12;
+
 /// Grains are numbered without holes, contacts are between them, and every number is one.
 fn check_frame(frame: &Snapshot) -> Result<(), String> {
-    let finite = |vector: &[f64; 3]| vector.iter().all(|component| component.is_finite());
+    let finite = |vector: &[f64; 3]| vector.iter().all(|component| component.abs() < LARGEST);
     if !frame.time.is_finite() {
         return Err("its time is not a number".into());
     }
@@ -100,7 +103,7 @@ fn check_frame(frame: &Snapshot) -> Result<(), String> {
             return Err(format!("grain {} stands in place {place}", grain.id));
         }
         let whole = [grain.position, grain.velocity, grain.spin].iter().all(finite);
-        if !whole || !grain.radius.is_finite() || grain.radius <= 0.0 {
+        if !whole || !(1.0 / LARGEST..LARGEST).contains(&grain.radius) {
             return Err(format!("grain {place} has a value that is not a number, or no radius"));
         }
     }
@@ -110,7 +113,7 @@ fn check_frame(frame: &Snapshot) -> Result<(), String> {
             return Err(format!("a contact of grain {id}, which is not there"));
         }
         let whole = [contact.point, contact.normal, contact.tangential_force].iter().all(finite);
-        if !whole || !contact.normal_force.is_finite() {
+        if !whole || !finite(&[contact.normal_force; 3]) {
             return Err(format!("a contact of grain {} has a value that is not a number", contact.first));
         }
     }

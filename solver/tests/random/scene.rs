@@ -45,6 +45,16 @@ pub enum Container {
     },
 }
 
+impl Container {
+    /// The same without motion.
+    pub fn at_rest(self) -> Container {
+        match self {
+            Container::Cylinder { radius, .. } => Container::Cylinder { radius, rate: 0.0 },
+            other => other,
+        }
+    }
+}
+
 /// A scene.
 #[derive(Clone, Debug)]
 pub struct Drawn {

@@ -124,10 +124,10 @@ fn version_in(words: &str) -> Option<&str> {
     after.split([',', ' ', ')']).next().filter(|version| !version.is_empty())
 }
 
-/// Sum of the stepping times of a log, without the time of output, s; words that are no finite number do not count.
+/// Sum of the stepping times of a log, without the time of output, s; numbers that are not finite do not count.
 pub fn loop_seconds(log: &str) -> f64 {
-    let finite = |word: &str| word.parse::<f64>().ok().filter(|number| number.is_finite());
-    let number = |line: &str| line.split_whitespace().find_map(finite).unwrap_or(0.0);
+    let first = |line: &str| line.split_whitespace().find_map(|word| word.parse::<f64>().ok());
+    let number = |line: &str| first(line).filter(|number| number.is_finite()).unwrap_or(0.0);
     let sum: f64 = log
         .lines()
         .map(|line| match line.split_once('=') {

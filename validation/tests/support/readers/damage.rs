@@ -36,6 +36,9 @@ const TOKENS: [&str; 32] = [
     "grösse 粒",
 ];
 
+/// Numbers that may well stand in the place of another: they lead past the checks.
+const ORDINARY: [&str; 12] = ["0.001", "0.003", "0.01", "0.02", "0.5", "1.0", "2", "3", "10.0", "1e3", "-0.01", "1e5"];
+
 /// What nests, and how deep.
 const NESTS: [&str; 5] = ["[", "{a=", "{\"a\":", "a.", "[["];
 const DEPTH: usize = 3000;
@@ -82,7 +85,7 @@ pub fn damage(bytes: &mut Vec<u8>, others: &[Vec<u8>], edit: u64) {
     let at = random.below(bytes.len() + 1);
     let length = [1, 2, 8, 30, 200][random.below(5)];
     let end = (at + length).min(bytes.len());
-    match random.below(12) {
+    match random.below(16) {
         0 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
         1 if at < bytes.len() => bytes[at] = random.next() as u8,
         2 => drop(bytes.drain(at..end)),
@@ -98,12 +101,17 @@ pub fn damage(bytes: &mut Vec<u8>, others: &[Vec<u8>], edit: u64) {
             bytes.splice(at..end, part);
         }
         5 => drop(bytes.splice(at..at, TOKENS[random.below(TOKENS.len())].bytes())),
-        6 | 7 => {
+        6 | 7 | 12..16 => {
             // A whole number in a text gives way to another one.
             let from = (at..bytes.len()).find(|&place| bytes[place].is_ascii_digit()).unwrap_or(at);
             let is_part = |byte: &u8| byte.is_ascii_digit() || b".e+-".contains(byte);
             let past = (from..bytes.len()).find(|&place| !is_part(&bytes[place])).unwrap_or(bytes.len());
-            bytes.splice(from..past, TOKENS[random.below(TOKENS.len())].bytes());
+            let number = if random.below(2) == 0 {
+                TOKENS[random.below(TOKENS.len())]
+            } else {
+                ORDINARY[random.below(ORDINARY.len())]
+            };
+            bytes.splice(from..past, number.bytes());
         }
         8 => bytes.truncate(at),
         9 => {
@@ -137,7 +145,8 @@ pub fn input(documents: &[Vec<u8>], number: u64) -> Vec<u8> {
         return (0..length).map(|_| random.next() as u8).collect();
     }
     let mut bytes = documents[random.below(documents.len())].clone();
-    for _ in 0..1 + random.below(6) {
+    let most = if random.below(2) == 0 { 1 } else { 6 };
+    for _ in 0..1 + random.below(most) {
         damage(&mut bytes, documents, random.next());
     }
     bytes

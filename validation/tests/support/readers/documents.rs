@@ -52,7 +52,7 @@ spin = [0.0, 3.0, 0.0]
 [[grain]]
 material = "grain"
 radius = 0.004
-position = [0.0, 0.0, 0.01405]
+position = [0.0, 0.0, 0.01408]
 
 [solver]
 step = 5e-4
@@ -140,10 +140,8 @@ pub fn checkpoints() -> Vec<Vec<u8>> {
         let scene = scene(SMALL_SCENE);
         let mut simulation = Simulation::new(&scene, 1, Path::new("small.toml")).expect("the scene is sound");
         let start = simulation.checkpoint();
-        for _ in 0..20 {
-            simulation.step();
-        }
-        assert!(simulation.layout().contacts > 0, "a checkpoint with impulses");
+        let touching = (0..1000).find(|_| simulation.step().contacts > 1 && !simulation.snapshot().contacts.is_empty());
+        assert!(touching.is_some(), "no checkpoint with impulses");
         vec![start, simulation.checkpoint()]
     };
     MADE.get_or_init(make).clone()
