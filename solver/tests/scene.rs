@@ -126,3 +126,36 @@ fn overlapping_and_outlying_grains_are_refused() {
     assert!(refuse(scene("[0.19, 0, 0]", "0.1")).unwrap_err().contains("overlap by"));
     assert!(refuse(scene("[3.0, 0, 0]", "0.1")).unwrap_err().contains("outside the domain"));
 }
+
+#[test]
+fn what_would_never_end_or_fill_the_memory_is_refused() {
+    // Draws that hardly ever fall between the smallest and the largest radius.
+    let uniform = "{ kind = \"uniform\", mean = 0.005, spread = 0.05 }";
+    let narrow = "{ kind = 'normal', mean = 0.005, deviation = 0.004, min = 0.005, max = 0.005 }";
+    let message = refusal(uniform, narrow);
+    assert!(message.contains("population[0].radius.deviation: 0.004 m is far wider"), "{message}");
+    // A lattice of tiny grains in a large region.
+    let message = refusal(uniform, "{ kind = 'fixed', value = 1e-9 }");
+    assert!(message.contains("lattice sites, more than") && message.contains("make the region smaller"), "{message}");
+    // More grains than there are numbers for, in one group or in all of them.
+    for count in ["100000001", "1000000000000000000"] {
+        let message = refusal("count = 2000", &format!("count = {count}"));
+        assert!(message.contains("population[0].count") && message.contains("is out of range"), "{message}");
+    }
+    let group = |count: &str| {
+        format!(
+            "[[population]]\ncount = {count}\nmaterial = 'grain'\nradius = {{ kind = 'fixed', value = 0.001 }}\n\
+             region = {{ kind = 'box', min = [0, 0, 0], max = [0.01, 0.01, 0.01] }}\n"
+        )
+    };
+    let message = refusal("[measure]", &format!("{}{}[measure]", group("60000000"), group("60000000")));
+    assert!(message.contains("population[2].count: 120002000 is out of range"), "{message}");
+    // More materials than their numbers have bits for.
+    let material = "density = 2500\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.5\n";
+    let many: String = (0..255).map(|number| format!("[material.m{number}]\n{material}")).collect();
+    let message = refusal("[material.grain]", &format!("{many}[material.grain]"));
+    assert!(message.contains("257 materials") && message.contains("at most 256"), "{message}");
+    // More frames than anyone can keep.
+    let message = refusal("interval = 0.05", "interval = 1e-6");
+    assert!(message.contains("too many frames"), "{message}");
+}

@@ -1,6 +1,6 @@
 //! What one run of one code leaves behind: its frames and where they came from.
 
-use makadam::snapshot::Snapshot;
+use makadam::snapshot::{Partner, Snapshot};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub enum RecordingError {
     Io(String, std::io::Error),
     /// The bytes are not a recording.
     #[error("{0}: not a recording: {1}; delete it and run the code again")]
-    Format(String, postcard::Error),
+    Format(String, String),
 }
 
 impl Recording {
@@ -48,7 +48,8 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] if the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), RecordingError> {
-        let bytes = postcard::to_stdvec(self).map_err(|e| RecordingError::Format(path.display().to_string(), e))?;
+        let bytes =
+            postcard::to_stdvec(self).map_err(|e| RecordingError::Format(path.display().to_string(), e.to_string()))?;
         let draft = path.with_extension("part");
         let io = |e| RecordingError::Io(path.display().to_string(), e);
         if let Some(folder) = path.parent() {
@@ -64,6 +65,57 @@ impl Recording {
     /// [`RecordingError`] if the file cannot be read or is not a recording.
     pub fn load(path: &Path) -> Result<Recording, RecordingError> {
         let bytes = std::fs::read(path).map_err(|e| RecordingError::Io(path.display().to_string(), e))?;
-        postcard::from_bytes(&bytes).map_err(|e| RecordingError::Format(path.display().to_string(), e))
+        Recording::parse(&bytes).map_err(|problem| RecordingError::Format(path.display().to_string(), problem))
     }
+
+    /// Reads the bytes of a recording; any bytes are either one that can be measured or an error.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn parse(bytes: &[u8]) -> Result<Recording, String> {
+        let (recording, rest) = postcard::take_from_bytes::<Recording>(bytes).map_err(|error| error.to_string())?;
+        if !rest.is_empty() {
+            return Err(format!("{} bytes too many", rest.len()));
+        }
+        let fraction = recording.rayleigh_fraction.unwrap_or(1.0);
+        let numbers = [recording.time_step, fraction, recording.stiffness_factor, recording.simulated_seconds];
+        if !numbers.iter().all(|number| number.is_finite() && *number > 0.0) || !recording.wall_seconds.is_finite() {
+            return Err("a time or factor is not a positive number".into());
+        }
+        for (number, frame) in recording.frames.iter().enumerate() {
+            check_frame(frame).map_err(|problem| format!("frame {number}: {problem}"))?;
+        }
+        Ok(recording)
+    }
+}
+
+/// No place, speed, size or force comes near it, in SI units.
+const LARGEST: f64 = 1e12;
+
+/// Grains are numbered without holes, contacts are between them, and every number is one.
+fn check_frame(frame: &Snapshot) -> Result<(), String> {
+    let finite = |vector: &[f64; 3]| vector.iter().all(|component| component.abs() < LARGEST);
+    if !frame.time.is_finite() {
+        return Err("its time is not a number".into());
+    }
+    for (place, grain) in frame.particles.iter().enumerate() {
+        if grain.id as usize != place {
+            return Err(format!("grain {} stands in place {place}", grain.id));
+        }
+        let whole = [grain.position, grain.velocity, grain.spin].iter().all(finite);
+        if !whole || !(1.0 / LARGEST..LARGEST).contains(&grain.radius) {
+            return Err(format!("grain {place} has a value that is not a number, or no radius"));
+        }
+    }
+    for contact in &frame.contacts {
+        let grains = [Some(contact.first), if let Partner::Grain(id) = contact.second { Some(id) } else { None }];
+        if let Some(id) = grains.into_iter().flatten().find(|&id| id as usize >= frame.particles.len()) {
+            return Err(format!("a contact of grain {id}, which is not there"));
+        }
+        let whole = [contact.point, contact.normal, contact.tangential_force].iter().all(finite);
+        if !whole || !finite(&[contact.normal_force; 3]) {
+            return Err(format!("a contact of grain {} has a value that is not a number", contact.first));
+        }
+    }
+    Ok(())
 }

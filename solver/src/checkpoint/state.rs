@@ -11,6 +11,12 @@ use crate::world::{Body, Sphere, World};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+/// No count of a run comes near it: beyond it, time as a product of steps is no longer exact.
+const LARGEST_COUNT: u64 = 1 << 53;
+
+/// No place, speed, size or impulse of a run comes near it, in SI units; its square is a number still.
+const LARGEST: f64 = 1e30;
+
 /// All that later steps depend on.
 #[derive(Serialize, Deserialize)]
 pub(super) struct State {
@@ -126,7 +132,17 @@ impl State {
     /// Reads a checkpoint.
     pub fn read(bytes: &[u8]) -> Result<State, String> {
         let body = open(MARK, bytes)?;
-        postcard::from_bytes(body).map_err(|error| format!("does not hold what a checkpoint holds ({error})"))
+        let (state, rest) = postcard::take_from_bytes::<State>(body)
+            .map_err(|error| format!("does not hold what a checkpoint holds ({error})"))?;
+        let impulses = state.pairs.iter().chain(&state.walls).flat_map(|known| &known.impulse);
+        let sound = rest.is_empty()
+            && state.step.is_finite()
+            && state.step > 0.0
+            && state.steps.max(state.contact_sweeps) < LARGEST_COUNT
+            && state.list.as_ref().is_none_or(|list| list.built_at.is_finite() && list.rebuilds < LARGEST_COUNT)
+            && impulses.clone().all(|component| component.abs() < LARGEST)
+            && state.pairs.iter().all(|pair| pair.first != pair.second);
+        if sound { Ok(state) } else { Err("holds numbers that no run can have".into()) }
     }
 
     /// A simulation that goes on from here.
@@ -185,8 +201,8 @@ impl State {
         for (id, grain) in by_id.into_iter().enumerate() {
             let GrainState { position, velocity, surface_speed, radius, inverse_mass, .. } = grain;
             let numbers = position.iter().chain(velocity).chain(surface_speed);
-            let sound = [radius, inverse_mass].into_iter().all(|&value| value.is_finite() && value > 0.0);
-            if !sound || numbers.into_iter().any(|value| !value.is_finite()) {
+            let sound = [radius, inverse_mass].into_iter().all(|&value| value > 1.0 / LARGEST && value < LARGEST);
+            if !sound || !numbers.into_iter().all(|value| value.abs() < LARGEST) {
                 return Err(format!("gives grain {id} no finite state"));
             }
             if grain.id as usize != id {
@@ -213,7 +229,7 @@ impl State {
         const OTHER: &str = "belongs to another scene or version: its contacts do not come out the same";
         let Simulation { world, candidates, layout, relaxation, team, .. } = simulation;
         let team: &Team = team;
-        if list.reference.len() != self.grains.len() || list.reference.iter().flatten().any(|x| !x.is_finite()) {
+        if list.reference.len() != self.grains.len() || !list.reference.iter().flatten().all(|x| x.abs() < LARGEST) {
             return Err(OTHER.into());
         }
         // Grains lie in the order of their ids: put them where they were, then where they are.

@@ -8,6 +8,10 @@ pub const STAGES: usize = 8;
 /// Width of a box in largest diameters.
 const WIDTH: f64 = 8.0;
 
+/// Most boxes over those that a cubic domain of as many grains would have: a flat domain has more, a flat one that is next to
+/// empty must not have millions.
+const MOST_BOXES: f64 = 64.0;
+
 /// Stage of a contact by the set of axes (x = 1, y = 2, z = 4) along which its two boxes differ.
 const STAGE_OF_AXES: [usize; 8] = [0, 1, 2, 4, 3, 6, 5, 7];
 
@@ -27,9 +31,14 @@ impl BoxGrid {
     pub fn new(domain: &(Vector3<f64>, Vector3<f64>), grains: usize, largest_radius: f64, skin: f64) -> BoxGrid {
         let size = domain.1 - domain.0;
         // In a domain that is mostly empty, wider boxes: empty ones cost time and memory.
-        let sparse = libm::cbrt(size.product() / (64.0 + grains as f64 / 8.0));
-        let width = (2.0 * WIDTH * largest_radius).max(3.0 * (2.0 * largest_radius + skin)).max(sparse).max(1e-12);
-        let count = [size.x, size.y, size.z].map(|length| (length / width).ceil().clamp(1.0, 1024.0) as u32);
+        let boxes = 64.0 + grains as f64 / 8.0;
+        let sparse = libm::cbrt(size.product() / boxes);
+        let mut width = (2.0 * WIDTH * largest_radius).max(3.0 * (2.0 * largest_radius + skin)).max(sparse).max(1e-12);
+        let count_at = |width: f64| [size.x, size.y, size.z].map(|length| (length / width).ceil().clamp(1.0, 1024.0));
+        while count_at(width).iter().product::<f64>() > MOST_BOXES * boxes {
+            width *= 2.0;
+        }
+        let count = count_at(width).map(|count| count as u32);
         BoxGrid { origin: domain.0, width, count }
     }
 

@@ -6,6 +6,15 @@ use crate::methods::MOST_MEMORY;
 
 type Checked = Result<(), Fault>;
 
+/// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
+const MOST_GRAINS: f64 = 1e8;
+/// Most materials: their numbers have eight bits.
+const MOST_MATERIALS: usize = 256;
+/// Most frames of a run.
+const MOST_FRAMES: f64 = 1e6;
+/// Standard deviations of a normal distribution over the width that its radii are redrawn into: beyond it, drawing takes long.
+const MOST_DEVIATIONS: f64 = 100.0;
+
 /// Checks every value of a scene against the range in which it has a meaning.
 pub(super) fn check(scene: &Scene) -> Checked {
     let root = Place::default();
@@ -34,6 +43,10 @@ fn watch(scene: &Scene) -> Checked {
 }
 
 fn materials(scene: &Scene) -> Checked {
+    if scene.material.len() > MOST_MATERIALS {
+        let problem = format!("{} materials", scene.material.len());
+        return Err(Place::default().key("material").fault(problem, &format!("define at most {MOST_MATERIALS}")));
+    }
     for (name, material) in &scene.material {
         let at = Place::default().key("material").name(name);
         at.key("density").range(material.density, 1.0, 30_000.0, "kg/m3")?;
@@ -105,10 +118,12 @@ fn walls(scene: &Scene) -> Checked {
 }
 
 fn grains(scene: &Scene) -> Checked {
+    let mut count = scene.grain.len() as f64;
     for (index, population) in scene.population.iter().enumerate() {
         let at = Place::default().key("population").index(index);
         known_material(scene, &at.key("material"), &population.material)?;
-        at.key("count").range(population.count as f64, 0.0, 1e8, "grains")?;
+        count += population.count as f64;
+        at.key("count").range(count, 0.0, MOST_GRAINS, "grains, with those before it")?;
         at.key("spacing").range(population.spacing, 1.0, 100.0, "largest diameters")?;
         at.key("agitation").range(population.agitation, 0.0, 1e3, "m/s")?;
         radii(&at.key("radius"), &population.radius)?;
@@ -178,7 +193,14 @@ fn radii(at: &Place, distribution: &RadiusDistribution) -> Checked {
             at.key("mean").range(*mean, *min, *max, "m")?;
             at.key("deviation").range(*deviation, 0.0, *max, "m")?;
             at.key("min").range(*min, 1e-9, *max, "m")?;
-            at.key("max").range(*max, *min, 100.0, "m")
+            at.key("max").range(*max, *min, 100.0, "m")?;
+            match *deviation <= MOST_DEVIATIONS * (max - min) {
+                true => Ok(()),
+                false => Err(at.key("deviation").fault(
+                    format!("{deviation} m is far wider than the radii from {min} to {max} m that are kept"),
+                    "lower it, or use kind = 'uniform'",
+                )),
+            }
         }
         RadiusDistribution::Discrete { radii, shares } => {
             if radii.is_empty() || radii.len() != shares.len() {
@@ -240,6 +262,10 @@ fn measure(scene: &Scene) -> Checked {
     let at = Place::default().key("measure");
     at.key("interval").range(scene.measure.interval, 1e-6, 1e5, "s")?;
     at.key("from").range(scene.measure.from.unwrap_or(0.0), 0.0, scene.duration, "s")?;
+    if scene.duration / scene.measure.interval > MOST_FRAMES {
+        let problem = format!("{} s within {} s are too many frames", scene.measure.interval, scene.duration);
+        return Err(at.key("interval").fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
+    }
     for (index, expectation) in scene.compare.iter().enumerate() {
         let margin = Place::default().key("compare").index(index).key("margin");
         margin.range(expectation.margin.unwrap_or(1.0), 1e-12, 1e6, "in the observable's unit")?;

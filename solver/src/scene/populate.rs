@@ -8,6 +8,9 @@ use rand_core::{RngCore, SeedableRng};
 use std::collections::HashMap;
 use std::path::Path;
 
+/// Most lattice sites of a region, used or not; a scene cannot have as many grains.
+const MOST_SITES: f64 = 2e8;
+
 /// A grain at the start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grain {
@@ -54,21 +57,39 @@ fn place(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Fault> {
         (0..grains.len()).map(|i| vec![Step::Key("grain"), Step::Index(i), Step::Key("position")]).collect();
     for (index, population) in scene.population.iter().enumerate() {
         let at = vec![Step::Key("population"), Step::Index(index)];
-        let placed = lattice_gas(scene, population, &mut random).map_err(|sites| {
-            let mut path = at.clone();
-            path.push(Step::Key("count"));
-            Fault {
-                path,
-                problem: format!("{} grains do not fit their region: it has {sites} lattice sites", population.count),
-                remedy: "enlarge the region, lower the count, or lower the spacing".into(),
-            }
-        })?;
+        let placed = lattice_gas(scene, population, &mut random).map_err(|misfit| misfit.fault(&at, population))?;
         origin.resize(grains.len() + placed.len(), at);
         grains.extend(placed);
     }
     inside_container(scene, &grains, &origin)?;
     no_overlap(scene, &grains, &origin)?;
     Ok(grains)
+}
+
+/// Why a population cannot be placed.
+enum Misfit {
+    /// Its region has only so many lattice sites.
+    TooSmall(usize),
+    /// Its region has so many lattice sites that they cannot be listed.
+    TooLarge(f64),
+}
+
+impl Misfit {
+    fn fault(self, at: &[Step], population: &Population) -> Fault {
+        let (key, problem, remedy) = match self {
+            Misfit::TooSmall(sites) => (
+                "count",
+                format!("{} grains do not fit their region: it has {sites} lattice sites", population.count),
+                "enlarge the region, lower the count, or lower the spacing",
+            ),
+            Misfit::TooLarge(sites) => (
+                "region",
+                format!("the region has {sites:e} lattice sites, more than {MOST_SITES:e}"),
+                "make the region smaller, or the radius or the spacing larger",
+            ),
+        };
+        Fault { path: [at, &[Step::Key(key)]].concat(), problem, remedy: remedy.into() }
+    }
 }
 
 /// Uniform in [0, 1) from the upper 53 bits.
@@ -108,14 +129,14 @@ fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f6
     }
 }
 
-/// Fills the lowest lattice sites of the region; fails with the number of sites if there are too few.
-fn lattice_gas(scene: &Scene, population: &Population, random: &mut ChaCha8Rng) -> Result<Vec<Grain>, usize> {
+/// Fills the lowest lattice sites of the region.
+fn lattice_gas(scene: &Scene, population: &Population, random: &mut ChaCha8Rng) -> Result<Vec<Grain>, Misfit> {
     let largest = population.radius.bounds().1;
     let pitch = 2.0 * largest * population.spacing;
     let jitter = 0.5 * (pitch - 2.0 * largest);
-    let mut sites = lattice_sites(&population.region, pitch, largest, jitter);
+    let mut sites = lattice_sites(&population.region, pitch, largest, jitter)?;
     if sites.len() < population.count {
-        return Err(sites.len());
+        return Err(Misfit::TooSmall(sites.len()));
     }
     // Lowest first, so that the bed forms without a long fall; ties keep lattice order.
     let up = -Vector3::from(scene.gravity);
@@ -137,7 +158,7 @@ fn lattice_gas(scene: &Scene, population: &Population, random: &mut ChaCha8Rng) 
 }
 
 /// Sites of a cubic lattice of the given pitch, centred, whose grains stay inside the region wherever the jitter moves them.
-fn lattice_sites(region: &Region, pitch: f64, largest: f64, jitter: f64) -> Vec<Vector3<f64>> {
+fn lattice_sites(region: &Region, pitch: f64, largest: f64, jitter: f64) -> Result<Vec<Vector3<f64>>, Misfit> {
     let reach = largest + jitter;
     let (min, max) = match region {
         Region::Box { min, max } => (Vector3::from(*min), Vector3::from(*max)),
@@ -161,9 +182,13 @@ fn lattice_sites(region: &Region, pitch: f64, largest: f64, jitter: f64) -> Vec<
     };
     let room = (max - min).map(|width| width - 2.0 * reach);
     if room.min() < 0.0 {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let count = room.map(|width| (width / pitch + 1e-9).floor());
+    let all = count.map(|sites| sites + 1.0).product();
+    if all > MOST_SITES {
+        return Err(Misfit::TooLarge(all));
+    }
     let start = min + (max - min - count * pitch) * 0.5;
     let mut sites = Vec::new();
     for k in 0..=count.z as usize {
@@ -176,7 +201,7 @@ fn lattice_sites(region: &Region, pitch: f64, largest: f64, jitter: f64) -> Vec<
             }
         }
     }
-    sites
+    Ok(sites)
 }
 
 /// Every grain starts inside the domain and on the right side of every wall.

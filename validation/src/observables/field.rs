@@ -42,9 +42,16 @@ impl Field {
     /// Adds a sphere's exact volume, divided by `volume` (m3), to the cells that it reaches, each cell being a
     /// prism without ends. `centre` is the sphere's centre in the plane, m.
     pub fn add_sphere(&mut self, centre: [f64; 2], radius: f64, volume: f64) {
-        let first = |axis: usize| ((centre[axis] - radius - self.origin[axis]) / self.cell).floor() as isize;
-        let last = |axis: usize| ((centre[axis] + radius - self.origin[axis]) / self.cell).floor() as isize;
+        // Cells beyond the grid take nothing, however far the sphere is or reaches.
+        let cells = [self.columns as isize, self.rows as isize];
+        let first = |axis: usize| (((centre[axis] - radius - self.origin[axis]) / self.cell).floor() as isize).max(0);
+        let last = |axis: usize| {
+            (((centre[axis] + radius - self.origin[axis]) / self.cell).floor() as isize).min(cells[axis] - 1)
+        };
         let (left, right, bottom, top) = (first(0), last(0), first(1), last(1));
+        if left > right || bottom > top {
+            return;
+        }
         let line = |axis: usize, index: isize| (self.origin[axis] + index as f64 * self.cell - centre[axis]) / radius;
         // A cell is a difference of quadrants whose corners are the grid's nodes; nodes are shared by four cells.
         let node = |column: isize, row: isize| quadrant(line(0, column), line(1, row));
@@ -59,9 +66,7 @@ impl Field {
                 let slot = &mut below[(column + 1 - left) as usize];
                 let inside = under - *slot - here + next;
                 (under, here, *slot) = (*slot, next, next);
-                if (0..self.columns as isize).contains(&column) && (0..self.rows as isize).contains(&row) {
-                    self.values[row as usize * self.columns + column as usize] += share * inside;
-                }
+                self.values[row as usize * self.columns + column as usize] += share * inside;
             }
         }
     }

@@ -1,6 +1,6 @@
 //! From a code's contact list to the one that is measured.
 
-use makadam::snapshot::{Contact, Partner};
+use makadam::snapshot::{Contact, Partner, Snapshot};
 use nalgebra::Vector3;
 
 /// Contacts of one grain with one wall are one contact if their normals are closer than this (cosine of 15 degrees):
@@ -48,6 +48,18 @@ fn sum(a: &Contact, b: &Contact) -> Contact {
         normal: normal.into(),
         normal_force,
         tangential_force: (total - normal * normal_force).into(),
+    }
+}
+
+/// The frame, if its contacts are finite numbers: huge ones pass as numbers in a file, and overflow in products.
+pub(super) fn measurable(frame: Snapshot) -> Result<Snapshot, String> {
+    let finite = |contact: &Contact| {
+        let vectors = [contact.normal, contact.tangential_force, contact.point];
+        contact.normal_force.is_finite() && vectors.iter().flatten().all(|component| component.is_finite())
+    };
+    match frame.contacts.iter().find(|contact| !finite(contact)) {
+        None => Ok(frame),
+        Some(contact) => Err(format!("a force on grain {} is beyond all numbers: the run has blown up", contact.first)),
     }
 }
 

@@ -40,7 +40,7 @@ impl Plan {
         let step_at = |time: f64| (time / time_step).round() as u64;
         let steps = step_at(scene.duration).max(1);
         let fine = fine as u64;
-        let coarse = fine * (COARSE_INTERVAL / interval).round().max(1.0) as u64;
+        let coarse = fine.saturating_mul((COARSE_INTERVAL / interval).round().max(1.0) as u64);
         let fine_from = match scene.measure.from {
             Some(from) => (step_at(from).div_ceil(fine) * fine).min(steps),
             None => steps,

@@ -1,6 +1,6 @@
 //! YADE: a job file for `scripts/yade_driver.py`, which runs inside it, and the frames that come back.
 
-use super::assemble::{contact_from_force, merge_wall_contacts};
+use super::assemble::{contact_from_force, measurable, merge_wall_contacts};
 use super::mesh::{Triangle, wall_mesh};
 use super::palette::Palette;
 use super::plan::{MotionPhase, Plan};
@@ -92,10 +92,25 @@ struct MotionEntry {
     last: u64,
 }
 
-#[derive(Deserialize)]
-struct ResultFile {
-    seconds: f64,
-    steps: u64,
+/// What the driver tells of the run itself.
+#[derive(Debug, Deserialize)]
+pub struct RunResult {
+    /// Wall time of the stepping, s.
+    pub seconds: f64,
+    /// Steps taken.
+    pub steps: u64,
+}
+
+/// Reads the driver's `result.json`; any bytes are either a result or an error.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn read_result(bytes: &[u8]) -> Result<RunResult, String> {
+    let result: RunResult = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+    match result.seconds.is_finite() && result.seconds >= 0.0 {
+        true => Ok(result),
+        false => Err(format!("{} s is no wall time", result.seconds)),
+    }
 }
 
 impl Code for Yade {
@@ -156,8 +171,7 @@ impl Code for Yade {
         process::disk_has_room(folder)?;
         let text = std::fs::read(&result_path)
             .map_err(|_| problem(&folder.join("yade.log"), "the run ended early, without an error".into()))?;
-        let result: ResultFile =
-            serde_json::from_slice(&text).map_err(|error| problem(&result_path, error.to_string()))?;
+        let result = read_result(&text).map_err(|what| problem(&result_path, what))?;
         let frames_path = folder.join("frames.bin");
         let bytes = std::fs::read(&frames_path).map_err(|source| io(&frames_path, source))?;
         let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
@@ -300,7 +314,7 @@ pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snap
             let force = Vector3::new(r[9], r[10], r[11]);
             list.extend(contact_from_force(r[0] as u32, partner, [r[3], r[4], r[5]], normal, force));
         }
-        frames.push(Snapshot { time, particles, contacts: merge_wall_contacts(list) });
+        frames.push(measurable(Snapshot { time, particles, contacts: merge_wall_contacts(list) })?);
         left -= HEADER + GRAIN_ROW * radii.len() + CONTACT_ROW * count;
     }
     Ok(frames)

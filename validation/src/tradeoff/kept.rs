@@ -113,11 +113,8 @@ impl Shelf {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Found::Nothing),
             Err(error) => return Err(WriteError::new(&file, error)),
         };
-        let sealed: Option<Sealed> = serde_json::from_slice(&bytes).ok();
-        let whole = sealed
-            .filter(|sealed| sealed.version == VERSION && sealed.key == key.hash && sealed.seal == seal(&sealed.kept));
-        if let Some(sealed) = whole {
-            return Ok(Found::Run(Box::new(sealed.kept)));
+        if let Some(kept) = unseal(&bytes, key) {
+            return Ok(Found::Run(Box::new(kept)));
         }
         let aside = file.with_extension("damaged");
         std::fs::rename(&file, &aside).map_err(|error| WriteError::new(&file, error))?;
@@ -129,10 +126,21 @@ impl Shelf {
     /// # Errors
     /// [`WriteError`] if the system refuses.
     pub fn keep(&self, key: &Key, kept: &KeptRun) -> Result<(), WriteError> {
-        let sealed = Sealed { version: VERSION, key: key.hash.clone(), seal: seal(kept), kept: kept.clone() };
-        let text = serde_json::to_vec_pretty(&sealed).expect("a run holds only numbers and plain text");
-        write_whole(&self.file(key), &text)
+        write_whole(&self.file(key), &sealed(kept, key))
     }
+}
+
+/// Bytes of the file of a run.
+pub fn sealed(kept: &KeptRun, key: &Key) -> Vec<u8> {
+    let sealed = Sealed { version: VERSION, key: key.hash.clone(), seal: seal(kept), kept: kept.clone() };
+    serde_json::to_vec_pretty(&sealed).expect("a run holds only numbers and plain text")
+}
+
+/// The run in the bytes of a file; `None` unless they are, to the number, what was [`sealed`] under the key.
+pub fn unseal(bytes: &[u8], key: &Key) -> Option<KeptRun> {
+    let sealed: Sealed = serde_json::from_slice(bytes).ok()?;
+    let whole = sealed.version == VERSION && sealed.key == key.hash && sealed.seal == seal(&sealed.kept);
+    whole.then_some(sealed.kept)
 }
 
 fn seal(kept: &KeptRun) -> String {

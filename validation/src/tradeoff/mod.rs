@@ -37,7 +37,7 @@ pub use campaign::{Campaign, CampaignError, Outcome, Progress};
 pub use configuration::{Configuration, Knobs};
 pub use convergence::Convergence;
 pub use front::pareto_front;
-pub use kept::{Found, KeptRun, Key, Shelf};
+pub use kept::{Found, KeptRun, Key, Shelf, sealed, unseal};
 pub use plan::{Plan, Refinement, STIFFNESS_FACTORS};
 pub use rows::{Bound, Deviation, Fastest, Point, Reference};
 pub use study::{Study, Terms};

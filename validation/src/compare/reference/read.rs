@@ -38,25 +38,29 @@ impl Reference {
     /// # Errors
     /// [`ReferenceError`] if a file is missing or a line is wrong.
     pub fn load(folder: &Path) -> Result<Option<Reference>, ReferenceError> {
-        let runs_file = folder.join("runs.csv");
-        if !runs_file.is_file() {
+        Reference::read(folder, &|file| std::fs::read(file))
+    }
+
+    /// Reads the references in a folder from what `bytes` gives for its files; `None` if it finds no `runs.csv`. Any bytes are
+    /// either references or an error.
+    ///
+    /// # Errors
+    /// As [`Reference::load`].
+    pub fn read(folder: &Path, bytes: Bytes<'_>) -> Result<Option<Reference>, ReferenceError> {
+        let Some(runs) = lines_if_there::<RunLine>(&folder.join("runs.csv"), bytes)? else {
             return Ok(None);
-        }
-        let runs = lines::<RunLine>(&runs_file)?.into_iter().map(|(_, line)| run(line)).collect();
+        };
+        let runs = runs.into_iter().map(|(_, line)| run(line)).collect();
         let mut reference = Reference { runs, ..Reference::default() };
-        reference.read_measurements(&folder.join("measurements.csv"))?;
-        reference.read_forces(&folder.join("forces.csv"))?;
-        reference.read_series(&folder.join("series.csv"))?;
-        reference.read_final_states(folder)?;
+        reference.read_measurements(&folder.join("measurements.csv"), bytes)?;
+        reference.read_forces(&folder.join("forces.csv"), bytes)?;
+        reference.read_series(&folder.join("series.csv"), bytes)?;
+        reference.read_final_states(folder, bytes)?;
         Ok(Some(reference))
     }
 
-    fn read_measurements(&mut self, file: &Path) -> Result<(), ReferenceError> {
-        for (at, line) in lines::<MeasurementLine>(file)? {
-            if !line.value.is_finite() {
-                let problem = format!("the value of {} is not a finite number", line.observable);
-                return Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
-            }
+    fn read_measurements(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
+        for (at, line) in lines::<MeasurementLine>(file, bytes)? {
             let run = self.runs.iter_mut().find(|run| {
                 run.code == line.code && run.seed == line.seed && run.stiffness_factor == line.stiffness_factor
             });
@@ -78,8 +82,8 @@ impl Reference {
         Ok(())
     }
 
-    fn read_forces(&mut self, file: &Path) -> Result<(), ReferenceError> {
-        for (_, line) in lines::<ForceLine>(file)? {
+    fn read_forces(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
+        for (_, line) in lines::<ForceLine>(file, bytes)? {
             if self.forces.last().is_none_or(|last| last.code != line.code) {
                 let (force, density) = (Vec::new(), Vec::new());
                 self.forces.push(ForceDistribution { code: line.code, force, density, samples: line.samples });
@@ -91,8 +95,8 @@ impl Reference {
         Ok(())
     }
 
-    fn read_series(&mut self, file: &Path) -> Result<(), ReferenceError> {
-        for (_, line) in lines::<SeriesLine>(file)? {
+    fn read_series(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
+        for (_, line) in lines::<SeriesLine>(file, bytes)? {
             let same =
                 |last: &Series| last.code == line.code && last.seed == line.seed && last.observable == line.observable;
             if !self.series.last().is_some_and(same) {
@@ -107,14 +111,17 @@ impl Reference {
     }
 
     /// Pictures are welcome, not needed: a code without a file has none.
-    fn read_final_states(&mut self, folder: &Path) -> Result<(), ReferenceError> {
+    fn read_final_states(&mut self, folder: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
         for code in self.codes() {
             let file = folder.join(final_state_file(&code));
-            let Some(first) = self.at(&code, 1.0).next().filter(|_| file.is_file()) else {
+            let Some((seed, time)) = self.at(&code, 1.0).next().map(|first| (first.seed, first.simulated_seconds))
+            else {
                 continue;
             };
-            let (seed, time) = (first.seed, first.simulated_seconds);
-            let particles = lines::<GrainLine>(&file)?.into_iter().map(|(_, grain)| particle(&grain)).collect();
+            let Some(grains) = lines_if_there::<GrainLine>(&file, bytes)? else {
+                continue;
+            };
+            let particles = grains.into_iter().map(|(_, grain)| particle(&grain)).collect();
             self.final_states.push(FinalState { code, seed, time, particles });
         }
         Ok(())
@@ -148,28 +155,48 @@ fn particle(grain: &GrainLine) -> Particle {
     }
 }
 
+/// Gives the bytes of a file.
+type Bytes<'a> = &'a dyn Fn(&Path) -> std::io::Result<Vec<u8>>;
+
 /// All lines of a CSV file with their numbers.
-fn lines<T: DeserializeOwned>(file: &Path) -> Result<Vec<(u64, T)>, ReferenceError> {
+fn lines<T: DeserializeOwned>(file: &Path, bytes: Bytes<'_>) -> Result<Vec<(u64, T)>, ReferenceError> {
+    let bytes = bytes(file).map_err(|source| ReferenceError::Io { file: file.to_path_buf(), source })?;
+    parse(&bytes).map_err(|(line, problem)| ReferenceError::Line { file: file.to_path_buf(), line, problem })
+}
+
+/// The same, and `None` where there is no such file.
+fn lines_if_there<T: DeserializeOwned>(file: &Path, bytes: Bytes<'_>) -> Result<Option<Vec<(u64, T)>>, ReferenceError> {
+    match lines(file, bytes) {
+        Err(ReferenceError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        other => other.map(Some),
+    }
+}
+
+/// All lines of a CSV document with their numbers, or the number of a line and what is wrong with it.
+fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<Vec<(u64, T)>, (u64, String)> {
     let failed = |error: csv::Error| {
         let line = error.position().map_or(1, csv::Position::line);
         match error.into_kind() {
-            csv::ErrorKind::Io(source) => ReferenceError::Io { file: file.to_path_buf(), source },
-            csv::ErrorKind::Deserialize { err, .. } => {
-                ReferenceError::Line { file: file.to_path_buf(), line, problem: err.to_string() }
-            }
+            csv::ErrorKind::Deserialize { err, .. } => (line, err.to_string()),
+            csv::ErrorKind::Utf8 { err, .. } => (line, err.to_string()),
             csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                let problem = format!("{len} fields where the head has {expected_len}");
-                ReferenceError::Line { file: file.to_path_buf(), line, problem }
+                (line, format!("{len} fields where the head has {expected_len}"))
             }
-            other => ReferenceError::Line { file: file.to_path_buf(), line, problem: format!("{other:?}") },
+            other => (line, format!("{other:?}")),
         }
     };
-    let mut reader = csv::Reader::from_path(file).map_err(failed)?;
+    let mut reader = csv::Reader::from_reader(bytes);
     let headers = reader.headers().map_err(failed)?.clone();
     let mut lines = Vec::new();
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(failed)? {
         let line = record.position().map_or(1, csv::Position::line);
+        // No name or unit reads as "inf" or "NaN", so these words stand where a number belongs.
+        for (name, field) in headers.iter().zip(&record) {
+            if field.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
+                return Err((line, format!("'{field}' in column {name} is not a finite number")));
+            }
+        }
         lines.push((line, record.deserialize(Some(&headers)).map_err(failed)?));
     }
     Ok(lines)

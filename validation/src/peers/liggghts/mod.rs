@@ -5,18 +5,18 @@ mod dump;
 
 pub use dump::{DumpFault, DumpFrame, read_dump};
 
-use super::assemble::{contact_from_force, merge_wall_contacts};
+use super::assemble::{contact_from_force, measurable, merge_wall_contacts};
 use super::mesh::{Mesh, wall_mesh};
 use super::plan::Plan;
 use super::process::{self, Run, io};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
-use makadam::scene::populate;
+use makadam::scene::{Grain, Scene, populate};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -61,16 +61,9 @@ impl Code for Liggghts {
         let scene = job.scene;
         let grains = populate(scene, job.seed, job.scene_file)?;
         super::refuse_unsupported(NAME, scene, &grains)?;
-        let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
-        let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
-        // LIGGGHTS numbers its meshes itself: a wall without triangles has none.
-        let meshes: Vec<(usize, Mesh)> = scene
-            .wall
-            .iter()
-            .enumerate()
-            .map(|(index, wall)| (index, wall_mesh(&wall.shape, &scene.domain, smallest)))
-            .filter(|(_, mesh)| !mesh.triangles.is_empty())
-            .collect();
+        let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
+        let plan = Plan::new(scene, largest_step);
+        let meshes = meshes_of(scene, &grains);
 
         let folder = job.work_folder;
         std::fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
@@ -102,7 +95,8 @@ impl Code for Liggghts {
         .execute()?;
         process::disk_has_room(folder)?;
 
-        let frames = frames_of(&dumps, &plan, &grains, &meshes)?;
+        let open = |file: &Path| File::open(file).map(BufReader::new).map_err(|source| io(file, source));
+        let frames = read_frames(scene, &grains, largest_step, &dumps, open)?;
         let text = std::fs::read(&engine_log).map_err(|source| io(&engine_log, source))?;
         for dump in &dumps {
             let _ = std::fs::remove_file(dump);
@@ -130,16 +124,19 @@ fn version_in(words: &str) -> Option<&str> {
     after.split([',', ' ', ')']).next().filter(|version| !version.is_empty())
 }
 
-/// Sum of the stepping times of a log, without the time of output, s.
+/// Sum of the stepping times of a log, without the time of output, s; numbers that are not finite do not count.
 pub fn loop_seconds(log: &str) -> f64 {
-    let number = |line: &str| line.split_whitespace().find_map(|word| word.parse::<f64>().ok()).unwrap_or(0.0);
-    log.lines()
+    let first = |line: &str| line.split_whitespace().find_map(|word| word.parse::<f64>().ok());
+    let number = |line: &str| first(line).filter(|number| number.is_finite()).unwrap_or(0.0);
+    let sum: f64 = log
+        .lines()
         .map(|line| match line.split_once('=') {
             _ if line.starts_with("Loop time of ") => number(line),
             Some((name, value)) if name.starts_with("Outpt time") => -number(value),
             _ => 0.0,
         })
-        .sum()
+        .sum();
+    if sum.is_finite() { sum.max(0.0) } else { 0.0 }
 }
 
 /// The last step of which the log tells.
@@ -159,12 +156,22 @@ fn last_step(log: &Path) -> Option<u64> {
     })
 }
 
-fn frames_of(
+/// The frames that a run of the scene leaves in its three dumps: of grains, of pairs of grains, and of grains and walls.
+/// `time_step` (s) is the largest one that the run may have had; `open` gives a dump, and is named `path` in errors. Any
+/// bytes are either frames or an error.
+///
+/// # Errors
+/// [`CodeError::Output`] with file and line, or what `open` says.
+pub fn read_frames<R: BufRead>(
+    scene: &Scene,
+    grains: &[Grain],
+    time_step: f64,
     dumps: &[PathBuf; 3],
-    plan: &Plan,
-    grains: &[makadam::scene::Grain],
-    meshes: &[(usize, Mesh)],
+    open: impl Fn(&Path) -> Result<R, CodeError>,
 ) -> Result<Vec<Snapshot>, CodeError> {
+    let plan = Plan::new(scene, time_step);
+    let asked = plan.frames();
+    let walls_with_mesh: Vec<usize> = meshes_of(scene, grains).into_iter().map(|(wall, _)| wall).collect();
     let fault = |file: &Path, line: usize, problem: String| CodeError::Output {
         code: NAME,
         file: file.to_path_buf(),
@@ -172,22 +179,20 @@ fn frames_of(
         problem,
     };
     let read = |file: &PathBuf, columns: usize| -> Result<Vec<DumpFrame>, CodeError> {
-        let open = File::open(file).map_err(|source| io(file, source))?;
-        let mut frames =
-            read_dump(BufReader::new(open), columns).map_err(|found| fault(file, found.line, found.problem))?;
+        let mut frames = read_dump(open(file)?, columns).map_err(|found| fault(file, found.line, found.problem))?;
         // Where frames become denser, the step between is dumped by both dumps.
         frames.dedup_by_key(|frame| frame.step);
-        let steps: Vec<u64> = frames.iter().map(|frame| frame.step).collect();
-        match steps == plan.frames() {
+        match frames.iter().map(|frame| frame.step).eq(asked.iter().copied()) {
             true => Ok(frames),
             false => {
-                Err(fault(file, 1, format!("{} frames where {} were asked for", steps.len(), plan.frames().len())))
+                let problem = format!("not the {} frames that were asked for, but {}", asked.len(), frames.len());
+                Err(fault(file, 1, problem))
             }
         }
     };
     let states = read(&dumps[0], deck::GRAIN_COLUMNS)?;
     let pairs = read(&dumps[1], deck::PAIR_COLUMNS)?;
-    let walls = match meshes.is_empty() {
+    let walls = match walls_with_mesh.is_empty() {
         true => Vec::new(),
         false => read(&dumps[2], deck::WALL_COLUMNS)?,
     };
@@ -205,16 +210,25 @@ fn frames_of(
             contacts.extend(contact(a, Partner::Grain(b.id), vector(&r[6..]).into(), normal, &r[3..]));
         }
         for (row, r) in walls.get(index).into_iter().flat_map(DumpFrame::rows).enumerate() {
-            let (Some((wall, _)), Some(a)) = (meshes.get(r[6] as usize), particle(&particles, r[8])) else {
+            let mesh = if r[6] >= 0.0 { walls_with_mesh.get(r[6] as usize) } else { None };
+            let (Some(&wall), Some(a)) = (mesh, particle(&particles, r[8])) else {
                 return Err(fault(&dumps[2], walls[index].line + row, format!("no mesh {} or grain {}", r[6], r[8])));
             };
             let point = vector(r);
             let normal = point - Vector3::from(a.position);
-            contacts.extend(contact(a, Partner::Wall(*wall as u32), point.into(), normal, &r[9..]));
+            contacts.extend(contact(a, Partner::Wall(wall as u32), point.into(), normal, &r[9..]));
         }
-        frames.push(Snapshot { time, particles, contacts: merge_wall_contacts(contacts) });
+        let frame = Snapshot { time, particles, contacts: merge_wall_contacts(contacts) };
+        frames.push(measurable(frame).map_err(|problem| fault(&dumps[1], pairs[index].line, problem))?);
     }
     Ok(frames)
+}
+
+/// The walls that have triangles, with these: LIGGGHTS numbers its meshes itself, and a wall without triangles has none.
+fn meshes_of(scene: &Scene, grains: &[Grain]) -> Vec<(usize, Mesh)> {
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let meshes = scene.wall.iter().map(|wall| wall_mesh(&wall.shape, &scene.domain, smallest));
+    meshes.enumerate().filter(|(_, mesh)| !mesh.triangles.is_empty()).collect()
 }
 
 fn vector(row: &[f64]) -> Vector3<f64> {
@@ -236,7 +250,7 @@ fn particle(particles: &[Particle], id: f64) -> Option<&Particle> {
     if id >= 1.0 { particles.get(id as usize - 1) } else { None }
 }
 
-fn particles_of(state: &DumpFrame, grains: &[makadam::scene::Grain]) -> Result<Vec<Particle>, (usize, String)> {
+fn particles_of(state: &DumpFrame, grains: &[Grain]) -> Result<Vec<Particle>, (usize, String)> {
     let mut found: Vec<Option<Particle>> = vec![None; grains.len()];
     for (row, r) in state.rows().enumerate() {
         let index = r[0] - 1.0;

@@ -1,0 +1,88 @@
+//! A scene small enough for Miri that goes through all code which leaves the compiler's checks: shared slices, reordering,
+//! lane groups, sweeps of every kind, checkpoints. `scripts/miri` runs it there, where the lanes are those of plain Rust.
+
+use makadam::Simulation;
+use makadam::lanes::InstructionSet;
+use makadam::scene::{Precision, Scene, SolverMethod};
+use makadam::schedule::Scheduler;
+use std::path::Path;
+
+/// Miri is some thousand times slower.
+const STEPS: usize = if cfg!(miri) { 2 } else { 40 };
+
+fn scene() -> Scene {
+    // Grains that touch from the start, on both sides of the border between two boxes, on a floor.
+    let mut text = String::from(
+        "name = 'small'\ndescription = 'small'\nduration = 1.0\n\
+         domain = { min = [-0.16, -0.06, -0.02], max = [0.16, 0.06, 0.1] }\n\
+         [material.stone]\ndensity = 2500.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.3\n\
+         [solver]\nstop = { kind = 'sweeps', sweeps = 3 }\n\
+         [[wall]]\nname = 'floor'\nmaterial = 'stone'\n\
+         shape = { kind = 'plane', point = [0, 0, 0], normal = [0, 0, 1] }\n",
+    );
+    for number in 0..24 {
+        let [x, y, z] = [number % 6, number / 6 % 2, number / 12].map(|place| f64::from(place) * 0.00998);
+        let [x, z] = [x - 0.025, z + 0.00499];
+        text += &format!("[[grain]]\nmaterial = 'stone'\nradius = 0.005\nposition = [{x:?}, {y:?}, {z:?}]\n");
+        text += &format!("velocity = [{:?}, 0.0, -0.01]\n", 0.01 * f64::from(12 - number));
+    }
+    Scene::parse(&text, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn start(scene: &Scene) -> Simulation {
+    let mut simulation = Simulation::new(scene, 1, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error}"));
+    simulation.use_instruction_set(InstructionSet::Generic);
+    simulation
+}
+
+/// Steps, and returns the hash of the state at the end.
+fn hash_after(mut simulation: Simulation) -> u64 {
+    let contacts: Vec<usize> = (0..STEPS).map(|_| simulation.step().contacts).collect();
+    assert!(contacts.iter().all(|&contacts| contacts > 10), "{contacts:?}");
+    simulation.state_hash()
+}
+
+#[test]
+fn one_thread_and_several_give_the_same_bits() {
+    let scene = scene();
+    let serial = hash_after(start(&scene));
+    for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
+        let mut simulation = start(&scene);
+        simulation.use_team(scheduler, 2).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(hash_after(simulation), serial, "{scheduler:?}");
+    }
+}
+
+#[test]
+fn scalar_sweeps_and_no_prefetching_give_the_same_bits() {
+    let scene = scene();
+    let usual = hash_after(start(&scene));
+    let mut simulation = start(&scene);
+    simulation.use_scalar_sweeps(true);
+    simulation.use_prefetch(0);
+    assert_eq!(hash_after(simulation), usual);
+}
+
+#[test]
+fn every_method_and_precision_steps() {
+    let scene = scene();
+    for method in SolverMethod::ALL {
+        let mut simulation = start(&scene);
+        simulation.use_method(method);
+        hash_after(simulation);
+    }
+    let mut simulation = start(&scene);
+    simulation.use_precision(Precision::Single);
+    hash_after(simulation);
+}
+
+#[test]
+fn a_checkpoint_goes_on() {
+    let (scene, file) = (scene(), Path::new("small.state"));
+    let mut simulation = start(&scene);
+    simulation.step();
+    let mut resumed =
+        Simulation::resume(&scene, &simulation.checkpoint(), file).unwrap_or_else(|error| panic!("{error}"));
+    resumed.use_instruction_set(InstructionSet::Generic);
+    assert_eq!(hash_after(resumed), hash_after(simulation));
+}

@@ -1,0 +1,340 @@
+//! Small sound documents of every kind.
+
+use makadam::Simulation;
+use makadam::scene::Scene;
+use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use makadam_validation::compare::MeasuredRun;
+use makadam_validation::observables::Measurement;
+use makadam_validation::provenance::Build;
+use makadam_validation::recording::Recording;
+use makadam_validation::tradeoff::{Configuration, KeptRun, Key, Knobs, sealed};
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// What the line in front of a part of a document starts with; the part's name follows.
+pub const PART: &str = "==> ";
+
+const MATERIALS: &str = "
+[material.grain]
+density = 2500.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+friction = 0.5
+restitution = 0.3
+
+[material.wall]
+density = 2500.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+friction = 0.3
+restitution = 0.5
+";
+
+/// Grains that are listed, and touch.
+pub const SMALL_SCENE: &str = r#"
+[[pair]]
+between = ["grain", "wall"]
+friction = 0.4
+
+[[wall]]
+name = "floor"
+material = "wall"
+shape = { kind = "plane", point = [0.0, 0.0, 0.0], normal = [0.0, 0.1, 1.0] }
+
+[[grain]]
+material = "grain"
+radius = 0.005
+position = [0.0, 0.0, 0.0051]
+velocity = [0.1, 0.0, -0.2]
+spin = [0.0, 3.0, 0.0]
+
+[[grain]]
+material = "grain"
+radius = 0.004
+position = [0.0, 0.0, 0.01408]
+
+[solver]
+step = 5e-4
+normal_law = { kind = "hertz" }
+stop = { kind = "sweeps", sweeps = 5 }
+over_relaxation = 1.3
+damping_steps = 1.0
+skin = 0.6
+warm_start = 1.0
+"#;
+
+/// A turning drum with an end cap and a box.
+pub const WALLED_SCENE: &str = r#"
+[[wall]]
+name = "drum"
+material = "wall"
+shape = { kind = "cylinder", base = [0.0, -0.03, 0.0], axis = [0.0, 1.0, 0.0], radius = 0.05, length = 0.06 }
+motion = { kind = "rotating", point = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], rate = 3.0, start = 0.1, stop = 0.9 }
+
+[[wall]]
+name = "cap"
+material = "wall"
+shape = { kind = "disc", centre = [0.0, -0.03, 0.0], normal = [0.0, 1.0, 0.0], radius = 0.05 }
+motion = { kind = "translating", velocity = [0.0, 0.001, 0.0], start = 0.2 }
+
+[[wall]]
+name = "box"
+material = "wall"
+shape = { kind = "box", min = [-0.06, -0.06, -0.06], max = [0.06, 0.06, 0.06], open = ["+z"] }
+
+[[population]]
+count = 8
+material = "grain"
+radius = { kind = "normal", mean = 0.005, deviation = 0.0005, min = 0.004, max = 0.006 }
+region = { kind = "cylinder", base = [0.0, -0.03, 0.0], axis = [0.0, 1.0, 0.0], radius = 0.05, length = 0.06 }
+spacing = 1.2
+agitation = 0.1
+
+[measure]
+interval = 0.05
+from = 0.1
+observables = ["dynamic-angle-of-repose", "packing-fraction", "coordination-number", "contact-forces", "balances", "drum-flow"]
+
+[[compare]]
+observable = "packing_fraction"
+margin = 0.006
+"#;
+
+/// For an accuracy, which decides on step and stop.
+const ASKED_SCENE: &str = r#"
+[[population]]
+count = 6
+material = "grain"
+radius = { kind = "discrete", radii = [0.004, 0.005], shares = [1.0, 2.0] }
+region = { kind = "box", min = [-0.02, -0.02, 0.0], max = [0.02, 0.02, 0.1] }
+
+[solver]
+normal_law = { kind = "linear", stiffness = 1e4 }
+method = { kind = "anderson", memory = 3 }
+"#;
+
+fn text(head: &str, rest: &str) -> String {
+    format!(
+        "name = \"small\"\ndescription = \"small\"\nduration = 0.2\ngravity = [0.0, 0.0, -9.81]\nseed = 3\n{head}\
+         domain = {{ min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 0.2] }}\n{MATERIALS}{rest}"
+    )
+}
+
+/// A scene from its walls and grains.
+pub fn scene(rest: &str) -> Scene {
+    let text = text("", rest);
+    Scene::parse(&text, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Scenes.
+pub fn scenes() -> Vec<Vec<u8>> {
+    let asked = text("accuracy = { packing_fraction = 0.004 }\n", ASKED_SCENE);
+    vec![text("", SMALL_SCENE).into_bytes(), text("", WALLED_SCENE).into_bytes(), asked.into_bytes()]
+}
+
+/// Checkpoints of the small scene: before its first step, and after some.
+pub fn checkpoints() -> Vec<Vec<u8>> {
+    static MADE: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
+    let make = || {
+        let scene = scene(SMALL_SCENE);
+        let mut simulation = Simulation::new(&scene, 1, Path::new("small.toml")).expect("the scene is sound");
+        let start = simulation.checkpoint();
+        let touching = (0..1000).find(|_| simulation.step().contacts > 1 && !simulation.snapshot().contacts.is_empty());
+        assert!(touching.is_some(), "no checkpoint with impulses");
+        vec![start, simulation.checkpoint()]
+    };
+    MADE.get_or_init(make).clone()
+}
+
+fn frame(time: f64) -> Snapshot {
+    let particles = (0..8).map(|id| Particle {
+        id,
+        position: [0.009 * f64::from(id) - 0.03, 0.0, -0.02 + 0.001 * f64::from(id)],
+        radius: 0.005,
+        velocity: [0.01, 0.0, -0.02],
+        spin: [0.0, 1.0, 0.0],
+    });
+    let contact = |first, second| Contact {
+        first,
+        second,
+        point: [0.0, 0.0, -0.02],
+        normal: [1.0, 0.0, 0.0],
+        normal_force: 0.5,
+        tangential_force: [0.0, 0.1, 0.0],
+    };
+    let contacts = vec![contact(0, Partner::Grain(1)), contact(1, Partner::Grain(2)), contact(2, Partner::Wall(0))];
+    Snapshot { time, particles: particles.collect(), contacts }
+}
+
+/// Recordings of the walled scene.
+pub fn recordings() -> Vec<Vec<u8>> {
+    let recording = Recording {
+        scene: "small".into(),
+        code: "YADE".into(),
+        version: "1".into(),
+        seed: 1,
+        time_step: 1e-5,
+        rayleigh_fraction: Some(0.1),
+        stiffness_factor: 1.0,
+        threads: 1,
+        wall_seconds: 2.0,
+        simulated_seconds: 0.2,
+        frames: vec![frame(0.1), frame(0.15), frame(0.2)],
+    };
+    vec![postcard::to_stdvec(&recording).expect("numbers and text")]
+}
+
+/// Radii of the grains of YADE's frames, m.
+pub const RADII: [f64; 3] = [0.005, 0.004, 0.003];
+
+/// Frames as YADE's driver writes them.
+pub fn yade_frames() -> Vec<Vec<u8>> {
+    let mut numbers: Vec<f64> = Vec::new();
+    for (time, contacts) in [(0.0, 0_u8), (0.1, 3)] {
+        numbers.extend([time, RADII.len() as f64, f64::from(contacts)]);
+        for grain in 0..RADII.len() {
+            numbers.extend([0.01 * grain as f64, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 2.0]);
+        }
+        for contact in 0..contacts {
+            // Two grains, then a grain and a wall, twice the same.
+            let (kind, partner) = if contact == 0 { (0.0, 1.0) } else { (1.0, 1.0) };
+            numbers.extend([0.0, kind, partner, 0.005, 0.0, 0.0, 1.0, 0.0, 0.0, -0.5, 0.1, 0.0]);
+        }
+    }
+    vec![numbers.iter().flat_map(|number| number.to_le_bytes()).collect()]
+}
+
+/// What YADE's driver tells of a run.
+pub fn yade_results() -> Vec<Vec<u8>> {
+    vec![b"{\"seconds\": 12.5, \"steps\": 4000}".to_vec()]
+}
+
+/// Time step of the dumps, s: one that divides the walled scene's interval.
+pub const PEER_STEP: f64 = 0.05;
+
+/// The three dumps of a run of the walled scene.
+pub fn liggghts_dumps() -> Vec<Vec<u8>> {
+    let frame = |step: u64, rows: &[String]| {
+        format!(
+            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n{}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ENTRIES c\n{}",
+            rows.len(),
+            rows.concat()
+        )
+    };
+    let grains: Vec<String> = (0..8).map(|id| format!("{} 0.00{id} 0 0 0.1 0 0 0 2 0\n", id + 1)).collect();
+    let pairs = ["1 2 0 -0.5 0.1 0 0.001 0 0\n".to_string(), "3 2 0 0.25 0 0 0.002 0 0\n".into()];
+    let walls = ["0 0.05 0 1 1 1 0 1 4 0.5 0 0.1\n".to_string(), "0 0.05 0.001 1 1 1 0 2 4 0.5 0 0\n".into()];
+    let dump = |rows: &[String]| [0, 2, 3, 4].map(|step| frame(step, rows)).concat();
+    let document = [("grains", dump(&grains)), ("pairs", dump(&pairs)), ("walls", dump(&walls))];
+    vec![document.map(|(name, text)| format!("{PART}{name}\n{text}")).concat().into_bytes()]
+}
+
+/// The end of a log.
+pub fn liggghts_logs() -> Vec<Vec<u8>> {
+    vec![
+        b"Step Atoms KinEng\n 0 8 1e-3\n 4000 8 1e-4\nLoop time of 12.5 on 1 procs for 4000 steps\nOutpt time (%) = 0.5 (4)\n"
+            .to_vec(),
+    ]
+}
+
+/// The files of a folder of references.
+pub fn references() -> Vec<Vec<u8>> {
+    let made = "YADE,2023.02a,1,1e-5,0.1,1.0";
+    vec![
+        format!(
+            "{PART}runs.csv\ncode,version,seed,time_step,rayleigh_fraction,stiffness_factor,wall_seconds,simulated_seconds,\
+             processor,date,scene_hash\n{made},12.5,1.5,\"a processor, fast\",2026-01-02T03:04:05Z,0123456789abcdef\n\
+             YADE,2023.02a,2,1e-5,,10.0,12.5,1.5,a processor,2026-01-02T03:04:05Z,0123456789abcdef\n\
+             {PART}measurements.csv\ncode,version,seed,time_step,rayleigh_fraction,stiffness_factor,observable,unit,value,\
+             standard_error,frames\n{made},packing_fraction,,0.59,,1\n{made},dynamic_angle,degrees,31.5,0.2,20\n\
+             {PART}forces.csv\ncode,force_over_mean,density,samples\nYADE,0.125,0.5,77\nYADE,0.375,0.25,77\n\
+             {PART}series.csv\ncode,seed,observable,time,value\nYADE,1,angle,0.0,30.0\nYADE,1,angle,0.5,31.5\n\
+             {PART}final-state-yade.csv\nid,radius,x,y,z,vx,vy,vz,wx,wy,wz\n0,0.005,0.1,0.2,0.3,0,0,-0.25,0,0,1e-9\n"
+        )
+        .into_bytes(),
+    ]
+}
+
+fn configuration() -> Configuration {
+    let settings = scene(SMALL_SCENE).solver;
+    let knobs = Knobs::Solver { settings, variation: Some("warm start 0".into()) };
+    Configuration { code: "Makadam".into(), stiffness_factor: 10.0, knobs }
+}
+
+/// The run that is kept.
+pub fn kept() -> KeptRun {
+    let measurement = Measurement {
+        observable: "packing_fraction".into(),
+        unit: String::new(),
+        value: 0.59,
+        standard_error: Some(1e-3),
+        frames: 3,
+    };
+    KeptRun {
+        configuration: configuration(),
+        extrapolated: false,
+        core_share: Some(0.97),
+        run: MeasuredRun {
+            code: "Makadam".into(),
+            version: "0.2.0".into(),
+            seed: 1,
+            time_step: 5e-4,
+            rayleigh_fraction: None,
+            stiffness_factor: 10.0,
+            wall_seconds: 1.25,
+            simulated_seconds: 1.5,
+            processor: "a processor".into(),
+            date: "2026-01-02T03:04:05Z".into(),
+            scene_hash: "0123456789abcdef".into(),
+            measurements: vec![measurement],
+        },
+        build: Build {
+            version: "0.2.0".into(),
+            commit: "1a2b3c4d".into(),
+            dirty: Some(false),
+            compiler: "rustc".into(),
+            target: "x86_64".into(),
+            profile: "release".into(),
+            instruction_set: "avx2".into(),
+            processor: "a processor".into(),
+        },
+        command: "makadam tradeoff small".into(),
+    }
+}
+
+/// Its key.
+pub fn key() -> Key {
+    static MADE: OnceLock<Key> = OnceLock::new();
+    let make = || Key::new(&scene(SMALL_SCENE), &configuration(), "0.2.0", 1, "a processor");
+    MADE.get_or_init(make).clone()
+}
+
+/// Files of kept runs.
+pub fn kept_runs() -> Vec<Vec<u8>> {
+    vec![sealed(&kept(), &key())]
+}
+
+/// The parts of a document by their names.
+pub fn parts(bytes: &[u8]) -> HashMap<String, &[u8]> {
+    let mut parts = HashMap::new();
+    let starts: Vec<usize> = (0..bytes.len()).filter(|&at| bytes[at..].starts_with(PART.as_bytes())).collect();
+    for (number, &start) in starts.iter().enumerate() {
+        let part = &bytes[start + PART.len()..starts.get(number + 1).copied().unwrap_or(bytes.len())];
+        let line = part.iter().position(|&byte| byte == b'\n').unwrap_or(part.len());
+        parts.insert(String::from_utf8_lossy(&part[..line]).into_owned(), &part[(line + 1).min(part.len())..]);
+    }
+    parts
+}
+
+/// Every number of a frame that a reader accepted is one.
+pub fn check_contacts(frame: &Snapshot) {
+    for contact in &frame.contacts {
+        let vectors = [contact.point, contact.normal, contact.tangential_force];
+        assert!(vectors.iter().flatten().all(|x| x.is_finite()) && contact.normal_force.is_finite(), "{contact:?}");
+    }
+    for grain in &frame.particles {
+        let vectors = [grain.position, grain.velocity, grain.spin];
+        assert!(vectors.iter().flatten().all(|x| x.is_finite()), "{grain:?}");
+    }
+}

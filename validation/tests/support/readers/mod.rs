@@ -1,0 +1,220 @@
+//! Every reader of bytes from outside, as one function of bytes that must accept or refuse them and never panic; shared by the
+//! property tests, the long run and the fuzz targets.
+
+pub mod damage;
+mod documents;
+
+use documents::{SMALL_SCENE, WALLED_SCENE};
+use makadam::Simulation;
+use makadam::checkpoint::seal;
+use makadam::scene::{Grain, Region, Scene, Stop, populate};
+use makadam_validation::compare::{Reference, physics_hash};
+use makadam_validation::observables::measure;
+use makadam_validation::peers::liggghts::{self, loop_seconds, read_dump};
+use makadam_validation::peers::yade;
+use makadam_validation::recording::Recording;
+use makadam_validation::tradeoff::unseal;
+use std::io::{Error, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+/// A reader.
+pub struct Reader {
+    /// Its name, that of its fuzz target too.
+    pub name: &'static str,
+    /// Documents that it accepts.
+    pub documents: fn() -> Vec<Vec<u8>>,
+    /// Reads bytes and uses what they hold; whether they were accepted. Panics if the promise is broken.
+    pub read: fn(&[u8]) -> bool,
+}
+
+/// All of them.
+pub const READERS: [Reader; 9] = [
+    Reader { name: "scene", documents: documents::scenes, read: scene },
+    Reader { name: "checkpoint", documents: documents::checkpoints, read: checkpoint },
+    Reader { name: "recording", documents: documents::recordings, read: recording },
+    Reader { name: "yade_frames", documents: documents::yade_frames, read: yade_frames },
+    Reader { name: "yade_result", documents: documents::yade_results, read: yade_result },
+    Reader { name: "liggghts_frames", documents: documents::liggghts_dumps, read: liggghts_frames },
+    Reader { name: "liggghts_log", documents: documents::liggghts_logs, read: liggghts_log },
+    Reader { name: "reference", documents: documents::references, read: reference },
+    Reader { name: "kept_run", documents: documents::kept_runs, read: kept_run },
+];
+
+/// The reader of a name.
+pub fn named(name: &str) -> &'static Reader {
+    READERS.iter().find(|reader| reader.name == name).unwrap_or_else(|| panic!("no reader {name}"))
+}
+
+static WALLED: LazyLock<Scene> = LazyLock::new(|| documents::scene(WALLED_SCENE));
+
+/// Steps that an accepted scene or checkpoint takes.
+const STEPS: usize = 3;
+
+/// What a refusal must say: something, on one line, that is not a page long.
+fn refused(message: &str) -> bool {
+    assert!(!message.trim().is_empty(), "a refusal without words");
+    false
+}
+
+/// A text scene: parsed, and where it is small placed and stepped.
+fn scene(bytes: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(bytes) else { return false };
+    let file = Path::new("fuzzed.toml");
+    let scene = match Scene::parse(text, file) {
+        Ok(scene) => scene,
+        Err(error) => {
+            let message = error.to_string();
+            assert!(message.starts_with("fuzzed.toml:"), "no file and line: {message}");
+            return refused(&message);
+        }
+    };
+    physics_hash(&scene);
+    if is_small(&scene) {
+        match Simulation::new(&scene, scene.seed, file) {
+            Ok(mut simulation) => steps_stay_finite(&mut simulation),
+            Err(error) => return refused(&error.to_string()),
+        }
+    }
+    true
+}
+
+/// Whether a scene can be placed and stepped in a moment.
+fn is_small(scene: &Scene) -> bool {
+    let sites = scene.population.iter().map(|population| {
+        let pitch = 2.0 * population.radius.bounds().1 * population.spacing;
+        match &population.region {
+            Region::Box { min, max } => (0..3).map(|axis| 1.0 + (max[axis] - min[axis]) / pitch).product::<f64>(),
+            Region::Cylinder { radius, length, .. } => (1.0 + radius.max(*length) / pitch).powi(3) * 8.0,
+        }
+    });
+    let listed = scene.population.iter().map(|population| population.count).sum::<usize>() + scene.grain.len();
+    sites.sum::<f64>() < 1e5 && listed <= 200 && scene.wall.len() <= 20
+}
+
+/// Steps a few times, with few sweeps; every number stays one.
+fn steps_stay_finite(simulation: &mut Simulation) {
+    simulation.use_stop(Stop::Sweeps { sweeps: 3 });
+    for _ in 0..STEPS {
+        simulation.step();
+    }
+    let snapshot = simulation.snapshot();
+    let finite = |vector: &[f64; 3]| vector.iter().all(|component| component.is_finite());
+    for grain in &snapshot.particles {
+        assert!([grain.position, grain.velocity, grain.spin].iter().all(finite), "{grain:?} after {STEPS} steps");
+    }
+    for contact in &snapshot.contacts {
+        assert!(finite(&contact.normal) && contact.normal_force.is_finite(), "{contact:?} after {STEPS} steps");
+    }
+}
+
+/// A checkpoint as it is, and once more with length and checksum made to fit, so that damage gets past the envelope.
+fn checkpoint(bytes: &[u8]) -> bool {
+    const HEAD: usize = 24;
+    static SMALL: LazyLock<Scene> = LazyLock::new(|| documents::scene(SMALL_SCENE));
+    let (small, file) = (&*SMALL, Path::new("fuzzed.state"));
+    let sound = documents::checkpoints().swap_remove(0);
+    let mark: [u8; 8] = std::array::from_fn(|place| sound[place]);
+    let fitted = seal(mark, bytes.get(HEAD..).unwrap_or(bytes));
+    let mut accepted = false;
+    for bytes in [bytes, &fitted] {
+        for read in [Simulation::resume, Simulation::start_from] {
+            match read(small, bytes, file) {
+                Ok(mut simulation) => {
+                    accepted = true;
+                    // Speeds that only a forged checksum lets in may overflow in a step; no number may end the program.
+                    for _ in 0..STEPS {
+                        simulation.step();
+                    }
+                }
+                Err(error) => {
+                    refused(&error.to_string());
+                }
+            }
+        }
+    }
+    accepted
+}
+
+/// A recording, measured if it is accepted.
+fn recording(bytes: &[u8]) -> bool {
+    match Recording::parse(bytes) {
+        Ok(recording) => {
+            measure(&WALLED, &recording);
+            true
+        }
+        Err(problem) => refused(&problem),
+    }
+}
+
+fn yade_frames(bytes: &[u8]) -> bool {
+    match yade::read_frames(bytes, &documents::RADII, 2) {
+        Ok(frames) => {
+            frames.iter().for_each(documents::check_contacts);
+            true
+        }
+        Err(problem) => refused(&problem),
+    }
+}
+
+fn yade_result(bytes: &[u8]) -> bool {
+    match yade::read_result(bytes) {
+        Ok(result) => {
+            assert!(result.seconds.is_finite());
+            true
+        }
+        Err(problem) => refused(&problem),
+    }
+}
+
+/// Three dumps in one document, each behind a line that names it; and the whole as a dump of any one number of columns.
+fn liggghts_frames(bytes: &[u8]) -> bool {
+    let _ = read_dump(bytes, 1 + bytes.len() % 12);
+    static GRAINS: LazyLock<Vec<Grain>> =
+        LazyLock::new(|| populate(&WALLED, 1, Path::new("walled.toml")).expect("the scene is sound"));
+    let dumps = ["grains", "pairs", "walls"].map(PathBuf::from);
+    let parts = documents::parts(bytes);
+    let open = |file: &Path| Ok(parts.get(file.to_str().unwrap_or_default()).copied().unwrap_or_default());
+    match liggghts::read_frames(&WALLED, &GRAINS, documents::PEER_STEP, &dumps, open) {
+        Ok(frames) => {
+            frames.iter().for_each(documents::check_contacts);
+            true
+        }
+        Err(error) => refused(&error.to_string()),
+    }
+}
+
+fn liggghts_log(bytes: &[u8]) -> bool {
+    let seconds = loop_seconds(&String::from_utf8_lossy(bytes));
+    assert!(seconds.is_finite() && seconds >= 0.0, "{seconds} s");
+    seconds > 0.0
+}
+
+/// The files of a folder of references in one document, each behind a line that names it.
+fn reference(bytes: &[u8]) -> bool {
+    let parts = documents::parts(bytes);
+    let give = |file: &Path| {
+        let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        parts.get(name).map(|part| part.to_vec()).ok_or_else(|| Error::from(ErrorKind::NotFound))
+    };
+    match Reference::read(Path::new("reference"), &give) {
+        Ok(Some(reference)) => {
+            for code in reference.codes() {
+                assert!(reference.code(&code).is_some(), "{code} has runs");
+            }
+            true
+        }
+        Ok(None) => false,
+        Err(error) => refused(&error.to_string()),
+    }
+}
+
+fn kept_run(bytes: &[u8]) -> bool {
+    match unseal(bytes, &documents::key()) {
+        Some(kept) => {
+            assert_eq!(kept, documents::kept(), "damage that the seal does not show");
+            true
+        }
+        None => false,
+    }
+}
