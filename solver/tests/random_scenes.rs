@@ -7,6 +7,7 @@ use makadam::Simulation;
 use makadam::snapshot::Snapshot;
 use nalgebra::Vector3;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use scene::{Container, Drawn, Solves, scenes};
 
 type Vector = Vector3<f64>;
@@ -30,6 +31,7 @@ fn cases(usual: u32) -> ProptestConfig {
     let asked = std::env::var("MAKADAM_RANDOM_SCENES").ok().and_then(|number| number.parse().ok());
     ProptestConfig {
         failure_persistence: None,
+        rng_seed: RngSeed::Fixed(1),
         max_shrink_iters: 2000,
         ..ProptestConfig::with_cases(asked.unwrap_or(usual))
     }
