@@ -175,7 +175,7 @@ proptest! {
     }
 
     #[test]
-    #[ignore = "fails: a compliant contact that has sunk deep is thrown out once its impact counts as unresolved"]
+    #[ignore = "fails by 1e-6 of the kinetic energy with solves of the usual tolerance, as rigid grains do in some of 10,000 scenes"]
     fn compliant_grains_between_walls_at_rest_gain_no_energy(drawn in scenes(30), exponent in 6.0..11.0_f64) {
         let youngs_modulus = Some(10.0_f64.powf(exponent));
         check_energy(&Drawn { youngs_modulus, container: drawn.container.at_rest(), ..drawn })?;
