@@ -199,7 +199,7 @@ fn normal_contact(
 }
 
 impl Simulation {
-    /// Keeps a ledger from here on; costs about as much as two sweeps a step.
+    /// Keeps a ledger from here on; costs about a sixth of a step of ten sweeps.
     pub fn open_ledger(&mut self) {
         self.ledger = Some(Ledger::open(self));
     }

@@ -133,7 +133,7 @@ impl Watchdog {
 
     /// Takes note of a step; looks at the state where it is time to. What was noticed comes back, the gravest first.
     ///
-    /// Allocates nothing where nothing is wrong.
+    /// Between looks it allocates nothing, and a look no more than a pose a wall.
     pub fn observe(&mut self, simulation: &Simulation, report: &StepReport) -> Vec<Alarm> {
         let mut troubles = Vec::new();
         if self.settings.every == 0 {
@@ -153,12 +153,11 @@ impl Watchdog {
         let lost = simulation.not_finite();
         note(lost.map(|grain| Trouble::NotFinite { grain }), Reaction::Stop);
         if lost.is_none() {
-            let settings = self.settings.clone();
-            note(self.escape(simulation), settings.on_escape);
+            note(self.escape(simulation), self.settings.on_escape);
             let [overlap, energy] = self.overlap_and_energy(simulation);
-            note(overlap, settings.on_overlap);
-            note(energy, settings.on_energy);
-            note(self.stagnation(), settings.on_stagnation);
+            note(overlap, self.settings.on_overlap);
+            note(energy, self.settings.on_energy);
+            note(self.stagnation(), self.settings.on_stagnation);
         }
         self.residual = f64::INFINITY;
         troubles

@@ -1,6 +1,7 @@
 //! Where a result came from: version, commit, compiler, machine, seed, scene, settings.
 
 use crate::execution::Execution;
+use makadam::checkpoint::checksum;
 use makadam::lanes::InstructionSet;
 use makadam::scene::{Scene, SolverSettings};
 use makadam::schedule::Scheduler;
@@ -143,12 +144,7 @@ pub fn account(threads: usize, scenes: &[&Scene]) -> BTreeMap<String, String> {
 /// Hash of everything that a scene says (64-bit FNV-1a over its JSON form), the same on every machine.
 pub fn scene_hash(scene: &Scene) -> u64 {
     let text = serde_json::to_vec(scene).expect("a checked scene holds only finite numbers and plain text");
-    fnv1a(&text)
-}
-
-/// 64-bit FNV-1a hash.
-pub fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+    checksum(&text)
 }
 
 /// The command line of this process, with the program's name in place of its path.

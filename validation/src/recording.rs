@@ -1,5 +1,6 @@
 //! What one run of one code leaves behind: its frames and where they came from.
 
+use makadam::checkpoint::write_atomically;
 use makadam::snapshot::{Partner, Snapshot};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -50,13 +51,7 @@ impl Recording {
     pub fn save(&self, path: &Path) -> Result<(), RecordingError> {
         let bytes =
             postcard::to_stdvec(self).map_err(|e| RecordingError::Format(path.display().to_string(), e.to_string()))?;
-        let draft = path.with_extension("part");
-        let io = |e| RecordingError::Io(path.display().to_string(), e);
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(io)?;
-        }
-        std::fs::write(&draft, bytes).map_err(io)?;
-        std::fs::rename(&draft, path).map_err(io)
+        write_atomically(path, &bytes).map_err(|e| RecordingError::Io(path.display().to_string(), e))
     }
 
     /// Reads a recording.

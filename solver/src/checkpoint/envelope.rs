@@ -1,4 +1,4 @@
-//! What a file of ours is wrapped in: who wrote it, how long it is, and a checksum.
+//! What a file of ours is wrapped in: what kind it is, how long it is, and a checksum.
 
 use std::fs::File;
 use std::io::{Error, Write};
@@ -64,8 +64,8 @@ pub fn write_atomically(file: &Path, bytes: &[u8]) -> Result<(), Error> {
     })
 }
 
-/// FNV-1a, 64 bits.
-pub(crate) fn checksum(bytes: &[u8]) -> u64 {
+/// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
+pub fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 

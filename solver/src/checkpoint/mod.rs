@@ -7,8 +7,7 @@
 mod envelope;
 mod state;
 
-pub(crate) use envelope::checksum;
-pub use envelope::{open, seal, write_atomically};
+pub use envelope::{checksum, open, seal, write_atomically};
 
 use crate::Simulation;
 use crate::scene::Scene;

@@ -79,7 +79,7 @@ pub struct RunArguments {
     /// Steps to take, in place of the scene's duration.
     #[arg(long)]
     pub steps: Option<u64>,
-    /// Keep a ledger of energy and momentum, and print how it closes; costs some tenths of a step's time.
+    /// Keep a ledger of energy and momentum, and print how it closes; costs about a sixth of a step's time.
     #[arg(long)]
     pub ledger: bool,
     /// Go on from the checkpoint of a run that did not end, if there is one; the result is the same to the last bit.

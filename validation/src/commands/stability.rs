@@ -3,7 +3,7 @@
 use super::arguments::StabilityArguments;
 use super::compare::codes;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json, use_threads};
-use crate::output::{create_folder, write_whole};
+use crate::output::{JSON_VERSION, create_folder, write_whole};
 use crate::peers::Code;
 use crate::provenance::account;
 use crate::stability::{Case, CaseResult, StabilityError, Study, catalogue, table};
@@ -44,7 +44,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
     let results = run(&cases, &codes, &folder, Duration::from_secs_f64(time_limit), console)?;
 
     let study = Study {
-        version: 1,
+        version: JSON_VERSION,
         command: "stability",
         as_stated: Study::all_as_stated(&results),
         cases: results,

@@ -4,7 +4,8 @@ use super::configuration::Configuration;
 use crate::compare::MeasuredRun;
 use crate::output::{WriteError, create_folder, write_whole};
 use crate::prepared::file_stem;
-use crate::provenance::{Build, fnv1a, scene_hash};
+use crate::provenance::{Build, scene_hash};
+use makadam::checkpoint::checksum;
 use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
@@ -67,7 +68,7 @@ impl Key {
         let knobs = serde_json::to_string(configuration).expect("a configuration holds only numbers and plain text");
         let text = format!("{:016x}\n{knobs}\n{version}\n{seed}\n{processor}", scene_hash(&scene));
         let stem = format!("{}-{}-s{seed}", file_stem(&scene.name), configuration.code.to_lowercase());
-        Key { stem, hash: format!("{:016x}", fnv1a(text.as_bytes())) }
+        Key { stem, hash: format!("{:016x}", checksum(text.as_bytes())) }
     }
 }
 
@@ -145,5 +146,5 @@ pub fn unseal(bytes: &[u8], key: &Key) -> Option<KeptRun> {
 
 fn seal(kept: &KeptRun) -> String {
     let text = serde_json::to_vec(kept).expect("a run holds only numbers and plain text");
-    format!("{:016x}", fnv1a(&text))
+    format!("{:016x}", checksum(&text))
 }

@@ -19,7 +19,7 @@ pub use missing::{Missing, Wanted};
 pub use read::ReferenceError;
 
 use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source};
-use crate::provenance::fnv1a;
+use makadam::checkpoint::checksum;
 use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -137,7 +137,7 @@ pub fn physics_hash(scene: &Scene) -> String {
             measure.remove("observables");
         }
     }
-    format!("{:016x}", fnv1a(physics.to_string().as_bytes()))
+    format!("{:016x}", checksum(physics.to_string().as_bytes()))
 }
 
 /// A line of `runs.csv`.
