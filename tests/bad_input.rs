@@ -2,7 +2,7 @@
 
 mod support;
 
-use std::os::unix::fs::{PermissionsExt, symlink};
+use std::os::unix::fs::symlink;
 use std::path::Path;
 use support::{changed, line_of, makadam, smoke};
 
@@ -187,8 +187,11 @@ fn stand_in(folder: &Path, body: &str) -> String {
     let text = format!(
         "#!/bin/sh\ncase \"$1\" in --version|-v|-help|-h) echo 'stand-in version 1.0'; exit 0;; esac\n{body}\n"
     );
-    std::fs::write(&file, text).unwrap();
-    std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o755)).unwrap();
+    // Written by another process: held open for writing in this one, children of the tests beside it would inherit it so,
+    // and the system runs no file that someone may still write (`ETXTBSY`).
+    let draft = folder.join("stand-in.draft");
+    std::fs::write(&draft, text).unwrap();
+    assert!(std::process::Command::new("install").args(["-m", "755"]).args([&draft, &file]).status().unwrap().success());
     file.to_str().unwrap().to_string()
 }
 

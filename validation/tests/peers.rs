@@ -10,6 +10,7 @@ use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 const DOMAIN: Domain = Domain { min: [-1.0; 3], max: [1.0; 3] };
@@ -193,15 +194,21 @@ fn one_grain() -> Scene {
 
 /// A program that answers for its version and then does what `deed` says.
 fn fake(folder: &Path, deed: &str) -> PathBuf {
-    use std::os::unix::fs::PermissionsExt;
     let file = folder.join("fake");
     let text = format!(
         "#!/bin/sh\ncase \"$1\" in\n--version) echo 'Yade version: 1.2'; exit;;\n\
          -help) echo 'LIGGGHTS (Version LIGGGHTS-PUBLIC 1.2, compiled'; exit;;\nesac\n{deed}\n"
     );
-    std::fs::write(&file, text).unwrap();
-    std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o755)).unwrap();
+    write_program(&file, &text);
     file
+}
+
+/// Writes a script through another process. Were it open for writing in this one, children that tests beside this one
+/// start at that moment would inherit it open, and the system runs no file that someone may still write (`ETXTBSY`).
+fn write_program(file: &Path, text: &str) {
+    let draft = file.with_extension("draft");
+    std::fs::write(&draft, text).unwrap();
+    assert!(Command::new("install").args(["-m", "755"]).args([&draft, file]).status().unwrap().success());
 }
 
 fn both(program: &Path) -> [Box<dyn Code>; 2] {

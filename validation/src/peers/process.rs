@@ -126,12 +126,14 @@ pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
     std::env::split_paths(&std::env::var_os("PATH")?).map(|folder| folder.join(program)).find(|file| file.is_file())
 }
 
-/// What a program prints when asked for its version; nothing if it is not there, empty if it does not answer in time.
+/// What a program prints when asked for its version; nothing if it is not there, empty if it cannot be started or does
+/// not answer in time. Why it cannot be started is told by the run that follows.
 pub(super) fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
     let program = locate(program)?;
     let mut command = Command::new(program);
     command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).process_group(0);
-    let mut group = Group(command.spawn().ok()?);
+    let Ok(child) = command.spawn() else { return Some(String::new()) };
+    let mut group = Group(child);
     let mut pipe = group.0.stdout.take()?;
     let reader = std::thread::spawn(move || {
         let mut words = vec![0; 4096];
