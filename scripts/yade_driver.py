@@ -27,6 +27,11 @@ materials = [
 friction = [(materials[a], materials[b], angle) for a, b, angle, _ in job["pairs"]]
 restitution = [(materials[a], materials[b], e) for a, b, _, e in job["pairs"]]
 
+# Rolling resistance and cohesion: one number each for all contacts.
+effects = job["rolling"] or {}
+if job["cohesion"]:
+    effects = effects | {"gamma": job["cohesion"]}
+
 # Grains first, so that their ids in YADE are the scene's.
 for grain in job["grains"]:
     body = sphere(grain["position"], grain["radius"], material=materials[grain["material"]])
@@ -66,17 +71,22 @@ O.engines = (
         ForceResetter(),
         InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=job["verlet_distance"]),
         InteractionLoop(
-            # `hertzian` gives a flat wall's stiffness; without it a facet counts as a sphere.
-            [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(hertzian=True)],
+            # `hertzian` gives a flat wall's stiffness; without it a facet counts as a sphere. With it moments would lock.
+            [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(hertzian=not job["rolling"])],
             [
                 Ip2_FrictMat_FrictMat_MindlinPhys(
                     en=MatchMaker(matches=restitution, algo="val", val=0.5),
                     # No tangential damping, as in the other codes; absent, it would follow `en`.
                     es=MatchMaker(matches=[], algo="val", val=1.0),
                     frictAngle=MatchMaker(matches=friction, algo="val", val=0.0),
+                    **effects,
                 )
             ],
-            [Law2_ScGeom_MindlinPhys_Mindlin()],
+            [
+                Law2_ScGeom_MindlinPhys_Mindlin(
+                    includeMoment=bool(job["rolling"]), includeAdhesion=bool(job["cohesion"])
+                )
+            ],
         ),
     ]
     + [engine for engine, _, _, _ in motions]

@@ -1,6 +1,7 @@
 //! Mechanical energy of a state.
 
 use crate::Simulation;
+use crate::effects::cohesion::Pull;
 use crate::effects::compliance::NormalContact;
 use serde::{Deserialize, Serialize};
 
@@ -13,16 +14,43 @@ pub struct Energy {
     pub potential: f64,
     /// Elastic energy of the overlaps.
     pub elastic: f64,
+    /// Potential energy of cohesion, zero where nothing is within its range.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub cohesive: f64,
+}
+
+impl Energy {
+    /// All of it, J.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.potential + self.elastic + self.cohesive
+    }
+}
+
+/// Energy of contacts, and the deepest of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ContactEnergy {
+    /// Elastic, J.
+    pub elastic: f64,
+    /// Cohesive, J.
+    pub cohesive: f64,
+    /// Largest overlap over the smaller radius, and the id of a grain that has it.
+    pub deepest: Option<(f64, u32)>,
+}
+
+/// Left out where nothing coheres.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Simulation {
     /// Mechanical energy of the present state, J.
     pub fn energy(&self) -> Energy {
-        Energy { elastic: self.elastic_energy_and_deepest().0, ..self.energy_without_elastic() }
+        let ContactEnergy { elastic, cohesive, .. } = self.contact_energy();
+        Energy { elastic, cohesive, ..self.energy_of_grains() }
     }
 
     /// Kinetic and potential energy, J.
-    pub(crate) fn energy_without_elastic(&self) -> Energy {
+    pub(crate) fn energy_of_grains(&self) -> Energy {
         let mut energy = Energy::default();
         for (sphere, body) in self.world.spheres[..self.world.grains()].iter().zip(&self.world.bodies) {
             let mass = 1.0 / body.inverse_mass;
@@ -33,29 +61,30 @@ impl Simulation {
         energy
     }
 
-    /// Elastic energy, J, and of the deepest overlap its share of the smaller radius and a grain's id.
-    pub(crate) fn elastic_energy_and_deepest(&self) -> (f64, Option<(f64, u32)>) {
+    /// Energy of the contacts, and the deepest overlap.
+    pub(crate) fn contact_energy(&self) -> ContactEnergy {
         let law = self.settings.normal_law;
-        let (mut elastic, mut deepest) = (0.0, None);
-        let mut take = |contact: &NormalContact<f64>, radius: f64, grain: u32| {
-            elastic += contact.elastic_energy(law);
+        let mut sum = ContactEnergy::default();
+        let mut take = |(contact, pull): (NormalContact<f64>, Pull), radius: f64, grain: u32| {
+            sum.elastic += contact.elastic_energy(law);
+            sum.cohesive += pull.energy(-contact.overlap);
             let share = contact.overlap / radius;
-            if deepest.is_none_or(|(most, _)| share > most) {
-                deepest = Some((share, grain));
+            if share > 0.0 && sum.deepest.is_none_or(|(most, _)| share > most) {
+                sum.deepest = Some((share, grain));
             }
         };
         let world = &self.world;
-        for (grain, radius, contact) in self.overlapping_pairs() {
-            take(&contact, radius, world.ids[grain]);
+        for (grain, radius, contact) in self.close_pairs() {
+            take(contact, radius, world.ids[grain]);
         }
-        for (grain, radius, contact) in self.overlapping_walls() {
-            take(&contact, radius, world.ids[grain]);
+        for (grain, radius, contact) in self.close_walls() {
+            take(contact, radius, world.ids[grain]);
         }
-        (elastic, deepest)
+        sum
     }
 
-    /// Contacts of grains that overlap, with the first one's place and the smaller radius.
-    fn overlapping_pairs(&self) -> impl Iterator<Item = (usize, f64, NormalContact<f64>)> + '_ {
+    /// Contacts of grains that overlap or cohere, with the first one's place and the smaller radius.
+    fn close_pairs(&self) -> impl Iterator<Item = (usize, f64, (NormalContact<f64>, Pull))> + '_ {
         let world = &self.world;
         let contacts = self.candidates.pairs.iter().map(|pair| {
             let (i, j) = (pair.first as usize, pair.second as usize);
@@ -69,13 +98,14 @@ impl Simulation {
                 inverse_mass: world.bodies[i].inverse_mass + world.bodies[j].inverse_mass,
                 damping_ratio: material.damping_ratio,
             };
-            (i, a.radius.min(b.radius), contact)
+            let pull = material.pull(contact.effective_radius);
+            (i, a.radius.min(b.radius), (contact, pull))
         });
-        contacts.filter(|(_, _, contact)| contact.overlap > 0.0)
+        contacts.filter(|(_, _, (contact, pull))| contact.overlap > -pull.range)
     }
 
-    /// Contacts with walls that overlap, with the grain's place and radius.
-    fn overlapping_walls(&self) -> impl Iterator<Item = (usize, f64, NormalContact<f64>)> + '_ {
+    /// Contacts with walls that overlap or cohere, with the grain's place and radius.
+    fn close_walls(&self) -> impl Iterator<Item = (usize, f64, (NormalContact<f64>, Pull))> + '_ {
         let world = &self.world;
         let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
         let contacts = self.candidates.walls.iter().map(move |wall| {
@@ -90,8 +120,9 @@ impl Simulation {
                 inverse_mass: world.bodies[grain].inverse_mass,
                 damping_ratio: material.damping_ratio,
             };
-            (grain, sphere.radius, contact)
+            let pull = material.pull(sphere.radius);
+            (grain, sphere.radius, (contact, pull))
         });
-        contacts.filter(|(_, _, contact)| contact.overlap > 0.0)
+        contacts.filter(|(_, _, (contact, pull))| contact.overlap > -pull.range)
     }
 }

@@ -14,10 +14,11 @@
 //! printed: the ledger closes up to the turning of normals within a step.
 
 use crate::Simulation;
+use crate::effects::cohesion::Pull;
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::energy::Energy;
-use crate::lanes::{cross, dot, minus, plus, times};
-use crate::partition::ContactLanes;
+use crate::lanes::{Eight, cross, dot, minus, plus, times};
+use crate::partition::{ContactLanes, TaskGroups};
 use crate::world::{ContactMaterial, World};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,9 @@ pub struct Balance {
     pub end: Energy,
     /// Lost to friction.
     pub friction: f64,
+    /// Lost to resistance against rolling and twisting.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub resistance: f64,
     /// Lost in impacts.
     pub restitution: f64,
     /// Lost to the stabilisation of contacts at rest; negative where it gives.
@@ -52,6 +56,11 @@ pub struct Balance {
     pub momentum_closure: [f64; 3],
 }
 
+/// Left out where nothing resists turning.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
 /// A ledger that is kept from step to step.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Ledger {
@@ -66,6 +75,7 @@ pub(crate) struct Ledger {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Entries {
     friction: f64,
+    resistance: f64,
     restitution: f64,
     stabilisation: f64,
     first_touch: f64,
@@ -104,7 +114,8 @@ impl Ledger {
             }
         }
         for (_, task) in layout.tasks() {
-            for (group, sources) in task.pairs.iter().zip(&task.pair_sources) {
+            self.torques(world, task);
+            for (number, (group, sources)) in task.pairs.iter().zip(&task.pair_sources).enumerate() {
                 for (lane, _) in sources.occupied() {
                     let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
                     let (a, b) = (&world.spheres[i], &world.spheres[j]);
@@ -118,31 +129,62 @@ impl Ledger {
                     );
                     let before = minus(second.before, first.before);
                     let after = minus(second.after, first.after);
-                    self.contact(&group.contacts, lane, contact, [before, after], scheme);
+                    let material = world.table.between_grains(world.materials[i], world.materials[j]);
+                    let pull = material.pull(contact.effective_radius);
+                    let borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
+                    self.contact(&borne, contact, pull, [before, after], scheme);
                 }
             }
-            for (group, sources) in task.walls.iter().zip(&task.wall_sources) {
+            for (number, (group, sources)) in task.walls.iter().zip(&task.wall_sources).enumerate() {
                 for (lane, source) in sources.occupied() {
                     let i = group.body[lane] as usize;
                     let (sphere, wall) = (&world.spheres[i], candidates.walls[source]);
                     let normal = group.contacts.normal(lane);
                     let grain = self.passage(world, i, normal, 1.0);
                     let velocity = std::array::from_fn(|axis| group.wall_velocity[axis].0[lane]);
-                    let material = world.surfaces[wall.surface as usize].material;
+                    let material =
+                        world.table.with_wall(world.materials[i], world.surfaces[wall.surface as usize].material);
                     let contact = normal_contact(
                         sphere.radius - poses[wall.surface as usize].nearest(&sphere.centre).0,
                         sphere.radius,
                         grain.inverse_mass,
-                        world.table.with_wall(world.materials[i], material),
+                        material,
                     );
                     let passages = [minus(velocity, grain.before), minus(velocity, grain.after)];
-                    let impulse = self.contact(&group.contacts, lane, contact, passages, scheme);
+                    let borne = Borne::of(&group.contacts, lane, task.wall_pulls.get(number));
+                    let impulse = self.contact(&borne, contact, material.pull(sphere.radius), passages, scheme);
                     // The grain bears the opposite.
                     self.entries.walls -= dot(impulse, velocity);
                     self.entries.wall_impulse = minus(self.entries.wall_impulse, impulse);
                 }
             }
         }
+    }
+
+    /// Enters the work of a task's torques.
+    fn torques(&mut self, world: &World, task: &TaskGroups) {
+        // Mean angular velocity of a grain over the step.
+        let mean = |place: u32| {
+            let (before, body) = (self.surface_speeds[place as usize], &world.bodies[place as usize]);
+            times(plus(before, body.surface_speed), 0.5 * body.inverse_radius)
+        };
+        let (mut lost, mut driven) = (0.0, 0.0);
+        for ((group, sources), torques) in task.pairs.iter().zip(&task.pair_sources).zip(&task.pair_torques) {
+            for (lane, _) in sources.occupied() {
+                let turning = minus(mean(group.second[lane]), mean(group.first[lane]));
+                lost -= dot(torques.angular_impulse(lane), turning);
+            }
+        }
+        for ((group, sources), lanes) in task.walls.iter().zip(&task.wall_sources).zip(&task.wall_torques) {
+            for (lane, _) in sources.occupied() {
+                let wall_spin = std::array::from_fn(|axis| lanes.wall_spin[axis].0[lane]);
+                let impulse = lanes.torques.angular_impulse(lane);
+                lost -= dot(impulse, minus(wall_spin, mean(group.body[lane])));
+                driven -= dot(impulse, wall_spin);
+            }
+        }
+        self.entries.resistance += lost;
+        self.entries.walls += driven;
     }
 
     /// Velocity of a grain at its contact; the surface moves with `s x n` on the first side and against it on the second.
@@ -160,20 +202,21 @@ impl Ledger {
     /// Enters one contact, given its relative velocities before and after; returns its impulse on the second side.
     fn contact(
         &mut self,
-        lanes: &ContactLanes,
-        lane: usize,
+        borne: &Borne,
         contact: NormalContact<f64>,
+        pull: Pull,
         [before, after]: [[f64; 3]; 2],
         scheme: &NormalScheme,
     ) -> [f64; 3] {
-        let (normal, along) = (lanes.normal(lane), lanes.normal_impulse(lane));
-        let tangential = lanes.tangential_impulse(lane);
+        let Borne { normal, along, tangential } = *borne;
         let mean = times(plus(before, after), 0.5);
         let entries = &mut self.entries;
         entries.friction -= dot(tangential, mean);
         let later = NormalContact { overlap: contact.overlap - scheme.step * dot(normal, after), ..contact };
         let stored = contact.elastic_energy(scheme.law);
-        let loss = -along * dot(normal, mean) - (later.elastic_energy(scheme.law) - stored);
+        let gained = later.elastic_energy(scheme.law) - stored;
+        let cohesive = pull.energy(-later.overlap) - pull.energy(-contact.overlap);
+        let loss = -along * dot(normal, mean) - gained - cohesive;
         let approach = NormalContact { velocity: dot(normal, before), ..contact };
         // With the velocity that brought the two here they were apart a step ago.
         if contact.overlap + scheme.step * approach.velocity <= 0.0 {
@@ -185,6 +228,23 @@ impl Ledger {
             false => entries.stabilisation += loss,
         }
         plus(times(normal, along), tangential)
+    }
+}
+
+/// Impulses of one contact: its net normal impulse, with what cohesion pulled, and the tangential one, N s.
+struct Borne {
+    normal: [f64; 3],
+    along: f64,
+    tangential: [f64; 3],
+}
+
+impl Borne {
+    fn of(lanes: &ContactLanes, lane: usize, pulls: Option<&Eight>) -> Borne {
+        Borne {
+            normal: lanes.normal(lane),
+            along: lanes.normal_impulse(lane) - pulls.map_or(0.0, |pulls| pulls.0[lane]),
+            tangential: lanes.tangential_impulse(lane),
+        }
     }
 }
 
@@ -208,18 +268,18 @@ impl Simulation {
     pub fn balance(&self) -> Option<Balance> {
         let Ledger { start, momentum_start, entries, .. } = self.ledger.as_ref()?;
         let (end, momentum_end) = (self.energy_half_a_step_earlier(), self.momentum());
-        let sum = |energy: &Energy| energy.kinetic + energy.potential + energy.elastic;
         let gained = entries.walls + entries.first_touch;
-        let lost = entries.friction + entries.restitution + entries.stabilisation;
+        let lost = entries.friction + entries.resistance + entries.restitution + entries.stabilisation;
         Some(Balance {
             start: *start,
             end,
             friction: entries.friction,
+            resistance: entries.resistance,
             restitution: entries.restitution,
             stabilisation: entries.stabilisation,
             first_touch: entries.first_touch,
             walls: entries.walls,
-            closure: sum(&end) - sum(start) - gained + lost,
+            closure: end.total() - start.total() - gained + lost,
             momentum_start: *momentum_start,
             momentum_end,
             gravity_impulse: entries.gravity_impulse,

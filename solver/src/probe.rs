@@ -4,6 +4,7 @@
 //! probed no longer takes the steps that it would have taken.
 
 use crate::Simulation;
+use crate::effects::EffectSet;
 use crate::lanes::{Eight, InstructionSet, Kernel, Lanes};
 use crate::scene::Precision;
 use crate::solve::{Unknowns, sweep_all};
@@ -18,7 +19,7 @@ impl Simulation {
         self.layout.contacts = 0;
         for groups in &mut self.layout.groups {
             groups.restart();
-            groups.finish();
+            groups.finish(self.relaxation.effects);
         }
         team.enter(|| self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, &team));
     }
@@ -42,6 +43,19 @@ impl Simulation {
             self.constrain(&team);
         });
         self.layout.contacts
+    }
+
+    /// Compiles in other effects than the scene calls for, to see what they cost; coefficients that the scene does not name are
+    /// zero. [`Self::constrain_once`] comes before the next sweep.
+    pub fn compile_effects(&mut self, effects: EffectSet) {
+        self.relaxation.effects = effects;
+        self.constrainer.compile_effects(effects);
+        self.candidates.bear_torques(effects.torques());
+        self.layout.contacts = 0;
+        for groups in &mut self.layout.groups {
+            groups.restart();
+            groups.finish(effects);
+        }
     }
 
     /// Relaxes the contacts that are laid out so many times, without over-relaxation and without measuring residuals. Returns

@@ -3,6 +3,7 @@
 use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
+use crate::effects::EffectSet;
 use crate::lanes::{InstructionSet, PREFETCH, Quad};
 use crate::ledger::Ledger;
 use crate::methods::Solver;
@@ -70,16 +71,18 @@ impl Simulation {
     pub(crate) fn of_world(scene: &Scene, mut world: World) -> Simulation {
         let (largest, mean) = world.largest_and_mean_radius();
         let skin = scene.solver.skin * mean;
-        let boxes = BoxGrid::new(&world.domain, world.grains(), largest, skin);
+        let reach = skin + world.range_of_cohesion();
+        let boxes = BoxGrid::new(&world.domain, world.grains(), largest, reach);
         world.add_dummies(boxes.boxes());
+        let effects = world.table.effects();
         Simulation {
             relaxation: Relaxation {
                 instruction_set: InstructionSet::detect(),
                 scalar: false,
-                friction: world.table.any_friction(),
+                effects,
                 prefetch: PREFETCH,
             },
-            candidates: Candidates::new(&boxes, world.grains(), largest, skin, scene.solver.step),
+            candidates: Candidates::new(&boxes, &world, skin, scene.solver.step, effects.torques()),
             constrainer: Constrainer::new(&world, &scene.solver),
             world,
             settings: scene.solver.clone(),
@@ -178,7 +181,12 @@ impl Simulation {
         let parts = Disjoint::new(&mut bodies);
         constrainer.constrain(world, candidates, relaxation.instruction_set, team, layout, |groups| {
             // SAFETY: no other task uses the bodies of these groups meanwhile.
-            unsafe { relaxation.start(parts.as_ptr(), groups) };
+            unsafe {
+                relaxation.start(parts.as_ptr(), groups);
+                if relaxation.effects.cohesion {
+                    relaxation.pull(parts.as_ptr(), groups);
+                }
+            }
         });
         world.bodies = bodies;
     }
@@ -208,11 +216,19 @@ impl Simulation {
         let (relaxation, layout) = (&self.relaxation, &self.layout);
         let pairs = Disjoint::new(&mut self.candidates.pair_impulses);
         let walls = Disjoint::new(&mut self.candidates.wall_impulses);
+        let pair_torques = Disjoint::new(&mut self.candidates.pair_torques);
+        let wall_torques = Disjoint::new(&mut self.candidates.wall_torques);
         let (tasks, batches) = (layout.plan.tasks(), layout.plan.all_batches());
         team.each(Phase::Integrate, batches.len(), |batch| {
             for task in &tasks[batches[batch].clone()] {
+                let groups = &layout.groups[task.number as usize];
                 // SAFETY: each task has its own candidates.
-                unsafe { relaxation.remember(&layout.groups[task.number as usize], &pairs, &walls) };
+                unsafe {
+                    relaxation.remember(groups, &pairs, &walls);
+                    if relaxation.effects.torques() {
+                        relaxation.remember_torques(groups, &pair_torques, &wall_torques);
+                    }
+                }
             }
         });
     }
@@ -230,6 +246,11 @@ impl Simulation {
     /// Time step, s.
     pub fn time_step(&self) -> f64 {
         self.settings.step
+    }
+
+    /// The effects that the scene calls for, as far as the sweep kernel has to know them.
+    pub fn effects(&self) -> EffectSet {
+        self.relaxation.effects
     }
 
     /// Instruction set of the sweep kernel.
@@ -316,9 +337,11 @@ impl Simulation {
     }
 
     /// Sweeps in another precision from the next step on; this changes the result. Methods other than Gauss-Seidel stay in
-    /// double precision.
+    /// double precision, and so do scenes whose contacts bear torques.
     pub fn use_precision(&mut self, precision: Precision) {
-        self.settings.precision = precision;
+        if !self.relaxation.effects.torques() {
+            self.settings.precision = precision;
+        }
     }
 
     /// Fetches bodies into the cache so many lane groups before a sweep needs them; 0 leaves it to the processor.
@@ -326,10 +349,12 @@ impl Simulation {
         self.relaxation.prefetch = groups;
     }
 
-    /// Solves the steps to come with another method.
+    /// Solves the steps to come with another method; scenes whose contacts bear torques stay with Gauss-Seidel.
     pub fn use_method(&mut self, method: SolverMethod) {
-        self.settings.method = method;
-        self.solver = Solver::new(method);
+        if !self.relaxation.effects.torques() {
+            self.settings.method = method;
+            self.solver = Solver::new(method);
+        }
     }
 
     /// Stops the solves to come by another rule.

@@ -1,6 +1,7 @@
 //! What leaves a simulation: two tables, particles and contacts. Every code delivers the same two.
 
 use crate::Simulation;
+use crate::lanes::Eight;
 use crate::partition::ContactLanes;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -40,7 +41,7 @@ pub struct Contact {
     pub point: [f64; 3],
     /// Unit normal from the first grain to its partner.
     pub normal: [f64; 3],
-    /// Magnitude of the normal force, N; positive pushes the two apart.
+    /// Normal force, N: positive pushes the two apart; negative where cohesion pulls more than the contact bears.
     pub normal_force: f64,
     /// Tangential force on the partner, N; the first grain bears the opposite.
     pub tangential_force: [f64; 3],
@@ -72,14 +73,17 @@ impl Simulation {
             }
         };
         let particles = self.places_by_id().into_iter().enumerate().map(particle).collect();
-        let contacts = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force > 0.0);
+        let contacts = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force != 0.0);
         Snapshot { time: world.time, particles, contacts: contacts.collect() }
     }
 
     fn pair_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
         let world = &self.world;
-        let groups = self.layout.tasks().flat_map(|(_, task)| task.pairs.iter().zip(&task.pair_sources));
-        groups.flat_map(move |(group, sources)| {
+        let groups = self.layout.tasks().flat_map(|(_, task)| {
+            let numbered = task.pairs.iter().zip(&task.pair_sources).enumerate();
+            numbered.map(|(number, (group, sources))| (group, sources, task.pair_pulls.get(number)))
+        });
+        groups.flat_map(move |(group, sources, pulls)| {
             sources.occupied().map(move |(lane, _)| {
                 let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
                 let (a, b) = (&world.spheres[i], &world.spheres[j]);
@@ -87,33 +91,44 @@ impl Simulation {
                 let distance = (b.centre - a.centre).norm();
                 let depth = 0.5 * (distance + a.radius - b.radius);
                 let point = a.centre + Vector3::from(group.contacts.normal(lane)) * depth;
-                self.contact(world.ids[i], Partner::Grain(world.ids[j]), point, &group.contacts, lane)
+                self.contact(world.ids[i], Partner::Grain(world.ids[j]), point, (&group.contacts, pulls), lane)
             })
         })
     }
 
     fn wall_contacts(&self) -> impl Iterator<Item = Contact> + '_ {
         let world = &self.world;
-        let groups = self.layout.tasks().flat_map(|(_, task)| task.walls.iter().zip(&task.wall_sources));
-        groups.flat_map(move |(group, sources)| {
+        let groups = self.layout.tasks().flat_map(|(_, task)| {
+            let numbered = task.walls.iter().zip(&task.wall_sources).enumerate();
+            numbered.map(|(number, (group, sources))| (group, sources, task.wall_pulls.get(number)))
+        });
+        groups.flat_map(move |(group, sources, pulls)| {
             sources.occupied().map(move |(lane, source)| {
                 let grain = group.body[lane] as usize;
                 let wall = world.surfaces[self.candidates.walls[source].surface as usize].wall;
                 let sphere = &world.spheres[grain];
                 let point = sphere.centre + Vector3::from(group.contacts.normal(lane)) * sphere.radius;
-                self.contact(world.ids[grain], Partner::Wall(wall), point, &group.contacts, lane)
+                self.contact(world.ids[grain], Partner::Wall(wall), point, (&group.contacts, pulls), lane)
             })
         })
     }
 
-    fn contact(&self, first: u32, second: Partner, point: Vector3<f64>, lanes: &ContactLanes, lane: usize) -> Contact {
+    fn contact(
+        &self,
+        first: u32,
+        second: Partner,
+        point: Vector3<f64>,
+        (lanes, pulls): (&ContactLanes, Option<&Eight>),
+        lane: usize,
+    ) -> Contact {
         let h = self.settings.step;
+        let pull = pulls.map_or(0.0, |pulls| pulls.0[lane]);
         Contact {
             first,
             second,
             point: point.into(),
             normal: lanes.normal(lane),
-            normal_force: lanes.normal_impulse(lane) / h,
+            normal_force: (lanes.normal_impulse(lane) - pull) / h,
             tangential_force: lanes.tangential_impulse(lane).map(|component| component / h),
         }
     }

@@ -1,6 +1,7 @@
 //! Watchdogs: what goes wrong without a word elsewhere is named here, with the grain, the step and the time.
 
 use crate::Simulation;
+use crate::energy::ContactEnergy;
 use crate::scene::{Reaction, Watch};
 use crate::simulation::StepReport;
 use crate::solve::{StopReason, residual_unit};
@@ -111,7 +112,7 @@ pub struct Watchdog {
     settings: Watch,
     /// Whether mechanical energy cannot come from walls.
     closed: bool,
-    /// Smallest sum of kinetic, potential and elastic energy so far, J: no later state may have more of the first two.
+    /// Smallest mechanical energy so far, J: no later state may have more, its elastic energy left out.
     available: f64,
     /// Largest kinetic energy so far, J.
     kinetic: f64,
@@ -180,14 +181,15 @@ impl Watchdog {
     /// The deepest overlap and the gain of energy, from one pass over the contacts.
     fn overlap_and_energy(&mut self, simulation: &Simulation) -> [Option<Trouble>; 2] {
         let bound = self.settings.overlap;
-        let (elastic, deepest) = simulation.elastic_energy_and_deepest();
+        let ContactEnergy { elastic, cohesive, deepest } = simulation.contact_energy();
         let overlap =
             deepest.filter(|(share, _)| *share > bound).map(|(share, grain)| Trouble::Overlap { grain, share, bound });
         let world = &simulation.world;
-        let energy = simulation.energy_without_elastic();
+        let energy = simulation.energy_of_grains();
         // Potential energy where the grains are half a step earlier: then a step without contacts changes nothing.
         let (half, momentum) = (0.5 * simulation.settings.step, simulation.momentum());
-        let mechanical = energy.kinetic + energy.potential + half * world.gravity.dot(&Vector3::from(momentum));
+        let mechanical =
+            energy.kinetic + energy.potential + cohesive + half * world.gravity.dot(&Vector3::from(momentum));
         let mass: f64 = world.bodies[..world.grains()].iter().map(|body| 1.0 / body.inverse_mass).sum();
         let weight = world.gravity.norm() * mass;
         self.kinetic = self.kinetic.max(energy.kinetic);

@@ -2,7 +2,7 @@
 
 use super::{MARK, open};
 use crate::Simulation;
-use crate::detect::{Impulse, PairCandidate, WallCandidate};
+use crate::detect::{AngularImpulse, Impulse, PairCandidate, WallCandidate};
 use crate::ledger::Ledger;
 use crate::partition::Plan;
 use crate::scene::Scene;
@@ -30,6 +30,9 @@ pub(super) struct State {
     list: Option<ListState>,
     pairs: Vec<Remembered>,
     walls: Vec<Remembered>,
+    /// Angular impulses of the same, N m s, where contacts bear torques; empty elsewhere.
+    pair_torques: Vec<[f64; 3]>,
+    wall_torques: Vec<[f64; 3]>,
     /// Where one is kept.
     ledger: Option<Ledger>,
 }
@@ -77,6 +80,13 @@ impl Remembered {
     }
 }
 
+/// Gives a candidate its angular impulse back, in a scene that has any.
+fn give_torque(torques: &mut [AngularImpulse], known: &Remembered, torque: Option<&[f64; 3]>) {
+    if let (Some(place), Some(torque)) = (torques.get_mut(known.candidate as usize), torque) {
+        *place = AngularImpulse(*torque);
+    }
+}
+
 /// Impulses that are not zero to the last bit, each with its place in the list.
 fn remembered<'a>(
     impulses: &'a [Impulse],
@@ -92,6 +102,12 @@ fn remembered<'a>(
             Remembered { candidate: candidate as u32, first, second, impulse }
         },
     )
+}
+
+/// The angular impulses that go with these; none where contacts bear no torques.
+fn torques_of(borne: &[Remembered], torques: &[AngularImpulse]) -> Vec<[f64; 3]> {
+    let known = |one: &Remembered| torques.get(one.candidate as usize).map(|torque| torque.0);
+    borne.iter().filter_map(known).collect()
 }
 
 impl State {
@@ -111,7 +127,11 @@ impl State {
         let (pairs, walls) = (&candidates.pairs, &candidates.walls);
         let pair_impulses = &candidates.pair_impulses[..pairs.len()];
         let wall_impulses = &candidates.wall_impulses[..walls.len()];
+        let pairs_borne: Vec<_> = remembered(pair_impulses, |c| (id(pairs[c].first), id(pairs[c].second))).collect();
+        let walls_borne: Vec<_> = remembered(wall_impulses, |c| (id(walls[c].body), walls[c].surface)).collect();
         State {
+            pair_torques: torques_of(&pairs_borne, &candidates.pair_torques),
+            wall_torques: torques_of(&walls_borne, &candidates.wall_torques),
             step: simulation.settings.step,
             steps: simulation.steps,
             contact_sweeps: simulation.contact_sweeps,
@@ -123,8 +143,8 @@ impl State {
                 pairs: pairs.len() as u32,
                 walls: walls.len() as u32,
             }),
-            pairs: remembered(pair_impulses, |c| (id(pairs[c].first), id(pairs[c].second))).collect(),
-            walls: remembered(wall_impulses, |c| (id(walls[c].body), walls[c].surface)).collect(),
+            pairs: pairs_borne,
+            walls: walls_borne,
             ledger: simulation.ledger.clone(),
         }
     }
@@ -135,12 +155,17 @@ impl State {
         let (state, rest) = postcard::take_from_bytes::<State>(body)
             .map_err(|error| format!("does not hold what a checkpoint holds ({error})"))?;
         let impulses = state.pairs.iter().chain(&state.walls).flat_map(|known| &known.impulse);
+        let torques = state.pair_torques.iter().chain(&state.wall_torques).flatten();
         let sound = rest.is_empty()
             && state.step.is_finite()
             && state.step > 0.0
             && state.steps.max(state.contact_sweeps) < LARGEST_COUNT
             && state.list.as_ref().is_none_or(|list| list.built_at.is_finite() && list.rebuilds < LARGEST_COUNT)
             && impulses.clone().all(|component| component.abs() < LARGEST)
+            && torques.clone().all(|component| component.abs() < LARGEST)
+            && [(&state.pairs, &state.pair_torques), (&state.walls, &state.wall_torques)]
+                .iter()
+                .all(|(borne, torques)| torques.is_empty() || torques.len() == borne.len())
             && state.pairs.iter().all(|pair| pair.first != pair.second);
         if sound { Ok(state) } else { Err("holds numbers that no run can have".into()) }
     }
@@ -185,6 +210,14 @@ impl State {
         }
         candidates.pair_impulses.push(Impulse::default());
         candidates.wall_impulses.push(Impulse::default());
+        // A scene that bears torques may start from one that bore none, and the other way round.
+        if simulation.relaxation.effects.torques() {
+            let scaled = |torque: &[f64; 3]| AngularImpulse(torque.map(|component| component * scale));
+            candidates.pair_torques = self.pair_torques.iter().map(scaled).collect();
+            candidates.wall_torques = self.wall_torques.iter().map(scaled).collect();
+            candidates.pair_torques.resize(self.pairs.len(), AngularImpulse::default());
+            candidates.wall_torques.resize(self.walls.len(), AngularImpulse::default());
+        }
         simulation.layout.plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32);
         Ok(simulation)
     }
@@ -218,7 +251,7 @@ impl State {
                 velocity: *velocity,
                 inverse_mass: *inverse_mass,
                 surface_speed: *surface_speed,
-                spare: 0.0,
+                inverse_radius: 1.0 / radius,
             });
         }
         Ok(world)
@@ -252,19 +285,21 @@ impl State {
             sphere.centre = Vector3::from(grain.position);
         }
         let id = |place: u32| world.ids[place as usize];
-        for known in &self.pairs {
+        for (number, known) in self.pairs.iter().enumerate() {
             let pair = candidates.pairs.get(known.candidate as usize).ok_or(OTHER)?;
             if (id(pair.first), id(pair.second)) != (known.first, known.second) {
                 return Err(OTHER.into());
             }
             candidates.pair_impulses[known.candidate as usize] = known.scaled(1.0);
+            give_torque(&mut candidates.pair_torques, known, self.pair_torques.get(number));
         }
-        for known in &self.walls {
+        for (number, known) in self.walls.iter().enumerate() {
             let wall = candidates.walls.get(known.candidate as usize).ok_or(OTHER)?;
             if (id(wall.body), wall.surface) != (known.first, known.second) {
                 return Err(OTHER.into());
             }
             candidates.wall_impulses[known.candidate as usize] = known.scaled(1.0);
+            give_torque(&mut candidates.wall_torques, known, self.wall_torques.get(number));
         }
         Ok(())
     }

@@ -4,11 +4,14 @@
 //! it fills the groups, eight contacts at a time, from the bodies and from the impulses of the last step.
 
 mod fill;
+mod pulls;
+mod torques;
 mod touch;
 
-use crate::detect::{Candidates, Impulse, WallCandidate};
+use crate::detect::{AngularImpulse, Candidates, Impulse, WallCandidate};
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::restitution::{bears, with_restitution};
+use crate::effects::{EffectSet, with_effects};
 use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number};
 use crate::partition::{Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups};
 use crate::scene::SolverSettings;
@@ -16,12 +19,15 @@ use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{ContactMaterial, Pose, World};
 use fill::{FillPairs, FillWalls};
 use nalgebra::Vector3;
+use std::marker::PhantomData;
+use torques::FillTorques;
 use touch::PackPairs;
 
 /// Turns candidates into lane groups; keeps its buffers from step to step.
 #[derive(Clone, Debug)]
 pub struct Constrainer {
     constants: StepConstants,
+    effects: EffectSet,
     taken: Vec<Taken>,
     poses: Vec<Pose>,
     steps: u64,
@@ -42,8 +48,17 @@ struct Given<'a> {
     candidates: &'a Candidates,
     poses: &'a [Pose],
     constants: StepConstants,
+    effects: EffectSet,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,
+}
+
+/// What the candidates bore in the last step.
+struct Remembered<'a> {
+    pairs: Disjoint<'a, Impulse>,
+    walls: Disjoint<'a, Impulse>,
+    pair_torques: Disjoint<'a, AngularImpulse>,
+    wall_torques: Disjoint<'a, AngularImpulse>,
 }
 
 impl Constrainer {
@@ -56,9 +71,10 @@ impl Constrainer {
             restitution_threshold: settings.restitution_threshold,
             gravity: world.gravity.norm(),
         };
-        let reach = scheme.reach(&world.stiffest_contact());
+        let reach = scheme.reach(&world.stiffest_contact()).max(world.range_of_cohesion());
         let constants = StepConstants { scheme, warm_start: settings.warm_start, reach };
-        Constrainer { constants, taken: Vec::new(), poses: Vec::new(), steps: 0 }
+        let effects = world.table.effects();
+        Constrainer { constants, effects, taken: Vec::new(), poses: Vec::new(), steps: 0 }
     }
 
     /// Lays out the contacts of a step from the state at its start; `then` is called with the groups of each task as soon
@@ -79,16 +95,24 @@ impl Constrainer {
         // Each candidate belongs to one task, so their impulses are written without a lock.
         let mut pair_impulses = std::mem::take(&mut candidates.pair_impulses);
         let mut wall_impulses = std::mem::take(&mut candidates.wall_impulses);
+        let mut pair_torques = std::mem::take(&mut candidates.pair_torques);
+        let mut wall_torques = std::mem::take(&mut candidates.wall_torques);
         {
             let given = Given {
                 world,
                 candidates,
                 poses: &self.poses,
                 constants: self.constants,
+                effects: self.effects,
                 material: world.table.of_all_grains(),
             };
             let (taken, groups) = (Disjoint::new(&mut self.taken), Disjoint::new(&mut layout.groups));
-            let (pair_impulses, wall_impulses) = (Disjoint::new(&mut pair_impulses), Disjoint::new(&mut wall_impulses));
+            let remembered = Remembered {
+                pairs: Disjoint::new(&mut pair_impulses),
+                walls: Disjoint::new(&mut wall_impulses),
+                pair_torques: Disjoint::new(&mut pair_torques),
+                wall_torques: Disjoint::new(&mut wall_torques),
+            };
             for stage in 0..STAGES {
                 let (tasks, batches) = (layout.plan.tasks(), layout.plan.batches(stage));
                 // Numbers of groups never come again: each step, stage and side has its own range.
@@ -98,7 +122,7 @@ impl Constrainer {
                         // SAFETY: tasks of a stage share no body, and each has its own groups and candidates.
                         unsafe {
                             let groups = groups.at(task.number as usize);
-                            given.lay_out(task, base, &taken, groups, &pair_impulses, &wall_impulses, set);
+                            given.lay_out(task, base, &taken, groups, &remembered, set);
                             then(groups);
                         }
                     }
@@ -106,7 +130,13 @@ impl Constrainer {
             }
         }
         (candidates.pair_impulses, candidates.wall_impulses) = (pair_impulses, wall_impulses);
+        (candidates.pair_torques, candidates.wall_torques) = (pair_torques, wall_torques);
         layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts).sum();
+    }
+
+    /// Lays out contacts for other effects than the world's materials call for.
+    pub(crate) fn compile_effects(&mut self, effects: EffectSet) {
+        self.effects = effects;
     }
 
     /// How contacts are discretised.
@@ -133,15 +163,13 @@ impl Given<'_> {
     ///
     /// # Safety
     /// No other task may use the bodies and candidates of this one meanwhile.
-    #[allow(clippy::too_many_arguments)]
     unsafe fn lay_out(
         &self,
         task: &PlannedTask,
         base: u64,
         taken: &Disjoint<'_, Taken>,
         groups: &mut TaskGroups,
-        pair_impulses: &Disjoint<'_, Impulse>,
-        wall_impulses: &Disjoint<'_, Impulse>,
+        remembered: &Remembered<'_>,
         set: InstructionSet,
     ) {
         let dummies = self.world.dummies_of(task.home as usize);
@@ -149,12 +177,22 @@ impl Given<'_> {
         let packer = Packer::new(taken, base, task.pairs.len());
         // SAFETY: the caller's promise; places come from the candidate list.
         unsafe {
-            set.run(PackPairs { given: self, task, dummies, packer, groups, impulses: pair_impulses });
-            self.pack_walls(task, dummies, Packer::new(taken, base + (1 << 32), 0), groups, wall_impulses);
+            set.run(PackPairs { given: self, task, dummies, packer, groups, impulses: &remembered.pairs });
+            self.pack_walls(task, dummies, Packer::new(taken, base + (1 << 32), 0), groups, &remembered.walls);
         }
-        groups.finish();
-        set.run(FillPairs { given: self, groups, impulses: pair_impulses });
-        set.run(FillWalls { given: self, groups, impulses: wall_impulses });
+        groups.finish(self.effects);
+        set.run(FillPairs { given: self, groups, impulses: &remembered.pairs });
+        set.run(FillWalls { given: self, groups, impulses: &remembered.walls });
+        if self.effects.cohesion {
+            self.fill_pulls(groups);
+        }
+        if self.effects.torques() {
+            let (pairs, walls) = (&remembered.pair_torques, &remembered.wall_torques);
+            with_effects!(self.effects, E => {
+                let effects = PhantomData::<E>;
+                set.run(FillTorques { given: self, groups, pairs, walls, effects })
+            });
+        }
     }
 }
 

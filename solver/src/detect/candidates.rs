@@ -43,6 +43,10 @@ pub struct Impulse {
     pub tangential: [f64; 3],
 }
 
+/// Angular impulse that a candidate bore in the last step, on its second side, N m s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AngularImpulse(pub [f64; 3]);
+
 /// Candidates and the impulses remembered for them.
 #[derive(Clone, Debug)]
 pub struct Candidates {
@@ -54,10 +58,18 @@ pub struct Candidates {
     pub pair_impulses: Vec<Impulse>,
     /// Impulse of each grain and surface, and one of zero behind them.
     pub wall_impulses: Vec<Impulse>,
+    /// Angular impulses of the same, where contacts bear torques; empty elsewhere. They mean nothing where the normal impulse
+    /// is zero.
+    pub pair_torques: Vec<AngularImpulse>,
+    /// As `pair_torques`.
+    pub wall_torques: Vec<AngularImpulse>,
     /// Number of times that the list was built.
     pub rebuilds: u64,
+    torques: bool,
     boxes: BoxGrid,
     skin: f64,
+    /// Gap across which candidates matter before they touch, m.
+    range: f64,
     step: f64,
     grid: CellGrid,
     largest_diameter: f64,
@@ -81,16 +93,23 @@ struct Buffers {
 }
 
 impl Candidates {
-    /// No candidates yet, for a world of so many grains; `largest_radius` and `skin` in m, `step` in s.
-    pub fn new(boxes: &BoxGrid, grains: usize, largest_radius: f64, skin: f64, step: f64) -> Candidates {
+    /// No candidates yet, for a world of so many grains; `skin` in m, `step` in s; `torques` if contacts bear any.
+    pub fn new(boxes: &BoxGrid, world: &World, skin: f64, step: f64, torques: bool) -> Candidates {
+        let (grains, (largest_radius, _)) = (world.grains(), world.largest_and_mean_radius());
+        let range = world.range_of_cohesion();
+        let skin = skin + range;
         Candidates {
             pairs: Vec::new(),
             walls: Vec::new(),
             pair_impulses: vec![Impulse::default()],
             wall_impulses: vec![Impulse::default()],
+            pair_torques: Vec::new(),
+            wall_torques: Vec::new(),
+            torques,
             rebuilds: 0,
             boxes: boxes.clone(),
             skin,
+            range,
             step,
             grid: CellGrid::new(boxes, grains, 2.0 * largest_radius + skin),
             largest_diameter: 2.0 * largest_radius,
@@ -99,6 +118,14 @@ impl Candidates {
             drift: Drift::default(),
             buffers: Buffers::default(),
         }
+    }
+
+    /// Keeps angular impulses, none so far, or keeps none.
+    pub(crate) fn bear_torques(&mut self, torques: bool) {
+        self.torques = torques;
+        let (pairs, walls) = if torques { (self.pairs.len(), self.walls.len()) } else { (0, 0) };
+        resize(&mut self.pair_torques, pairs, AngularImpulse::default());
+        resize(&mut self.wall_torques, walls, AngularImpulse::default());
     }
 
     /// Centres of the grains by place (m) and simulated time (s) when the list was built; absent while there is none.
@@ -117,7 +144,9 @@ impl Candidates {
         let spheres = &world.spheres[..world.grains()];
         let moved = self.drift.measure(&self.grid, &self.boxes, spheres, &self.reference, team);
         let far = self.grid.patch_width() - self.largest_diameter;
-        moved.approach > self.skin || 2.0 * moved.shift > far || moved.shift + wall_shift > WALL_SKINS * self.skin
+        moved.approach > self.skin - self.range
+            || 2.0 * moved.shift > far
+            || moved.shift + wall_shift > WALL_SKINS * self.skin - self.range
     }
 
     /// Puts the grains in the order of boxes and cells, builds the list anew and plans its tasks, keeping the impulses of
@@ -156,11 +185,13 @@ impl Candidates {
             let PairCandidate { first, second } = pairs[candidate];
             (places[first as usize], places[second as usize])
         };
-        remembered_pairs.collect(grains, &OldList { key, impulses: &self.pair_impulses, stages }, team);
+        let (impulses, torques) = (&self.pair_impulses, &self.pair_torques);
+        remembered_pairs.collect(grains, &OldList { key, impulses, torques, stages }, team);
         stages[0].clear();
         stages[0].extend(plan.stage(0).iter().map(|task| task.walls.clone()));
         let key = |candidate: usize| (places[walls[candidate].body as usize], walls[candidate].surface);
-        remembered_walls.collect(grains, &OldList { key, impulses: &self.wall_impulses, stages: &stages[..1] }, team);
+        let (impulses, torques) = (&self.wall_impulses, &self.wall_torques);
+        remembered_walls.collect(grains, &OldList { key, impulses, torques, stages: &stages[..1] }, team);
     }
 
     /// Each box looks for pairs and walls.
@@ -214,14 +245,15 @@ impl Candidates {
 
     /// Writes the list, and gives candidates that stay their impulses back.
     fn fill(&mut self, plan: &Plan, team: &Team) {
-        let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
-        let pairs: usize = found.iter().map(|found| found.pairs.len()).sum();
-        let walls: usize = found.iter().map(|found| found.walls.len()).sum();
+        let count = |of: fn(&Found) -> usize| self.buffers.found.iter().map(of).sum();
+        let (pairs, walls): (usize, usize) = (count(|found| found.pairs.len()), count(|found| found.walls.len()));
         resize(&mut self.pairs, pairs, PairCandidate { first: 0, second: 0 });
         resize(&mut self.walls, walls, WallCandidate { body: 0, surface: 0 });
         resize(&mut self.pair_impulses, pairs + 1, Impulse::default());
         resize(&mut self.wall_impulses, walls + 1, Impulse::default());
         (self.pair_impulses[pairs], self.wall_impulses[walls]) = (Impulse::default(), Impulse::default());
+        self.bear_torques(self.torques);
+        let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
         let (pair_parts, wall_parts) = (Disjoint::new(&mut self.pairs), Disjoint::new(&mut self.walls));
         team.each(Phase::Detect, found.len(), |number| {
             let found = &found[number];
@@ -239,19 +271,29 @@ impl Candidates {
         let (pairs, walls) = (&self.pairs, &self.walls);
         let pair_impulses = Disjoint::new(&mut self.pair_impulses);
         let wall_impulses = Disjoint::new(&mut self.wall_impulses);
+        let pair_torques = Disjoint::new(&mut self.pair_torques);
+        let wall_torques = Disjoint::new(&mut self.wall_torques);
+        let torques = self.torques;
         team.each(Phase::Detect, plan.all_batches().len(), |batch| {
             for task in &plan.tasks()[plan.all_batches()[batch].clone()] {
-                let range = task.pairs.start as usize..task.pairs.end as usize;
                 // SAFETY: each task has its own candidates.
-                let impulses = unsafe { pair_impulses.range(range.clone()) };
-                for (impulse, pair) in impulses.iter_mut().zip(&pairs[range]) {
-                    *impulse = remembered_pairs.recall((pair.first, pair.second));
-                }
-                let range = task.walls.start as usize..task.walls.end as usize;
-                // SAFETY: as above.
-                let impulses = unsafe { wall_impulses.range(range.clone()) };
-                for (impulse, wall) in impulses.iter_mut().zip(&walls[range]) {
-                    *impulse = remembered_walls.recall((wall.body, wall.surface));
+                unsafe {
+                    for candidate in task.pairs.start as usize..task.pairs.end as usize {
+                        let PairCandidate { first, second } = pairs[candidate];
+                        let (impulse, torque) = remembered_pairs.recall((first, second));
+                        *pair_impulses.at(candidate) = impulse;
+                        if torques {
+                            *pair_torques.at(candidate) = torque;
+                        }
+                    }
+                    for candidate in task.walls.start as usize..task.walls.end as usize {
+                        let WallCandidate { body, surface } = walls[candidate];
+                        let (impulse, torque) = remembered_walls.recall((body, surface));
+                        *wall_impulses.at(candidate) = impulse;
+                        if torques {
+                            *wall_torques.at(candidate) = torque;
+                        }
+                    }
                 }
             }
         });
@@ -262,6 +304,7 @@ impl Candidates {
         self.pairs.capacity() * size_of::<PairCandidate>()
             + self.walls.capacity() * size_of::<WallCandidate>()
             + (self.pair_impulses.capacity() + self.wall_impulses.capacity()) * size_of::<Impulse>()
+            + (self.pair_torques.capacity() + self.wall_torques.capacity()) * size_of::<AngularImpulse>()
             + self.reference.capacity() * size_of::<Vector3<f64>>()
             + self.grid.memory_bytes()
             + buffers.found.iter().map(Found::memory_bytes).sum::<usize>()

@@ -1,6 +1,6 @@
 //! Impulses carried over from one candidate list to the next.
 
-use super::Impulse;
+use super::{AngularImpulse, Impulse};
 use crate::schedule::{Disjoint, Phase, Team};
 use std::ops::Range;
 
@@ -10,13 +10,17 @@ pub(super) struct Remembered {
     start: Vec<u32>,
     partners: Vec<u32>,
     impulses: Vec<Impulse>,
+    /// Empty where contacts bear no torques.
+    torques: Vec<AngularImpulse>,
 }
 
-/// An old list: what each candidate is known by (new place of its first grain, anything for its partner), its impulse, and
+/// An old list: what each candidate is known by (new place of its first grain, anything for its partner), its impulses, and
 /// the tasks of each stage as ranges of candidates. Tasks of a stage share no first grain.
 pub(super) struct OldList<'a, K> {
     pub key: K,
     pub impulses: &'a [Impulse],
+    /// Empty where contacts bear no torques.
+    pub torques: &'a [AngularImpulse],
     pub stages: &'a [Vec<Range<u32>>],
 }
 
@@ -43,9 +47,11 @@ impl Remembered {
             }
             resize(&mut self.partners, self.start[grains] as usize, 0);
             resize(&mut self.impulses, self.start[grains] as usize, Impulse::default());
+            let torques = if old.torques.is_empty() { 0 } else { self.start[grains] as usize };
+            resize(&mut self.torques, torques, AngularImpulse::default());
         });
         let (starts, partners) = (Disjoint::new(&mut self.start), Disjoint::new(&mut self.partners));
-        let impulses = Disjoint::new(&mut self.impulses);
+        let (impulses, torques) = (Disjoint::new(&mut self.impulses), Disjoint::new(&mut self.torques));
         for tasks in old.stages {
             team.each(Phase::Detect, tasks.len(), |task| {
                 for candidate in live(&tasks[task]) {
@@ -55,6 +61,9 @@ impl Remembered {
                         let place = starts.at(first as usize);
                         *partners.at(*place as usize) = partner;
                         *impulses.at(*place as usize) = old.impulses[candidate];
+                        if let Some(torque) = old.torques.get(candidate) {
+                            *torques.at(*place as usize) = *torque;
+                        }
                         *place += 1;
                     }
                 }
@@ -65,17 +74,19 @@ impl Remembered {
         self.start[0] = 0;
     }
 
-    /// The impulse of a candidate; zero if it had none.
+    /// The impulses of a candidate; zero if it had none.
     #[inline]
-    pub fn recall(&self, (first, partner): (u32, u32)) -> Impulse {
+    pub fn recall(&self, (first, partner): (u32, u32)) -> (Impulse, AngularImpulse) {
         let start = self.start[first as usize] as usize;
         let own = &self.partners[start..self.start[first as usize + 1] as usize];
-        own.iter().position(|&known| known == partner).map_or_else(Impulse::default, |at| self.impulses[start + at])
+        let Some(at) = own.iter().position(|&known| known == partner) else { return Default::default() };
+        (self.impulses[start + at], self.torques.get(start + at).copied().unwrap_or_default())
     }
 
     pub fn memory_bytes(&self) -> usize {
         (self.start.capacity() + self.partners.capacity()) * size_of::<u32>()
             + self.impulses.capacity() * size_of::<Impulse>()
+            + self.torques.capacity() * size_of::<AngularImpulse>()
     }
 }
 

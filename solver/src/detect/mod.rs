@@ -11,5 +11,5 @@ mod grid;
 mod memory;
 mod search;
 
-pub use candidates::{Candidates, Impulse, PairCandidate, WallCandidate};
+pub use candidates::{AngularImpulse, Candidates, Impulse, PairCandidate, WallCandidate};
 pub use grid::CellGrid;

@@ -3,6 +3,118 @@
 //! The functions here are the only places where a contact law is written down; `constrain` calls them once a contact
 //! and step, and the sweep kernel is compiled with those that the scene calls for.
 
+pub mod cohesion;
 pub mod compliance;
 pub mod friction;
+pub mod resistance;
 pub mod restitution;
+
+/// What a kernel is compiled with. An effect that is off leaves no instruction in it.
+pub(crate) trait Effects {
+    /// Coulomb friction; without it grains do not spin.
+    const FRICTION: bool;
+    /// Rolling resistance.
+    const ROLLING: bool;
+    /// Twisting resistance.
+    const TWISTING: bool;
+    /// Whether contacts bear torques.
+    const TORQUES: bool = Self::ROLLING || Self::TWISTING;
+}
+
+/// One choice of effects.
+pub(crate) struct Compiled<const FRICTION: bool, const ROLLING: bool, const TWISTING: bool>;
+
+impl<const FRICTION: bool, const ROLLING: bool, const TWISTING: bool> Effects
+    for Compiled<FRICTION, ROLLING, TWISTING>
+{
+    const FRICTION: bool = FRICTION;
+    const ROLLING: bool = ROLLING;
+    const TWISTING: bool = TWISTING;
+}
+
+/// Smooth grains.
+pub(crate) type Frictionless = Compiled<false, false, false>;
+/// Coulomb friction alone.
+pub(crate) type Frictional = Compiled<true, false, false>;
+/// Friction and rolling resistance.
+pub(crate) type Rolling = Compiled<true, true, false>;
+/// Friction and twisting resistance.
+pub(crate) type Twisting = Compiled<true, false, true>;
+/// All three.
+pub(crate) type RollingTwisting = Compiled<true, true, true>;
+
+/// The effects that a scene calls for, as far as the sweep kernel has to know them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct EffectSet {
+    /// Some contact can have friction.
+    pub friction: bool,
+    /// Some contact can resist rolling.
+    pub rolling: bool,
+    /// Some contact can resist twisting.
+    pub twisting: bool,
+    /// Some contact pulls. Sweeps know nothing of it.
+    pub cohesion: bool,
+}
+
+impl EffectSet {
+    /// Every choice that a kernel is compiled for.
+    pub const COMPILED: [EffectSet; 5] = [
+        EffectSet { friction: false, rolling: false, twisting: false, cohesion: false },
+        EffectSet { friction: true, rolling: false, twisting: false, cohesion: false },
+        EffectSet { friction: true, rolling: true, twisting: false, cohesion: false },
+        EffectSet { friction: true, rolling: false, twisting: true, cohesion: false },
+        EffectSet { friction: true, rolling: true, twisting: true, cohesion: false },
+    ];
+
+    /// Whether contacts bear torques.
+    pub fn torques(&self) -> bool {
+        self.rolling || self.twisting
+    }
+
+    /// The kernel that is run for it: grains that resist turning carry their spin, as with friction.
+    pub fn compiled(&self) -> EffectSet {
+        EffectSet { friction: self.friction || self.torques(), cohesion: false, ..*self }
+    }
+
+    /// Its effects in words.
+    pub fn name(&self) -> &'static str {
+        match (self.compiled().friction, self.rolling, self.twisting) {
+            (_, true, true) => "friction, rolling and twisting resistance",
+            (_, true, false) => "friction and rolling resistance",
+            (_, false, true) => "friction and twisting resistance",
+            (true, ..) => "friction",
+            (false, ..) => "frictionless",
+        }
+    }
+}
+
+/// Evaluates an expression with `$effects` as the type that is compiled for the choice.
+macro_rules! with_effects {
+    ($set:expr, $effects:ident => $body:expr) => {{
+        use $crate::effects::{EffectSet, Frictional, Frictionless, Rolling, RollingTwisting, Twisting};
+        match $set {
+            EffectSet { rolling: true, twisting: true, .. } => {
+                type $effects = RollingTwisting;
+                $body
+            }
+            EffectSet { rolling: true, .. } => {
+                type $effects = Rolling;
+                $body
+            }
+            EffectSet { twisting: true, .. } => {
+                type $effects = Twisting;
+                $body
+            }
+            EffectSet { friction: true, .. } => {
+                type $effects = Frictional;
+                $body
+            }
+            _ => {
+                type $effects = Frictionless;
+                $body
+            }
+        }
+    }};
+}
+
+pub(crate) use with_effects;

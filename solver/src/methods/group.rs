@@ -1,10 +1,12 @@
 //! Kernels over the contacts of a task: pairs and walls alike, written once.
 
+use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, cross, dot, minus, prefetch_places, times};
 use crate::partition::{ContactLanes, PairGroup, TaskGroups, WallGroup};
 use crate::sweep::kernel::{Bodies, Contact};
 use crate::world::Body;
+use std::marker::PhantomData;
 
 /// One 3-vector a contact, for eight contacts; in the frame of the world.
 pub(crate) type Block = [Eight; 3];
@@ -45,7 +47,7 @@ pub(crate) trait Group {
     ///
     /// # Safety
     /// The group names bodies behind `bodies`, and no other task writes these meanwhile.
-    unsafe fn velocity<L: Lanes, const FRICTION: bool>(
+    unsafe fn velocity<L: Lanes, E: Effects>(
         &self,
         bodies: *const Body,
         contact: &Contact<L>,
@@ -56,7 +58,7 @@ pub(crate) trait Group {
     ///
     /// # Safety
     /// The group names bodies behind `bodies`, and no other task uses these meanwhile.
-    unsafe fn push<L: Lanes, const FRICTION: bool>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]);
+    unsafe fn push<L: Lanes, E: Effects>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]);
 }
 
 impl Group for PairGroup {
@@ -77,30 +79,24 @@ impl Group for PairGroup {
     }
 
     #[inline(always)]
-    unsafe fn velocity<L: Lanes, const FRICTION: bool>(
-        &self,
-        bodies: *const Body,
-        contact: &Contact<L>,
-        _: f64,
-    ) -> ([L; 3], L) {
+    unsafe fn velocity<L: Lanes, E: Effects>(&self, bodies: *const Body, contact: &Contact<L>, _: f64) -> ([L; 3], L) {
         // SAFETY: the caller's promise.
-        let (first, second) = unsafe {
-            (Bodies::<L>::load::<FRICTION>(bodies, &self.first), Bodies::<L>::load::<FRICTION>(bodies, &self.second))
-        };
-        (contact.velocity_of_pair::<FRICTION>(&first, &second), first.inverse_mass + second.inverse_mass)
+        let (first, second) =
+            unsafe { (Bodies::<L>::load::<E>(bodies, &self.first), Bodies::<L>::load::<E>(bodies, &self.second)) };
+        (contact.velocity_of_pair::<E>(&first, &second), first.inverse_mass + second.inverse_mass)
     }
 
     #[inline(always)]
-    unsafe fn push<L: Lanes, const FRICTION: bool>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
+    unsafe fn push<L: Lanes, E: Effects>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
         // SAFETY: the caller's promise; the sixteen bodies of a group are different ones.
         unsafe {
-            let mut first = Bodies::<L>::load::<FRICTION>(bodies, &self.first);
-            let mut second = Bodies::<L>::load::<FRICTION>(bodies, &self.second);
+            let mut first = Bodies::<L>::load::<E>(bodies, &self.first);
+            let mut second = Bodies::<L>::load::<E>(bodies, &self.second);
             let lever = cross(normal, impulse);
-            first.push::<FRICTION>(-1.0, impulse, lever);
-            second.push::<FRICTION>(1.0, impulse, lever);
-            first.store::<FRICTION>(bodies, &self.first);
-            second.store::<FRICTION>(bodies, &self.second);
+            first.push::<E>(-1.0, impulse, lever);
+            second.push::<E>(1.0, impulse, lever);
+            first.store::<E>(bodies, &self.first);
+            second.store::<E>(bodies, &self.second);
         }
     }
 }
@@ -122,25 +118,25 @@ impl Group for WallGroup {
     }
 
     #[inline(always)]
-    unsafe fn velocity<L: Lanes, const FRICTION: bool>(
+    unsafe fn velocity<L: Lanes, E: Effects>(
         &self,
         bodies: *const Body,
         contact: &Contact<L>,
         wall_share: f64,
     ) -> ([L; 3], L) {
         // SAFETY: the caller's promise.
-        let grain = unsafe { Bodies::<L>::load::<FRICTION>(bodies, &self.body) };
+        let grain = unsafe { Bodies::<L>::load::<E>(bodies, &self.body) };
         let wall_velocity = times(load(&self.wall_velocity), L::splat(wall_share));
-        (contact.velocity_at_wall::<FRICTION>(&grain, wall_velocity), grain.inverse_mass)
+        (contact.velocity_at_wall::<E>(&grain, wall_velocity), grain.inverse_mass)
     }
 
     #[inline(always)]
-    unsafe fn push<L: Lanes, const FRICTION: bool>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
+    unsafe fn push<L: Lanes, E: Effects>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
         // SAFETY: the caller's promise; the eight bodies of a group are different ones.
         unsafe {
-            let mut grain = Bodies::<L>::load::<FRICTION>(bodies, &self.body);
-            grain.push::<FRICTION>(-1.0, impulse, cross(normal, impulse));
-            grain.store::<FRICTION>(bodies, &self.body);
+            let mut grain = Bodies::<L>::load::<E>(bodies, &self.body);
+            grain.push::<E>(-1.0, impulse, cross(normal, impulse));
+            grain.store::<E>(bodies, &self.body);
         }
     }
 }
@@ -159,16 +155,17 @@ pub(crate) trait Visit {
     }
 
     /// Does it to the group with this number in its task, pairs first.
-    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G);
+    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G);
 }
 
 /// A visit to every group of a task.
-pub(crate) struct Visiting<'a, V, const FRICTION: bool> {
+pub(crate) struct Visiting<'a, V, E: Effects> {
     pub groups: &'a mut TaskGroups,
     pub visit: V,
+    pub effects: PhantomData<E>,
 }
 
-impl<V: Visit, const FRICTION: bool> Kernel for Visiting<'_, V, FRICTION> {
+impl<V: Visit, E: Effects> Kernel for Visiting<'_, V, E> {
     type Output = ();
 
     #[inline(always)]
@@ -181,10 +178,10 @@ impl<V: Visit, const FRICTION: bool> Kernel for Visiting<'_, V, FRICTION> {
             {
                 ahead.fetch(bodies);
             }
-            self.visit.visit::<L, PairGroup, FRICTION>(number, &mut pairs[number]);
+            self.visit.visit::<L, PairGroup, E>(number, &mut pairs[number]);
         }
         for (number, group) in walls.iter_mut().enumerate() {
-            self.visit.visit::<L, WallGroup, FRICTION>(pairs.len() + number, group);
+            self.visit.visit::<L, WallGroup, E>(pairs.len() + number, group);
         }
     }
 }
@@ -199,9 +196,9 @@ impl<L: Lanes> Contact<L> {
 
     /// Projects the impulse: the normal part onto repulsion, then the tangential part onto the Coulomb disc.
     #[inline(always)]
-    pub(crate) fn project<const FRICTION: bool>(&mut self) {
+    pub(crate) fn project<E: Effects>(&mut self) {
         self.impulse_normal = self.impulse_normal.larger(L::zero());
-        if FRICTION {
+        if E::FRICTION {
             let shrinkage = disc_shrinkage(self.impulse_tangential, self.friction * self.impulse_normal);
             self.impulse_tangential = times(self.impulse_tangential, shrinkage);
         }

@@ -7,6 +7,7 @@
 use super::group::{Block, Visit, Visiting};
 use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
+use crate::effects::{Frictional, Frictionless};
 use crate::lanes::{Eight, LANES};
 use crate::partition::{Layout, STAGES, SingleCopy};
 use crate::scene::{Precision, SolverMethod, SolverSettings};
@@ -14,6 +15,7 @@ use crate::schedule::{Disjoint, Phase, Team};
 use crate::solve::{Unknowns, sweep_all};
 use crate::sweep::{Relaxation, Residual, Residuals, TaskResidual};
 use crate::world::Body;
+use std::marker::PhantomData;
 use std::ops::Range;
 
 /// What a task sums up over its contacts, lane by lane.
@@ -255,9 +257,10 @@ pub(crate) fn visit<V: Visit>(
         for place in places {
             // SAFETY: each task has its own groups.
             let groups = unsafe { groups.at(plan.tasks()[place].number as usize) };
-            match relaxation.friction {
-                true => set.run(Visiting::<V, true> { groups, visit: make(place) }),
-                false => set.run(Visiting::<V, false> { groups, visit: make(place) }),
+            // Scenes with torques are refused methods other than Gauss-Seidel when they are read.
+            match relaxation.effects.friction {
+                true => set.run(Visiting::<V, Frictional> { groups, visit: make(place), effects: PhantomData }),
+                false => set.run(Visiting::<V, Frictionless> { groups, visit: make(place), effects: PhantomData }),
             }
         }
     };

@@ -19,6 +19,7 @@ use super::group::{Block, Group, Visit, add, load, store};
 use super::problem::{Tally, fit, part, visit};
 use super::visits::{TANGENTIAL, natural_map};
 use super::{Method, Problem};
+use crate::effects::Effects;
 use crate::lanes::{Lanes, dot, minus, plus, times};
 use crate::schedule::Disjoint;
 use crate::sweep::Residuals;
@@ -144,15 +145,15 @@ impl Visit for Turn<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
         let contact = Contact::read(group.contacts(), L::load);
         let normal = contact.normal;
         // SAFETY: the promise of `Visit`.
         let (velocity, inverse_mass, across) = unsafe {
-            let (velocity, inverse_mass) = group.velocity::<L, FRICTION>(self.bodies, &contact, 1.0);
-            (velocity, inverse_mass, group.velocity::<L, FRICTION>(self.velocities, &contact, 0.0).0)
+            let (velocity, inverse_mass) = group.velocity::<L, E>(self.bodies, &contact, 1.0);
+            (velocity, inverse_mass, group.velocity::<L, E>(self.velocities, &contact, 0.0).0)
         };
-        natural_map::<L, FRICTION>(contact, velocity, inverse_mass, self.tally);
+        natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
         // Residual r and S p, their normal and tangential parts.
         let direction = load::<L>(&self.direction[number]);
         let (along, along_direction, across_normal) =
@@ -162,14 +163,14 @@ impl Visit for Turn<'_> {
         let (mut residual, mut operated) = (times(normal, residual_normal), times(normal, operated_normal));
         let operator = inverse_mass + contact.regularisation;
         let mut scaled = times(normal, residual_normal / operator);
-        if FRICTION {
+        if E::FRICTION {
             let tangential = minus(times(normal, along), velocity);
             residual = plus(residual, tangential);
             operated = plus(operated, minus(across, times(normal, across_normal)));
             scaled = plus(scaled, times(tangential, L::splat(1.0) / (L::splat(TANGENTIAL) * inverse_mass)));
         }
-        let gradient = along_cone::<L, FRICTION>(&contact, scaled);
-        let direction = along_cone::<L, FRICTION>(&contact, direction);
+        let gradient = along_cone::<L, E>(&contact, scaled);
+        let direction = along_cone::<L, E>(&contact, direction);
         store(gradient, &mut self.gradient[number]);
         store(direction, &mut self.direction[number]);
         let [conjugate, with_gradient, with_direction] = &mut self.tally.sums;
@@ -184,12 +185,12 @@ impl Visit for Turn<'_> {
 /// The disc counts as fixed: a direction that shrank the disc's rim along with the normal impulse would do so against the residual
 /// of a sliding contact, and `r.w` could become negative.
 #[inline(always)]
-fn along_cone<L: Lanes, const FRICTION: bool>(contact: &Contact<L>, direction: [L; 3]) -> [L; 3] {
+fn along_cone<L: Lanes, E: Effects>(contact: &Contact<L>, direction: [L; 3]) -> [L; 3] {
     let zero = L::zero();
     let along = dot(contact.normal, direction);
     let open = contact.impulse_normal.at_most(zero);
     let mut result = times(contact.normal, L::select(open, along.larger(zero), along));
-    if FRICTION {
+    if E::FRICTION {
         let tangential = minus(direction, times(contact.normal, along));
         let impulse = contact.impulse_tangential;
         let (length, radius) = (dot(impulse, impulse).sqrt(), contact.friction * contact.impulse_normal);
@@ -223,13 +224,13 @@ impl Visit for Aim<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
         let contact = Contact::read(group.contacts(), L::load);
         let old = load::<L>(&self.direction[number]);
         let direction = plus(load(&self.gradient[number]), times(old, L::splat(self.beta)));
         store(direction, &mut self.direction[number]);
         // SAFETY: the promise of `Visit`.
-        unsafe { group.push::<L, FRICTION>(self.velocities, contact.normal, direction) };
+        unsafe { group.push::<L, E>(self.velocities, contact.normal, direction) };
         let along = dot(contact.normal, direction);
         add(&mut self.tally.sums[0], contact.regularisation * along * along);
     }
@@ -250,14 +251,14 @@ impl Visit for Advance<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
         let mut contact = Contact::read(group.contacts(), L::load);
         let before = contact.impulse();
         contact.set_impulse(plus(before, times(load(&self.direction[number]), L::splat(self.alpha))));
-        contact.project::<FRICTION>();
+        contact.project::<E>();
         let change = minus(contact.impulse(), before);
         // SAFETY: the promise of `Visit`.
-        unsafe { group.push::<L, FRICTION>(self.bodies, contact.normal, change) };
-        contact.write::<FRICTION, _>(group.contacts_mut(), L::store);
+        unsafe { group.push::<L, E>(self.bodies, contact.normal, change) };
+        contact.write::<E, _>(group.contacts_mut(), L::store);
     }
 }

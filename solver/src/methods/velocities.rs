@@ -13,20 +13,20 @@ pub(crate) type Coefficients = [[f64; 3]; 3];
 /// `m v^2 + 0.4 m s^2` is twice the kinetic energy of a solid sphere with surface speed s.
 const KINETIC: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.4, 0.4, 0.4, 0.0]);
 
-/// A body as eight numbers: velocity, inverse mass, surface speed, nothing.
+/// A body as eight numbers: velocity, inverse mass, surface speed, inverse radius.
 #[inline(always)]
 fn numbers(body: &Body) -> &Eight {
     // SAFETY: both are eight numbers in memory, aligned to 64 bytes.
     unsafe { &*std::ptr::from_ref(body).cast() }
 }
 
-/// Writes a body's velocities and leaves its mass as it is.
+/// Writes a body's velocities and leaves its mass and radius as they are.
 #[inline(always)]
 fn write<L: Lanes>(value: L, body: &mut Body) {
-    let inverse_mass = body.inverse_mass;
+    let (inverse_mass, inverse_radius) = (body.inverse_mass, body.inverse_radius);
     // SAFETY: as in `numbers`.
     value.store(unsafe { &mut *std::ptr::from_mut(body).cast() });
-    body.inverse_mass = inverse_mass;
+    (body.inverse_mass, body.inverse_radius) = (inverse_mass, inverse_radius);
 }
 
 /// `to = sum of coefficients[i] from[i]`, velocities only. No allocation; `from` has at most [`MOST`] states.

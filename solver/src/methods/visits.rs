@@ -3,6 +3,7 @@
 use super::group::{Block, Group, Visit, add, load, store};
 use super::problem::Tally;
 use super::velocities::{Coefficients, MOST, combined};
+use crate::effects::Effects;
 use crate::lanes::{Lanes, dot, minus, times};
 use crate::sweep::LaneResidual;
 use crate::sweep::kernel::Contact;
@@ -20,7 +21,7 @@ impl Visit for Keep<'_> {
     const PUSHES: bool = false;
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
         store(Contact::read(group.contacts(), L::load).impulse(), &mut self.to[number]);
     }
 }
@@ -36,7 +37,7 @@ impl Visit for Combine<'_> {
     const PUSHES: bool = false;
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
         let mut sum = [L::zero(); 3];
         for (coefficient, from) in self.coefficients.iter().zip(&self.from[..self.count]) {
             let own = load::<L>(&from[number]);
@@ -44,16 +45,16 @@ impl Visit for Combine<'_> {
                 sum[axis] = sum[axis] + L::splat(*coefficient) * own[axis];
             }
         }
-        put::<L, FRICTION>(sum, group.contacts_mut());
+        put::<L, E>(sum, group.contacts_mut());
     }
 }
 
 /// Writes impulses given as vectors.
 #[inline(always)]
-fn put<L: Lanes, const FRICTION: bool>(impulse: [L; 3], contacts: &mut crate::partition::ContactLanes) {
+fn put<L: Lanes, E: Effects>(impulse: [L; 3], contacts: &mut crate::partition::ContactLanes) {
     let mut contact = Contact::read(contacts, L::load);
     contact.set_impulse(impulse);
-    contact.write::<FRICTION, _>(contacts, L::store);
+    contact.write::<E, _>(contacts, L::store);
 }
 
 /// Impulses and two vectors become combinations of the three.
@@ -67,7 +68,7 @@ impl Visit for Transform<'_> {
     const PUSHES: bool = false;
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
         let [to_first, to_second, to_third] = self.coefficients;
         let first = Contact::read(group.contacts(), L::load).impulse();
         let (second, third) = (load::<L>(&self.second[number]), load::<L>(&self.third[number]));
@@ -78,7 +79,7 @@ impl Visit for Transform<'_> {
             combined(to_second, old).store(&mut self.second[number][axis]);
             combined(to_third, old).store(&mut self.third[number][axis]);
         }
-        put::<L, FRICTION>(impulse, group.contacts_mut());
+        put::<L, E>(impulse, group.contacts_mut());
     }
 }
 
@@ -105,22 +106,22 @@ impl Visit for Step<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, number: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
         let mut contact = Contact::read(group.contacts(), L::load);
         contact.set_impulse(load(&self.from[number]));
         let normal = contact.normal;
         // SAFETY: the promise of `Visit`.
-        let (velocity, inverse_mass) = unsafe { group.velocity::<L, FRICTION>(self.ahead, &contact, 1.0) };
+        let (velocity, inverse_mass) = unsafe { group.velocity::<L, E>(self.ahead, &contact, 1.0) };
         // Gradient, before the impulse changes.
         let along = dot(normal, velocity);
         let slack = along + contact.regularisation * contact.impulse_normal - contact.bias;
-        natural_map::<L, FRICTION>(contact, velocity, inverse_mass, self.tally);
+        natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
         let mut unused = LaneResidual::zero();
         let step = L::splat(self.step);
-        let change = contact.relax::<FRICTION, false>(velocity, inverse_mass, step, &mut unused);
+        let change = contact.relax::<E, false>(velocity, inverse_mass, step, &mut unused);
         // SAFETY: as above.
-        unsafe { group.push::<L, FRICTION>(self.bodies, normal, change) };
-        contact.write::<FRICTION, _>(group.contacts_mut(), L::store);
+        unsafe { group.push::<L, E>(self.bodies, normal, change) };
+        contact.write::<E, _>(group.contacts_mut(), L::store);
         // How far it went, in the metric of the diagonal.
         let change_normal = dot(normal, change);
         let compliant = contact.regularisation * change_normal * change_normal;
@@ -128,7 +129,7 @@ impl Visit for Step<'_> {
         let way = minus(contact.impulse(), load(&self.last[number]));
         let way_normal = dot(normal, way);
         let mut slope = slack * way_normal;
-        if FRICTION {
+        if E::FRICTION {
             let change_tangential = minus(change, times(normal, change_normal));
             let operator = L::splat(TANGENTIAL) * inverse_mass;
             scaled = scaled + operator * dot(change_tangential, change_tangential);
@@ -143,14 +144,14 @@ impl Visit for Step<'_> {
 
 /// Adds what one unrelaxed update of each contact by itself would change, m/s: zero at the solution only.
 #[inline(always)]
-pub(crate) fn natural_map<L: Lanes, const FRICTION: bool>(
+pub(crate) fn natural_map<L: Lanes, E: Effects>(
     mut contact: Contact<L>,
     velocity: [L; 3],
     inverse_mass: L,
     tally: &mut Tally,
 ) {
     let mut residual = LaneResidual::<L>::read(&tally.residual);
-    contact.relax::<FRICTION, true>(velocity, inverse_mass, L::splat(1.0), &mut residual);
+    contact.relax::<E, true>(velocity, inverse_mass, L::splat(1.0), &mut residual);
     residual.write(&mut tally.residual);
 }
 
@@ -169,14 +170,14 @@ impl Visit for Measure<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, const FRICTION: bool>(&mut self, _: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, _: usize, group: &mut G) {
         let contact = Contact::read(group.contacts(), L::load);
         // SAFETY: the promise of `Visit`.
-        let (velocity, inverse_mass) = unsafe { group.velocity::<L, FRICTION>(self.bodies, &contact, 1.0) };
-        natural_map::<L, FRICTION>(contact, velocity, inverse_mass, self.tally);
+        let (velocity, inverse_mass) = unsafe { group.velocity::<L, E>(self.bodies, &contact, 1.0) };
+        natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
         // Attraction, or the tangential impulse beyond the disc.
         let mut excess = -contact.impulse_normal * (inverse_mass + contact.regularisation);
-        if FRICTION {
+        if E::FRICTION {
             let tangential = contact.impulse_tangential;
             let beyond = dot(tangential, tangential).sqrt() - contact.friction * contact.impulse_normal;
             excess = excess.larger(beyond * L::splat(TANGENTIAL) * inverse_mass);

@@ -23,6 +23,28 @@ pub struct ContactLanes<Several = Eight> {
     pub impulse_tangential: [Several; 3],
 }
 
+/// Levers and angular impulses of eight contacts, where contacts bear torques.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct TorqueLanes {
+    /// Largest rolling torque over the normal force, m.
+    pub rolling_lever: Eight,
+    /// Largest twisting torque over the normal force, m.
+    pub twisting_lever: Eight,
+    /// Angular impulses on the second body, or on the wall, N m s.
+    pub impulse: [Eight; 3],
+}
+
+/// The same of contacts with walls.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct WallTorqueLanes {
+    /// Angular velocities of the walls, rad/s.
+    pub wall_spin: [Eight; 3],
+    /// Levers and angular impulses.
+    pub torques: TorqueLanes,
+}
+
 /// Eight contacts of pairs of grains that share no body.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
@@ -65,6 +87,13 @@ impl ContactLanes {
     /// Normal of the contact in a lane.
     pub fn normal(&self, lane: usize) -> [f64; 3] {
         std::array::from_fn(|axis| self.normal[axis].0[lane])
+    }
+}
+
+impl TorqueLanes {
+    /// Angular impulse of the contact in a lane, N m s.
+    pub fn angular_impulse(&self, lane: usize) -> [f64; 3] {
+        std::array::from_fn(|axis| self.impulse[axis].0[lane])
     }
 }
 

@@ -18,10 +18,12 @@ mod plan;
 mod single;
 
 pub use boxes::{BoxGrid, STAGES};
-pub use groups::{ContactLanes, PairGroup, Sources, WallGroup};
+pub use groups::{ContactLanes, PairGroup, Sources, TorqueLanes, WallGroup, WallTorqueLanes};
 pub(crate) use packing::{Packer, Taken};
 pub use plan::{Plan, PlannedTask};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups};
+
+use crate::lanes::Eight;
 
 /// Lane groups of one task; what sweeps read and write besides bodies.
 #[derive(Clone, Debug, Default)]
@@ -34,6 +36,14 @@ pub struct TaskGroups {
     pub walls: Vec<WallGroup>,
     /// Where their contacts came from.
     pub wall_sources: Vec<Sources>,
+    /// Torques of the pairs, a group each; empty where contacts bear none.
+    pub pair_torques: Vec<TorqueLanes>,
+    /// Torques of the contacts with walls, a group each; empty where contacts bear none.
+    pub wall_torques: Vec<WallTorqueLanes>,
+    /// Impulses with which cohesion pulls the pairs together, N s; empty where there is none.
+    pub pair_pulls: Vec<Eight>,
+    /// The same of the contacts with walls.
+    pub wall_pulls: Vec<Eight>,
     /// Number of contacts, padding lanes left out.
     pub contacts: usize,
     pairs_used: usize,
@@ -75,6 +85,9 @@ impl Layout {
                 + task.pairs.capacity() * size_of::<PairGroup>()
                 + task.walls.capacity() * size_of::<WallGroup>()
                 + (task.pair_sources.capacity() + task.wall_sources.capacity()) * size_of::<Sources>()
+                + task.pair_torques.capacity() * size_of::<TorqueLanes>()
+                + task.wall_torques.capacity() * size_of::<WallTorqueLanes>()
+                + (task.pair_pulls.capacity() + task.wall_pulls.capacity()) * size_of::<Eight>()
         };
         self.groups.iter().map(of_task).sum::<usize>() + self.plan.memory_bytes()
     }

@@ -2,6 +2,7 @@
 
 use super::{PairGroup, Sources, TaskGroups, WallGroup};
 use crate::detect::{PairCandidate, WallCandidate};
+use crate::effects::EffectSet;
 use crate::lanes::LANES;
 use crate::schedule::Disjoint;
 
@@ -190,13 +191,30 @@ impl TaskGroups {
         (self.pairs_used, self.walls_used, self.contacts) = (0, 0, 0);
     }
 
-    /// Drops the groups that this step does not need; their memory stays.
-    pub(crate) fn finish(&mut self) {
+    /// Drops the groups that this step does not need, and gives each of the others room for what the scene calls for besides;
+    /// memory stays.
+    pub(crate) fn finish(&mut self, effects: EffectSet) {
         self.pairs.truncate(self.pairs_used);
         self.pair_sources.truncate(self.pairs_used);
         self.walls.truncate(self.walls_used);
         self.wall_sources.truncate(self.walls_used);
+        if effects.torques() {
+            // As much room as the groups have, so that it grows no oftener.
+            grow(&mut self.pair_torques, self.pairs_used, self.pairs.capacity());
+            grow(&mut self.wall_torques, self.walls_used, self.walls.capacity());
+        }
+        if effects.cohesion {
+            grow(&mut self.pair_pulls, self.pairs_used, self.pairs.capacity());
+            grow(&mut self.wall_pulls, self.walls_used, self.walls.capacity());
+        }
     }
+}
+
+/// Makes a list so long, with room for so many.
+fn grow<T: Clone + Default>(list: &mut Vec<T>, length: usize, room: usize) {
+    list.truncate(length);
+    list.reserve_exact(room - list.len());
+    list.resize(length, T::default());
 }
 
 /// Makes room for an eighth more groups where there is none: doubling would waste memory that large scenes need.

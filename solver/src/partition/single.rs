@@ -16,7 +16,7 @@ pub(crate) struct SingleBody {
     velocity: [f32; 3],
     inverse_mass: f32,
     surface_speed: [f32; 3],
-    spare: f32,
+    inverse_radius: f32,
 }
 
 /// Sixteen contacts of pairs of grains that share no body.
@@ -60,7 +60,7 @@ impl SingleBody {
             velocity: body.velocity.map(|component| component as f32),
             inverse_mass: body.inverse_mass as f32,
             surface_speed: body.surface_speed.map(|component| component as f32),
-            spare: body.spare as f32,
+            inverse_radius: body.inverse_radius as f32,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Range checks of a scene, before anything is simulated.
 
 use super::error::{Fault, Step};
-use super::{Motion, NormalLaw, Precision, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop};
+use super::{Cohesion, Motion, NormalLaw, Precision, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop};
 use crate::methods::MOST_MEMORY;
 
 type Checked = Result<(), Fault>;
@@ -54,6 +54,9 @@ fn materials(scene: &Scene) -> Checked {
         at.key("poisson_ratio").range(material.poisson_ratio, 0.0, 0.4999, "(no unit)")?;
         at.key("friction").range(material.friction, 0.0, 1e9, "(no unit)")?;
         at.key("restitution").range(material.restitution, 0.0, 1.0, "(no unit)")?;
+        at.key("rolling_friction").range(material.rolling_friction, 0.0, 1e9, "(no unit)")?;
+        at.key("twisting_friction").range(material.twisting_friction, 0.0, 1e9, "(no unit)")?;
+        cohesion(&at.key("cohesion"), material.cohesion)?;
     }
     for (index, rule) in scene.pair.iter().enumerate() {
         let at = Place::default().key("pair").index(index);
@@ -62,8 +65,22 @@ fn materials(scene: &Scene) -> Checked {
         }
         at.key("friction").range(rule.friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
         at.key("restitution").range(rule.restitution.unwrap_or(0.0), 0.0, 1.0, "(no unit)")?;
+        at.key("rolling_friction").range(rule.rolling_friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
+        at.key("twisting_friction").range(rule.twisting_friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
+        cohesion(&at.key("cohesion"), rule.cohesion)?;
     }
     Ok(())
+}
+
+fn cohesion(at: &Place, cohesion: Option<Cohesion>) -> Checked {
+    match cohesion {
+        None => Ok(()),
+        Some(Cohesion::Constant { force, range }) => {
+            at.key("force").range(force, 0.0, 1e9, "N")?;
+            at.key("range").range(range, 0.0, 1.0, "m")
+        }
+        Some(Cohesion::SurfaceEnergy { work }) => at.key("work").range(work, 0.0, 1e6, "J/m2"),
+    }
 }
 
 fn walls(scene: &Scene) -> Checked {
@@ -220,6 +237,21 @@ fn radii(at: &Place, distribution: &RadiusDistribution) -> Checked {
     }
 }
 
+/// The key of a resistance to turning that the scene's materials have, if any.
+fn resistance(scene: &Scene) -> Option<&'static str> {
+    let (materials, rules) = (scene.material.values(), scene.pair.iter());
+    let rolling = materials.clone().map(|material| material.rolling_friction);
+    let twisting = materials.map(|material| material.twisting_friction);
+    let positive = |value: f64| value > 0.0;
+    if rolling.chain(rules.clone().filter_map(|rule| rule.rolling_friction)).any(positive) {
+        Some("rolling_friction")
+    } else if twisting.chain(rules.filter_map(|rule| rule.twisting_friction)).any(positive) {
+        Some("twisting_friction")
+    } else {
+        None
+    }
+}
+
 fn solver(scene: &Scene) -> Checked {
     let at = Place::default().key("solver");
     let settings = &scene.solver;
@@ -243,6 +275,15 @@ fn solver(scene: &Scene) -> Checked {
     if settings.precision == Precision::Single && settings.method != SolverMethod::GaussSeidel {
         let problem = format!("single, with method {}", settings.method.name());
         return Err(at.key("precision").fault(problem, "single precision goes with gauss-seidel alone; leave one out"));
+    }
+    let plain = settings.precision == Precision::Double && settings.method == SolverMethod::GaussSeidel;
+    if let (false, Some(effect)) = (plain, resistance(scene)) {
+        let (key, problem) = match settings.precision {
+            Precision::Single => ("precision", format!("single, where a material has {effect}")),
+            Precision::Double => ("method", format!("{}, where a material has {effect}", settings.method.name())),
+        };
+        let remedy = "torques go with gauss-seidel in double precision alone; leave one out";
+        return Err(at.key(key).fault(problem, remedy));
     }
     let stop = at.key("stop");
     match settings.stop {

@@ -75,6 +75,13 @@ impl Fault {
     }
 }
 
+/// Line (from 1) on which a scene's text says what stands at a path such as `["material", "grain", "friction"]` or
+/// `["wall", "0", "motion"]`; the nearest table around it, where the text leaves it out; `None` where it says nothing of it.
+pub fn line_of(text: &str, path: &[&str]) -> Option<usize> {
+    let step = |step: &&str| step.parse().map_or_else(|_| Step::Name(step.to_string()), Step::Index);
+    span_start(text, &path.iter().map(step).collect::<Vec<_>>()).map(|at| line_at(text, at))
+}
+
 fn span_start(text: &str, path: &[Step]) -> Option<usize> {
     use toml::de::{DeTable, DeValue};
     let document = DeTable::parse(text).ok()?;

@@ -12,8 +12,9 @@ mod settings;
 mod types;
 mod watch;
 
+pub use crate::effects::cohesion::Cohesion;
 pub use accuracy::Accuracy;
-pub use error::SceneError;
+pub use error::{SceneError, line_of};
 pub use populate::{Grain, populate};
 pub use settings::{NormalLaw, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
@@ -81,6 +82,21 @@ pub struct Scene {
     pub compare: Vec<Expectation>,
 }
 
+/// What a contact of two materials has by the scene's rules.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactCoefficients {
+    /// Coulomb friction.
+    pub friction: f64,
+    /// Restitution, 0 to 1.
+    pub restitution: f64,
+    /// Rolling friction, over the effective radius.
+    pub rolling_friction: f64,
+    /// Twisting friction, over the effective radius.
+    pub twisting_friction: f64,
+    /// Cohesion; two grains have it if both materials do, and then the weaker one.
+    pub cohesion: Option<Cohesion>,
+}
+
 impl Scene {
     /// Reads and checks a scene file.
     ///
@@ -138,24 +154,26 @@ impl Scene {
         scene
     }
 
-    /// Friction and restitution of a contact between two materials; `wall` if the second one is a wall's.
+    /// Coefficients of a contact between two materials; `wall` if the second one is a wall's.
     ///
     /// A `[[pair]]` rule decides where there is one. Otherwise a wall contact takes the wall's values, and two
-    /// grains take the smaller friction and the smaller restitution of the two.
-    pub fn contact_coefficients(&self, first: &str, second: &str, wall: bool) -> (f64, f64) {
+    /// grains take the smaller of each of the two.
+    pub fn contact_coefficients(&self, first: &str, second: &str, wall: bool) -> ContactCoefficients {
         let rule = self.pair.iter().find(|rule| {
             let [a, b] = &rule.between;
             (a == first && b == second) || (a == second && b == first)
         });
         let (a, b) = (&self.material[first], &self.material[second]);
-        let (friction, restitution) = if wall {
-            (b.friction, b.restitution)
-        } else {
-            (a.friction.min(b.friction), a.restitution.min(b.restitution))
-        };
-        match rule {
-            Some(rule) => (rule.friction.unwrap_or(friction), rule.restitution.unwrap_or(restitution)),
-            None => (friction, restitution),
+        let common = |of: fn(&Material) -> f64| if wall { of(b) } else { of(a).min(of(b)) };
+        let decided = |of: fn(&PairRule) -> Option<f64>| rule.and_then(of);
+        let both = a.cohesion.zip(b.cohesion).map(|(one, other)| one.weaker(other));
+        let cohesion = if wall { b.cohesion } else { both };
+        ContactCoefficients {
+            friction: decided(|rule| rule.friction).unwrap_or(common(|one| one.friction)),
+            restitution: decided(|rule| rule.restitution).unwrap_or(common(|one| one.restitution)),
+            rolling_friction: decided(|rule| rule.rolling_friction).unwrap_or(common(|one| one.rolling_friction)),
+            twisting_friction: decided(|rule| rule.twisting_friction).unwrap_or(common(|one| one.twisting_friction)),
+            cohesion: rule.and_then(|rule| rule.cohesion).or(cohesion),
         }
     }
 

@@ -1,5 +1,6 @@
 //! The tables of a scene file. Units are SI throughout: metres, seconds, kilograms, pascals, radians a second.
 
+use crate::effects::cohesion::Cohesion;
 use serde::{Deserialize, Serialize};
 
 pub(super) fn earth_gravity() -> [f64; 3] {
@@ -19,6 +20,11 @@ pub(super) fn slight_overlap() -> f64 {
 /// Whether an overlap is the default, which written scenes leave out so that they keep the hash that recorded results carry.
 pub(super) fn is_slight(overlap: &f64) -> bool {
     *overlap == SLIGHT_OVERLAP
+}
+
+/// What written scenes leave out, so that those without the effect keep the hash that recorded results carry.
+pub(super) fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// An axis-aligned box that no grain may leave, metres.
@@ -45,9 +51,19 @@ pub struct Material {
     pub friction: f64,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: f64,
+    /// Coefficient of rolling friction: the torque against rolling is at most this times the effective radius times the normal
+    /// force, with the effective radius `r_a r_b / (r_a + r_b)`, that of the grain at a wall.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rolling_friction: f64,
+    /// Coefficient of twisting friction: the same for the torque along the normal.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub twisting_friction: f64,
+    /// Pull between grains, or a grain and a wall, that are close.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cohesion: Option<Cohesion>,
 }
 
-/// Friction and restitution of one pair of materials, where they differ from the rule.
+/// Coefficients of one pair of materials, where they differ from the rule.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairRule {
@@ -57,6 +73,15 @@ pub struct PairRule {
     pub friction: Option<f64>,
     /// Coefficient of restitution of the pair.
     pub restitution: Option<f64>,
+    /// Coefficient of rolling friction of the pair.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling_friction: Option<f64>,
+    /// Coefficient of twisting friction of the pair.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub twisting_friction: Option<f64>,
+    /// Pull of the pair.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cohesion: Option<Cohesion>,
 }
 
 /// A rigid wall with a material and a prescribed motion.

@@ -2,6 +2,7 @@
 
 use super::kernel::{Bodies, Contact};
 use super::residual::LaneResidual;
+use crate::effects::Frictional;
 use crate::lanes::Number;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
@@ -28,7 +29,7 @@ impl Operations {
     pub fn of_pair() -> Operations {
         counted(|contact| {
             let (mut first, mut second) = (Bodies::at_rest(), Bodies::at_rest());
-            contact.relax_pair::<true, false>(&mut first, &mut second, Counted(1.0), &mut LaneResidual::zero());
+            contact.relax_pair::<Frictional, false>(&mut first, &mut second, Counted(1.0), &mut LaneResidual::zero());
         })
     }
 
@@ -36,7 +37,12 @@ impl Operations {
     pub fn of_wall() -> Operations {
         let still = [Counted(0.0); 3];
         counted(|contact| {
-            contact.relax_wall::<true, false>(&mut Bodies::at_rest(), still, Counted(1.0), &mut LaneResidual::zero());
+            contact.relax_wall::<Frictional, false>(
+                &mut Bodies::at_rest(),
+                still,
+                Counted(1.0),
+                &mut LaneResidual::zero(),
+            );
         })
     }
 

@@ -10,16 +10,18 @@
 //! v_a -= P/m_a   v_b += P/m_b   s_a -= 2.5/m_a n x P   s_b -= 2.5/m_b n x P
 //! ```
 //!
-//! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once.
+//! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once. Where grains resist rolling
+//! or twisting, the contact's angular impulse follows (`torques`).
 
 use super::residual::LaneResidual;
+use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::lanes::{LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, cross, dot, minus, plus, times};
 use crate::partition::{ContactLanes, SingleBody};
 use crate::world::Body;
 
 /// Inverse of `I/(m r^2)` for a solid sphere.
-const INVERSE_INERTIA: f64 = 2.5;
+pub(super) const INVERSE_INERTIA: f64 = 2.5;
 
 /// One body, or eight.
 #[derive(Clone, Copy)]
@@ -27,7 +29,7 @@ pub(crate) struct Bodies<N> {
     pub velocity: [N; 3],
     pub inverse_mass: N,
     pub surface_speed: [N; 3],
-    spare: N,
+    pub inverse_radius: N,
 }
 
 impl<L: Lanes> Bodies<L> {
@@ -36,14 +38,14 @@ impl<L: Lanes> Bodies<L> {
     /// # Safety
     /// The places are those of bodies, and no other task uses these.
     #[inline(always)]
-    pub unsafe fn load<const FRICTION: bool>(bodies: *const Body, places: &[u32; LANES]) -> Self {
+    pub unsafe fn load<E: Effects>(bodies: *const Body, places: &[u32; LANES]) -> Self {
         let base: *const Quad = bodies.cast();
         // SAFETY: the caller's promise; a body is two quads.
         let [x, y, z, inverse_mass] = unsafe { L::load_quads::<2>(base, places) };
-        let [along_x, along_y, along_z, spare] =
+        let [along_x, along_y, along_z, inverse_radius] =
             // SAFETY: as above.
-            if FRICTION { unsafe { L::load_quads::<2>(base.add(1), places) } } else { [L::zero(); 4] };
-        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], spare }
+            if E::FRICTION { unsafe { L::load_quads::<2>(base.add(1), places) } } else { [L::zero(); 4] };
+        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], inverse_radius }
     }
 
     /// Stores eight bodies.
@@ -51,14 +53,14 @@ impl<L: Lanes> Bodies<L> {
     /// # Safety
     /// As for `load`.
     #[inline(always)]
-    pub unsafe fn store<const FRICTION: bool>(self, bodies: *mut Body, places: &[u32; LANES]) {
+    pub unsafe fn store<E: Effects>(self, bodies: *mut Body, places: &[u32; LANES]) {
         let base: *mut Quad = bodies.cast();
         let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.surface_speed);
         // SAFETY: the caller's promise; a body is two quads.
         unsafe {
             L::store_quads::<2>(base, places, [x, y, z, self.inverse_mass]);
-            if FRICTION {
-                L::store_quads::<2>(base.add(1), places, [along_x, along_y, along_z, self.spare]);
+            if E::FRICTION {
+                L::store_quads::<2>(base.add(1), places, [along_x, along_y, along_z, self.inverse_radius]);
             }
         }
     }
@@ -72,9 +74,9 @@ impl<S: SingleLanes> Bodies<S> {
     #[inline(always)]
     pub unsafe fn load_single(bodies: *const SingleBody, places: &[u32; SINGLE_LANES]) -> Self {
         // SAFETY: the caller's promise; a body is an octet.
-        let [x, y, z, inverse_mass, along_x, along_y, along_z, spare] =
+        let [x, y, z, inverse_mass, along_x, along_y, along_z, inverse_radius] =
             unsafe { S::load_octets(bodies.cast::<Octet>(), places) };
-        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], spare }
+        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], inverse_radius }
     }
 
     /// Stores sixteen bodies in single precision.
@@ -84,7 +86,7 @@ impl<S: SingleLanes> Bodies<S> {
     #[inline(always)]
     pub unsafe fn store_single(self, bodies: *mut SingleBody, places: &[u32; SINGLE_LANES]) {
         let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.surface_speed);
-        let octets = [x, y, z, self.inverse_mass, along_x, along_y, along_z, self.spare];
+        let octets = [x, y, z, self.inverse_mass, along_x, along_y, along_z, self.inverse_radius];
         // SAFETY: the caller's promise; a body is an octet.
         unsafe { S::store_octets(bodies.cast::<Octet>(), places, octets) };
     }
@@ -93,8 +95,8 @@ impl<S: SingleLanes> Bodies<S> {
 impl Bodies<f64> {
     /// One body.
     pub fn of(body: &Body) -> Self {
-        let Body { velocity, inverse_mass, surface_speed, spare } = *body;
-        Self { velocity, inverse_mass, surface_speed, spare }
+        let Body { velocity, inverse_mass, surface_speed, inverse_radius } = *body;
+        Self { velocity, inverse_mass, surface_speed, inverse_radius }
     }
 }
 
@@ -102,14 +104,14 @@ impl<N: Number> Bodies<N> {
     /// A body at rest that no impulse moves.
     pub fn at_rest() -> Self {
         let zero = N::zero();
-        Self { velocity: [zero; 3], inverse_mass: zero, surface_speed: [zero; 3], spare: zero }
+        Self { velocity: [zero; 3], inverse_mass: zero, surface_speed: [zero; 3], inverse_radius: zero }
     }
 
     /// Adds `sign` times an impulse; `lever` is n x P.
     #[inline(always)]
-    pub fn push<const FRICTION: bool>(&mut self, sign: f64, impulse: [N; 3], lever: [N; 3]) {
+    pub fn push<E: Effects>(&mut self, sign: f64, impulse: [N; 3], lever: [N; 3]) {
         self.velocity = plus(self.velocity, times(impulse, self.inverse_mass * N::splat(sign)));
-        if FRICTION {
+        if E::FRICTION {
             let factor = self.inverse_mass * N::splat(-INVERSE_INERTIA);
             self.surface_speed = plus(self.surface_speed, times(lever, factor));
         }
@@ -143,9 +145,9 @@ impl<N: Number> Contact<N> {
 
     /// Writes its impulses back.
     #[inline(always)]
-    pub fn write<const FRICTION: bool, S>(&self, contacts: &mut ContactLanes<S>, number: impl Fn(N, &mut S)) {
+    pub fn write<E: Effects, S>(&self, contacts: &mut ContactLanes<S>, number: impl Fn(N, &mut S)) {
         number(self.impulse_normal, &mut contacts.impulse_normal);
-        if FRICTION {
+        if E::FRICTION {
             for axis in 0..3 {
                 number(self.impulse_tangential[axis], &mut contacts.impulse_tangential[axis]);
             }
@@ -160,7 +162,7 @@ impl<N: Number> Contact<N> {
 
     /// The one-contact solution: updates the impulses and returns the change.
     #[inline(always)]
-    pub fn relax<const FRICTION: bool, const MEASURE: bool>(
+    pub fn relax<E: Effects, const MEASURE: bool>(
         &mut self,
         velocity: [N; 3],
         inverse_mass: N,
@@ -179,7 +181,7 @@ impl<N: Number> Contact<N> {
             residual.add_normal(change * operator);
         }
         let mut impulse = times(normal, change);
-        if FRICTION {
+        if E::FRICTION {
             // Tangential impulse, projected onto the Coulomb disc.
             let operator = inverse_mass * N::splat(1.0 + INVERSE_INERTIA);
             let step = -(relaxation / operator);
@@ -198,9 +200,9 @@ impl<N: Number> Contact<N> {
 
     /// Relative velocity of two grains at their contact.
     #[inline(always)]
-    pub fn velocity_of_pair<const FRICTION: bool>(&self, first: &Bodies<N>, second: &Bodies<N>) -> [N; 3] {
+    pub fn velocity_of_pair<E: Effects>(&self, first: &Bodies<N>, second: &Bodies<N>) -> [N; 3] {
         let velocity = minus(second.velocity, first.velocity);
-        if !FRICTION {
+        if !E::FRICTION {
             return velocity;
         }
         minus(velocity, cross(plus(first.surface_speed, second.surface_speed), self.normal))
@@ -208,9 +210,9 @@ impl<N: Number> Contact<N> {
 
     /// Relative velocity of a grain and a wall that moves with `wall_velocity` at their contact.
     #[inline(always)]
-    pub fn velocity_at_wall<const FRICTION: bool>(&self, grain: &Bodies<N>, wall_velocity: [N; 3]) -> [N; 3] {
+    pub fn velocity_at_wall<E: Effects>(&self, grain: &Bodies<N>, wall_velocity: [N; 3]) -> [N; 3] {
         let velocity = minus(wall_velocity, grain.velocity);
-        if !FRICTION {
+        if !E::FRICTION {
             return velocity;
         }
         minus(velocity, cross(grain.surface_speed, self.normal))
@@ -218,33 +220,33 @@ impl<N: Number> Contact<N> {
 
     /// Relaxes a contact of two grains.
     #[inline(always)]
-    pub fn relax_pair<const FRICTION: bool, const MEASURE: bool>(
+    pub fn relax_pair<E: Effects, const MEASURE: bool>(
         &mut self,
         first: &mut Bodies<N>,
         second: &mut Bodies<N>,
         relaxation: N,
         residual: &mut LaneResidual<N>,
     ) {
-        let velocity = self.velocity_of_pair::<FRICTION>(first, second);
+        let velocity = self.velocity_of_pair::<E>(first, second);
         let inverse_mass = first.inverse_mass + second.inverse_mass;
-        let impulse = self.relax::<FRICTION, MEASURE>(velocity, inverse_mass, relaxation, residual);
+        let impulse = self.relax::<E, MEASURE>(velocity, inverse_mass, relaxation, residual);
         // Both bodies take the impulse; their spins change alike.
         let lever = cross(self.normal, impulse);
-        first.push::<FRICTION>(-1.0, impulse, lever);
-        second.push::<FRICTION>(1.0, impulse, lever);
+        first.push::<E>(-1.0, impulse, lever);
+        second.push::<E>(1.0, impulse, lever);
     }
 
     /// Relaxes a contact of a grain with a wall that moves with `wall_velocity` there.
     #[inline(always)]
-    pub fn relax_wall<const FRICTION: bool, const MEASURE: bool>(
+    pub fn relax_wall<E: Effects, const MEASURE: bool>(
         &mut self,
         grain: &mut Bodies<N>,
         wall_velocity: [N; 3],
         relaxation: N,
         residual: &mut LaneResidual<N>,
     ) {
-        let velocity = self.velocity_at_wall::<FRICTION>(grain, wall_velocity);
-        let impulse = self.relax::<FRICTION, MEASURE>(velocity, grain.inverse_mass, relaxation, residual);
-        grain.push::<FRICTION>(-1.0, impulse, cross(self.normal, impulse));
+        let velocity = self.velocity_at_wall::<E>(grain, wall_velocity);
+        let impulse = self.relax::<E, MEASURE>(velocity, grain.inverse_mass, relaxation, residual);
+        grain.push::<E>(-1.0, impulse, cross(self.normal, impulse));
     }
 }

@@ -5,17 +5,21 @@ pub(crate) mod kernel;
 mod residual;
 mod scalar;
 mod single;
+mod torques;
 
 pub use count::Operations;
 pub(crate) use residual::{LaneResidual, TaskResidual};
 pub use residual::{Residual, Residuals};
 
-use crate::detect::Impulse;
-use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, prefetch_lines, prefetch_places};
-use crate::partition::TaskGroups;
+use crate::detect::{AngularImpulse, Impulse};
+use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
+use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, prefetch_lines, prefetch_places, times};
+use crate::partition::{TaskGroups, WallTorqueLanes};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact};
+use std::marker::PhantomData;
+use torques::Torque;
 
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
 #[derive(Clone, Copy, Debug)]
@@ -24,23 +28,31 @@ pub struct Relaxation {
     pub instruction_set: InstructionSet,
     /// One contact at a time instead of eight: what lanes are measured against. In double precision only.
     pub scalar: bool,
-    /// Whether contacts have friction; without it bodies carry no spin through the sweep.
-    pub friction: bool,
+    /// Effects that the kernels are compiled with; without friction bodies carry no spin through the sweep.
+    pub effects: EffectSet,
     /// How many lane groups ahead bodies are fetched into the cache; 0 for not at all.
     pub prefetch: usize,
 }
 
 /// One sweep over a task.
-struct Sweep<'a, const FRICTION: bool, const MEASURE: bool> {
+struct Sweep<'a, E: Effects, const MEASURE: bool> {
     bodies: *mut Body,
     groups: &'a mut TaskGroups,
     factor: f64,
     prefetch: usize,
     residual: &'a mut TaskResidual,
+    effects: PhantomData<E>,
 }
 
 /// Gives bodies the impulses that a task's contacts start from.
-struct Start<'a, const FRICTION: bool> {
+struct Start<'a, E: Effects> {
+    bodies: *mut Body,
+    groups: &'a TaskGroups,
+    effects: PhantomData<E>,
+}
+
+/// Gives bodies the impulses with which cohesion pulls at a task's contacts.
+struct Pull<'a> {
     bodies: *mut Body,
     groups: &'a TaskGroups,
 }
@@ -50,6 +62,13 @@ struct Remember<'a> {
     groups: &'a TaskGroups,
     pairs: &'a Disjoint<'a, Impulse>,
     walls: &'a Disjoint<'a, Impulse>,
+}
+
+/// The same of angular impulses, where there are any.
+struct RememberTorques<'a> {
+    groups: &'a TaskGroups,
+    pairs: &'a Disjoint<'a, AngularImpulse>,
+    walls: &'a Disjoint<'a, AngularImpulse>,
 }
 
 impl Relaxation {
@@ -67,16 +86,14 @@ impl Relaxation {
     ) {
         // SAFETY: the caller's promise.
         unsafe {
-            match (self.friction, measure) {
-                (true, true) => self.dispatch::<true, true>(bodies, groups, factor, residual),
-                (true, false) => self.dispatch::<true, false>(bodies, groups, factor, residual),
-                (false, true) => self.dispatch::<false, true>(bodies, groups, factor, residual),
-                (false, false) => self.dispatch::<false, false>(bodies, groups, factor, residual),
-            }
+            with_effects!(self.effects, E => match measure {
+                true => self.dispatch::<E, true>(bodies, groups, factor, residual),
+                false => self.dispatch::<E, false>(bodies, groups, factor, residual),
+            })
         }
     }
 
-    unsafe fn dispatch<const FRICTION: bool, const MEASURE: bool>(
+    unsafe fn dispatch<E: Effects, const MEASURE: bool>(
         &self,
         bodies: *mut Body,
         groups: &mut TaskGroups,
@@ -85,10 +102,11 @@ impl Relaxation {
     ) {
         if self.scalar {
             // SAFETY: the promise of `sweep`.
-            unsafe { scalar::sweep::<FRICTION, MEASURE>(bodies, groups, factor, residual) };
+            unsafe { scalar::sweep::<E, MEASURE>(bodies, groups, factor, residual) };
         } else {
             let prefetch = self.prefetch;
-            self.instruction_set.run(Sweep::<FRICTION, MEASURE> { bodies, groups, factor, prefetch, residual });
+            let effects = PhantomData;
+            self.instruction_set.run(Sweep::<E, MEASURE> { bodies, groups, factor, prefetch, residual, effects });
         }
     }
 
@@ -97,10 +115,17 @@ impl Relaxation {
     /// # Safety
     /// As for `sweep`.
     pub(crate) unsafe fn start(&self, bodies: *mut Body, groups: &TaskGroups) {
-        match self.friction {
-            true => self.instruction_set.run(Start::<true> { bodies, groups }),
-            false => self.instruction_set.run(Start::<false> { bodies, groups }),
-        }
+        with_effects!(self.effects, E => {
+            self.instruction_set.run(Start::<E> { bodies, groups, effects: PhantomData });
+        });
+    }
+
+    /// Gives bodies the impulses with which cohesion pulls at a task's contacts.
+    ///
+    /// # Safety
+    /// As for `sweep`.
+    pub(crate) unsafe fn pull(&self, bodies: *mut Body, groups: &TaskGroups) {
+        self.instruction_set.run(Pull { bodies, groups });
     }
 
     /// Keeps a task's impulses with the candidates that its contacts came from.
@@ -115,9 +140,22 @@ impl Relaxation {
     ) {
         self.instruction_set.run(Remember { groups, pairs, walls });
     }
+
+    /// Keeps a task's angular impulses with the candidates that its contacts came from.
+    ///
+    /// # Safety
+    /// As for `remember`.
+    pub(crate) unsafe fn remember_torques(
+        &self,
+        groups: &TaskGroups,
+        pairs: &Disjoint<'_, AngularImpulse>,
+        walls: &Disjoint<'_, AngularImpulse>,
+    ) {
+        self.instruction_set.run(RememberTorques { groups, pairs, walls });
+    }
 }
 
-impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, MEASURE> {
+impl<E: Effects, const MEASURE: bool> Kernel for Sweep<'_, E, MEASURE> {
     type Output = ();
 
     #[inline(always)]
@@ -137,24 +175,39 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, M
             let group = &mut pairs[number];
             // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
             unsafe {
-                let mut first = Bodies::<L>::load::<FRICTION>(self.bodies, &group.first);
-                let mut second = Bodies::<L>::load::<FRICTION>(self.bodies, &group.second);
+                let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
+                let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
                 let mut contact = Contact::read(&group.contacts, L::load);
-                contact.relax_pair::<FRICTION, MEASURE>(&mut first, &mut second, factor, &mut residual);
-                first.store::<FRICTION>(self.bodies, &group.first);
-                second.store::<FRICTION>(self.bodies, &group.second);
-                contact.write::<FRICTION, _>(&mut group.contacts, L::store);
+                contact.relax_pair::<E, MEASURE>(&mut first, &mut second, factor, &mut residual);
+                if E::TORQUES {
+                    let torques = &mut self.groups.pair_torques[number];
+                    let mut torque = Torque::read(torques, L::load);
+                    let bearing = (contact.normal, contact.impulse_normal);
+                    torque.relax_pair::<E, MEASURE>(bearing, &mut first, &mut second, factor, &mut residual);
+                    torque.write(torques, L::store);
+                }
+                first.store::<E>(self.bodies, &group.first);
+                second.store::<E>(self.bodies, &group.second);
+                contact.write::<E, _>(&mut group.contacts, L::store);
             }
         }
-        for group in &mut self.groups.walls {
+        for (number, group) in self.groups.walls.iter_mut().enumerate() {
             // SAFETY: as above.
             unsafe {
-                let mut grain = Bodies::<L>::load::<FRICTION>(self.bodies, &group.body);
+                let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
                 let mut contact = Contact::read(&group.contacts, L::load);
                 let wall_velocity = group.wall_velocity.each_ref().map(L::load);
-                contact.relax_wall::<FRICTION, MEASURE>(&mut grain, wall_velocity, factor, &mut residual);
-                grain.store::<FRICTION>(self.bodies, &group.body);
-                contact.write::<FRICTION, _>(&mut group.contacts, L::store);
+                contact.relax_wall::<E, MEASURE>(&mut grain, wall_velocity, factor, &mut residual);
+                if E::TORQUES {
+                    let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
+                    let mut torque = Torque::read(torques, L::load);
+                    let bearing = (contact.normal, contact.impulse_normal);
+                    let wall_spin = wall_spin.each_ref().map(L::load);
+                    torque.relax_wall::<E, MEASURE>(bearing, &mut grain, wall_spin, factor, &mut residual);
+                    torque.write(torques, L::store);
+                }
+                grain.store::<E>(self.bodies, &group.body);
+                contact.write::<E, _>(&mut group.contacts, L::store);
             }
         }
         if MEASURE {
@@ -163,7 +216,7 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for Sweep<'_, FRICTION, M
     }
 }
 
-impl<const FRICTION: bool> Kernel for Start<'_, FRICTION> {
+impl<E: Effects> Kernel for Start<'_, E> {
     type Output = ();
 
     #[inline(always)]
@@ -175,25 +228,63 @@ impl<const FRICTION: bool> Kernel for Start<'_, FRICTION> {
             }
             // SAFETY: the promise of `Relaxation::start`; the sixteen bodies of a group are different ones.
             unsafe {
-                let mut first = Bodies::<L>::load::<FRICTION>(self.bodies, &group.first);
-                let mut second = Bodies::<L>::load::<FRICTION>(self.bodies, &group.second);
+                let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
+                let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
                 let contact = Contact::read(&group.contacts, L::load);
                 let impulse = contact.impulse();
                 let lever = crate::lanes::cross(contact.normal, impulse);
-                first.push::<FRICTION>(-1.0, impulse, lever);
-                second.push::<FRICTION>(1.0, impulse, lever);
-                first.store::<FRICTION>(self.bodies, &group.first);
-                second.store::<FRICTION>(self.bodies, &group.second);
+                first.push::<E>(-1.0, impulse, lever);
+                second.push::<E>(1.0, impulse, lever);
+                if E::TORQUES {
+                    let impulse = Torque::read(&self.groups.pair_torques[number], L::load).impulse;
+                    first.turn(-1.0, impulse);
+                    second.turn(1.0, impulse);
+                }
+                first.store::<E>(self.bodies, &group.first);
+                second.store::<E>(self.bodies, &group.second);
             }
         }
-        for group in &self.groups.walls {
+        for (number, group) in self.groups.walls.iter().enumerate() {
             // SAFETY: as above.
             unsafe {
-                let mut grain = Bodies::<L>::load::<FRICTION>(self.bodies, &group.body);
+                let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
                 let contact = Contact::read(&group.contacts, L::load);
                 let impulse = contact.impulse();
-                grain.push::<FRICTION>(-1.0, impulse, crate::lanes::cross(contact.normal, impulse));
-                grain.store::<FRICTION>(self.bodies, &group.body);
+                grain.push::<E>(-1.0, impulse, crate::lanes::cross(contact.normal, impulse));
+                if E::TORQUES {
+                    grain.turn(-1.0, Torque::read(&self.groups.wall_torques[number].torques, L::load).impulse);
+                }
+                grain.store::<E>(self.bodies, &group.body);
+            }
+        }
+    }
+}
+
+impl Kernel for Pull<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let TaskGroups { pairs, pair_pulls, walls, wall_pulls, .. } = self.groups;
+        for (group, pulls) in pairs.iter().zip(pair_pulls) {
+            // SAFETY: the promise of `Relaxation::pull`; the sixteen bodies of a group are different ones.
+            unsafe {
+                let mut first = Bodies::<L>::load::<Frictionless>(self.bodies, &group.first);
+                let mut second = Bodies::<L>::load::<Frictionless>(self.bodies, &group.second);
+                let pull = times(group.contacts.normal.each_ref().map(L::load), L::load(pulls));
+                first.push::<Frictionless>(1.0, pull, pull);
+                second.push::<Frictionless>(-1.0, pull, pull);
+                first.store::<Frictionless>(self.bodies, &group.first);
+                second.store::<Frictionless>(self.bodies, &group.second);
+            }
+        }
+        for (group, pulls) in walls.iter().zip(wall_pulls) {
+            // SAFETY: as above.
+            unsafe {
+                let mut grain = Bodies::<L>::load::<Frictionless>(self.bodies, &group.body);
+                let pull = times(group.contacts.normal.each_ref().map(L::load), L::load(pulls));
+                grain.push::<Frictionless>(1.0, pull, pull);
+                grain.store::<Frictionless>(self.bodies, &group.body);
             }
         }
     }
@@ -224,6 +315,23 @@ impl Kernel for Remember<'_> {
                     // SAFETY: the promise of `Relaxation::remember`.
                     *unsafe { impulses.at(candidate) } = impulse;
                 }
+            }
+        }
+    }
+}
+
+impl Kernel for RememberTorques<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let TaskGroups { pair_torques, pair_sources, wall_torques, wall_sources, .. } = self.groups;
+        let pairs = pair_torques.iter().zip(pair_sources).map(|both| (both, self.pairs));
+        let walls = wall_torques.iter().map(|group| &group.torques).zip(wall_sources);
+        for ((torques, sources), impulses) in pairs.chain(walls.map(|both| (both, self.walls))) {
+            for (lane, candidate) in sources.occupied() {
+                // SAFETY: the promise of `Relaxation::remember_torques`.
+                *unsafe { impulses.at(candidate) } = AngularImpulse(torques.angular_impulse(lane));
             }
         }
     }

@@ -1,4 +1,8 @@
-//! How far a sweep still moved the contacts: |delta lambda| S, in m/s, for the normal and two tangential directions.
+//! How far a sweep still moved the contacts: |delta lambda| S, in m/s, for the normal and two tangential directions, and for the
+//! turning of two surfaces against each other.
+
+/// Normal, two tangential, and turning.
+const DIRECTIONS: usize = 4;
 
 use crate::lanes::{Eight, LANES, Lanes, Number, SingleLanes, Sixteen, dot};
 use serde::{Deserialize, Serialize};
@@ -21,28 +25,37 @@ pub struct Residuals {
     pub tangential_u: Residual,
     /// Second tangential direction.
     pub tangential_v: Residual,
+    /// Turning: angular velocity times the smaller radius. Zero where nothing resists it.
+    #[serde(default, skip_serializing_if = "Residual::is_zero")]
+    pub turning: Residual,
+}
+
+impl Residual {
+    fn is_zero(&self) -> bool {
+        *self == Residual::default()
+    }
 }
 
 impl Residuals {
-    /// Root mean square over the three directions, m/s.
+    /// Root mean square over all directions, m/s.
     pub fn rms(&self) -> f64 {
         let square = |residual: &Residual| residual.rms * residual.rms;
-        (square(&self.normal) + square(&self.tangential_u) + square(&self.tangential_v)).sqrt()
+        (square(&self.normal) + square(&self.tangential_u) + square(&self.tangential_v) + square(&self.turning)).sqrt()
     }
 }
 
 /// Sums over lane groups while they are relaxed, still lane by lane, so that their order is fixed.
 #[derive(Clone, Copy)]
 pub(crate) struct LaneResidual<N> {
-    squares: [N; 3],
-    largest: [N; 3],
+    squares: [N; DIRECTIONS],
+    largest: [N; DIRECTIONS],
 }
 
 /// The same sums in memory: what a task leaves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TaskResidual {
-    squares: [Eight; 3],
-    largest: [Eight; 3],
+    squares: [Eight; DIRECTIONS],
+    largest: [Eight; DIRECTIONS],
 }
 
 impl<N: Number> LaneResidual<N> {
@@ -73,10 +86,16 @@ impl<N: Number> LaneResidual<N> {
         self.add(2, dot(v, value));
     }
 
+    /// Adds the surface velocities by which torques still turned a group.
+    #[inline(always)]
+    pub fn add_turning(&mut self, value: [N; 3]) {
+        self.add(3, dot(value, value).sqrt());
+    }
+
     /// Nothing summed yet.
     #[inline(always)]
     pub fn zero() -> Self {
-        Self { squares: [N::zero(); 3], largest: [N::zero(); 3] }
+        Self { squares: [N::zero(); DIRECTIONS], largest: [N::zero(); DIRECTIONS] }
     }
 }
 
@@ -90,7 +109,7 @@ impl<L: Lanes> LaneResidual<L> {
     /// Keeps the sums.
     #[inline(always)]
     pub fn write(self, to: &mut TaskResidual) {
-        for direction in 0..3 {
+        for direction in 0..DIRECTIONS {
             self.squares[direction].store(&mut to.squares[direction]);
             self.largest[direction].store(&mut to.largest[direction]);
         }
@@ -101,7 +120,7 @@ impl<S: SingleLanes> LaneResidual<S> {
     /// Adds the sums of sixteen lanes, two by two.
     #[inline(always)]
     pub fn add_to(self, to: &mut TaskResidual) {
-        for direction in 0..3 {
+        for direction in 0..DIRECTIONS {
             let [mut squares, mut largest] = [Sixteen::default(); 2];
             self.squares[direction].store(&mut squares);
             self.largest[direction].store(&mut largest);
@@ -119,7 +138,7 @@ impl<S: SingleLanes> LaneResidual<S> {
 impl TaskResidual {
     /// Adds what one lane did.
     pub(super) fn add_lane(&mut self, lane: usize, own: LaneResidual<f64>) {
-        for direction in 0..3 {
+        for direction in 0..DIRECTIONS {
             self.squares[direction].0[lane] += own.squares[direction];
             let largest = &mut self.largest[direction].0[lane];
             *largest = largest.larger(own.largest[direction]);
@@ -128,7 +147,7 @@ impl TaskResidual {
 
     /// Adds the sums of another task; callers keep the order of tasks.
     pub fn merge(&mut self, other: &TaskResidual) {
-        for direction in 0..3 {
+        for direction in 0..DIRECTIONS {
             for lane in 0..LANES {
                 self.squares[direction].0[lane] += other.squares[direction].0[lane];
                 let largest = &mut self.largest[direction].0[lane];
@@ -145,6 +164,6 @@ impl TaskResidual {
             rms: (sum(self.squares[direction].0) / contacts.max(1) as f64).sqrt(),
             max: self.largest[direction].0.iter().copied().fold(0.0, f64::max),
         };
-        Residuals { normal: residual(0), tangential_u: residual(1), tangential_v: residual(2) }
+        Residuals { normal: residual(0), tangential_u: residual(1), tangential_v: residual(2), turning: residual(3) }
     }
 }

@@ -2,15 +2,17 @@
 
 use super::kernel::{Bodies, Contact};
 use super::residual::{LaneResidual, TaskResidual};
+use super::torques::Torque;
+use crate::effects::Effects;
 use crate::lanes::{Eight, LANES};
-use crate::partition::TaskGroups;
+use crate::partition::{TaskGroups, WallTorqueLanes};
 use crate::world::Body;
 
 /// Relaxes a task's contacts once, lane after lane.
 ///
 /// # Safety
 /// The groups name bodies behind `bodies`, and no other task uses these.
-pub(super) unsafe fn sweep<const FRICTION: bool, const MEASURE: bool>(
+pub(super) unsafe fn sweep<E: Effects, const MEASURE: bool>(
     bodies: *mut Body,
     groups: &mut TaskGroups,
     relaxation: f64,
@@ -18,31 +20,46 @@ pub(super) unsafe fn sweep<const FRICTION: bool, const MEASURE: bool>(
 ) {
     // SAFETY: the caller's promise; the two bodies of a contact are different ones.
     let at = |place: u32| unsafe { &mut *bodies.add(place as usize) };
-    for group in &mut groups.pairs {
+    for (number, group) in groups.pairs.iter_mut().enumerate() {
         for lane in 0..LANES {
             let (a, b) = (group.first[lane], group.second[lane]);
             let (mut first, mut second) = (Bodies::of(at(a)), Bodies::of(at(b)));
             let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
             let mut own = LaneResidual::zero();
-            contact.relax_pair::<FRICTION, MEASURE>(&mut first, &mut second, relaxation, &mut own);
-            put::<FRICTION>(at(a), &first);
-            put::<FRICTION>(at(b), &second);
-            contact.write::<FRICTION, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
+            contact.relax_pair::<E, MEASURE>(&mut first, &mut second, relaxation, &mut own);
+            if E::TORQUES {
+                let torques = &mut groups.pair_torques[number];
+                let mut torque = Torque::read(torques, |eight| eight.0[lane]);
+                let bearing = (contact.normal, contact.impulse_normal);
+                torque.relax_pair::<E, MEASURE>(bearing, &mut first, &mut second, relaxation, &mut own);
+                torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
+            }
+            put::<E>(at(a), &first);
+            put::<E>(at(b), &second);
+            contact.write::<E, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
             if MEASURE {
                 residual.add_lane(lane, own);
             }
         }
     }
-    for group in &mut groups.walls {
+    for (number, group) in groups.walls.iter_mut().enumerate() {
         for lane in 0..LANES {
             let place = group.body[lane];
             let mut grain = Bodies::of(at(place));
             let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
             let wall_velocity = group.wall_velocity.each_ref().map(|eight| eight.0[lane]);
             let mut own = LaneResidual::zero();
-            contact.relax_wall::<FRICTION, MEASURE>(&mut grain, wall_velocity, relaxation, &mut own);
-            put::<FRICTION>(at(place), &grain);
-            contact.write::<FRICTION, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
+            contact.relax_wall::<E, MEASURE>(&mut grain, wall_velocity, relaxation, &mut own);
+            if E::TORQUES {
+                let WallTorqueLanes { wall_spin, torques } = &mut groups.wall_torques[number];
+                let mut torque = Torque::read(torques, |eight| eight.0[lane]);
+                let bearing = (contact.normal, contact.impulse_normal);
+                let wall_spin = wall_spin.each_ref().map(|eight| eight.0[lane]);
+                torque.relax_wall::<E, MEASURE>(bearing, &mut grain, wall_spin, relaxation, &mut own);
+                torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
+            }
+            put::<E>(at(place), &grain);
+            contact.write::<E, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
             if MEASURE {
                 residual.add_lane(lane, own);
             }
@@ -51,9 +68,9 @@ pub(super) unsafe fn sweep<const FRICTION: bool, const MEASURE: bool>(
 }
 
 #[inline(always)]
-fn put<const FRICTION: bool>(body: &mut Body, new: &Bodies<f64>) {
+fn put<E: Effects>(body: &mut Body, new: &Bodies<f64>) {
     body.velocity = new.velocity;
-    if FRICTION {
+    if E::FRICTION {
         body.surface_speed = new.surface_speed;
     }
 }

@@ -3,16 +3,19 @@
 use super::Relaxation;
 use super::kernel::{Bodies, Contact};
 use super::residual::{LaneResidual, TaskResidual};
+use crate::effects::{Effects, Frictional, Frictionless};
 use crate::lanes::{Kernel, Lanes, Number, SingleLanes, prefetch_lines, prefetch_places};
 use crate::partition::{SingleBody, SingleGroups};
+use std::marker::PhantomData;
 
 /// One sweep over a task.
-pub(super) struct SingleSweep<'a, const FRICTION: bool, const MEASURE: bool> {
+pub(super) struct SingleSweep<'a, E: Effects, const MEASURE: bool> {
     bodies: *mut SingleBody,
     groups: &'a mut SingleGroups,
     factor: f64,
     prefetch: usize,
     residual: &'a mut TaskResidual,
+    effects: PhantomData<E>,
 }
 
 impl Relaxation {
@@ -28,15 +31,16 @@ impl Relaxation {
         measure: bool,
         residual: &mut TaskResidual,
     ) {
-        match (self.friction, measure) {
-            (true, true) => self.run_single::<true, true>(bodies, groups, factor, residual),
-            (true, false) => self.run_single::<true, false>(bodies, groups, factor, residual),
-            (false, true) => self.run_single::<false, true>(bodies, groups, factor, residual),
-            (false, false) => self.run_single::<false, false>(bodies, groups, factor, residual),
+        // Scenes with torques are refused single precision when they are read.
+        match (self.effects.friction, measure) {
+            (true, true) => self.run_single::<Frictional, true>(bodies, groups, factor, residual),
+            (true, false) => self.run_single::<Frictional, false>(bodies, groups, factor, residual),
+            (false, true) => self.run_single::<Frictionless, true>(bodies, groups, factor, residual),
+            (false, false) => self.run_single::<Frictionless, false>(bodies, groups, factor, residual),
         }
     }
 
-    fn run_single<const FRICTION: bool, const MEASURE: bool>(
+    fn run_single<E: Effects, const MEASURE: bool>(
         &self,
         bodies: *mut SingleBody,
         groups: &mut SingleGroups,
@@ -44,11 +48,12 @@ impl Relaxation {
         residual: &mut TaskResidual,
     ) {
         let prefetch = self.prefetch.div_ceil(2);
-        self.instruction_set.run(SingleSweep::<FRICTION, MEASURE> { bodies, groups, factor, prefetch, residual });
+        let effects = PhantomData;
+        self.instruction_set.run(SingleSweep::<E, MEASURE> { bodies, groups, factor, prefetch, residual, effects });
     }
 }
 
-impl<const FRICTION: bool, const MEASURE: bool> Kernel for SingleSweep<'_, FRICTION, MEASURE> {
+impl<E: Effects, const MEASURE: bool> Kernel for SingleSweep<'_, E, MEASURE> {
     type Output = ();
 
     #[inline(always)]
@@ -71,10 +76,10 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for SingleSweep<'_, FRICT
                 let mut first = Bodies::<L::Single>::load_single(self.bodies, &group.first);
                 let mut second = Bodies::<L::Single>::load_single(self.bodies, &group.second);
                 let mut contact = Contact::read(&group.contacts, L::Single::load);
-                contact.relax_pair::<FRICTION, MEASURE>(&mut first, &mut second, factor, &mut residual);
+                contact.relax_pair::<E, MEASURE>(&mut first, &mut second, factor, &mut residual);
                 first.store_single(self.bodies, &group.first);
                 second.store_single(self.bodies, &group.second);
-                contact.write::<FRICTION, _>(&mut group.contacts, L::Single::store);
+                contact.write::<E, _>(&mut group.contacts, L::Single::store);
             }
         }
         for group in &mut self.groups.walls {
@@ -83,9 +88,9 @@ impl<const FRICTION: bool, const MEASURE: bool> Kernel for SingleSweep<'_, FRICT
                 let mut grain = Bodies::<L::Single>::load_single(self.bodies, &group.body);
                 let mut contact = Contact::read(&group.contacts, L::Single::load);
                 let wall_velocity = group.wall_velocity.each_ref().map(L::Single::load);
-                contact.relax_wall::<FRICTION, MEASURE>(&mut grain, wall_velocity, factor, &mut residual);
+                contact.relax_wall::<E, MEASURE>(&mut grain, wall_velocity, factor, &mut residual);
                 grain.store_single(self.bodies, &group.body);
-                contact.write::<FRICTION, _>(&mut group.contacts, L::Single::store);
+                contact.write::<E, _>(&mut group.contacts, L::Single::store);
             }
         }
         if MEASURE {

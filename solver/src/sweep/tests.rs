@@ -2,6 +2,7 @@
 
 use super::single::SingleSweep;
 use super::*;
+use crate::effects::{Frictional, Frictionless, Rolling, RollingTwisting, Twisting};
 use crate::lanes::disassembly::{address_of, kernels_at, knights_corner_mnemonics};
 use std::collections::BTreeSet;
 
@@ -22,14 +23,18 @@ fn columns() -> [BTreeSet<&'static str>; 2] {
 #[test]
 fn the_page_lists_every_instruction_of_the_sweep() {
     let addresses = [
-        address_of::<Sweep<'static, false, false>>(),
-        address_of::<Sweep<'static, false, true>>(),
-        address_of::<Sweep<'static, true, false>>(),
-        address_of::<Sweep<'static, true, true>>(),
-        address_of::<SingleSweep<'static, false, false>>(),
-        address_of::<SingleSweep<'static, false, true>>(),
-        address_of::<SingleSweep<'static, true, false>>(),
-        address_of::<SingleSweep<'static, true, true>>(),
+        address_of::<Sweep<'static, Frictionless, false>>(),
+        address_of::<Sweep<'static, Frictionless, true>>(),
+        address_of::<Sweep<'static, Frictional, false>>(),
+        address_of::<Sweep<'static, Frictional, true>>(),
+        address_of::<Sweep<'static, Rolling, false>>(),
+        address_of::<Sweep<'static, Twisting, false>>(),
+        address_of::<Sweep<'static, RollingTwisting, false>>(),
+        address_of::<Sweep<'static, RollingTwisting, true>>(),
+        address_of::<SingleSweep<'static, Frictionless, false>>(),
+        address_of::<SingleSweep<'static, Frictionless, true>>(),
+        address_of::<SingleSweep<'static, Frictional, false>>(),
+        address_of::<SingleSweep<'static, Frictional, true>>(),
     ];
     let kernels = kernels_at(&addresses);
     assert_eq!(kernels.len(), addresses.len(), "kernels of the sweep found by address");

@@ -1,7 +1,9 @@
 //! Properties of pairs of materials, looked up by small numbers.
 
+use crate::effects::EffectSet;
+use crate::effects::cohesion::{Cohesion, Pull};
 use crate::effects::compliance::damping_ratio;
-use crate::scene::Scene;
+use crate::scene::{ContactCoefficients, Scene};
 
 /// What a contact takes from its two materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,8 +14,21 @@ pub struct ContactMaterial {
     pub restitution: f64,
     /// Share of critical damping that gives this restitution.
     pub damping_ratio: f64,
+    /// Coefficient of rolling friction, over the effective radius.
+    pub rolling_friction: f64,
+    /// Coefficient of twisting friction, over the effective radius.
+    pub twisting_friction: f64,
+    /// Cohesion, if any.
+    pub cohesion: Option<Cohesion>,
     /// Effective modulus E*, Pa: `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2` (Johnson, Contact Mechanics, 1985, 4.2).
     pub effective_modulus: f64,
+}
+
+impl ContactMaterial {
+    /// Pull of cohesion at an effective radius (m); none without cohesion.
+    pub fn pull(&self, effective_radius: f64) -> Pull {
+        self.cohesion.map_or_else(Pull::default, |one| one.pull(effective_radius, self.effective_modulus))
+    }
 }
 
 /// Contact properties of every pair of materials, of two grains and of a grain and a wall.
@@ -31,14 +46,23 @@ impl MaterialTable {
             let mut table = Vec::with_capacity(names.len() * names.len());
             for first in &names {
                 for second in &names {
-                    let (friction, restitution) = scene.contact_coefficients(first, second, wall);
+                    let coefficients = scene.contact_coefficients(first, second, wall);
                     let softness = |name: &String| {
                         let material = &scene.material[name];
                         (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus
                     };
                     let effective_modulus = 1.0 / (softness(first) + softness(second));
-                    let damping_ratio = damping_ratio(restitution);
-                    table.push(ContactMaterial { friction, restitution, damping_ratio, effective_modulus });
+                    let ContactCoefficients { friction, restitution, rolling_friction, twisting_friction, cohesion } =
+                        coefficients;
+                    table.push(ContactMaterial {
+                        friction,
+                        restitution,
+                        damping_ratio: damping_ratio(restitution),
+                        rolling_friction,
+                        twisting_friction,
+                        cohesion,
+                        effective_modulus,
+                    });
                 }
             }
             table
@@ -74,8 +98,16 @@ impl MaterialTable {
         self.between_grains.iter().chain(&self.with_wall).map(property).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Whether any contact can have friction.
-    pub fn any_friction(&self) -> bool {
-        self.between_grains.iter().chain(&self.with_wall).any(|pair| pair.friction > 0.0)
+    /// The effects that some contact calls for.
+    pub fn effects(&self) -> EffectSet {
+        let any = |property: fn(&ContactMaterial) -> f64| {
+            self.between_grains.iter().chain(&self.with_wall).any(|pair| property(pair) > 0.0)
+        };
+        EffectSet {
+            friction: any(|pair| pair.friction),
+            rolling: any(|pair| pair.rolling_friction),
+            twisting: any(|pair| pair.twisting_friction),
+            cohesion: any(|pair| pair.pull(1.0).force),
+        }
     }
 }

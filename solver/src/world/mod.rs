@@ -43,8 +43,8 @@ pub struct Body {
     pub inverse_mass: f64,
     /// Radius times angular velocity, m/s.
     pub surface_speed: [f64; 3],
-    /// Fills the line.
-    pub(crate) spare: f64,
+    /// One over the radius, 1/m.
+    pub(crate) inverse_radius: f64,
 }
 
 /// Where a grain is and how large: one quad.
@@ -95,7 +95,7 @@ impl World {
                 velocity: grain.velocity,
                 inverse_mass: 1.0 / (scene.material[&grain.material].density * volume),
                 surface_speed: grain.spin.map(|component| component * grain.radius),
-                spare: 0.0,
+                inverse_radius: 1.0 / grain.radius,
             }
         };
         let sphere = |grain: &Grain| Sphere { centre: Vector3::from(grain.position), radius: grain.radius };
@@ -125,7 +125,7 @@ impl World {
         self.bodies.truncate(grains);
         self.spheres.truncate(grains);
         self.materials.truncate(grains);
-        let body = Body { velocity: [0.0; 3], inverse_mass: 1.0, surface_speed: [0.0; 3], spare: 0.0 };
+        let body = Body { velocity: [0.0; 3], inverse_mass: 1.0, surface_speed: [0.0; 3], inverse_radius: 1.0 };
         for dummy in 0..boxes * DUMMIES {
             let side = (dummy / LANES % 2) as f64;
             self.bodies.push(body);
@@ -180,6 +180,13 @@ impl World {
     pub fn largest_and_mean_radius(&self) -> (f64, f64) {
         let radii = || self.spheres[..self.grains()].iter().map(|sphere| sphere.radius);
         (radii().fold(0.0, f64::max), radii().sum::<f64>() / self.grains().max(1) as f64)
+    }
+
+    /// Largest gap across which cohesion pulls, m.
+    pub fn range_of_cohesion(&self) -> f64 {
+        // The range from a work of adhesion grows with the effective radius, which is that of the grain at a wall.
+        let (largest, _) = self.largest_and_mean_radius();
+        if largest > 0.0 { self.table.largest(|pair| pair.pull(largest).range).max(0.0) } else { 0.0 }
     }
 
     /// A bound on the stiffness, against its inertia, of every contact that the grains can have: two of the smallest grains, at

@@ -271,6 +271,11 @@ impl Pose {
     pub fn velocity_at(&self, point: &Vector) -> Vector {
         self.velocity + self.spin.cross(&(point - self.centre))
     }
+
+    /// Angular velocity, rad/s.
+    pub fn spin(&self) -> Vector {
+        self.spin
+    }
 }
 
 fn perpendicular(axis: Vector) -> Vector {

@@ -44,6 +44,8 @@ pub enum Command {
     Roofline(RooflineArguments),
     /// Run the hard cases: what breaks simulators, the right outcome, and who survives it.
     Stability(StabilityArguments),
+    /// Tell which effects a scene calls for, what each costs, and, with --ablate, whether it matters.
+    Effects(EffectsArguments),
 }
 
 /// Arguments of `makadam run`.
@@ -426,6 +428,40 @@ pub struct StabilityArguments {
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Folder to write into; results/stability, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the study as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam effects`.
+#[derive(Debug, Args)]
+pub struct EffectsArguments {
+    /// A folder under reference-scenes/, or a path to a TOML file.
+    pub scene: String,
+    /// Seed of the initial positions, the first one with --ablate; the scene's, if absent.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Run the scene with each effect off or on and tell which of its observables need it.
+    #[arg(long)]
+    pub ablate: bool,
+    /// Seeds of each variation.
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u16).range(2..=1000))]
+    pub seeds: u16,
+    /// Simulated time before kernels are timed where the scene prepares no flowing state, s.
+    #[arg(long, default_value_t = 0.5, value_parser = positive)]
+    pub settle: f64,
+    /// Simulated time after it over which the energy lost is noted, s.
+    #[arg(long, default_value_t = 0.2, value_parser = positive)]
+    pub look: f64,
+    /// Wall time after which a run of --ablate is stopped, s.
+    #[arg(long, default_value_t = 3600.0, value_parser = positive)]
+    pub time_limit: f64,
+    /// Runs of --ablate side by side; as many as there are cores, if absent.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Folder to write into; results/effects/SCENE, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the study as JSON.

@@ -4,6 +4,7 @@ mod arguments;
 mod compare;
 mod console;
 mod convergence;
+mod effects;
 mod failure;
 mod qualify;
 mod record;
@@ -35,6 +36,7 @@ pub fn main() -> ExitCode {
         Command::Run(run) => run::run(run, &console),
         Command::Compare(compare) => compare::compare(compare, &console),
         Command::Convergence(convergence) => convergence::convergence(convergence, &console),
+        Command::Effects(effects) => effects::effects(effects, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),

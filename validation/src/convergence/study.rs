@@ -169,6 +169,7 @@ fn over(residuals: &Residuals, unit: f64) -> Residuals {
         normal: one(residuals.normal),
         tangential_u: one(residuals.tangential_u),
         tangential_v: one(residuals.tangential_v),
+        turning: one(residuals.turning),
     }
 }
 

@@ -44,7 +44,7 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     let mean_force = pushing().map(|contact| contact.normal_force).sum::<f64>() / pushing().count().max(1) as f64;
     let excess = pushing()
         .filter(|contact| contact.normal_force > TOO_WEAK * mean_force)
-        .map(|contact| (setting.friction(contact) * contact.normal_force, contact))
+        .filter_map(|contact| Some((setting.coulomb_bound(contact)?, contact)))
         .filter(|(bound, _)| *bound > 0.0)
         .map(|(bound, contact)| Vector3::from(contact.tangential_force).norm() / bound - 1.0)
         .fold(f64::NEG_INFINITY, f64::max);

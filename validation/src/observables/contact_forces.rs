@@ -39,7 +39,7 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     readings.add(WEAK_LOAD_SHARE, weak_load_share(&forces));
 
     let mobilised: Vec<f64> = (contacts.iter())
-        .map(|contact| (view.setting.friction(contact) * contact.normal_force, contact.tangential_force))
+        .filter_map(|contact| Some((view.setting.coulomb_bound(contact)?, contact.tangential_force)))
         .filter(|(bound, _)| *bound > 0.0)
         .map(|(bound, tangential)| Vector3::from(tangential).norm() / bound)
         .collect();

@@ -1,7 +1,7 @@
 //! What the scene says that measures need: directions, masses, friction, the drum.
 
 use super::drum::Drum;
-use makadam::scene::Scene;
+use makadam::scene::{ContactCoefficients, Scene};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 
@@ -20,8 +20,8 @@ pub struct Setting<'a> {
     /// Material of each grain by id, as an index into the tables below.
     material: Vec<usize>,
     density: Vec<f64>,
-    grain_friction: Vec<Vec<f64>>,
-    wall_friction: Vec<Vec<f64>>,
+    grain_contacts: Vec<Vec<ContactCoefficients>>,
+    wall_contacts: Vec<Vec<ContactCoefficients>>,
 }
 
 impl<'a> Setting<'a> {
@@ -43,11 +43,11 @@ impl<'a> Setting<'a> {
             diameter: 2.0 * frame.particles.iter().map(|grain| grain.radius).sum::<f64>() / count,
             drum: Drum::find(scene),
             density: names.iter().map(|name| scene.material[*name].density).collect(),
-            grain_friction: (names.iter())
-                .map(|a| names.iter().map(|b| scene.contact_coefficients(a, b, false).0).collect())
+            grain_contacts: (names.iter())
+                .map(|a| names.iter().map(|b| scene.contact_coefficients(a, b, false)).collect())
                 .collect(),
-            wall_friction: (names.iter())
-                .map(|a| scene.wall.iter().map(|wall| scene.contact_coefficients(a, &wall.material, true).0).collect())
+            wall_contacts: (names.iter())
+                .map(|a| scene.wall.iter().map(|wall| scene.contact_coefficients(a, &wall.material, true)).collect())
                 .collect(),
             material,
         }
@@ -62,18 +62,20 @@ impl<'a> Setting<'a> {
         self.density[self.material(grain.id)] * super::sphere_volume::sphere(grain.radius)
     }
 
-    /// Coulomb friction coefficient of a contact.
-    pub fn friction(&self, contact: &Contact) -> f64 {
+    /// Largest tangential force that a contact can bear, N; absent where the scene tells nothing of the contact, and where
+    /// cohesion adds a force that the two tables of a frame do not tell.
+    pub fn coulomb_bound(&self, contact: &Contact) -> Option<f64> {
         let first = self.material(contact.first);
-        match contact.second {
-            Partner::Grain(id) => self.grain_friction[first][self.material(id)],
-            Partner::Wall(wall) => self.wall_friction[first].get(wall as usize).copied().unwrap_or(0.0),
-        }
+        let coefficients = match contact.second {
+            Partner::Grain(id) => self.grain_contacts[first].get(self.material(id)),
+            Partner::Wall(wall) => self.wall_contacts[first].get(wall as usize),
+        }?;
+        coefficients.cohesion.is_none().then(|| coefficients.friction * contact.normal_force)
     }
 
     /// Whether grains rub against each other at all.
     pub fn frictional(&self) -> bool {
         let first = self.material.first().copied().unwrap_or(0);
-        self.material.iter().any(|&other| self.grain_friction[first][other] > 0.0)
+        self.material.iter().any(|&other| self.grain_contacts[first][other].friction > 0.0)
     }
 }

@@ -8,6 +8,7 @@ mod palette;
 mod plan;
 mod process;
 pub mod yade;
+mod yade_rolling;
 
 pub use assemble::merge_wall_contacts;
 pub use liggghts::Liggghts;
@@ -139,6 +140,9 @@ fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::sc
     }
     if grains.is_empty() {
         return refuse("it has no grains");
+    }
+    if palette::Palette::new(scene, grains).pairs().any(|(_, _, pair)| pair.twisting_friction > 0.0) {
+        return refuse("its contacts resist twisting");
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Materials as the codes want them: numbered, those of grains apart from those of walls.
 
-use makadam::scene::{Grain, Scene};
+use makadam::scene::{ContactCoefficients, Grain, Scene};
 
 /// The numbered materials of a scene. One that both grains and walls use appears twice, since friction and
 /// restitution follow other rules at walls.
@@ -30,6 +30,17 @@ impl<'a> Palette<'a> {
         self.entries.len()
     }
 
+    /// Every pair of entries that can touch, the first not behind the second.
+    pub fn pairs(&self) -> impl Iterator<Item = (usize, usize, ContactCoefficients)> + '_ {
+        let pairs = (0..self.len()).flat_map(|a| (a..self.len()).map(move |b| (a, b)));
+        pairs.filter_map(|(a, b)| self.coefficients(a, b).map(|coefficients| (a, b, coefficients)))
+    }
+
+    /// Whether an entry is a material of walls; these come last.
+    pub fn is_wall(&self, entry: usize) -> bool {
+        self.entries[entry].1
+    }
+
     /// Place of a material, from 0.
     pub fn index(&self, material: &str, wall: bool) -> usize {
         self.entries.iter().position(|entry| *entry == (material, wall)).unwrap_or_default()
@@ -40,8 +51,8 @@ impl<'a> Palette<'a> {
         self.entries.iter().map(|(name, _)| &self.scene.material[*name])
     }
 
-    /// Friction and restitution of two entries; `None` for two walls, which never touch.
-    pub fn coefficients(&self, first: usize, second: usize) -> Option<(f64, f64)> {
+    /// Coefficients of two entries; `None` for two walls, which never touch.
+    pub fn coefficients(&self, first: usize, second: usize) -> Option<ContactCoefficients> {
         let ((a, a_wall), (b, b_wall)) = (self.entries[first], self.entries[second]);
         match (a_wall, b_wall) {
             (true, true) => None,

@@ -5,9 +5,10 @@ use super::mesh::{Triangle, wall_mesh};
 use super::palette::Palette;
 use super::plan::{MotionPhase, Plan};
 use super::process::{self, Run, io};
+use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
-use makadam::scene::{Grain, Motion, populate};
+use makadam::scene::{Cohesion, Grain, Motion, populate};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -55,6 +56,10 @@ struct JobFile<'a> {
     materials: Vec<MaterialEntry>,
     /// Two materials, friction angle (radians), restitution.
     pairs: Vec<(usize, usize, f64, f64)>,
+    /// Absent where nothing resists rolling.
+    rolling: Option<Rolling>,
+    /// Surface energy of all contacts, J/m2; absent where nothing coheres.
+    cohesion: Option<f64>,
     grains: Vec<GrainEntry<'a>>,
     walls: Vec<WallEntry>,
 }
@@ -143,7 +148,10 @@ impl Code for Yade {
         for stale in ["frames.bin", "result.json", "progress.txt"] {
             let _ = std::fs::remove_file(folder.join(stale));
         }
-        let job_text = serde_json::to_vec(&job_file(job, &grains, &plan))
+        let palette = Palette::new(scene, &grains);
+        let rolling = rolling(&palette, &grains).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
+        let cohesion = surface_energy(&palette).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
+        let job_text = serde_json::to_vec(&job_file(job, &grains, &plan, &palette, (rolling, cohesion)))
             .map_err(|error| io(&folder.join("job.json"), error.into()))?;
         write("job.json", &job_text)?;
         write("yade_driver.py", DRIVER.as_bytes())?;
@@ -202,18 +210,28 @@ fn version_in(words: &str) -> Option<&str> {
     words.split_once("ersion:")?.1.split_whitespace().next()
 }
 
-fn job_file<'a>(job: &Job<'_>, grains: &'a [Grain], plan: &Plan) -> JobFile<'a> {
-    let scene = job.scene;
-    let palette = Palette::new(scene, grains);
-    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
-    let mut pairs = Vec::new();
-    for a in 0..palette.len() {
-        for b in a..palette.len() {
-            if let Some((friction, restitution)) = palette.coefficients(a, b) {
-                pairs.push((a, b, friction.atan(), restitution));
-            }
-        }
+/// Cohesion in YADE's terms: a pull of `4 pi gamma R*` while two touch (Derjaguin, Muller & Toporov), which is the pull-off force
+/// `3/2 pi w R*` for `gamma = 3 w / 8`, one number for all contacts. The range, a thousandth of a radius or so, is lost.
+fn surface_energy(palette: &Palette<'_>) -> Result<Option<f64>, String> {
+    let mut all = palette.pairs().map(|(_, _, pair)| pair.cohesion);
+    match all.next().flatten() {
+        first if !all.all(|other| other == first) => Err("it has one surface energy for all contacts".into()),
+        None => Ok(None),
+        Some(Cohesion::SurfaceEnergy { work }) => Ok(Some(0.375 * work)),
+        Some(Cohesion::Constant { .. }) => Err("its pull goes with the radius: give cohesion as surface-energy".into()),
     }
+}
+
+fn job_file<'a>(
+    job: &Job<'_>,
+    grains: &'a [Grain],
+    plan: &Plan,
+    palette: &Palette<'_>,
+    (rolling, cohesion): (Option<Rolling>, Option<f64>),
+) -> JobFile<'a> {
+    let scene = job.scene;
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let pairs = palette.pairs().map(|(a, b, pair)| (a, b, pair.friction.atan(), pair.restitution)).collect();
     JobFile {
         time_step: plan.time_step,
         steps: plan.steps,
@@ -229,6 +247,8 @@ fn job_file<'a>(job: &Job<'_>, grains: &'a [Grain], plan: &Plan) -> JobFile<'a> 
             })
             .collect(),
         pairs,
+        rolling,
+        cohesion,
         grains: grains
             .iter()
             .map(|grain| GrainEntry {

@@ -178,22 +178,29 @@ pub(super) fn curve_rows<'a>(
 }
 
 /// The largest number of workers up to which the speed-up is at least [`LINEAR_SHARE`] of their number.
-pub(super) fn linear_up_to<'a>(rows: impl Iterator<Item = &'a ReplayedRow>) -> Option<usize> {
-    rows.take_while(|row| row.speedup >= LINEAR_SHARE * row.workers as f64).last().map(|row| row.workers)
+pub(super) fn linear_up_to<'a>(
+    rows: impl Iterator<Item = &'a ReplayedRow>,
+    speedup: fn(&ReplayedRow) -> f64,
+) -> Option<usize> {
+    rows.take_while(|row| speedup(row) >= LINEAR_SHARE * row.workers as f64).last().map(|row| row.workers)
 }
 
 fn curve(study: &Study, machine: &Machine, scheduler: Scheduler) -> Option<String> {
     let best = curve_rows(study, machine, scheduler).max_by(|a, b| a.speedup.total_cmp(&b.speedup))?;
     // A curve that has levelled off creeps on; what counts is where it comes near its end.
     let near = curve_rows(study, machine, scheduler).find(|row| row.speedup >= 0.95 * best.speedup)?;
-    let linear = linear_up_to(curve_rows(study, machine, scheduler))
-        .map_or("is linear nowhere".to_string(), |workers| format!("is linear up to {}", threads_word(workers)));
+    let linear = |speedup| {
+        linear_up_to(curve_rows(study, machine, scheduler), speedup)
+            .map_or("linear nowhere".to_string(), |workers| format!("linear up to {}", threads_word(workers)))
+    };
     let sweeps = curve_rows(study, machine, scheduler).map(|row| row.sweep_speedup).fold(0.0, f64::max);
     Some(format!(
-        "Replayed on {}: {} {linear}; at most it is {} times as fast as one thread (95% of that with {}), its sweeps {} \
-         times.",
+        "Replayed on {}: {} is {}, its sweeps are {}; at most it is {} times as fast as one thread (95% of that with {}), \
+         its sweeps {} times.",
         place(machine),
         scheduler_name(scheduler),
+        linear(|row| row.speedup),
+        linear(|row| row.sweep_speedup),
         two_digits(best.speedup),
         threads_word(near.workers),
         two_digits(sweeps),
@@ -238,7 +245,7 @@ fn queue_limit(study: &Study, machine: &Machine) -> Option<String> {
 fn thesis(study: &Study) -> Option<String> {
     let phi = study.machines.iter().find(|machine| machine.name == Machine::XEON_PHI)?;
     let reach = |scheduler| {
-        linear_up_to(curve_rows(study, phi, scheduler))
+        linear_up_to(curve_rows(study, phi, scheduler), |row| row.sweep_speedup)
             .map_or("nowhere".to_string(), |workers| format!("up to {workers}"))
     };
     let hand_over = mean_task(study).map_or(String::new(), |task| {
@@ -251,9 +258,10 @@ fn thesis(study: &Study) -> Option<String> {
         )
     });
     Some(format!(
-        "The thesis, measured on a Xeon Phi 3120 with its own tasks, found the central queue linear up to about \
-         {THESIS_CENTRAL_QUEUE} threads and work stealing linear beyond {THESIS_WORK_STEALING}. Replayed on the model of that \
-         machine with this scene's tasks the central queue is linear {} and work stealing {}.{hand_over}",
+        "The thesis, measured on a Xeon Phi 3120 with its own tasks, found the sweeps of the central queue linear up to about \
+         {THESIS_CENTRAL_QUEUE} threads and those of work stealing linear beyond {THESIS_WORK_STEALING}. Replayed on the model \
+         of that machine with this scene's tasks they are linear {} with the central queue and {} with work \
+         stealing.{hand_over}",
         reach(Scheduler::CentralQueue),
         reach(Scheduler::WorkStealing)
     ))

@@ -30,6 +30,9 @@ impl Sketch {
             poisson_ratio: POISSON_RATIO,
             friction: 0.5,
             restitution: 0.5,
+            rolling_friction: 0.0,
+            twisting_friction: 0.0,
+            cohesion: None,
         };
         let materials = [("grain", material.clone()), ("wall", material)];
         Sketch(Scene {

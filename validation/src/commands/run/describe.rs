@@ -79,10 +79,14 @@ fn ledger(balance: &Balance) -> String {
         line("potential", start.potential, end.potential),
         line("elastic", start.elastic, end.elastic),
     ];
+    let resistance = match balance.resistance {
+        0.0 => String::new(),
+        lost => format!(", resistance to turning {lost:.4e} J"),
+    };
     let size = |vector: [f64; 3]| vector.iter().map(|component| component * component).sum::<f64>().sqrt();
     format!(
         "energy           {} J\n\
-         lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J\n\
+         lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J{resistance}\n\
          gained from      walls {:.4e}, overlap at first touch {:.4e} J; left open {:.2e} J\n\
          momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; left open {:.2e} kg m/s\n",
         states.join(", "),

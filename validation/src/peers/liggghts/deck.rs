@@ -102,7 +102,12 @@ fn deck(
 
     properties(&mut text, palette)?;
     // Off: a limited force changes restitution (0.3 becomes 0.4). No tangential damping, as in the other codes.
-    let (model, settings) = ("model hertz tangential history", "tangential_damping off limitForce off");
+    // Of its rolling models epsd2 alone has a static branch without a viscous part; its cap is mu_r R* F_n, as ours.
+    let model = match palette.pairs().any(|(_, _, pair)| pair.rolling_friction > 0.0) {
+        true => "model hertz tangential history rolling_friction epsd2",
+        false => "model hertz tangential history",
+    };
+    let settings = "tangential_damping off limitForce off";
     let _ = writeln!(text, "pair_style gran {model} {settings}\npair_coeff * *\ntimestep {:.17e}", plan.time_step);
     let gravity = Vector3::from(scene.gravity);
     if let Some(direction) = gravity.try_normalize(0.0) {
@@ -136,29 +141,42 @@ fn deck(
 }
 
 fn properties(text: &mut String, palette: &Palette<'_>) -> Result<(), String> {
+    if palette.pairs().any(|(_, _, pair)| pair.cohesion.is_some()) {
+        return Err("its cohesion goes with the area of the overlap, not with a pull-off force".into());
+    }
     let list = |values: Vec<f64>| values.iter().map(|value| format!(" {value:.17e}")).collect::<String>();
     let young = list(palette.materials().map(|material| material.youngs_modulus).collect());
     let poisson = list(palette.materials().map(|material| material.poisson_ratio).collect());
     let _ = writeln!(text, "fix young all property/global youngsModulus peratomtype{young}");
     let _ = writeln!(text, "fix poisson all property/global poissonsRatio peratomtype{poisson}");
-    let (mut friction, mut restitution) = (Vec::new(), Vec::new());
+    let (mut friction, mut rolling, mut restitution) = (Vec::new(), Vec::new(), Vec::new());
     for a in 0..palette.len() {
         for b in 0..palette.len() {
-            let (mu, e) = palette.coefficients(a, b).unwrap_or((0.0, 0.5));
+            // Walls never touch each other; the numbers of such a pair mean nothing.
+            let pair = palette.coefficients(a, b);
+            let e = pair.map_or(0.5, |pair| pair.restitution);
             if e <= 0.05 {
                 return Err(format!("it takes restitution above 0.05 only, not {e}"));
             }
-            friction.push(mu);
+            friction.push(pair.map_or(0.0, |pair| pair.friction));
+            rolling.push(pair.map_or(0.0, |pair| pair.rolling_friction));
             restitution.push(e);
         }
     }
     let count = palette.len();
-    let (friction, restitution) = (list(friction), list(restitution));
+    let resists = rolling.iter().any(|&coefficient| coefficient > 0.0);
+    let (friction, rolling, restitution) = (list(friction), list(rolling), list(restitution));
     let _ = writeln!(text, "fix friction all property/global coefficientFriction peratomtypepair {count}{friction}");
     let _ = writeln!(
         text,
         "fix restitution all property/global coefficientRestitution peratomtypepair {count}{restitution}"
     );
+    if resists {
+        let _ = writeln!(
+            text,
+            "fix rolling all property/global coefficientRollingFriction peratomtypepair {count}{rolling}"
+        );
+    }
     Ok(())
 }
 

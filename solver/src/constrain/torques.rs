@@ -1,0 +1,86 @@
+//! Levers and starting impulses of the torques that contacts bear, in scenes that call for them.
+
+use super::Given;
+use crate::detect::AngularImpulse;
+use crate::effects::Effects;
+use crate::effects::resistance::bearable;
+use crate::lanes::{Eight, Kernel, Lanes, Number};
+use crate::partition::{ContactLanes, TaskGroups, TorqueLanes};
+use crate::schedule::Disjoint;
+use std::marker::PhantomData;
+
+/// Fills the torques of a task whose contacts are filled.
+///
+/// Whoever makes one promises that no other task uses the task's candidates meanwhile.
+pub(super) struct FillTorques<'a, E: Effects> {
+    pub given: &'a Given<'a>,
+    pub groups: &'a mut TaskGroups,
+    pub pairs: &'a Disjoint<'a, AngularImpulse>,
+    pub walls: &'a Disjoint<'a, AngularImpulse>,
+    pub effects: PhantomData<E>,
+}
+
+impl<E: Effects> Kernel for FillTorques<'_, E> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Given { world, candidates, poses, constants, .. } = self.given;
+        let share = constants.warm_start;
+        let TaskGroups { pairs, pair_sources, pair_torques, walls, wall_sources, wall_torques, .. } = self.groups;
+        for ((group, sources), torques) in pairs.iter().zip(pair_sources).zip(pair_torques) {
+            *torques = TorqueLanes::default();
+            for (lane, candidate) in sources.occupied() {
+                let [i, j] = [group.first[lane] as usize, group.second[lane] as usize];
+                let (a, b) = (world.spheres[i].radius, world.spheres[j].radius);
+                let material = world.table.between_grains(world.materials[i], world.materials[j]);
+                let effective_radius = a * b / (a + b);
+                torques.rolling_lever.0[lane] = material.rolling_friction * effective_radius;
+                torques.twisting_lever.0[lane] = material.twisting_friction * effective_radius;
+                // SAFETY: the promise of whoever made this.
+                torques.remember(lane, unsafe { self.pairs.at(candidate) }, share);
+            }
+            start::<L, E>(torques, &group.contacts);
+        }
+        for ((group, sources), lanes) in walls.iter().zip(wall_sources).zip(wall_torques) {
+            *lanes = Default::default();
+            for (lane, candidate) in sources.occupied() {
+                let (grain, surface) = (group.body[lane] as usize, candidates.walls[candidate].surface as usize);
+                let material = world.table.with_wall(world.materials[grain], world.surfaces[surface].material);
+                let radius = world.spheres[grain].radius;
+                let torques = &mut lanes.torques;
+                torques.rolling_lever.0[lane] = material.rolling_friction * radius;
+                torques.twisting_lever.0[lane] = material.twisting_friction * radius;
+                // SAFETY: as above.
+                torques.remember(lane, unsafe { self.walls.at(candidate) }, share);
+                for (axis, spin) in poses[surface].spin().iter().enumerate() {
+                    lanes.wall_spin[axis].0[lane] = *spin;
+                }
+            }
+            start::<L, E>(&mut lanes.torques, &group.contacts);
+        }
+    }
+}
+
+impl TorqueLanes {
+    fn remember(&mut self, lane: usize, AngularImpulse(impulse): &AngularImpulse, share: f64) {
+        for axis in 0..3 {
+            self.impulse[axis].0[lane] = impulse[axis] * share;
+        }
+    }
+}
+
+/// What is remembered, as far as the contact can bear it with the normal impulse that it starts from. A contact that has just
+/// closed starts from none, whatever it bore when it opened.
+#[inline(always)]
+fn start<L: Lanes, E: Effects>(torques: &mut TorqueLanes, contacts: &ContactLanes) {
+    let load = |number: &Eight| L::load(number);
+    let (normal, normal_impulse) = (contacts.normal.each_ref().map(load), load(&contacts.impulse_normal));
+    let bears = <L as Number>::zero().below(normal_impulse);
+    let [rolling_cap, twisting_cap] =
+        [&torques.rolling_lever, &torques.twisting_lever].map(|lever| load(lever) * normal_impulse);
+    let borne = bearable::<E, L>(torques.impulse.each_ref().map(load), normal, rolling_cap, twisting_cap);
+    for (component, impulse) in borne.into_iter().zip(&mut torques.impulse) {
+        L::select(bears, component, <L as Number>::zero()).store(impulse);
+    }
+}

@@ -1,0 +1,88 @@
+//! `makadam effects`: which effects a scene calls for and by which line, costs, warnings, ablation.
+
+mod support;
+
+use serde_json::Value;
+use std::path::Path;
+use support::{changed, line_of, makadam, smoke};
+
+fn study(folder: &Path, scene: &Path, arguments: &[&str]) -> Value {
+    let output = makadam(folder).arg("effects").arg(scene).args(arguments).arg("--json").output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn effect<'a>(study: &'a Value, name: &str) -> &'a Value {
+    study["effects"].as_array().unwrap().iter().find(|effect| effect["effect"] == name).unwrap()
+}
+
+#[test]
+fn a_scene_tells_its_effects_their_lines_and_their_cost() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = study(folder.path(), &smoke(), &["--settle", "0.3", "--look", "0.1"]);
+    assert_eq!((study["version"].as_u64(), study["command"].as_str()), (Some(1), Some("effects")));
+    let friction = effect(&study, "Coulomb friction");
+    assert_eq!(friction["on"], true);
+    assert_eq!(friction["line"].as_u64().unwrap() as usize, line_of(&smoke(), "friction = "));
+    for name in ["rolling resistance", "twisting resistance"] {
+        assert_eq!((&effect(&study, name)["on"], &effect(&study, name)["line"]), (&Value::Bool(false), &Value::Null));
+    }
+    let kernels = study["costs"]["kernels"].as_array().unwrap();
+    assert_eq!(kernels.len(), 5);
+    let called: Vec<_> = kernels.iter().filter(|kernel| kernel["called"] == true).collect();
+    assert_eq!(called.len(), 1);
+    assert_eq!(called[0]["effects"], "friction");
+    assert_eq!(called[0]["over_friction"], 1.0);
+    assert!(kernels.iter().all(|kernel| kernel["nanoseconds"].as_f64().unwrap() > 0.0));
+    // Five numbers a contact: two levers and an angular impulse.
+    let bytes = |number: usize| kernels[number]["bytes"].as_u64().unwrap();
+    assert_eq!((bytes(4) - bytes(1), bytes(2) - bytes(1)), (40, 40));
+    assert!(study["look"]["lost"].as_f64().unwrap() > 0.0);
+    assert_eq!(study["ablation"], Value::Null);
+    assert!(folder.path().join("results/effects/smoke/effects.json").is_file());
+}
+
+#[test]
+fn what_is_declared_in_vain_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let unused = "[material.dust]\ndensity = 2500.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\n\
+                  restitution = 0.3\nrolling_friction = 0.1\n\n[measure]";
+    let scene = changed(folder.path(), "[measure]", unused);
+    let study = study(folder.path(), &scene, &["--settle", "0.2", "--look", "0.05"]);
+    let warnings: Vec<&str> = study["warnings"].as_array().unwrap().iter().map(|text| text.as_str().unwrap()).collect();
+    assert!(
+        warnings.iter().any(|text| text.contains("'dust'") && text.contains("compiled in all the same")),
+        "{warnings:?}"
+    );
+    assert!(warnings.iter().any(|text| text.contains("hardly matters")), "{warnings:?}");
+    let rolling = effect(&study, "rolling resistance");
+    assert_eq!(rolling["line"].as_u64().unwrap() as usize, line_of(&scene, "rolling_friction"));
+}
+
+#[test]
+fn ablation_says_which_observables_need_an_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["--settle", "0.1", "--look", "0.05", "--ablate", "--seeds", "2"];
+    let study = study(folder.path(), &smoke(), &arguments);
+    let rows = study["ablation"]["rows"].as_array().unwrap();
+    for effect in ["Coulomb friction", "restitution", "rolling resistance", "twisting resistance"] {
+        let row = rows.iter().find(|row| row["effect"] == effect).unwrap_or_else(|| panic!("{effect}: {rows:#?}"));
+        let known = ["needed", "not-needed", "undecided", "not-measurable"];
+        assert!(known.contains(&row["need"].as_str().unwrap()), "{row}");
+    }
+    // The walls bear the weight with or without friction, and rigid grains do not overlap: two seeds may be too few to tell, but
+    // never so few as to say the contrary.
+    let need = |effect: &str, observable: &str| {
+        let named = |row: &&Value| row["effect"] == effect && row["observable"] == observable;
+        rows.iter().find(named).unwrap_or_else(|| panic!("{effect}, {observable}: {rows:#?}"))["need"].clone()
+    };
+    assert_ne!(need("Coulomb friction", "wall_force_over_weight"), "needed");
+    assert_ne!(need("elastic compliance", "mean_overlap"), "not-needed");
+}
+
+#[test]
+fn an_unknown_scene_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = makadam(folder.path()).args(["effects", "no-such-scene"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(3));
+}

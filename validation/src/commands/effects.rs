@@ -1,0 +1,61 @@
+//! `makadam effects`: which effects a scene calls for, what each costs, and whether it matters.
+
+use super::arguments::EffectsArguments;
+use super::{Console, Failure, announce, begin, json, load, settle, use_threads};
+use crate::effects::{Ablation, Costs, Look, Study, called, table, warnings};
+use crate::execution::Execution;
+use crate::output::{JSON_VERSION, create_folder, write_whole};
+use crate::prepared::{Start, file_stem};
+use crate::provenance::Provenance;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Looks, measures, writes and says what was found.
+pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let (file, scene) = load(&arguments.scene)?;
+    let text = std::fs::read_to_string(&file)
+        .map_err(|error| Failure::Running(format!("{}: {error}; check that it can be read", file.display())))?;
+    let seed = arguments.seed.unwrap_or(scene.seed);
+    let execution = Execution::serial();
+    let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
+    if start == Start::Fresh {
+        // A lattice gas has hardly a contact to sweep over.
+        settle(&mut simulation, arguments.settle, console)?;
+    }
+    let from = simulation.time();
+    simulation.open_ledger();
+    settle(&mut simulation, arguments.look, console)?;
+    let look = Look::at(&simulation, simulation.time() - from);
+    console.detail("timing kernels");
+    let costs = Costs::measure(&simulation);
+    drop(simulation);
+    let ablation = if arguments.ablate {
+        use_threads(arguments.threads)?;
+        let seeds: Vec<u64> = (seed..seed + u64::from(arguments.seeds)).collect();
+        let limit = Duration::from_secs_f64(arguments.time_limit);
+        Some(Ablation::run(&scene, &file, &seeds, limit, &announce(console))?)
+    } else {
+        None
+    };
+    let study = Study {
+        version: JSON_VERSION,
+        command: "effects",
+        effects: called(&scene, &text),
+        warnings: warnings(&scene, look.as_ref()),
+        scene: scene.name.clone(),
+        costs,
+        look,
+        ablation,
+        provenance: Provenance::of_run(&scene, &file, seed, &execution),
+    };
+    let folder = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("results").join("effects").join(file_stem(&scene.name)));
+    create_folder(&folder)?;
+    let document = json(&study);
+    write_whole(&folder.join("effects.json"), document.as_bytes())?;
+    console.result(&if arguments.json { document } else { table(&study) })?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,104 @@
+//! A look at a stretch of the run: where its energy goes, how deep its grains overlap, and what that says of the effects.
+
+use makadam::scene::{NormalLaw, Scene};
+use makadam::snapshot::Snapshot;
+use makadam::{Balance, Simulation};
+use serde::Serialize;
+
+/// Overlaps beyond this, over the smaller radius, are no longer those of hard grains.
+const DEEP: f64 = 0.01;
+/// Shares of the energy lost below this are none, and above [`LARGE`] they call for their effect.
+const NONE: f64 = 1e-4;
+/// See [`NONE`].
+const LARGE: f64 = 0.05;
+
+/// What a stretch of the run shows.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Look {
+    /// Simulated time that was looked at, s.
+    pub seconds: f64,
+    /// Energy that was lost, J.
+    pub lost: f64,
+    /// Share of it that friction took.
+    pub friction: f64,
+    /// Share of it that resistance to turning took.
+    pub resistance: f64,
+    /// Share of it that impacts took.
+    pub impacts: f64,
+    /// Largest overlap of two grains at the end, over the smaller radius.
+    pub largest_overlap: f64,
+}
+
+impl Look {
+    /// What a simulation whose ledger was opened `seconds` ago shows; absent without a ledger.
+    pub fn at(simulation: &Simulation, seconds: f64) -> Option<Look> {
+        let Balance { friction, resistance, restitution, stabilisation, .. } = simulation.balance()?;
+        let lost = friction + resistance + restitution + stabilisation.max(0.0);
+        let share = |part: f64| if lost > 0.0 { part / lost } else { 0.0 };
+        Some(Look {
+            seconds,
+            lost,
+            friction: share(friction),
+            resistance: share(resistance),
+            impacts: share(restitution),
+            largest_overlap: largest_overlap(&simulation.snapshot()),
+        })
+    }
+}
+
+/// Largest overlap of two grains that bear a force, over the smaller radius.
+fn largest_overlap(frame: &Snapshot) -> f64 {
+    let pairs = frame.contacts.iter().filter_map(|contact| match contact.second {
+        makadam::snapshot::Partner::Grain(second) => {
+            Some((&frame.particles[contact.first as usize], &frame.particles[second as usize]))
+        }
+        makadam::snapshot::Partner::Wall(_) => None,
+    });
+    let overlap = |(a, b): (&makadam::snapshot::Particle, &makadam::snapshot::Particle)| {
+        let square: f64 = (0..3).map(|axis| (a.position[axis] - b.position[axis]).powi(2)).sum();
+        (a.radius + b.radius - square.sqrt()) / a.radius.min(b.radius)
+    };
+    pairs.map(overlap).fold(0.0, f64::max)
+}
+
+/// What a user should know: effects that are declared but cannot matter, and ones that are absent where the numbers call
+/// for them.
+pub fn warnings(scene: &Scene, look: Option<&Look>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let used = |name: &str| {
+        let of_grains = scene.grain.iter().any(|grain| grain.material == name)
+            || scene.population.iter().any(|group| group.count > 0 && group.material == name);
+        of_grains || scene.wall.iter().any(|wall| wall.material == name)
+    };
+    for (name, material) in scene.material.iter().filter(|(name, _)| !used(name)) {
+        let turning = material.rolling_friction > 0.0 || material.twisting_friction > 0.0;
+        let costs = if turning { "; its resistance to turning is compiled in all the same" } else { "" };
+        warnings.push(format!("material '{name}' is declared, and neither a grain nor a wall has it{costs}"));
+    }
+    let any = |of: fn(&makadam::scene::Material) -> f64| scene.material.values().any(|one| of(one) > 0.0);
+    let turning = any(|one| one.rolling_friction) || any(|one| one.twisting_friction);
+    if turning && !any(|one| one.friction) {
+        warnings.push("grains resist turning, but without friction nothing makes them turn".into());
+    }
+    let Some(look) = look else { return warnings };
+    let percent = |share: f64| format!("{:.2}%", 100.0 * share);
+    if turning && look.resistance < NONE {
+        warnings.push(format!(
+            "resistance to turning took {} of the energy lost: it hardly matters",
+            percent(look.resistance)
+        ));
+    }
+    if any(|one| one.restitution) && look.impacts.abs() < NONE {
+        warnings.push("restitution is declared, but nothing collides".into());
+    }
+    if !any(|one| one.restitution) && look.impacts > LARGE {
+        warnings.push(format!("impacts took {} of the energy lost, and every restitution is 0", percent(look.impacts)));
+    }
+    if scene.solver.normal_law == NormalLaw::Rigid && look.largest_overlap > DEEP {
+        warnings.push(format!(
+            "grains overlap by {} of a radius, and contacts are rigid: call for compliance, or take smaller steps",
+            percent(look.largest_overlap)
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,21 @@
+//! Which effects a scene calls for, what each costs, and whether it matters.
+//!
+//! ```text
+//! scene ─> called ────────────────────────────────> which are on, by which line
+//!       ├> flowing state ─> costs, look ──────────> nanoseconds and bytes a contact, what the numbers warn of
+//!       └> each effect off or on, seeds ─> ablation > needed, not needed, undecided
+//! ```
+
+mod ablation;
+mod called;
+mod cost;
+mod look;
+mod study;
+mod terminal;
+
+pub use ablation::{Ablated, Ablation, Need, Variation, variations};
+pub use called::{Called, called};
+pub use cost::{Cost, Costs};
+pub use look::{Look, warnings};
+pub use study::Study;
+pub use terminal::table;
