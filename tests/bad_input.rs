@@ -191,7 +191,9 @@ fn stand_in(folder: &Path, body: &str) -> String {
     // and the system runs no file that someone may still write (`ETXTBSY`).
     let draft = folder.join("stand-in.draft");
     std::fs::write(&draft, text).unwrap();
-    assert!(std::process::Command::new("install").args(["-m", "755"]).args([&draft, &file]).status().unwrap().success());
+    assert!(
+        std::process::Command::new("install").args(["-m", "755"]).args([&draft, &file]).status().unwrap().success()
+    );
     file.to_str().unwrap().to_string()
 }
 
