@@ -124,7 +124,10 @@ fn check_laws(drawn: &Drawn, solves: Solves, steps: usize) -> Result<[u64; 1], T
             let (Some(law), Some(asked)) = (touch.law, touch.asked()) else { continue };
             let (gap, push) = (touch.opening() - asked, along * (touch.inverse_mass + law.regularisation));
             let off = gap.min(push).abs();
-            prop_assert!(off <= inexact.normal, "step {number}: {off:e} m/s off the normal law, {inexact:?}: {touch:?}");
+            prop_assert!(
+                off <= inexact.normal,
+                "step {number}: {off:e} m/s off the normal law, {inexact:?}: {touch:?}"
+            );
             let (sliding, friction) = (touch.sliding(), drawn.friction);
             let off = touch.tangential.dot(&sliding) + friction * along * sliding.norm();
             let bound = touch.friction_slack(friction, inexact);
