@@ -73,7 +73,8 @@ pub fn mean_field<'a>(
     let mut field = Field::new([-reach; 2], [reach; 2], 0.25 * setting.diameter, most)?;
     let grains = frames.clone().flat_map(|frame| &frame.particles);
     let visits = |grain: &Particle| field.reached(drum.section(&Vector3::from(grain.position)), grain.radius);
-    if grains.map(visits).fold(0, usize::saturating_add) > most {
+    let is_large = |grain: &Particle| effort::too_large(grain.radius, field.cell);
+    if grains.clone().any(is_large) || grains.map(visits).fold(0, usize::saturating_add) > most {
         return None;
     }
     let volume = field.cell * field.cell * drum.length;

@@ -15,6 +15,12 @@ pub fn most(grains: usize) -> usize {
     ANYWAY.saturating_add(EACH.saturating_mul(grains))
 }
 
+/// Whether a grain is too large for its volume in one cell to be told: that is a difference of parts of the whole sphere, each
+/// rounded to some 1e-15 of it, and a cubic cell of a thousandth of the radius holds 1e-9 of that.
+pub fn too_large(radius: f64, cell: f64) -> bool {
+    radius > 1e3 * cell
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

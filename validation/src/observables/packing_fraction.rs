@@ -67,8 +67,8 @@ fn fraction_in_cubes(view: &View<'_>) -> Option<f64> {
     let corner = |cube: [i64; 3]| Vector3::from(cube.map(|index| index as f64 * size));
     let grains = &view.frame.particles;
     let index = |x: f64| (x / size).floor() as i64;
-    let is_far = |grain: &Particle| grain.position.iter().any(|x| (x.abs() + grain.radius) / size > FARTHEST);
-    if grains.iter().any(is_far) {
+    let is_far = |grain: &Particle| grain.position.iter().any(|x| x.abs() / size > FARTHEST);
+    if grains.iter().any(|grain| is_far(grain) || effort::too_large(grain.radius, size)) {
         return None;
     }
 
