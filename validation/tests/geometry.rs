@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// A field whose value at the centre of each cell is given.
 fn field(value: impl Fn(f64, f64) -> f64) -> Field {
-    let mut field = Field::new([-1.0; 2], [1.0; 2], 0.05);
+    let mut field = Field::new([-1.0; 2], [1.0; 2], 0.05, 10_000).unwrap();
     for row in 0..field.rows {
         for column in 0..field.columns {
             let [x, y] = field.centre(column as isize, row as isize);
@@ -53,7 +53,7 @@ fn outline_is_the_largest_of_the_closed_lines() {
 #[test]
 fn saddles_are_joined_by_their_mean() {
     for (middle, lines) in [(0.2, 2), (0.8, 1)] {
-        let mut saddle = Field::new([0.0; 2], [2.0; 2], 1.0);
+        let mut saddle = Field::new([0.0; 2], [2.0; 2], 1.0, 10_000).unwrap();
         saddle.values = vec![1.0, 2.0 * middle - 1.0, 2.0 * middle - 1.0, 1.0];
         assert_eq!(contours(&saddle, 0.5).len(), if middle < 0.5 { lines } else { 1 });
     }

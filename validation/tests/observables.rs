@@ -474,3 +474,77 @@ fn only_the_last_frame_counts_where_the_scene_names_no_time() {
     assert_eq!((energy.value, energy.frames), (0.0, 1));
     assert!(measure(&scene, &recording(Vec::new())).is_empty());
 }
+
+/// What a scene measures of one frame of a bed of 0.01 m grains in a box-shaped heap, with some of the grains changed.
+fn measure_odd(scene: &Scene, change: impl Fn(&mut Vec<Particle>)) -> Vec<Measurement> {
+    let places = fcc(0.01, 0.04, Rotation3::identity(), Vector3::zeros());
+    let mut grains = particles(places, 0.005);
+    change(&mut grains);
+    let start = std::time::Instant::now();
+    let measured = measure(scene, &recording(vec![frame(0.0, grains)]));
+    assert!(start.elapsed().as_secs() < 20, "{:?} for {} numbers", start.elapsed(), measured.len());
+    assert!(measured.iter().all(|m| m.value.is_finite()), "{measured:?}");
+    measured
+}
+
+#[test]
+fn odd_sizes_and_places_cost_no_more_than_the_number_of_grains() {
+    let has = |measured: &[Measurement], name: &str| measured.iter().any(|m| m.observable == name);
+    let drum = drum_scene(
+        1.0,
+        r#"["dynamic-angle-of-repose", "packing-fraction", "coordination-number", "contact-forces", "balances", "drum-flow"]"#,
+    );
+    let floor = "[[wall]]\nname = \"floor\"\nmaterial = \"grain\"\n\
+                 shape = { kind = \"plane\", point = [0.0, 0.0, -0.045], normal = [0.0, 0.0, 1.0] }\n";
+    let heap = scene(floor, r#"["static-angle-of-repose", "packing-fraction", "coordination-number", "balances"]"#, "");
+    let walls = floor.replace(
+        "plane\", point = [0.0, 0.0, -0.045], normal = [0.0, 0.0, 1.0]",
+        "box\", min = [-0.05, -0.05, \
+                              -0.05], max = [0.05, 0.05, 0.05], open = [\"+z\"]",
+    );
+    let bed = scene(&walls, r#"["packing-fraction", "coordination-number", "balances"]"#, "");
+    for scene in [&drum, &heap, &bed] {
+        // All there is to be measured is, as long as grains are as they should be.
+        let sane = measure_odd(scene, |_| ());
+        assert!(has(&sane, "packing_fraction") && has(&sane, "kinetic_energy"), "{sane:?}");
+        // Dust has no bed in a drum, a box or a heap of this size.
+        let dust = measure_odd(scene, |grains| grains.iter_mut().for_each(|grain| grain.radius = 1e-11));
+        assert!(!has(&dust, "packing_fraction") && has(&dust, "kinetic_energy"), "{dust:?}");
+        // One grain that reaches over everything, in what the mean diameter of the others makes small cells.
+        measure_odd(scene, |grains| {
+            grains.extend(grains.clone().iter().map(|grain| Particle { radius: 1e3, ..*grain }).take(1))
+        });
+        measure_odd(scene, |grains| {
+            grains.iter_mut().for_each(|grain| grain.radius = 1e-9);
+            grains[0].radius = 1e-3;
+        });
+        // Grains that flew off, in each direction.
+        for axis in 0..3 {
+            for far in [-1e11, -1e5, 1e5, 1e11] {
+                let measured = measure_odd(scene, |grains| grains[7].position[axis] = far);
+                assert!(has(&measured, "kinetic_energy"), "{measured:?}");
+            }
+        }
+    }
+    // Above a bed they hide its surface: there is no bulk, and nothing is said of it.
+    let hidden = measure_odd(&bed, |grains| grains[7].position[2] = 1e9);
+    assert!(!has(&hidden, "packing_fraction") && !has(&hidden, "coordination_number"), "{hidden:?}");
+}
+
+#[test]
+fn a_giant_among_grains_takes_the_space_that_it_has_or_is_refused() {
+    let mut drum = drum_scene(1.0, r#"["packing-fraction"]"#);
+    drum.measure.from = Some(0.0);
+    let places = fcc(0.01, 0.04, Rotation3::identity(), Vector3::zeros());
+    let with_giant = |radius: f64| {
+        // In a later frame than the one that sets the diameter.
+        let (first, mut giant) = (particles(places.clone(), 0.005), particles(places.clone(), 0.005));
+        giant[0].radius = radius;
+        measure(&drum, &recording(vec![frame(0.0, first), frame(0.1, giant)]))
+    };
+    // It fills every cube, beside the other grains: half a solid fraction more over the two frames.
+    let fraction = value(&with_giant(2.0), "packing_fraction");
+    assert!(fraction > 0.5 + 0.4 && fraction < 0.5 + 0.75, "{fraction}");
+    // Its cubes alone would be 1e32.
+    assert_eq!(with_giant(1e8), []);
+}

@@ -2,6 +2,7 @@
 
 use makadam::Simulation;
 use makadam::scene::Scene;
+use makadam::snapshot::{Particle, Snapshot};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::fmt::Write;
@@ -147,6 +148,7 @@ impl Drawn {
         let vector = |v: &Vector| format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z);
         let mut text = format!(
             "name = 'random'\ndescription = 'drawn at random'\nduration = 10.0\ngravity = {}\n\
+             largest_start_overlap = 2.0\n\
              domain = {{ min = [-0.5, -0.5, -0.5], max = [0.5, 0.5, 0.5] }}\n\
              [material.stone]\ndensity = {DENSITY:?}\nyoungs_modulus = {:?}\npoisson_ratio = 0.3\nfriction = {:?}\n\
              restitution = {:?}\n[solver]\nstep = {:?}\n",
@@ -204,11 +206,28 @@ impl Drawn {
         text
     }
 
+    /// The scene as it is read.
+    pub fn scene(&self, solves: Solves) -> Scene {
+        let text = self.text(solves);
+        Scene::parse(&text, Path::new("random.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    }
+
     /// The scene at its start.
     pub fn start(&self, solves: Solves) -> Simulation {
-        let (text, file) = (self.text(solves), Path::new("random.toml"));
-        let scene = Scene::parse(&text, file).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        Simulation::new(&scene, 1, file).unwrap_or_else(|error| panic!("{error}\n{text}"))
+        let made = Simulation::new(&self.scene(solves), 1, Path::new("random.toml"));
+        made.unwrap_or_else(|error| panic!("{error}\n{}", self.text(solves)))
+    }
+
+    /// The scene from the state of a snapshot on; absent where that is no start: a grain has left the domain, or is deep in another.
+    pub fn from_here(&self, snapshot: &Snapshot) -> Option<Drawn> {
+        let grain = |particle: &Particle| Grain {
+            radius: particle.radius,
+            position: particle.position.into(),
+            velocity: particle.velocity.into(),
+            spin: particle.spin.into(),
+        };
+        let here = Drawn { grains: snapshot.particles.iter().map(grain).collect(), ..self.clone() };
+        Simulation::new(&here.scene(Solves::Usual), 1, Path::new("random.toml")).is_ok().then_some(here)
     }
 
     /// Mass of a grain, kg.

@@ -2,11 +2,12 @@
 
 use super::contour::{self, Loop, Segment};
 use super::drum::Drum;
+use super::effort;
 use super::field::Field;
 use super::line::{Line, clip};
 use super::setting::Setting;
 use crate::statistics::block_count;
-use makadam::snapshot::Snapshot;
+use makadam::snapshot::{Particle, Snapshot};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -24,13 +25,13 @@ pub struct BedFields {
 }
 
 impl BedFields {
-    /// Averages the frames, of which there is at least one.
-    pub fn new(setting: &Setting<'_>, drum: &Drum, frames: &[&Snapshot]) -> Self {
+    /// Averages the frames, of which there is at least one; absent where [`mean_field`] is.
+    pub fn new(setting: &Setting<'_>, drum: &Drum, frames: &[&Snapshot]) -> Option<Self> {
         let count = block_count(frames.len()).unwrap_or(1);
         let border = |block: usize| block * frames.len() / count;
         let blocks: Vec<Range<usize>> = (0..count).map(|block| border(block)..border(block + 1)).collect();
         let field = |block: &Range<usize>| mean_field(setting, drum, frames[block.clone()].iter().copied());
-        let fields: Vec<Field> = blocks.iter().map(field).collect();
+        let fields: Vec<Field> = blocks.iter().map(field).collect::<Option<_>>()?;
         let mut whole = fields[0].clone();
         whole.scale(0.0);
         for (block, field) in blocks.iter().zip(&fields) {
@@ -38,7 +39,7 @@ impl BedFields {
             part.scale(block.len() as f64 / frames.len() as f64);
             whole.add(&part);
         }
-        Self { blocks, fields, whole }
+        Some(Self { blocks, fields, whole })
     }
 }
 
@@ -59,9 +60,23 @@ pub struct BedSurface {
 ///
 /// Cells are half a radius wide and smoothed once with weights 1, 2, 1. Cells of a radius without smoothing are as
 /// noisy, but pull the surface towards their own lines: by half a degree at 12 degrees.
-pub fn mean_field<'a>(setting: &Setting<'_>, drum: &Drum, frames: impl Iterator<Item = &'a Snapshot>) -> Field {
+///
+/// Absent where the grains are so much smaller than the drum, or some so much larger than the mean, that it would be more work
+/// than [`effort::most`].
+pub fn mean_field<'a>(
+    setting: &Setting<'_>,
+    drum: &Drum,
+    frames: impl Iterator<Item = &'a Snapshot> + Clone,
+) -> Option<Field> {
     let reach = drum.radius;
-    let mut field = Field::new([-reach; 2], [reach; 2], 0.25 * setting.diameter);
+    let most = effort::most(frames.clone().map(|frame| frame.particles.len()).sum());
+    let mut field = Field::new([-reach; 2], [reach; 2], 0.25 * setting.diameter, most)?;
+    let grains = frames.clone().flat_map(|frame| &frame.particles);
+    let visits = |grain: &Particle| field.reached(drum.section(&Vector3::from(grain.position)), grain.radius);
+    let is_large = |grain: &Particle| effort::too_large(grain.radius, field.cell);
+    if grains.clone().any(is_large) || grains.map(visits).fold(0, usize::saturating_add) > most {
+        return None;
+    }
     let volume = field.cell * field.cell * drum.length;
     let mut count = 0;
     for frame in frames {
@@ -72,7 +87,7 @@ pub fn mean_field<'a>(setting: &Setting<'_>, drum: &Drum, frames: impl Iterator<
     }
     field.scale(1.0 / f64::from(count.max(1)));
     field.smooth();
-    field
+    Some(field)
 }
 
 /// The surface of the bed in a field; absent where the bed has none.

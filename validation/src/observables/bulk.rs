@@ -3,12 +3,13 @@
 use super::bed_surface::BedFields;
 use super::contour::{self, Loop, Segment};
 use super::drum::Drum;
+use super::effort;
 use super::setting::Setting;
 use super::sphere_volume::half_space;
 use super::static_angle::{self, HeapFrame};
 use super::walls::PlacedWalls;
 use makadam::scene::Observable;
-use makadam::snapshot::Snapshot;
+use makadam::snapshot::{Particle, Snapshot};
 use nalgebra::Vector3;
 
 /// Fewest grains a frame, on average, for a bulk two diameters inside; with fewer, one diameter is taken.
@@ -79,7 +80,10 @@ impl FreeSurface {
             return FreeSurface::None;
         };
         let diameter = setting.diameter;
-        if let (Some(drum), Some(bed)) = (&setting.drum, bed) {
+        if let Some(drum) = &setting.drum {
+            let Some(bed) = bed else {
+                return FreeSurface::Nowhere;
+            };
             let Some(outline) = contour::outline(&bed.whole, 0.5 * bed.whole.largest()) else {
                 return FreeSurface::None;
             };
@@ -87,17 +91,17 @@ impl FreeSurface {
             return FreeSurface::Drum(drum.clone(), outline, free);
         }
         if setting.scene.measure.observables.contains(&Observable::StaticAngleOfRepose) {
-            let heap = HeapFrame::new(setting, frames[frames.len() - 1]);
-            let outline = heap.as_ref().and_then(|heap| static_angle::heap_outline(setting, heap, frames));
-            if let (Some(heap), Some(outline)) = (heap, outline) {
-                let free = pieces(&outline, |point| point[1] > diameter);
-                return FreeSurface::Heap(heap, outline, free);
+            if let Some(heap) = HeapFrame::new(setting, frames[frames.len() - 1]) {
+                let Some(fields) = static_angle::sector_fields(setting, &heap, frames) else {
+                    return FreeSurface::Nowhere;
+                };
+                if let Some(outline) = static_angle::heap_outline(&fields) {
+                    let free = pieces(&outline, |point| point[1] > diameter);
+                    return FreeSurface::Heap(heap, outline, free);
+                }
             }
         }
-        match level(setting, &up, frames) {
-            Some(height) => FreeSurface::Level(up, height),
-            None => FreeSurface::None,
-        }
+        level(setting, up, frames)
     }
 
     /// Whether a point lies at least `inset` (m) below the surface.
@@ -120,26 +124,39 @@ fn pieces(outline: &Loop, free: impl Fn([f64; 2]) -> bool) -> Vec<Segment> {
     contour::segments(outline).filter(|[a, b]| free(*a) && free(*b)).collect()
 }
 
-/// Height (m, along `up`) at which the solid volume a layer falls to half of what it is within the bed.
+/// The level, along `up`, at which the solid volume a layer falls to half of what it is within the bed.
 ///
-/// Layers are one mean radius thick, volumes exact. Only ratios of volumes enter, so the container's area does not.
-fn level(setting: &Setting<'_>, up: &Vector3<f64>, frames: &[&Snapshot]) -> Option<f64> {
+/// Layers are one mean radius thick, volumes exact. Only ratios of volumes enter, so the container's area does not. There is no
+/// bulk where layers would be more work than [`effort::most`]: grains are then too far apart, or too unlike, for a bed.
+fn level(setting: &Setting<'_>, up: Vector3<f64>, frames: &[&Snapshot]) -> FreeSurface {
     let grains = || frames.iter().flat_map(|frame| &frame.particles);
-    let height = |position: &[f64; 3]| Vector3::from(*position).dot(up);
+    let height = |position: &[f64; 3]| Vector3::from(*position).dot(&up);
     let (low, high) = grains().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), grain| {
         let at = height(&grain.position);
         (low.min(at - grain.radius), high.max(at + grain.radius))
     });
     let layer = 0.5 * setting.diameter;
-    let count = ((high - low) / layer).ceil().clamp(1.0, 1e6) as usize;
-    let mut volume = vec![0.0; count];
-    for grain in grains() {
-        let bottom = (height(&grain.position) - low) / layer;
-        let reach = grain.radius / layer;
-        let beyond = |plane: f64| half_space((plane - bottom) / reach) * grain.radius.powi(3);
+    let (count, most) = (((high - low) / layer).ceil().max(1.0), effort::most(grains().count()));
+    if count > most as f64 {
+        return FreeSurface::Nowhere;
+    }
+    let count = count as usize;
+    // The layers that a grain reaches, and where it lies among them.
+    let reached = |grain: &Particle| {
+        let (bottom, reach) = ((height(&grain.position) - low) / layer, grain.radius / layer);
         let first = (bottom - reach).floor().max(0.0) as usize;
         let last = count.min((bottom + reach).ceil() as usize);
-        for (offset, layer) in volume[first..last].iter_mut().enumerate() {
+        (bottom, reach, first.min(last)..last)
+    };
+    if grains().map(|grain| reached(grain).2.len()).fold(0, usize::saturating_add) > most {
+        return FreeSurface::Nowhere;
+    }
+    let mut volume = vec![0.0; count];
+    for grain in grains() {
+        let (bottom, reach, layers) = reached(grain);
+        let beyond = |plane: f64| half_space((plane - bottom) / reach) * grain.radius.powi(3);
+        let first = layers.start;
+        for (offset, layer) in volume[layers].iter_mut().enumerate() {
             let index = (first + offset) as f64;
             *layer += beyond(index) - beyond(index + 1.0);
         }
@@ -152,9 +169,11 @@ fn level(setting: &Setting<'_>, up: &Vector3<f64>, frames: &[&Snapshot]) -> Opti
     for _ in 0..20 {
         bulk = mean_above(0.5 * bulk);
     }
-    let last = volume.iter().rposition(|volume| *volume >= 0.5 * bulk)?;
+    let Some(last) = volume.iter().rposition(|volume| *volume >= 0.5 * bulk) else {
+        return FreeSurface::None;
+    };
     let above = volume.get(last + 1).copied().unwrap_or(0.0);
     // Linear between the middles of the two layers.
     let share = (volume[last] - 0.5 * bulk) / (volume[last] - above).max(f64::MIN_POSITIVE);
-    Some(low + (last as f64 + 0.5 + share) * layer)
+    FreeSurface::Level(up, low + (last as f64 + 0.5 + share) * layer)
 }

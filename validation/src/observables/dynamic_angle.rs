@@ -50,11 +50,14 @@ pub fn over_time(setting: &Setting<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> 
     let Some(drum) = &setting.drum else {
         return Vec::new();
     };
-    let fields: Vec<Field> = frames.iter().map(|frame| mean_field(setting, drum, std::iter::once(frame))).collect();
+    let fields: Vec<Option<Field>> =
+        frames.iter().map(|frame| mean_field(setting, drum, std::iter::once(frame))).collect();
     let at = |index: usize| {
         let reach = (WINDOW / 2).min(index).min(frames.len() - 1 - index);
-        let mut field = fields[index - reach].clone();
-        fields[index - reach + 1..=index + reach].iter().for_each(|more| field.add(more));
+        let mut field = fields[index - reach].clone()?;
+        for more in &fields[index - reach + 1..=index + reach] {
+            field.add(more.as_ref()?);
+        }
         let surface = surface(setting, drum, &field)?;
         Some((frames[index].time, surface.circle_angle))
     };

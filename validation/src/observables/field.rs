@@ -18,12 +18,22 @@ pub struct Field {
 }
 
 impl Field {
-    /// A field of zeros that covers `min` to `max` (m) with cells of width `cell` (m), centred.
-    pub fn new(min: [f64; 2], max: [f64; 2], cell: f64) -> Self {
-        let count = |axis: usize| ((max[axis] - min[axis]) / cell).ceil().clamp(1.0, 1e4) as usize;
-        let (columns, rows) = (count(0), count(1));
+    /// A field of zeros that covers `min` to `max` (m) with cells of width `cell` (m), centred; absent where that takes more
+    /// than `most` cells.
+    pub fn new(min: [f64; 2], max: [f64; 2], cell: f64, most: usize) -> Option<Self> {
+        let count = |axis: usize| ((max[axis] - min[axis]) / cell).ceil().max(1.0);
+        if count(0) * count(1) > most as f64 {
+            return None;
+        }
+        let (columns, rows) = (count(0) as usize, count(1) as usize);
         let start = |axis: usize, count: usize| 0.5 * (min[axis] + max[axis] - count as f64 * cell);
-        Self { origin: [start(0, columns), start(1, rows)], cell, columns, rows, values: vec![0.0; columns * rows] }
+        Some(Self {
+            origin: [start(0, columns), start(1, rows)],
+            cell,
+            columns,
+            rows,
+            values: vec![0.0; columns * rows],
+        })
     }
 
     /// Value of a cell; zero outside the grid.
@@ -42,13 +52,7 @@ impl Field {
     /// Adds a sphere's exact volume, divided by `volume` (m3), to the cells that it reaches, each cell being a
     /// prism without ends. `centre` is the sphere's centre in the plane, m.
     pub fn add_sphere(&mut self, centre: [f64; 2], radius: f64, volume: f64) {
-        // Cells beyond the grid take nothing, however far the sphere is or reaches.
-        let cells = [self.columns as isize, self.rows as isize];
-        let first = |axis: usize| (((centre[axis] - radius - self.origin[axis]) / self.cell).floor() as isize).max(0);
-        let last = |axis: usize| {
-            (((centre[axis] + radius - self.origin[axis]) / self.cell).floor() as isize).min(cells[axis] - 1)
-        };
-        let (left, right, bottom, top) = (first(0), last(0), first(1), last(1));
+        let [(left, right), (bottom, top)] = self.reach(centre, radius);
         if left > right || bottom > top {
             return;
         }
@@ -69,6 +73,22 @@ impl Field {
                 self.values[row as usize * self.columns + column as usize] += share * inside;
             }
         }
+    }
+
+    /// First and last column, and first and last row, that a sphere reaches; a last one before the first where it reaches none.
+    fn reach(&self, centre: [f64; 2], radius: f64) -> [(isize, isize); 2] {
+        // Cells beyond the grid take nothing, however far the sphere is or reaches.
+        let cells = [self.columns as isize, self.rows as isize];
+        [0, 1].map(|axis| {
+            let cell = |edge: f64| ((edge - self.origin[axis]) / self.cell).floor() as isize;
+            (cell(centre[axis] - radius).max(0), cell(centre[axis] + radius).min(cells[axis] - 1))
+        })
+    }
+
+    /// Number of cells that a sphere reaches.
+    pub fn reached(&self, centre: [f64; 2], radius: f64) -> usize {
+        let sides = self.reach(centre, radius).map(|(first, last)| (last - first + 1).max(0) as usize);
+        sides[0] * sides[1]
     }
 
     /// Adds another field of the same grid, cell by cell.

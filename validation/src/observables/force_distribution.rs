@@ -40,7 +40,7 @@ impl ForcePool {
             return;
         }
         let setting = Setting::new(scene, frames[0]);
-        let bed = setting.drum.as_ref().map(|drum| BedFields::new(&setting, drum, &frames));
+        let bed = setting.drum.as_ref().and_then(|drum| BedFields::new(&setting, drum, &frames));
         let bulk = Bulk::new(&setting, bed.as_ref(), &frames);
         for frame in frames {
             let view = View::new(&setting, &bulk, frame);

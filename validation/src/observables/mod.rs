@@ -31,6 +31,7 @@ pub mod coordination;
 pub mod drum;
 pub mod drum_flow;
 pub mod dynamic_angle;
+pub mod effort;
 pub mod field;
 pub mod force_distribution;
 pub mod line;
@@ -61,7 +62,8 @@ use view::View;
 /// Measures a recording: the quantities of `scene.measure.observables`, over the frames from `scene.measure.from` on,
 /// or over the last frame alone where the scene gives no such time.
 ///
-/// A quantity that cannot be measured (no bulk, no drum, no contacts) is left out of the list; none is NaN.
+/// A quantity that cannot be measured (no bulk, no drum, no contacts, grains too far apart or too unlike for a grid of
+/// [`effort::most`] cells) is left out of the list; none is NaN.
 pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
     let frames = measured_frames(scene, recording);
     if frames.is_empty() {
@@ -74,7 +76,7 @@ pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
     let asks_bulk = [Observable::PackingFraction, Observable::CoordinationNumber, Observable::ContactForces];
     let needs_bulk = asks_bulk.into_iter().any(asks);
     let needs_bed = needs_bulk || asks(Observable::DynamicAngleOfRepose) || asks(Observable::DrumFlow);
-    let bed = setting.drum.as_ref().filter(|_| needs_bed).map(|drum| BedFields::new(&setting, drum, &frames));
+    let bed = setting.drum.as_ref().filter(|_| needs_bed).and_then(|drum| BedFields::new(&setting, drum, &frames));
 
     // Quantities of the whole span: they rest on fields averaged over time.
     if let Some(bed) = &bed {

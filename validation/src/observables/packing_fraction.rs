@@ -3,6 +3,7 @@
 //! In a fixed box with a level bed the region is a box, two mean diameters inside its faces and below the free
 //! surface. In any other container it is made of cubes of half a diameter whose eight corners all lie in the bulk.
 
+use super::effort;
 use super::measurement::{Quantity, Readings};
 use super::sphere_volume::{sphere, sphere_in_box};
 use super::view::View;
@@ -56,11 +57,20 @@ fn box_region(view: &View<'_>) -> Option<([f64; 3], [f64; 3])> {
     Some((low, high))
 }
 
+/// Cubes farther than this from the origin, in cubes, cannot be told from their neighbours.
+const FARTHEST: f64 = 1e15;
+
+/// Absent where no cube lies in the bulk, or where grains lie too far apart, or are too unlike, for cubes to be counted by
+/// [`effort::most`] visits.
 fn fraction_in_cubes(view: &View<'_>) -> Option<f64> {
     let size = 0.5 * view.setting.diameter;
     let corner = |cube: [i64; 3]| Vector3::from(cube.map(|index| index as f64 * size));
     let grains = &view.frame.particles;
     let index = |x: f64| (x / size).floor() as i64;
+    let is_far = |grain: &Particle| grain.position.iter().any(|x| x.abs() / size > FARTHEST);
+    if grains.iter().any(|grain| is_far(grain) || effort::too_large(grain.radius, size)) {
+        return None;
+    }
 
     // Cubes near grains of the bulk, whose corners all lie in it.
     let mut nodes = std::collections::HashMap::new();
@@ -85,22 +95,19 @@ fn fraction_in_cubes(view: &View<'_>) -> Option<f64> {
         return None;
     }
     let mut solid = 0.0;
+    let mut left = effort::most(grains.len());
     for grain in grains {
         let (low, high) =
             (grain.position.map(|x| index(x - grain.radius)), grain.position.map(|x| index(x + grain.radius)));
-        let mut reached = Vec::new();
-        let mut all = true;
-        for z in low[2]..=high[2] {
-            for y in low[1]..=high[1] {
-                for x in low[0]..=high[0] {
-                    match cubes.contains(&[x, y, z]) {
-                        true => reached.push([x, y, z]),
-                        false => all = false,
-                    }
-                }
-            }
-        }
-        solid += match all {
+        let sides: [f64; 3] = std::array::from_fn(|axis| (high[axis] - low[axis] + 1) as f64);
+        let count: f64 = sides.iter().product();
+        left = left.checked_sub(count.min(cubes.len() as f64) as usize)?;
+        let reached = match count <= cubes.len() as f64 {
+            true => in_range(low, high).filter(|cube| cubes.contains(cube)).collect(),
+            // A grain that is large against the cubes reaches fewer of them than lie in its range.
+            false => among(&cubes, low, high),
+        };
+        solid += match reached.len() as f64 == count {
             true => sphere(grain.radius),
             false => (reached.into_iter())
                 .map(|cube| {
@@ -111,4 +118,33 @@ fn fraction_in_cubes(view: &View<'_>) -> Option<f64> {
         };
     }
     Some(solid / (cubes.len() as f64 * size.powi(3)))
+}
+
+/// The cubes from `low` to `high`, x first.
+fn in_range(low: [i64; 3], high: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+    let row = move |y: i64, z: i64| (low[0]..=high[0]).map(move |x| [x, y, z]);
+    (low[2]..=high[2]).flat_map(move |z| (low[1]..=high[1]).flat_map(move |y| row(y, z)))
+}
+
+/// Those of the cubes that lie from `low` to `high`, in the order of [`in_range`], so that sums have one order.
+fn among(cubes: &HashSet<[i64; 3]>, low: [i64; 3], high: [i64; 3]) -> Vec<[i64; 3]> {
+    let inside = |cube: &&[i64; 3]| (0..3).all(|axis| (low[axis]..=high[axis]).contains(&cube[axis]));
+    let mut inside: Vec<[i64; 3]> = cubes.iter().filter(inside).copied().collect();
+    inside.sort_unstable_by_key(|&[x, y, z]| [z, y, x]);
+    inside
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cubes_of_a_range_are_found_either_way_in_one_order() {
+        let cubes: HashSet<[i64; 3]> =
+            in_range([-3, -2, -1], [1, 2, 3]).filter(|[x, y, z]| (x + y * z) % 3 != 0).collect();
+        let (low, high) = ([-5, -1, 0], [0, 4, 2]);
+        let counted: Vec<[i64; 3]> = in_range(low, high).filter(|cube| cubes.contains(cube)).collect();
+        assert!(counted.len() > 10);
+        assert_eq!(among(&cubes, low, high), counted);
+    }
 }

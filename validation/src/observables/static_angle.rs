@@ -7,6 +7,7 @@
 //! is over six sectors of azimuth, measured one by one: unlike a flow, a heap at rest has no blocks of time.
 
 use super::contour::{self, Loop, Segment};
+use super::effort;
 use super::field::Field;
 use super::line::{Line, clip};
 use super::measurement::{Measurement, Quantity};
@@ -85,7 +86,9 @@ pub fn measure(setting: &Setting<'_>, frames: &[&Snapshot]) -> Vec<Measurement> 
     let Some(heap) = HeapFrame::new(setting, frames[frames.len() - 1]) else {
         return Vec::new();
     };
-    let fields = sector_fields(setting, &heap, frames);
+    let Some(fields) = sector_fields(setting, &heap, frames) else {
+        return Vec::new();
+    };
     let Some(outline) = outline(&average(&fields)) else {
         return Vec::new();
     };
@@ -100,9 +103,9 @@ pub fn measure(setting: &Setting<'_>, frames: &[&Snapshot]) -> Vec<Measurement> 
     ]
 }
 
-/// The outline of a heap in (r, z), mirrored at the axis, m; averaged over azimuth and frames.
-pub fn heap_outline(setting: &Setting<'_>, heap: &HeapFrame, frames: &[&Snapshot]) -> Option<Loop> {
-    outline(&average(&sector_fields(setting, heap, frames)))
+/// The outline of a heap in (r, z), mirrored at the axis, m; averaged over the sectors of azimuth.
+pub fn heap_outline(sectors: &[Field]) -> Option<Loop> {
+    outline(&average(sectors))
 }
 
 fn average(fields: &[Field]) -> Field {
@@ -112,8 +115,9 @@ fn average(fields: &[Field]) -> Field {
     sum
 }
 
-/// Solid fraction in (r, z) in each sector of azimuth.
-fn sector_fields(setting: &Setting<'_>, heap: &HeapFrame, frames: &[&Snapshot]) -> Vec<Field> {
+/// Solid fraction in (r, z) in each sector of azimuth; absent where grains lie so far apart that it would take more cells than
+/// [`effort::most`].
+pub fn sector_fields(setting: &Setting<'_>, heap: &HeapFrame, frames: &[&Snapshot]) -> Option<Vec<Field>> {
     let cell = 0.5 * setting.diameter;
     let places = || frames.iter().flat_map(|frame| &frame.particles).map(|grain| Vector3::from(grain.position));
     // Nine tenths of the grains set the width; what rolled farther is no part of the heap.
@@ -123,7 +127,9 @@ fn sector_fields(setting: &Setting<'_>, heap: &HeapFrame, frames: &[&Snapshot]) 
     let height = places().map(|place| heap.meridian(&place)[1]).fold(0.0, f64::max) + 4.0 * cell;
     // Mirrored at the axis, so that the axis is not taken for a surface. An even number of columns keeps it a border.
     let half_width = (width / cell).ceil() * cell;
-    let mut fields = vec![Field::new([-half_width, 0.0], [half_width, (height / cell).ceil() * cell], cell); SECTORS];
+    let most = effort::most(radii.len());
+    let field = Field::new([-half_width, 0.0], [half_width, (height / cell).ceil() * cell], cell, most)?;
+    let mut fields = vec![field; SECTORS];
     let ball = unit_ball();
     for grain in frames.iter().flat_map(|frame| &frame.particles) {
         let share = super::sphere_volume::sphere(grain.radius) / ball.len() as f64;
@@ -141,7 +147,7 @@ fn sector_fields(setting: &Setting<'_>, heap: &HeapFrame, frames: &[&Snapshot]) 
             }
         }
     }
-    fields
+    Some(fields)
 }
 
 /// Points evenly spread in the unit ball.

@@ -101,6 +101,44 @@ observable = "packing_fraction"
 margin = 0.006
 "#;
 
+/// A heap on a floor, of two sizes of grains.
+pub const HEAP_SCENE: &str = r#"
+[[wall]]
+name = "floor"
+material = "wall"
+shape = { kind = "plane", point = [0.0, 0.0, -0.03], normal = [0.0, 0.0, 1.0] }
+
+[[population]]
+count = 8
+material = "grain"
+radius = { kind = "discrete", radii = [0.004, 0.005], shares = [1.0, 2.0] }
+region = { kind = "box", min = [-0.03, -0.03, -0.03], max = [0.03, 0.03, 0.1] }
+
+[measure]
+interval = 0.05
+from = 0.1
+observables = ["static-angle-of-repose", "packing-fraction", "coordination-number", "contact-forces", "balances"]
+"#;
+
+/// A bed in a box.
+pub const BED_SCENE: &str = r#"
+[[wall]]
+name = "box"
+material = "wall"
+shape = { kind = "box", min = [-0.06, -0.06, -0.06], max = [0.06, 0.06, 0.06], open = ["+z"] }
+
+[[population]]
+count = 8
+material = "grain"
+radius = { kind = "fixed", value = 0.005 }
+region = { kind = "box", min = [-0.03, -0.03, -0.03], max = [0.03, 0.03, 0.06] }
+
+[measure]
+interval = 0.05
+from = 0.1
+observables = ["packing-fraction", "coordination-number", "contact-forces", "balances"]
+"#;
+
 /// For an accuracy, which decides on step and stop.
 const ASKED_SCENE: &str = r#"
 [[population]]

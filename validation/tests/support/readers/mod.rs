@@ -4,11 +4,12 @@
 pub mod damage;
 mod documents;
 
-use documents::{SMALL_SCENE, WALLED_SCENE};
+use documents::{BED_SCENE, HEAP_SCENE, SMALL_SCENE, WALLED_SCENE};
 use makadam::Simulation;
 use makadam::checkpoint::seal;
 use makadam::scene::{Grain, Region, Scene, Stop, populate};
 use makadam_validation::compare::{Reference, physics_hash};
+use makadam_validation::observables::{force_distribution, measure, series};
 use makadam_validation::peers::liggghts::{self, loop_seconds, read_dump};
 use makadam_validation::peers::yade;
 use makadam_validation::recording::Recording;
@@ -135,11 +136,23 @@ fn checkpoint(bytes: &[u8]) -> bool {
     accepted
 }
 
-/// A recording; its grains and contacts are those that observables may count on.
+/// A recording, and all that can be measured of it: as one of a drum, of a heap, and of a bed in a box.
 fn recording(bytes: &[u8]) -> bool {
+    static SCENES: LazyLock<[Scene; 3]> =
+        LazyLock::new(|| [WALLED_SCENE, HEAP_SCENE, BED_SCENE].map(|rest| documents::scene(rest)));
     match Recording::parse(bytes) {
         Ok(recording) => {
             recording.frames.iter().for_each(documents::check_contacts);
+            for scene in SCENES.iter() {
+                for measured in measure(scene, &recording) {
+                    assert!(measured.value.is_finite(), "{measured:?}");
+                }
+                for series in series(scene, &recording) {
+                    assert!(series.value.iter().all(|value| value.is_finite()), "{series:?}");
+                }
+            }
+            let forces = force_distribution(&SCENES[0], std::slice::from_ref(&recording));
+            assert!(forces.density.iter().all(|density| density.is_finite()), "{forces:?}");
             true
         }
         Err(problem) => refused(&problem),
