@@ -64,8 +64,8 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
 
 impl TorqueLanes {
     fn remember(&mut self, lane: usize, AngularImpulse(impulse): &AngularImpulse, share: f64) {
-        for axis in 0..3 {
-            self.impulse[axis].0[lane] = impulse[axis] * share;
+        for (own, component) in self.impulse.iter_mut().zip(impulse) {
+            own.0[lane] = component * share;
         }
     }
 }

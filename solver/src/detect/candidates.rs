@@ -276,24 +276,17 @@ impl Candidates {
         let torques = self.torques;
         team.each(Phase::Detect, plan.all_batches().len(), |batch| {
             for task in &plan.tasks()[plan.all_batches()[batch].clone()] {
-                // SAFETY: each task has its own candidates.
-                unsafe {
-                    for candidate in task.pairs.start as usize..task.pairs.end as usize {
-                        let PairCandidate { first, second } = pairs[candidate];
-                        let (impulse, torque) = remembered_pairs.recall((first, second));
-                        *pair_impulses.at(candidate) = impulse;
-                        if torques {
-                            *pair_torques.at(candidate) = torque;
-                        }
-                    }
-                    for candidate in task.walls.start as usize..task.walls.end as usize {
-                        let WallCandidate { body, surface } = walls[candidate];
-                        let (impulse, torque) = remembered_walls.recall((body, surface));
-                        *wall_impulses.at(candidate) = impulse;
-                        if torques {
-                            *wall_torques.at(candidate) = torque;
-                        }
-                    }
+                let range = task.pairs.start as usize..task.pairs.end as usize;
+                for (candidate, pair) in range.clone().zip(&pairs[range]) {
+                    let borne = remembered_pairs.recall((pair.first, pair.second));
+                    // SAFETY: each task has its own candidates.
+                    unsafe { give(borne, candidate, &pair_impulses, torques.then_some(&pair_torques)) };
+                }
+                let range = task.walls.start as usize..task.walls.end as usize;
+                for (candidate, wall) in range.clone().zip(&walls[range]) {
+                    let borne = remembered_walls.recall((wall.body, wall.surface));
+                    // SAFETY: as above.
+                    unsafe { give(borne, candidate, &wall_impulses, torques.then_some(&wall_torques)) };
                 }
             }
         });
@@ -313,5 +306,25 @@ impl Candidates {
             + self.drift.memory_bytes()
             + (buffers.new_places.capacity() + buffers.pair_starts.capacity() + buffers.wall_starts.capacity())
                 * size_of::<u32>()
+    }
+}
+
+/// Gives a candidate what it bore before.
+///
+/// # Safety
+/// No other task uses this candidate meanwhile.
+#[inline(always)]
+unsafe fn give(
+    (impulse, torque): (Impulse, AngularImpulse),
+    candidate: usize,
+    impulses: &Disjoint<'_, Impulse>,
+    torques: Option<&Disjoint<'_, AngularImpulse>>,
+) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        *impulses.at(candidate) = impulse;
+        if let Some(torques) = torques {
+            *torques.at(candidate) = torque;
+        }
     }
 }

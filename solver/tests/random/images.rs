@@ -145,7 +145,7 @@ pub fn check(drawn: &Drawn, image: &Image) -> Result<[u64; 3], TestCaseError> {
         if number % STRIDE != 0 || run.snapshot().contacts.is_empty() {
             continue;
         }
-        let Some(here) = drawn.from_here(&state) else { break };
+        let Some(here) = drawn.starting_at(&state) else { break };
         let there = image.of(&here);
         let laws = Laws::new(&here, &here.scene(Solves::Converged));
         let one = step(&mut here.start(Solves::Converged), &laws);

@@ -219,7 +219,7 @@ impl Drawn {
     }
 
     /// The scene from the state of a snapshot on; absent where that is no start: a grain has left the domain, or is deep in another.
-    pub fn from_here(&self, snapshot: &Snapshot) -> Option<Drawn> {
+    pub fn starting_at(&self, snapshot: &Snapshot) -> Option<Drawn> {
         let grain = |particle: &Particle| Grain {
             radius: particle.radius,
             position: particle.position.into(),

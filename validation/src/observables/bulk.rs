@@ -90,15 +90,15 @@ impl FreeSurface {
             let free = pieces(&outline, |point| point[0].hypot(point[1]) < drum.radius - diameter);
             return FreeSurface::Drum(drum.clone(), outline, free);
         }
-        if setting.scene.measure.observables.contains(&Observable::StaticAngleOfRepose) {
-            if let Some(heap) = HeapFrame::new(setting, frames[frames.len() - 1]) {
-                let Some(fields) = static_angle::sector_fields(setting, &heap, frames) else {
-                    return FreeSurface::Nowhere;
-                };
-                if let Some(outline) = static_angle::heap_outline(&fields) {
-                    let free = pieces(&outline, |point| point[1] > diameter);
-                    return FreeSurface::Heap(heap, outline, free);
-                }
+        if setting.scene.measure.observables.contains(&Observable::StaticAngleOfRepose)
+            && let Some(heap) = HeapFrame::new(setting, frames[frames.len() - 1])
+        {
+            let Some(fields) = static_angle::sector_fields(setting, &heap, frames) else {
+                return FreeSurface::Nowhere;
+            };
+            if let Some(outline) = static_angle::heap_outline(&fields) {
+                let free = pieces(&outline, |point| point[1] > diameter);
+                return FreeSurface::Heap(heap, outline, free);
             }
         }
         level(setting, up, frames)

@@ -70,7 +70,7 @@ impl<'a> Setting<'a> {
             Partner::Grain(id) => self.grain_contacts[first].get(self.material(id)),
             Partner::Wall(wall) => self.wall_contacts[first].get(wall as usize),
         }?;
-        coefficients.cohesion.is_none().then(|| coefficients.friction * contact.normal_force)
+        coefficients.cohesion.is_none().then_some(coefficients.friction * contact.normal_force)
     }
 
     /// Whether grains rub against each other at all.
