@@ -93,8 +93,7 @@ fn runs_stand_at_the_stiffest_reference_for_the_seeds_that_are_asked_for() {
     let scene = smoke();
     let mut plan = Plan::new(&scene, true, &["Makadam"], &[10.0]);
     let own = plan.configurations.len();
-    let mut outcome =
-        Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
+    let mut outcome = Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
     record(&scene).join(&scene, 2, &mut plan, &mut outcome);
     assert_eq!((plan.configurations.len(), outcome.runs.len()), (own + 2, own + 2));
     for (configuration, runs) in plan.configurations.iter().zip(&outcome.runs).skip(own) {
@@ -110,8 +109,7 @@ fn runs_of_another_scene_are_left_out_with_a_note() {
     let scene = smoke();
     let mut plan = Plan::new(&scene, true, &["Makadam"], &[]);
     let own = plan.configurations.len();
-    let mut outcome =
-        Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
+    let mut outcome = Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
     record(&scene.with_stiffness_factor(2.0)).join(&scene, 2, &mut plan, &mut outcome);
     assert_eq!((plan.configurations.len(), outcome.runs.len()), (own, own));
     assert!(outcome.notes[0].contains("another version of this scene"), "{:?}", outcome.notes);

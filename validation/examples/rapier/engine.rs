@@ -182,8 +182,11 @@ fn vector([x, y, z]: [f64; 3]) -> Vector {
 fn build(scene: &Scene, grains: &[Grain], settings: &Settings) -> Result<PhysicsWorld, CodeError> {
     let refuse = |reason: String| Err(CodeError::Unsupported { code: NAME, reason });
     check_coefficients(scene, grains)?;
-    let mut world =
-        PhysicsWorld { gravity: vector(scene.gravity), integration_parameters: settings.parameters(), ..Default::default() };
+    let mut world = PhysicsWorld {
+        gravity: vector(scene.gravity),
+        integration_parameters: settings.parameters(),
+        ..Default::default()
+    };
     let surface = |collider: ColliderBuilder, material: &str, partner: Partner| {
         let material = &scene.material[material];
         collider
@@ -230,7 +233,8 @@ fn check_coefficients(scene: &Scene, grains: &[Grain]) -> Result<(), CodeError> 
             let (a, b) = (&scene.material[*first], &scene.material[*second]);
             let smaller = (a.friction.min(b.friction), a.restitution.min(b.restitution));
             if scene.contact_coefficients(first, second, *wall) != smaller {
-                let reason = format!("friction or restitution of {first} on {second} is not the smaller one of the two");
+                let reason =
+                    format!("friction or restitution of {first} on {second} is not the smaller one of the two");
                 return Err(CodeError::Unsupported { code: NAME, reason });
             }
         }

@@ -1,8 +1,8 @@
 //! A scene in the engine Rapier at many settings, measured as all codes are:
-//! `cargo run --release --example rapier -- SCENE SEEDS FOLDER [SETTINGS]`.
+//! `cargo run --release --example rapier -- SCENE SEEDS FOLDER [SETTINGS...]`.
 //!
 //! Writes `rapier.csv` (one row a run) and `rapier.json` (where they came from) to the folder; `makadam tradeoff` shows them
-//! where they lie beside the scene, in `tradeoff/MACHINE`. SETTINGS, words that a setting must contain, picks some of them;
+//! where they lie beside the scene, in `tradeoff/MACHINE`. SETTINGS, as the first column of `rapier.csv` has them, picks some;
 //! runs that the folder holds are not made again.
 
 mod engine;
@@ -58,7 +58,7 @@ fn settings() -> Vec<Settings> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [name, seeds, folder, picked @ ..] = arguments.as_slice() else {
-        return Err("usage: rapier SCENE SEEDS FOLDER [SETTINGS]".into());
+        return Err("usage: rapier SCENE SEEDS FOLDER [SETTINGS...]".into());
     };
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
     let file = Scene::find(name, std::slice::from_ref(&root))?;
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seeds: u64 = seeds.parse().map_err(|_| format!("'{seeds}' is no number of seeds"))?;
     let version = crate_version(&root.join("Cargo.lock"))?;
     let chosen: Vec<Settings> =
-        settings().into_iter().filter(|one| picked.iter().all(|words| one.words().contains(words))).collect();
+        settings().into_iter().filter(|one| picked.is_empty() || picked.contains(&one.words())).collect();
     if chosen.is_empty() || seeds == 0 {
         return Err(format!("nothing to run: {} settings, {seeds} seeds", chosen.len()).into());
     }
@@ -112,8 +112,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn configuration(settings: &Settings) -> Configuration {
-    let knobs =
-        Knobs::Engine { step: settings.step, setting: settings.words(), short_setting: settings.short_words() };
+    let knobs = Knobs::Engine { step: settings.step, setting: settings.words(), short_setting: settings.short_words() };
     Configuration { code: NAME.into(), stiffness_factor: 1.0, knobs }
 }
 
@@ -148,7 +147,8 @@ fn command(arguments: &[String]) -> String {
 
 /// A few observables of a run.
 fn brief(kept: &KeptRun) -> String {
-    let names = ["packing_fraction", "coordination_number", "mean_overlap", "largest_overlap", "wall_force_over_weight"];
+    let names =
+        ["packing_fraction", "coordination_number", "mean_overlap", "largest_overlap", "wall_force_over_weight"];
     let known = names.iter().filter_map(|name| Some(format!(", {name} {:.4}", kept.run.value(name)?)));
     known.collect()
 }
@@ -156,7 +156,8 @@ fn brief(kept: &KeptRun) -> String {
 /// Crate and version that the lock file pins.
 fn crate_version(lock: &Path) -> Result<String, Box<dyn std::error::Error>> {
     let text = std::fs::read_to_string(lock)?;
-    let (_, after) = text.split_once("name = \"rapier3d-f64\"\nversion = \"").ok_or("Cargo.lock names no rapier3d-f64")?;
+    let (_, after) =
+        text.split_once("name = \"rapier3d-f64\"\nversion = \"").ok_or("Cargo.lock names no rapier3d-f64")?;
     let version = after.split('"').next().unwrap_or_default();
     Ok(format!("rapier3d-f64 {version}"))
 }

@@ -5,7 +5,9 @@ use super::compare::{FEW_SEEDS, codes};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json, load};
 use crate::prepared::file_stem;
 use crate::provenance::{account, processor};
-use crate::tradeoff::{self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Shelf, Study, Terms, recorded_engines};
+use crate::tradeoff::{
+    self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Shelf, Study, Terms, recorded_engines,
+};
 use makadam::scene::{Scene, Stop};
 use std::path::PathBuf;
 use std::process::ExitCode;
