@@ -181,6 +181,15 @@ fn vector([x, y, z]: [f64; 3]) -> Vector {
 /// The scene in Rapier's terms.
 fn build(scene: &Scene, grains: &[Grain], settings: &Settings) -> Result<PhysicsWorld, CodeError> {
     let refuse = |reason: String| Err(CodeError::Unsupported { code: NAME, reason });
+    let acts = |(name, material): (&String, &makadam::scene::Material)| {
+        (material.rolling_friction != 0.0 || material.cohesion.is_some()).then(|| name.clone())
+    };
+    if let Some(name) = scene.material.iter().find_map(acts) {
+        return refuse(format!("{name} has rolling friction or cohesion"));
+    }
+    if !scene.pair.is_empty() {
+        return refuse("it has rules for pairs of materials".into());
+    }
     check_coefficients(scene, grains)?;
     let mut world = PhysicsWorld {
         gravity: vector(scene.gravity),
@@ -232,7 +241,8 @@ fn check_coefficients(scene: &Scene, grains: &[Grain]) -> Result<(), CodeError> 
         for (second, wall) in &partners {
             let (a, b) = (&scene.material[*first], &scene.material[*second]);
             let smaller = (a.friction.min(b.friction), a.restitution.min(b.restitution));
-            if scene.contact_coefficients(first, second, *wall) != smaller {
+            let pair = scene.contact_coefficients(first, second, *wall);
+            if (pair.friction, pair.restitution) != smaller {
                 let reason =
                     format!("friction or restitution of {first} on {second} is not the smaller one of the two");
                 return Err(CodeError::Unsupported { code: NAME, reason });
