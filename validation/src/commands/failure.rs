@@ -7,7 +7,7 @@ use crate::prepared::StartError;
 use crate::recording::RecordingError;
 use crate::report::ReportError;
 use crate::scaling::MeasureError;
-use crate::tradeoff::CampaignError;
+use crate::tradeoff::{CampaignError, EngineError};
 use makadam::scene::SceneError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
@@ -99,6 +99,12 @@ impl From<CampaignError> for Failure {
             CampaignError::Write(error) => error.into(),
             CampaignError::Code(error) => error.into(),
         }
+    }
+}
+
+impl From<EngineError> for Failure {
+    fn from(error: EngineError) -> Failure {
+        Failure::Running(error.to_string())
     }
 }
 

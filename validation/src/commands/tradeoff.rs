@@ -4,8 +4,10 @@ use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
 use super::compare::{FEW_SEEDS, codes};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json, load};
 use crate::prepared::file_stem;
-use crate::provenance::account;
-use crate::tradeoff::{self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Shelf, Study, Terms};
+use crate::provenance::{account, processor};
+use crate::tradeoff::{
+    self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Shelf, Study, Terms, recorded_engines,
+};
 use makadam::scene::{Scene, Stop};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -30,7 +32,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         )));
     }
     let names: Vec<&str> = wanted.iter().map(|code| code.name()).collect();
-    let plan = Plan::new(&scene, arguments.quick, &names, &stiffness_factors(arguments));
+    let mut plan = Plan::new(&scene, arguments.quick, &names, &stiffness_factors(arguments));
     // The reference is Makadam's, whichever codes are asked for.
     let runners = codes(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
     let [quick, full] = TIME_LIMITS;
@@ -45,8 +47,10 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         .output
         .clone()
         .unwrap_or_else(|| PathBuf::from("results").join("tradeoff").join(file_stem(&scene.name)));
+    // Read first: a damaged file is told before anything runs.
+    let engines = recorded_engines(&file, &processor())?;
     let shelf = Shelf::open(&folder.join("runs"))?;
-    let outcome = {
+    let mut outcome = {
         let bar = console.bar(&scene.name);
         let progress: Progress = Arc::new(move |label, share| {
             bar.say(label.to_string());
@@ -65,9 +69,14 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         .carry_out()?
     };
     outcome.notes.iter().for_each(|note| console.warn(note));
+    let notes = outcome.notes.len();
     let found: usize = outcome.runs.iter().map(Vec::len).sum();
     console.note(&format!("{} runs made, {} taken from {}", outcome.made, found - outcome.made, folder.display()));
 
+    for record in &engines {
+        record.join(&scene, terms.seeds, &mut plan, &mut outcome);
+    }
+    outcome.notes[notes..].iter().for_each(|note| console.note(note));
     let study = Study::new(&scene, &plan, &outcome, terms);
     let page = tradeoff::write(&study, &folder)?;
     console.result(&match arguments.json {

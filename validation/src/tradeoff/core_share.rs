@@ -6,19 +6,19 @@ use std::time::Instant;
 const TICKS: f64 = 100.0;
 
 /// Watches the calling thread and the child processes that it waits for.
-pub(super) struct CoreClock {
+pub struct CoreClock {
     started: Instant,
     processor: Option<f64>,
 }
 
 impl CoreClock {
     /// Starts watching.
-    pub(super) fn start() -> CoreClock {
+    pub fn start() -> CoreClock {
         CoreClock { started: Instant::now(), processor: processor_seconds() }
     }
 
     /// Processor time over elapsed time since the start, at most 1; absent where the system does not tell.
-    pub(super) fn share(&self) -> Option<f64> {
+    pub fn share(&self) -> Option<f64> {
         let processor = processor_seconds()? - self.processor?;
         let elapsed = self.started.elapsed().as_secs_f64();
         (elapsed > 0.0).then(|| (processor / elapsed).clamp(0.0, 1.0))

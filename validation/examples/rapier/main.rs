@@ -1,0 +1,163 @@
+//! A scene in the engine Rapier at many settings, measured as all codes are:
+//! `cargo run --release --example rapier -- SCENE SEEDS FOLDER [SETTINGS...]`.
+//!
+//! Writes `rapier.csv` (one row a run) and `rapier.json` (where they came from) to the folder; `makadam tradeoff` shows them
+//! where they lie beside the scene, in `tradeoff/MACHINE`. SETTINGS, as the first column of `rapier.csv` has them, picks some;
+//! runs that the folder holds are not made again.
+
+mod engine;
+
+use engine::{NAME, Rapier, Settings};
+use makadam::scene::Scene;
+use makadam_validation::compare::{Runs, Share, physics_hash};
+use makadam_validation::provenance::{Build, utc};
+use makadam_validation::tradeoff::{Configuration, CoreClock, EngineOrigin, EngineRecord, KeptRun, Knobs};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+/// Observables beside those that the scene compares.
+const FURTHER: [&str; 4] = ["mean_overlap", "largest_overlap", "kinetic_energy", "mechanical_coordination_number"];
+
+/// What all settings share.
+const COMMON: &str = "one thread, f64; friction and restitution by the smaller value of the two; no sleep, no continuous \
+                      collision detection; walls are cuboids; unless a setting says otherwise Coulomb friction, damping \
+                      ratio 10, length unit 0.01 m, one sweep over soft and one over rigid contacts in a substep, \
+                      contacts determined anew in every step";
+
+/// The settings: steps, substeps and stiffness of contacts, then one further setting at a time.
+fn settings() -> Vec<Settings> {
+    let rigid = Settings::RIGID;
+    let grid = |step: f64, substeps: usize| Settings { step, substeps, ..rigid.clone() };
+    let frequency = |natural_frequency: Option<f64>| Settings { natural_frequency, ..rigid.clone() };
+    vec![
+        rigid.clone(),
+        frequency(None),
+        // As it comes, but for the length unit.
+        Settings { natural_frequency: None, coulomb: false, recycling: true, ..rigid.clone() },
+        Settings { step: 1.0 / 60.0, natural_frequency: None, coulomb: false, recycling: true, ..rigid.clone() },
+        grid(4e-3, 4),
+        grid(2e-3, 4),
+        grid(5e-4, 4),
+        frequency(Some(300.0)),
+        frequency(Some(1000.0)),
+        Settings { recycling: true, ..rigid.clone() },
+        Settings { coulomb: false, ..rigid.clone() },
+        Settings { length_unit: 1.0, ..rigid.clone() },
+        grid(1e-3, 1),
+        grid(1e-3, 10),
+        grid(2e-3, 10),
+        Settings { damping_ratio: 1.0, ..rigid.clone() },
+        Settings { iterations: 4, ..rigid.clone() },
+        Settings { friction_in_soft_sweeps: true, ..rigid.clone() },
+        frequency(Some(100.0)),
+        frequency(Some(10_000.0)),
+        grid(2.5e-4, 4),
+    ]
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [name, seeds, folder, picked @ ..] = arguments.as_slice() else {
+        return Err("usage: rapier SCENE SEEDS FOLDER [SETTINGS...]".into());
+    };
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
+    let file = Scene::find(name, std::slice::from_ref(&root))?;
+    let scene = Scene::load(&file)?;
+    let seeds: u64 = seeds.parse().map_err(|_| format!("'{seeds}' is no number of seeds"))?;
+    let version = crate_version(&root.join("Cargo.lock"))?;
+    let chosen: Vec<Settings> =
+        settings().into_iter().filter(|one| picked.is_empty() || picked.contains(&one.words())).collect();
+    if chosen.is_empty() || seeds == 0 {
+        return Err(format!("nothing to run: {} settings, {seeds} seeds", chosen.len()).into());
+    }
+
+    let compared = scene.compare.iter().map(|expectation| expectation.observable.clone());
+    let observables: Vec<String> = compared.chain(FURTHER.map(String::from)).collect();
+    let folder = Path::new(folder);
+    let mut record = record(folder, &scene, &version, &command(&arguments));
+    let announce = |_: &str| -> Share { Box::new(|_| {}) };
+    // All settings with one seed, then with the next: a study that is stopped has something of each.
+    for (seed, settings) in (1..=seeds).flat_map(|seed| chosen.iter().map(move |settings| (seed, settings))) {
+        let is_this = |kept: &KeptRun| kept.configuration.setting() == settings.words() && kept.run.seed == seed;
+        if record.runs.iter().any(is_this) {
+            continue;
+        }
+        let rapier = Rapier { settings: settings.clone(), version: version.clone() };
+        let asked = Runs {
+            scene: &scene,
+            scene_file: &file,
+            seeds: vec![seed],
+            rayleigh_fraction: 0.0,
+            stiffness_factor: 1.0,
+            time_limit: Duration::MAX,
+            recordings: None,
+            announce: &announce,
+        };
+        let clock = CoreClock::start();
+        let run = asked.one(&rapier, &scene, seed)?.run;
+        let kept = KeptRun {
+            configuration: configuration(settings),
+            extrapolated: false,
+            core_share: clock.share(),
+            run,
+            build: Build::here(),
+            command: record.origin.command.clone(),
+        };
+        println!("{}, seed {seed}: {:.2} s a simulated second{}", settings.words(), kept.pace(), brief(&kept));
+        record.runs.push(kept);
+        record.origin.date = utc(SystemTime::now());
+        record.save(folder, "rapier", &observables)?;
+    }
+    Ok(())
+}
+
+fn configuration(settings: &Settings) -> Configuration {
+    let knobs = Knobs::Engine { step: settings.step, setting: settings.words(), short_setting: settings.short_words() };
+    Configuration { code: NAME.into(), stiffness_factor: 1.0, knobs }
+}
+
+/// What the folder holds of this engine, scene and processor, to be gone on with; an empty record if it holds nothing.
+fn record(folder: &Path, scene: &Scene, engine: &str, command: &str) -> EngineRecord {
+    let origin = EngineOrigin {
+        code: NAME.into(),
+        engine: engine.into(),
+        common: COMMON.into(),
+        scene: scene.name.clone(),
+        scene_hash: physics_hash(scene),
+        date: utc(SystemTime::now()),
+        command: command.into(),
+        build: Build::here(),
+    };
+    let fits = |there: &EngineOrigin| {
+        (&there.engine, &there.scene_hash, &there.common, &there.build.processor)
+            == (&origin.engine, &origin.scene_hash, &origin.common, &origin.build.processor)
+    };
+    let kept = EngineRecord::load(folder, "rapier").ok().filter(|record| fits(&record.origin));
+    EngineRecord { runs: kept.map_or(Vec::new(), |record| record.runs), origin }
+}
+
+fn command(arguments: &[String]) -> String {
+    let quoted = arguments.iter().map(|word| if word.contains(' ') { format!("'{word}'") } else { word.clone() });
+    ["cargo run --release -p makadam-validation --example rapier --".to_string()]
+        .into_iter()
+        .chain(quoted)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// A few observables of a run.
+fn brief(kept: &KeptRun) -> String {
+    let names =
+        ["packing_fraction", "coordination_number", "mean_overlap", "largest_overlap", "wall_force_over_weight"];
+    let known = names.iter().filter_map(|name| Some(format!(", {name} {:.4}", kept.run.value(name)?)));
+    known.collect()
+}
+
+/// Crate and version that the lock file pins.
+fn crate_version(lock: &Path) -> Result<String, Box<dyn std::error::Error>> {
+    let text = std::fs::read_to_string(lock)?;
+    let (_, after) =
+        text.split_once("name = \"rapier3d-f64\"\nversion = \"").ok_or("Cargo.lock names no rapier3d-f64")?;
+    let version = after.split('"').next().unwrap_or_default();
+    Ok(format!("rapier3d-f64 {version}"))
+}

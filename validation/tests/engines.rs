@@ -1,0 +1,145 @@
+//! Records of engines: written and read back, joined with a campaign, refused where they are damaged or do not fit.
+
+use makadam::scene::Scene;
+use makadam_validation::compare::{MeasuredRun, physics_hash};
+use makadam_validation::observables::Measurement;
+use makadam_validation::provenance::Build;
+use makadam_validation::tradeoff::{
+    Configuration, EngineOrigin, EngineRecord, KeptRun, Knobs, Outcome, Plan, recorded_engines,
+};
+use std::path::{Path, PathBuf};
+
+fn smoke() -> Scene {
+    Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml")).unwrap()
+}
+
+/// A run of a setting; the second observable is left out of the second seed.
+fn run(setting: &str, seed: u64, scene: &Scene) -> KeptRun {
+    let measured = |name: &str, value: f64| Measurement {
+        observable: name.into(),
+        unit: String::new(),
+        value,
+        standard_error: None,
+        frames: 1,
+    };
+    let mut measurements = vec![measured("packing_fraction", 0.59 + 0.01 * seed as f64)];
+    if seed != 2 {
+        measurements.push(measured("largest_overlap", 1e-3));
+    }
+    KeptRun {
+        configuration: Configuration {
+            code: "Rapier".into(),
+            stiffness_factor: 1.0,
+            knobs: Knobs::Engine { step: 1e-3, setting: setting.into(), short_setting: "1 ms×4".into() },
+        },
+        extrapolated: false,
+        core_share: Some(0.5),
+        run: MeasuredRun {
+            code: "Rapier".into(),
+            version: "an engine 1.2".into(),
+            seed,
+            time_step: 1e-3,
+            rayleigh_fraction: None,
+            stiffness_factor: 1.0,
+            wall_seconds: 6.0,
+            simulated_seconds: 1.5,
+            processor: Build::here().processor,
+            date: "2026-01-02T03:04:05Z".into(),
+            scene_hash: physics_hash(scene),
+            measurements,
+        },
+        build: Build::here(),
+        command: "drive it".into(),
+    }
+}
+
+fn record(scene: &Scene) -> EngineRecord {
+    let settings = ["1 ms × 4 substeps, 3000 Hz", "1 ms × 4 substeps, 30 Hz"];
+    let runs = settings.iter().flat_map(|setting| [1, 2, 7].map(|seed| run(setting, seed, scene)));
+    EngineRecord {
+        origin: EngineOrigin {
+            code: "Rapier".into(),
+            engine: "an engine 1.2".into(),
+            common: "one thread".into(),
+            scene: scene.name.clone(),
+            scene_hash: physics_hash(scene),
+            date: "2026-01-02T03:04:05Z".into(),
+            command: "drive it".into(),
+            build: Build::here(),
+        },
+        runs: runs.collect(),
+    }
+}
+
+/// A scene file with a record beside it.
+fn recorded(folder: &Path, record: &EngineRecord) -> PathBuf {
+    let observables = ["packing_fraction", "largest_overlap"].map(String::from);
+    record.save(&folder.join("tradeoff/here"), "rapier", &observables).unwrap();
+    folder.join("scene.toml")
+}
+
+#[test]
+fn a_record_is_read_as_it_was_written() {
+    let (folder, scene) = (tempfile::tempdir().unwrap(), smoke());
+    let written = record(&scene);
+    let file = recorded(folder.path(), &written);
+    assert_eq!(recorded_engines(&file, &Build::here().processor).unwrap(), [written]);
+    assert_eq!(recorded_engines(&file, "another processor").unwrap(), []);
+    assert_eq!(recorded_engines(Path::new("/nowhere/scene.toml"), "any").unwrap(), []);
+}
+
+#[test]
+fn runs_stand_at_the_stiffest_reference_for_the_seeds_that_are_asked_for() {
+    let scene = smoke();
+    let mut plan = Plan::new(&scene, true, &["Makadam"], &[10.0]);
+    let own = plan.configurations.len();
+    let mut outcome = Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
+    record(&scene).join(&scene, 2, &mut plan, &mut outcome);
+    assert_eq!((plan.configurations.len(), outcome.runs.len()), (own + 2, own + 2));
+    for (configuration, runs) in plan.configurations.iter().zip(&outcome.runs).skip(own) {
+        assert_eq!((configuration.code.as_str(), configuration.stiffness_factor), ("Rapier", 10.0));
+        assert_eq!(runs.iter().map(|kept| kept.run.seed).collect::<Vec<_>>(), [1, 2]);
+    }
+    let [note] = outcome.notes.as_slice() else { panic!("{:?}", outcome.notes) };
+    assert!(note.contains("another run") && note.contains("2026-01-02") && note.contains("an engine 1.2"), "{note}");
+}
+
+#[test]
+fn runs_of_another_scene_are_left_out_with_a_note() {
+    let scene = smoke();
+    let mut plan = Plan::new(&scene, true, &["Makadam"], &[]);
+    let own = plan.configurations.len();
+    let mut outcome = Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
+    record(&scene.with_stiffness_factor(2.0)).join(&scene, 2, &mut plan, &mut outcome);
+    assert_eq!((plan.configurations.len(), outcome.runs.len()), (own, own));
+    assert!(outcome.notes[0].contains("another version of this scene"), "{:?}", outcome.notes);
+}
+
+#[test]
+fn a_damaged_record_is_told_with_its_file_line_and_remedy() {
+    let (folder, scene) = (tempfile::tempdir().unwrap(), smoke());
+    let file = recorded(folder.path(), &record(&scene));
+    let table = folder.path().join("tradeoff/here/rapier.csv");
+    let whole = std::fs::read_to_string(&table).unwrap();
+    let damages: [(&str, &str, &[&str]); 5] = [
+        ("0.001,", "soon,", &["line 2", "'soon' is no number for time_step"]),
+        ("0.001,", "-0.001,", &["line 2", "time_step must be positive"]),
+        ("0.001,1,", "0.001,one,", &["line 2", "'one' is no seed"]),
+        ("0.6,", "NaN,", &["line 2", "packing_fraction"]),
+        ("short_setting,", "", &["line 1", "columns"]),
+    ];
+    for (before, after, words) in damages {
+        let damaged = whole.replacen(before, after, 1);
+        assert_ne!(damaged, whole, "{before}");
+        std::fs::write(&table, damaged).unwrap();
+        let error = recorded_engines(&file, "any").unwrap_err().to_string();
+        for word in words.iter().chain(&["rapier.csv", "delete it to leave the engine out"]) {
+            assert!(error.contains(word), "{error}");
+        }
+    }
+    std::fs::write(&table, whole.lines().next().unwrap()).unwrap();
+    assert!(recorded_engines(&file, "any").unwrap_err().to_string().contains("holds no run"));
+    std::fs::write(&table, whole).unwrap();
+    std::fs::remove_file(folder.path().join("tradeoff/here/rapier.json")).unwrap();
+    assert!(recorded_engines(&file, "any").unwrap_err().to_string().contains("rapier.json"));
+}
