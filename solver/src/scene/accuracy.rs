@@ -3,7 +3,7 @@
 //! What a long step leaves out shows where grains settle: in a step they fall, and run into each other, by lengths of the order of
 //! `g h^2`. A packing fraction deviates from its converged value in proportion to that length over a radius, whatever the
 //! stiffness, as `makadam tradeoff packing` finds from 10 MPa to 50 GPa. A drum's angle is taken to follow the elasticity of the
-//! contacts that a step passes over, with a slope that is an upper bound:
+//! contacts that a step passes over. Both slopes are the largest that were found, not means, since what is asked for is a bound:
 //!
 //! ```text
 //! deviation of a packing fraction  ~  g h^2 / r
@@ -35,12 +35,12 @@ pub struct Accuracy {
     pub relative: Option<f64>,
 }
 
-/// Deviation of a packing fraction over `g h^2 / r`.
-const PACKING_FRACTION_SLOPE: f64 = 0.7;
+/// Largest deviation of a packing fraction over `g h^2 / r` that was found: 1.1 at 100 MPa; the mean over stiffnesses is 0.7.
+const PACKING_FRACTION_SLOPE: f64 = 1.2;
 /// Smallest and largest `g h^2 / r` of those measurements; the law is not carried beyond them.
 const FALLS_MEASURED: [f64; 2] = [1e-4, 8e-3];
-/// Deviation of a drum's angle of repose where x = 1, degrees: no larger than this.
-const ANGLE_SLOPE: f64 = 0.3;
+/// Largest deviation of a drum's angle of repose over x that was found, degrees: grains whose radii spread by 20%.
+const ANGLE_SLOPE: f64 = 0.45;
 /// Residual that leaves packing fractions alone, in units of g h.
 const PACKING_FRACTION_RESIDUAL: f64 = 0.02;
 /// The same for angles of repose: a flowing bed forgives more, and takes twice the sweeps for the smaller one.
