@@ -1,5 +1,5 @@
 //! A scene in the engine Rapier at many settings, measured as all codes are:
-//! `cargo run --release --example rapier -- SCENE SEEDS FOLDER [SETTINGS...]`.
+//! `cargo run --release -p makadam-rapier -- SCENE SEEDS FOLDER [SETTINGS...]`.
 //!
 //! Writes `rapier.csv` (one row a run) and `rapier.json` (where they came from) to the folder; `makadam tradeoff` shows them
 //! where they lie beside the scene, in `tradeoff/MACHINE`. SETTINGS, as the first column of `rapier.csv` has them, picks some;
@@ -138,7 +138,7 @@ fn record(folder: &Path, scene: &Scene, engine: &str, command: &str) -> EngineRe
 
 fn command(arguments: &[String]) -> String {
     let quoted = arguments.iter().map(|word| if word.contains(' ') { format!("'{word}'") } else { word.clone() });
-    ["cargo run --release -p makadam-validation --example rapier --".to_string()]
+    ["cargo run --release -p makadam-rapier --".to_string()]
         .into_iter()
         .chain(quoted)
         .collect::<Vec<_>>()
