@@ -138,11 +138,7 @@ fn record(folder: &Path, scene: &Scene, engine: &str, command: &str) -> EngineRe
 
 fn command(arguments: &[String]) -> String {
     let quoted = arguments.iter().map(|word| if word.contains(' ') { format!("'{word}'") } else { word.clone() });
-    ["cargo run --release -p makadam-rapier --".to_string()]
-        .into_iter()
-        .chain(quoted)
-        .collect::<Vec<_>>()
-        .join(" ")
+    ["cargo run --release -p makadam-rapier --".to_string()].into_iter().chain(quoted).collect::<Vec<_>>().join(" ")
 }
 
 /// A few observables of a run.

@@ -138,8 +138,7 @@ fn checkpoint(bytes: &[u8]) -> bool {
 
 /// A recording, and all that can be measured of it: as one of a drum, of a heap, and of a bed in a box.
 fn recording(bytes: &[u8]) -> bool {
-    static SCENES: LazyLock<[Scene; 3]> =
-        LazyLock::new(|| [WALLED_SCENE, HEAP_SCENE, BED_SCENE].map(documents::scene));
+    static SCENES: LazyLock<[Scene; 3]> = LazyLock::new(|| [WALLED_SCENE, HEAP_SCENE, BED_SCENE].map(documents::scene));
     match Recording::parse(bytes) {
         Ok(recording) => {
             recording.frames.iter().for_each(documents::check_contacts);
