@@ -12,10 +12,6 @@ const KNOWN: &[(&str, &str)] = &[
         "impossible-gap-rigid",
         "two rigid contacts that contradict each other have no solution: impulses grow with sweeps",
     ),
-    (
-        "drum-froude-2",
-        "grains of the innermost layer roll and are not carried over the top; other codes are still to be asked",
-    ),
 ];
 
 #[test]

@@ -90,6 +90,15 @@ impl Sketch {
         self.materials(|material| material.friction = friction)
     }
 
+    /// Rolling friction of grains, and three quarters of it on walls: YADE knows no other.
+    pub fn rolling_friction(self, coefficient: f64) -> Sketch {
+        self.with(|scene| {
+            for (name, material) in &mut scene.material {
+                material.rolling_friction = if name == "wall" { 0.75 * coefficient } else { coefficient };
+            }
+        })
+    }
+
     /// Restitution of all materials.
     pub fn restitution(self, restitution: f64) -> Sketch {
         self.materials(|material| material.restitution = restitution)

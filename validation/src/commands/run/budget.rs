@@ -51,8 +51,8 @@ mod tests {
         coarse.ask(COARSEST);
         let step = |left: f64| finer(&coarse, 1.0, left).map(|scene| scene.solver.step);
         assert_eq!(step(1.0), None);
-        let (short, long) = (step(2.0).unwrap(), step(4.0).unwrap());
-        assert!((short / coarse.solver.step - 1.0 / 1.8).abs() < 1e-3, "{short}");
+        let (short, long) = (step(1.5).unwrap(), step(3.0).unwrap());
+        assert!((short / coarse.solver.step - 1.0 / 1.35).abs() < 1e-3, "{short}");
         assert!((long / short - 0.5).abs() < 1e-3, "{long}");
         assert_eq!(step(1e6), step(1e7));
         assert!(step(1e6).unwrap() < long);

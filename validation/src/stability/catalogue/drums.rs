@@ -102,9 +102,14 @@ fn critical() -> Case {
 
 fn centrifuging() -> Case {
     let froude = 2.0;
-    let scene = drum("drum-froude-2".into(), 5.0, turning(rate(froude))).interval(0.05).scene();
-    let right = "a drum at a Froude number of 2 takes all grains round with it";
-    let source = "omega^2 r exceeds g wherever the bed lies";
+    // Smooth or rolling grains slip or roll back on the rising side, whatever presses them to the shell.
+    let scene = drum("drum-froude-2".into(), 5.0, turning(rate(froude)))
+        .friction(2.0)
+        .rolling_friction(2.0)
+        .interval(0.05)
+        .scene();
+    let right = "a drum at a Froude number of 2 takes grains that neither slip nor roll round with it";
+    let source = "friction of 2 holds on all the way round where omega^2 r >= g sqrt(1 + 1/4): from 0.56 of the radius on";
     Case::new("drums", scene, right, source, move |evidence| {
         let ending = evidence.ending(0.2);
         let grains = || ending.iter().flat_map(|frame| &frame.particles);
