@@ -7,12 +7,10 @@ use std::time::Duration;
 use support::makadam;
 
 /// Cases that do not end as stated, each with the reason.
-const KNOWN: &[(&str, &str)] = &[
-    (
-        "impossible-gap-rigid",
-        "two rigid contacts that contradict each other have no solution: impulses grow with sweeps",
-    ),
-];
+const KNOWN: &[(&str, &str)] = &[(
+    "impossible-gap-rigid",
+    "two rigid contacts that contradict each other have no solution: impulses grow with sweeps",
+)];
 
 #[test]
 fn the_quick_catalogue_ends_as_stated() {

@@ -109,7 +109,8 @@ fn centrifuging() -> Case {
         .interval(0.05)
         .scene();
     let right = "a drum at a Froude number of 2 takes grains that neither slip nor roll round with it";
-    let source = "friction of 2 holds on all the way round where omega^2 r >= g sqrt(1 + 1/4): from 0.56 of the radius on";
+    let source =
+        "friction of 2 holds on all the way round where omega^2 r >= g sqrt(1 + 1/4): from 0.56 of the radius on";
     Case::new("drums", scene, right, source, move |evidence| {
         let ending = evidence.ending(0.2);
         let grains = || ending.iter().flat_map(|frame| &frame.particles);
