@@ -15,7 +15,7 @@ pub struct Energy {
     /// Elastic energy of the overlaps.
     pub elastic: f64,
     /// Potential energy of cohesion, zero where nothing is within its range.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default)]
     pub cohesive: f64,
 }
 
@@ -35,11 +35,6 @@ pub(crate) struct ContactEnergy {
     pub cohesive: f64,
     /// Largest overlap over the smaller radius, and the id of a grain that has it.
     pub deepest: Option<(f64, u32)>,
-}
-
-/// Left out where nothing coheres.
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 impl Simulation {

@@ -32,7 +32,7 @@ pub struct Balance {
     /// Lost to friction.
     pub friction: f64,
     /// Lost to resistance against rolling and twisting.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default)]
     pub resistance: f64,
     /// Lost in impacts.
     pub restitution: f64,
@@ -54,11 +54,6 @@ pub struct Balance {
     pub wall_impulse: [f64; 3],
     /// Momentum at the end that is not accounted for.
     pub momentum_closure: [f64; 3],
-}
-
-/// Left out where nothing resists turning.
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// A ledger that is kept from step to step.

@@ -26,14 +26,8 @@ pub struct Residuals {
     /// Second tangential direction.
     pub tangential_v: Residual,
     /// Turning: angular velocity times the smaller radius. Zero where nothing resists it.
-    #[serde(default, skip_serializing_if = "Residual::is_zero")]
+    #[serde(default)]
     pub turning: Residual,
-}
-
-impl Residual {
-    fn is_zero(&self) -> bool {
-        *self == Residual::default()
-    }
 }
 
 impl Residuals {
