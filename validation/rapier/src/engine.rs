@@ -182,10 +182,11 @@ fn vector([x, y, z]: [f64; 3]) -> Vector {
 fn build(scene: &Scene, grains: &[Grain], settings: &Settings) -> Result<PhysicsWorld, CodeError> {
     let refuse = |reason: String| Err(CodeError::Unsupported { code: NAME, reason });
     let acts = |(name, material): (&String, &makadam::scene::Material)| {
-        (material.rolling_friction != 0.0 || material.cohesion.is_some()).then(|| name.clone())
+        let turning = material.rolling_friction != 0.0 || material.twisting_friction != 0.0;
+        (turning || material.cohesion.is_some()).then(|| name.clone())
     };
     if let Some(name) = scene.material.iter().find_map(acts) {
-        return refuse(format!("{name} has rolling friction or cohesion"));
+        return refuse(format!("{name} has rolling or twisting friction, or cohesion"));
     }
     if !scene.pair.is_empty() {
         return refuse("it has rules for pairs of materials".into());

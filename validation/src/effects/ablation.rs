@@ -107,11 +107,13 @@ pub fn variations(scene: &Scene) -> Vec<Variation> {
     add("rolling resistance", toggled(rolls), &|scene| {
         let value = if rolls { 0.0 } else { TRIED };
         scene.material.values_mut().for_each(|one| one.rolling_friction = value);
+        scene.pair.iter_mut().for_each(|pair| pair.rolling_friction = None);
     });
     let twists = scene.material.values().any(|one| one.twisting_friction > 0.0);
     add("twisting resistance", toggled(twists), &|scene| {
         let value = if twists { 0.0 } else { TRIED };
         scene.material.values_mut().for_each(|one| one.twisting_friction = value);
+        scene.pair.iter_mut().for_each(|pair| pair.twisting_friction = None);
     });
     all
 }
