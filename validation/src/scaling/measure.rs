@@ -47,7 +47,7 @@ pub struct Timing {
     pub hashes: Vec<u64>,
 }
 
-/// Traced steps with one instruction set: durations of tasks are medians over the repetitions.
+/// Traced steps with one instruction set, typical of the repetitions.
 pub struct Traces {
     /// The instruction set.
     pub instruction_set: InstructionSet,
@@ -248,26 +248,60 @@ fn clock_seconds() -> f64 {
     median((0..1001).map(|_| Instant::now().elapsed().as_secs_f64()))
 }
 
-/// The traced steps with the median duration of every task over the repetitions, less what reading the clock adds. The
-/// tasks depend on the scene alone, so they are the same ones each time.
-fn medians(instruction_set: InstructionSet, mut runs: Vec<TracedRun>) -> Traces {
-    let Some(first) = runs.pop() else {
+/// The traced steps, each with the median of its total over the repetitions, shared out among its tasks as the medians of their own
+/// durations are. Reading the clock is left out. The tasks depend on the scene alone, so they are the same ones each time.
+///
+/// Whatever else the machine does lengthens a few tasks of every repetition, and other ones each time. The medians of single tasks
+/// leave that out, but a measured step contains it, so the totals have to as well.
+fn medians(instruction_set: InstructionSet, runs: Vec<TracedRun>) -> Traces {
+    let Some(first) = runs.first() else {
         return Traces { instruction_set, steps: Vec::new(), sweeps: Vec::new() };
     };
     let clock = clock_seconds();
-    let median_of = |step: usize, region: usize, task: usize, own: f64| {
-        let others = runs.iter().filter_map(|run| run.steps.get(step)?.regions.get(region)?.tasks.get(task));
-        (median(others.copied().chain([own])) - clock).max(0.0)
+    let median_of = |step: usize, region: usize, task: usize| {
+        let durations = runs.iter().filter_map(|run| run.steps.get(step)?.regions.get(region)?.tasks.get(task));
+        (median(durations.copied()) - clock).max(0.0)
     };
-    let steps = first.steps.iter().enumerate().map(|(step, trace)| StepTrace {
-        regions: (trace.regions.iter().enumerate())
-            .map(|(place, region)| Region {
-                phase: region.phase,
-                tasks: (region.tasks.iter().enumerate())
-                    .map(|(task, &own)| median_of(step, place, task, own))
-                    .collect(),
-            })
-            .collect(),
+    let steps = first.steps.iter().enumerate().map(|(step, trace)| {
+        let regions = trace.regions.iter().enumerate().map(|(place, region)| Region {
+            phase: region.phase,
+            tasks: (0..region.tasks.len()).map(|task| median_of(step, place, task)).collect(),
+        });
+        let mut typical = StepTrace { regions: regions.collect() };
+        let total = median(runs.iter().filter_map(|run| run.steps.get(step)).map(|run| total_seconds(run, clock)));
+        let factor = total / total_seconds(&typical, 0.0);
+        if factor.is_finite() {
+            typical.regions.iter_mut().flat_map(|region| &mut region.tasks).for_each(|task| *task *= factor);
+        }
+        typical
     });
-    Traces { instruction_set, steps: steps.collect(), sweeps: first.sweeps }
+    Traces { instruction_set, steps: steps.collect(), sweeps: first.sweeps.clone() }
+}
+
+/// Time of all tasks of a step, less what reading the clock added to each, s.
+fn total_seconds(step: &StepTrace, clock: f64) -> f64 {
+    step.regions.iter().flat_map(|region| &region.tasks).map(|task| (task - clock).max(0.0)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use makadam::schedule::Phase;
+
+    fn run(durations: &[f64]) -> TracedRun {
+        let regions = vec![Region { phase: Phase::Sweep, tasks: durations.to_vec() }];
+        TracedRun { steps: vec![StepTrace { regions }], sweeps: vec![1], hash: 0 }
+    }
+
+    #[test]
+    fn disturbances_stay_in_the_total_and_leave_the_shares() {
+        // Another task is hit each time: 10 s of work, 2 s of something else.
+        let runs = [&[6.0, 2.0, 4.0], &[4.0, 4.0, 4.0], &[4.0, 2.0, 6.0]].map(|durations| run(durations));
+        let traces = medians(InstructionSet::Generic, runs.into());
+        let tasks = &traces.steps[0].regions[0].tasks;
+        let total: f64 = tasks.iter().sum();
+        assert!((total - 12.0).abs() < 1e-4, "the median of the totals, less the clock: {total}");
+        assert!((tasks[0] / tasks[1] - 2.0).abs() < 1e-4, "{tasks:?}");
+        assert!((tasks[2] / tasks[1] - 2.0).abs() < 1e-4, "{tasks:?}");
+    }
 }
