@@ -86,7 +86,7 @@ impl Simulation {
             let (a, b) = (&world.spheres[i], &world.spheres[j]);
             let material = world.table.between_grains(world.materials[i], world.materials[j]);
             let contact = NormalContact {
-                overlap: a.radius + b.radius - (b.centre - a.centre).norm(),
+                overlap: a.radius + b.radius - world.arm(i, j).norm(),
                 velocity: 0.0,
                 effective_modulus: material.effective_modulus,
                 effective_radius: a.radius * b.radius / (a.radius + b.radius),

@@ -117,7 +117,7 @@ impl Ledger {
                     let normal = group.contacts.normal(lane);
                     let (first, second) = (self.passage(world, i, normal, 1.0), self.passage(world, j, normal, -1.0));
                     let contact = normal_contact(
-                        a.radius + b.radius - (b.centre - a.centre).norm(),
+                        a.radius + b.radius - world.arm(i, j).norm(),
                         a.radius * b.radius / (a.radius + b.radius),
                         first.inverse_mass + second.inverse_mass,
                         world.table.between_grains(world.materials[i], world.materials[j]),

@@ -72,7 +72,7 @@ impl Simulation {
         let (largest, mean) = world.largest_and_mean_radius();
         let skin = scene.solver.skin * mean;
         let reach = skin + world.range_of_cohesion();
-        let boxes = BoxGrid::new(&world.domain, world.grains(), largest, reach);
+        let boxes = BoxGrid::new(&world.domain, &world.period, world.grains(), largest, reach);
         world.add_dummies(boxes.boxes());
         let effects = world.table.effects();
         Simulation {

@@ -59,14 +59,14 @@ pub struct Snapshot {
 }
 
 impl Simulation {
-    /// Grains as they are now, and the contacts of the last step with their forces (impulse over time step).
+    /// Grains as they are now, inside the domain where that repeats itself, and the contacts of the last step with their forces (impulse over time step).
     pub fn snapshot(&self) -> Snapshot {
         let world = &self.world;
         let particle = |(id, place): (usize, u32)| {
             let (sphere, body) = (&world.spheres[place as usize], &world.bodies[place as usize]);
             Particle {
                 id: id as u32,
-                position: sphere.centre.into(),
+                position: world.wrapped(&sphere.centre).into(),
                 radius: sphere.radius,
                 velocity: body.velocity,
                 spin: body.surface_speed.map(|component| component / sphere.radius),
@@ -88,7 +88,7 @@ impl Simulation {
                 let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
                 let (a, b) = (&world.spheres[i], &world.spheres[j]);
                 // The contact point lies in the middle of the overlap.
-                let distance = (b.centre - a.centre).norm();
+                let distance = world.arm(i, j).norm();
                 let depth = 0.5 * (distance + a.radius - b.radius);
                 let point = a.centre + Vector3::from(group.contacts.normal(lane)) * depth;
                 self.contact(world.ids[i], Partner::Grain(world.ids[j]), point, (&group.contacts, pulls), lane)
@@ -126,7 +126,7 @@ impl Simulation {
         Contact {
             first,
             second,
-            point: point.into(),
+            point: self.world.wrapped(&point).into(),
             normal: lanes.normal(lane),
             normal_force: (lanes.normal_impulse(lane) - pull) / h,
             tangential_force: lanes.tangential_impulse(lane).map(|component| component / h),

@@ -48,10 +48,11 @@ impl Simulation {
 
     /// Largest overlap of two grains over the smaller radius.
     fn largest_overlap(&self) -> f64 {
-        let spheres = &self.world.spheres;
+        let world = &self.world;
         let overlaps = self.candidates.pairs.iter().map(|pair| {
-            let (a, b) = (&spheres[pair.first as usize], &spheres[pair.second as usize]);
-            (a.radius + b.radius - (b.centre - a.centre).norm()) / a.radius.min(b.radius)
+            let (i, j) = (pair.first as usize, pair.second as usize);
+            let (a, b) = (&world.spheres[i], &world.spheres[j]);
+            (a.radius + b.radius - world.arm(i, j).norm()) / a.radius.min(b.radius)
         });
         overlaps.fold(0.0, f64::max)
     }

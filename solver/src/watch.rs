@@ -172,7 +172,8 @@ impl Watchdog {
     fn escape(&self, simulation: &Simulation) -> Option<Trouble> {
         let (low, high) = simulation.world.domain;
         let outside = simulation.first_grain(|sphere, _| {
-            (0..3).any(|axis| sphere.centre[axis] < low[axis] || sphere.centre[axis] > high[axis])
+            let outside = |axis: usize| sphere.centre[axis] < low[axis] || sphere.centre[axis] > high[axis];
+            (0..3).any(|axis| outside(axis) && !simulation.world.period.is_periodic(axis))
         })?;
         let position = simulation.world.spheres[simulation.places_by_id()[outside as usize] as usize].centre.into();
         Some(Trouble::Escape { grain: outside, position })

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-const DOMAIN: Domain = Domain { min: [-1.0; 3], max: [1.0; 3] };
+const DOMAIN: Domain = Domain { min: [-1.0; 3], max: [1.0; 3], periodic: Vec::new() };
 
 /// Sum of the triangles' area vectors, and the sum of their areas.
 fn areas(mesh: &Mesh) -> (Vector3<f64>, f64) {

@@ -12,13 +12,13 @@ use nalgebra::Vector3;
 /// Fills the groups of pairs of a task.
 ///
 /// Whoever makes one promises that no other task uses the task's candidates meanwhile.
-pub(super) struct FillPairs<'a> {
+pub(super) struct FillPairs<'a, const PERIODIC: bool> {
     pub given: &'a Given<'a>,
     pub groups: &'a mut TaskGroups,
     pub impulses: &'a Disjoint<'a, Impulse>,
 }
 
-impl Kernel for FillPairs<'_> {
+impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
     type Output = ();
 
     #[inline(always)]
@@ -46,6 +46,7 @@ impl Kernel for FillPairs<'_> {
             };
             // Two grains with one centre have no normal; any direction parts them.
             let arm = [to_x - x, to_y - y, to_z - z];
+            let arm = if PERIODIC { world.period.shortest(arm) } else { arm };
             let distance = dot(arm, arm).sqrt();
             let one_centre = distance.at_most(L::zero());
             let upward = [L::zero(), L::zero(), L::splat(1.0)];

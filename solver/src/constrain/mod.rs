@@ -174,14 +174,21 @@ impl Given<'_> {
     ) {
         let dummies = self.world.dummies_of(task.home as usize);
         groups.restart();
-        let packer = Packer::new(taken, base, task.pairs.len());
-        // SAFETY: the caller's promise; places come from the candidate list.
-        unsafe {
-            set.run(PackPairs { given: self, task, dummies, packer, groups, impulses: &remembered.pairs });
-            self.pack_walls(task, dummies, Packer::new(taken, base + (1 << 32), 0), groups, &remembered.walls);
+        let (packer, periodic) = (Packer::new(taken, base, task.pairs.len()), self.world.period.any());
+        let impulses = &remembered.pairs;
+        if periodic {
+            set.run(PackPairs::<true> { given: self, task, dummies, packer, groups, impulses });
+        } else {
+            set.run(PackPairs::<false> { given: self, task, dummies, packer, groups, impulses });
         }
+        // SAFETY: the caller's promise; places come from the candidate list.
+        unsafe { self.pack_walls(task, dummies, Packer::new(taken, base + (1 << 32), 0), groups, &remembered.walls) };
         groups.finish(self.effects);
-        set.run(FillPairs { given: self, groups, impulses: &remembered.pairs });
+        if periodic {
+            set.run(FillPairs::<true> { given: self, groups, impulses });
+        } else {
+            set.run(FillPairs::<false> { given: self, groups, impulses });
+        }
         set.run(FillWalls { given: self, groups, impulses: &remembered.walls });
         if self.effects.cohesion {
             self.fill_pulls(groups);

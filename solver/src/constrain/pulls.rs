@@ -16,7 +16,7 @@ impl Given<'_> {
                 let [i, j] = [group.first[lane] as usize, group.second[lane] as usize];
                 let (a, b) = (&world.spheres[i], &world.spheres[j]);
                 let material = world.table.between_grains(world.materials[i], world.materials[j]);
-                let gap = (b.centre - a.centre).norm() - a.radius - b.radius;
+                let gap = world.arm(i, j).norm() - a.radius - b.radius;
                 pulls.0[lane] = material.pull(a.radius * b.radius / (a.radius + b.radius)).impulse(gap, h);
             }
         }

@@ -9,7 +9,7 @@ use crate::schedule::Disjoint;
 /// Packs the pairs of a task that touch.
 ///
 /// Whoever makes one promises that no other task uses the task's bodies and candidates meanwhile.
-pub(super) struct PackPairs<'a> {
+pub(super) struct PackPairs<'a, const PERIODIC: bool> {
     pub given: &'a Given<'a>,
     pub task: &'a PlannedTask,
     pub dummies: u32,
@@ -18,7 +18,7 @@ pub(super) struct PackPairs<'a> {
     pub impulses: &'a Disjoint<'a, Impulse>,
 }
 
-impl Kernel for PackPairs<'_> {
+impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
     type Output = ();
 
     #[inline(always)]
@@ -44,7 +44,7 @@ impl Kernel for PackPairs<'_> {
 /// Blocks of candidates whose distances are computed before they are packed.
 const BATCH: usize = 64;
 
-impl PackPairs<'_> {
+impl<const PERIODIC: bool> PackPairs<'_, PERIODIC> {
     /// Asks for the spheres of the eight candidates from `block` on.
     #[inline(always)]
     fn fetch(&self, block: usize, end: usize) {
@@ -69,6 +69,7 @@ impl PackPairs<'_> {
         let ([x, y, z, radius], [to_x, to_y, to_z, to_radius]) =
             unsafe { (L::load_quads::<1>(spheres, &first), L::load_quads::<1>(spheres, &second)) };
         let arm = minus([to_x, to_y, to_z], [x, y, z]);
+        let arm = if PERIODIC { self.given.world.period.shortest(arm) } else { arm };
         let touch = radius + to_radius + L::splat(self.given.constants.reach);
         L::bits(dot(arm, arm).below(touch * touch))
     }

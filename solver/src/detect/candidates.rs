@@ -208,7 +208,10 @@ impl Candidates {
             // SAFETY: each box has its own entry.
             let found = unsafe { parts.at(number) };
             found.search_walls(world, grid, poses, number, reach);
-            set.run(PairSearch { spheres: &world.spheres, ids: &world.ids, grid, number, skin, found });
+            match world.period.any() {
+                true => set.run(PairSearch::<true> { world, grid, number, skin, found }),
+                false => set.run(PairSearch::<false> { world, grid, number, skin, found }),
+            }
         });
     }
 
@@ -223,7 +226,7 @@ impl Candidates {
             wall_starts.push(0);
             for (number, found) in found.iter().enumerate() {
                 for direction in (0..DIRECTIONS).filter(|&direction| found.counts[direction] > 0) {
-                    let task = boxes.task(boxes.at(number), grid.neighbour(number, direction));
+                    let task = grid.task(number, direction);
                     pair_starts[task + 1] += found.counts[direction];
                 }
                 wall_starts.push(wall_starts[number] + found.walls.len() as u32);
@@ -235,7 +238,7 @@ impl Candidates {
             // From here on the starts run ahead with what is placed.
             for (number, found) in found.iter_mut().enumerate() {
                 for direction in (0..DIRECTIONS).filter(|&direction| found.counts[direction] > 0) {
-                    let task = boxes.task(boxes.at(number), grid.neighbour(number, direction));
+                    let task = grid.task(number, direction);
                     found.targets[direction] = pair_starts[task];
                     pair_starts[task] += found.counts[direction];
                 }

@@ -4,7 +4,7 @@
 //! the space of displacements; two grains of the same or of adjacent patches have come closer by no more than the largest
 //! distance between points of the two boxes. Grains of patches that are not adjacent start a patch apart.
 
-use super::grid::{CellGrid, FORWARD};
+use super::grid::{CellGrid, FORWARD, around};
 use crate::lanes::Number;
 use crate::partition::BoxGrid;
 use crate::schedule::{Disjoint, Phase, Team};
@@ -106,7 +106,7 @@ impl Drift {
                     squares.shift = squares.shift.larger(own.largest_squared());
                     for step in std::iter::once([0; 3]).chain(FORWARD) {
                         let at = [column as i32 + step[0], row as i32 + step[1], layer as i32 + step[2]];
-                        if (0..3).all(|axis| at[axis] >= 0 && at[axis] < counts[axis] as i32) {
+                        if let Some(at) = around(at, counts.map(|count| count as i32), boxes.period()) {
                             let other = (at[2] as usize * rows + at[1] as usize) * columns + at[0] as usize;
                             if !patches[other].is_empty() {
                                 squares.approach =

@@ -3,7 +3,7 @@
 
 use crate::partition::BoxGrid;
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{World, chunk, chunks};
+use crate::world::{Period, World, chunk, chunks};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ pub struct CellGrid {
     boxes: BoxGrid,
     /// Cells of a box along an axis.
     per_box: u32,
-    size: f64,
+    size: [f64; 3],
     /// Place of each cell's first grain; one more entry than cells.
     start: Vec<u32>,
     /// Old places of the grains, cell after cell.
@@ -43,18 +43,22 @@ impl CellGrid {
     pub fn new(boxes: &BoxGrid, grains: usize, reach: f64) -> CellGrid {
         // Empty cells cost time too: no more than about eight a grain.
         let most = libm::cbrt((8.0 * grains as f64 + 4096.0) / boxes.boxes() as f64);
-        let per_box = (boxes.width() / reach.max(1e-300)).floor().min(most.floor()).clamp(1.0, 1024.0);
+        // Around a periodic axis a cell's two neighbours must be different ones.
+        let around = |axis: usize| f64::from(3_u32.div_ceil(boxes.counts()[axis]));
+        let least = (0..3).filter(|&axis| boxes.period().is_periodic(axis)).map(around).fold(1.0, f64::max);
+        let narrowest = boxes.widths().into_iter().fold(f64::INFINITY, f64::min);
+        let per_box = (narrowest / reach.max(1e-300)).floor().min(most.floor()).clamp(least, 1024.0);
         CellGrid {
             boxes: boxes.clone(),
             per_box: per_box as u32,
-            size: boxes.width() / per_box,
+            size: boxes.widths().map(|width| width / per_box),
             start: Vec::new(),
             order: Vec::new(),
             cell_of: Vec::new(),
         }
     }
 
-    /// Sorts the grains of a world; grains outside the domain count to its outermost cells. Returns the old place of the
+    /// Sorts the grains of a world; grains outside the domain count to its outermost cells, or where their image is inside. Returns the old place of the
     /// grain that belongs at each new place. Grains of a cell keep their order.
     pub fn sort(&mut self, world: &World, team: &Team) -> &[u32] {
         let grains = world.grains();
@@ -108,9 +112,10 @@ impl CellGrid {
     /// Number of the cell of a point: box by box, layer by layer inside a box.
     fn cell(&self, point: &Vector3<f64>) -> u32 {
         let (counts, origin) = (self.counts(), self.boxes.origin());
+        let point = self.boxes.period().wrapped(point, &origin);
         let mut at = [0; 3];
         for axis in 0..3 {
-            let place = ((point[axis] - origin[axis]) / self.size).floor();
+            let place = ((point[axis] - origin[axis]) / self.size[axis]).floor();
             at[axis] = place.clamp(0.0, f64::from(counts[axis] - 1)) as u32;
         }
         let number = self.boxes.number(at.map(|place| place / self.per_box));
@@ -144,7 +149,8 @@ impl CellGrid {
 
     /// Width of the narrowest patch, m.
     pub fn patch_width(&self) -> f64 {
-        f64::from(self.per_box / self.patches_per_box()) * self.size
+        let narrowest = self.size.into_iter().fold(f64::INFINITY, f64::min);
+        f64::from(self.per_box / self.patches_per_box()) * narrowest
     }
 
     /// Calls `visit(patch, places)` for each cell of a box that holds grains; patches are numbered layer by layer over
@@ -184,24 +190,36 @@ impl CellGrid {
         }
         for step in FORWARD {
             let next = [at[0] + step[0], at[1] + step[1], at[2] + step[2]];
-            if (0..3).any(|axis| next[axis] < 0 || next[axis] >= counts[axis]) {
-                continue;
-            }
-            let next_box = next.map(|place| place / per_box);
-            let there = self.boxes.number(next_box.map(|place| place as u32)) * self.cells_of_box()
-                + self.inside(next.map(|place| (place % per_box) as u32));
-            let [dx, dy, dz] = std::array::from_fn(|axis| (next_box[axis] - home_box[axis] + 1) as usize);
+            let Some(image) = around(next, counts, self.boxes.period()) else { continue };
+            let there = self.boxes.number(image.map(|place| (place / per_box) as u32)) * self.cells_of_box()
+                + self.inside(image.map(|place| (place % per_box) as u32));
+            let [dx, dy, dz] =
+                std::array::from_fn(|axis| (next[axis].div_euclid(per_box) - home_box[axis] + 1) as usize);
             found.add(self.grains(there), dx + 3 * dy + 9 * dz);
         }
         found
     }
 
-    /// The box in a direction of a neighbourhood, which must not leave the domain.
-    pub fn neighbour(&self, number: usize, direction: usize) -> [u32; 3] {
-        let shift = [direction % 3, direction / 3 % 3, direction / 9];
-        let home = self.boxes.at(number);
-        std::array::from_fn(|axis| home[axis] + shift[axis] as u32 - 1)
+    /// Task of the pairs of a box in a direction of a neighbourhood.
+    pub fn task(&self, number: usize, direction: usize) -> usize {
+        let towards = [direction % 3, direction / 3 % 3, direction / 9].map(|shift| shift as i32 - 1);
+        self.boxes.task(self.boxes.at(number), towards)
     }
+}
+
+/// The cell or patch that lies at these coordinates, among so many along each axis; none where the domain ends.
+#[inline]
+pub(super) fn around(at: [i32; 3], counts: [i32; 3], period: &Period) -> Option<[i32; 3]> {
+    let mut image = at;
+    for axis in 0..3 {
+        if at[axis] < 0 || at[axis] >= counts[axis] {
+            if !period.is_periodic(axis) {
+                return None;
+            }
+            image[axis] = at[axis].rem_euclid(counts[axis]);
+        }
+    }
+    Some(image)
 }
 
 /// A cell's grains and those that may touch them, by place.

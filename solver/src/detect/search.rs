@@ -3,7 +3,7 @@
 use super::grid::{CellGrid, DIRECTIONS, SAME_BOX};
 use super::{PairCandidate, WallCandidate};
 use crate::lanes::{Kernel, LANES, Lanes, Quad, dot, minus};
-use crate::world::{Pose, Sphere, World};
+use crate::world::{Pose, World};
 use nalgebra::Vector3;
 
 /// What a box found; its buffers are kept from one search to the next.
@@ -47,10 +47,12 @@ impl Found {
         }
         // Whole boxes are far from most surfaces.
         let spheres = &world.spheres[places.clone()];
-        let (mut low, mut high, mut radius) = (spheres[0].centre, spheres[0].centre, 0.0_f64);
+        let first = world.wrapped(&spheres[0].centre);
+        let (mut low, mut high, mut radius) = (first, first, 0.0_f64);
         for sphere in spheres {
-            low = low.inf(&sphere.centre);
-            high = high.sup(&sphere.centre);
+            let centre = world.wrapped(&sphere.centre);
+            low = low.inf(&centre);
+            high = high.sup(&centre);
             radius = radius.max(sphere.radius);
         }
         let (centre, half): (Vector3<f64>, _) = ((low + high) * 0.5, (high - low).norm() * 0.5);
@@ -79,28 +81,28 @@ fn make_room(pairs: &mut Vec<(u8, PairCandidate)>) {
 }
 
 /// Finds the pairs of a box: eight neighbours of a grain at a time.
-pub(super) struct PairSearch<'a> {
-    pub spheres: &'a [Sphere],
-    pub ids: &'a [u32],
+pub(super) struct PairSearch<'a, const PERIODIC: bool> {
+    pub world: &'a World,
     pub grid: &'a CellGrid,
     pub number: usize,
     pub skin: f64,
     pub found: &'a mut Found,
 }
 
-impl Kernel for PairSearch<'_> {
+impl<const PERIODIC: bool> Kernel for PairSearch<'_, PERIODIC> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
+        let World { spheres, ids, period, .. } = self.world;
         let Found { pairs, counts, .. } = self.found;
         pairs.clear();
         *counts = [0; DIRECTIONS];
-        let base: *const Quad = self.spheres.as_ptr().cast();
+        let base: *const Quad = spheres.as_ptr().cast();
         for cell in 0..self.grid.cells_of_box() {
             let neighbourhood = self.grid.neighbourhood(self.number, cell);
             for grain in neighbourhood.home.clone() {
-                let own = &self.spheres[grain];
+                let own = &spheres[grain];
                 let centre = [own.centre.x, own.centre.y, own.centre.z].map(L::splat);
                 let own_reach = L::splat(own.radius + self.skin);
                 let own_cell = (grain + 1..neighbourhood.home.end, SAME_BOX);
@@ -111,14 +113,14 @@ impl Kernel for PairSearch<'_> {
                         // SAFETY: `places` lie in the run, whose grains are in `spheres`.
                         let [x, y, z, radius] = unsafe { L::load_quads::<1>(base, &places) };
                         let arm = minus([x, y, z], centre);
+                        let arm = if PERIODIC { period.shortest(arm) } else { arm };
                         let reach = own_reach + radius;
                         let mut near = L::bits(dot(arm, arm).below(reach * reach)) & ((1 << count) - 1);
                         while near != 0 {
                             let other = start + near.trailing_zeros() as usize;
                             near &= near - 1;
                             // The grain with the smaller id comes first, wherever the two lie in memory.
-                            let (first, second) =
-                                if self.ids[grain] < self.ids[other] { (grain, other) } else { (other, grain) };
+                            let (first, second) = if ids[grain] < ids[other] { (grain, other) } else { (other, grain) };
                             let pair = PairCandidate { first: first as u32, second: second as u32 };
                             if pairs.len() == pairs.capacity() {
                                 make_room(pairs);

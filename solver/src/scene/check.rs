@@ -1,10 +1,11 @@
 //! Range checks of a scene, before anything is simulated.
 
 use super::error::{Fault, Step};
+use super::periodic;
 use super::{Cohesion, Motion, NormalLaw, Precision, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop};
 use crate::methods::MOST_MEMORY;
 
-type Checked = Result<(), Fault>;
+pub(super) type Checked = Result<(), Fault>;
 
 /// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
 const MOST_GRAINS: f64 = 1e8;
@@ -21,6 +22,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
     root.key("duration").range(scene.duration, 0.0, 1e5, "s")?;
     root.key("gravity").finite(&scene.gravity)?;
     extent(&root.key("domain"), &scene.domain.min, &scene.domain.max)?;
+    periodic::check(scene)?;
     root.key("largest_start_overlap").range(scene.largest_start_overlap, 0.0, 2.0, "smaller radii")?;
     materials(scene)?;
     walls(scene)?;
@@ -108,6 +110,12 @@ fn walls(scene: &Scene) -> Checked {
                 shape.key("axis").direction(axis)?;
                 shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
                 shape.key("length").range(*length, 1e-9, 1e4, "m")?;
+            }
+            Shape::Spheres { centres, radius } => {
+                for (number, centre) in centres.iter().enumerate() {
+                    shape.key("centres").index(number).finite(centre)?;
+                }
+                shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
             }
             Shape::Disc { centre, normal, radius } => {
                 shape.key("centre").finite(centre)?;
@@ -347,10 +355,10 @@ fn join(scene: &Scene) -> String {
 
 /// A place in the document, built up as the check goes down into it.
 #[derive(Clone, Default)]
-struct Place(Vec<Step>);
+pub(super) struct Place(Vec<Step>);
 
 impl Place {
-    fn key(&self, key: &'static str) -> Place {
+    pub(super) fn key(&self, key: &'static str) -> Place {
         self.with(Step::Key(key))
     }
 
@@ -358,7 +366,7 @@ impl Place {
         self.with(Step::Name(name.to_string()))
     }
 
-    fn index(&self, index: usize) -> Place {
+    pub(super) fn index(&self, index: usize) -> Place {
         self.with(Step::Index(index))
     }
 
@@ -380,7 +388,7 @@ impl Place {
         label.trim_start_matches('.').to_string()
     }
 
-    fn fault(&self, problem: String, remedy: &str) -> Fault {
+    pub(super) fn fault(&self, problem: String, remedy: &str) -> Fault {
         Fault { path: self.0.clone(), problem: format!("{}: {problem}", self.label()), remedy: remedy.to_string() }
     }
 

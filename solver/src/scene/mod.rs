@@ -7,6 +7,7 @@
 mod accuracy;
 mod check;
 mod error;
+mod periodic;
 mod populate;
 mod settings;
 mod types;
@@ -18,7 +19,7 @@ pub use error::{SceneError, line_of};
 pub use populate::{Grain, populate};
 pub use settings::{NormalLaw, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
-    Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population, Prepare,
+    Axis, Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population, Prepare,
     RadiusDistribution, Region, Shape, Wall,
 };
 pub use watch::{Reaction, Watch};

@@ -1,7 +1,8 @@
 //! The grains that every code starts from: generated once, from the scene and a seed.
 
 use super::error::{Fault, Step};
-use super::{Population, RadiusDistribution, Region, Scene, SceneError, Shape};
+use super::{Domain, Population, RadiusDistribution, Region, Scene, SceneError, Shape};
+use crate::world::Period;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};
@@ -211,6 +212,7 @@ fn inside_container(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Re
         problem: format!("grain {index} at {:?} {what}", grains[index].position),
         remedy: remedy.into(),
     };
+    let period = Period::of(&scene.domain);
     for (index, grain) in grains.iter().enumerate() {
         let outside = (0..3)
             .any(|axis| grain.position[axis] < scene.domain.min[axis] || grain.position[axis] > scene.domain.max[axis]);
@@ -218,7 +220,7 @@ fn inside_container(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Re
             return Err(fault(index, "lies outside the domain".into(), "move it inside or enlarge [domain]"));
         }
         for wall in &scene.wall {
-            let overlap = wall_overlap(&wall.shape, grain);
+            let overlap = wall_overlap(&wall.shape, &period, grain);
             if overlap > scene.largest_start_overlap * grain.radius {
                 return Err(fault(
                     index,
@@ -232,7 +234,7 @@ fn inside_container(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Re
 }
 
 /// How deep a grain reaches into a wall (or behind it) at the start, metres; negative where it is clear of it.
-fn wall_overlap(shape: &Shape, grain: &Grain) -> f64 {
+fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
     let centre = Vector3::from(grain.position);
     match shape {
         Shape::Plane { point, normal } => {
@@ -258,6 +260,10 @@ fn wall_overlap(shape: &Shape, grain: &Grain) -> f64 {
             let past_end = (-along).max(along - length).max(0.0);
             grain.radius - (across - radius).hypot(past_end)
         }
+        Shape::Spheres { centres, radius } => {
+            let gaps = centres.iter().map(|middle| period.arm(&centre, &Vector3::from(*middle)).norm() - radius);
+            grain.radius - gaps.fold(f64::INFINITY, f64::min)
+        }
         Shape::Disc { centre: middle, normal, radius } => {
             let normal = Vector3::from(*normal).normalize();
             let arm = centre - Vector3::from(*middle);
@@ -274,12 +280,12 @@ fn no_overlap(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Result<(
     let size = 2.0 * grains.iter().map(|grain| grain.radius).fold(1e-12, f64::max);
     let cell = |position: &[f64; 3]| position.map(|x| (x / size).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    let period = Period::of(&scene.domain);
     for (index, grain) in grains.iter().enumerate() {
-        let [x, y, z] = cell(&grain.position);
-        for neighbour in (0..27).map(|n| [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1]) {
+        for neighbour in images(&grain.position, &period, &scene.domain, size).flat_map(|image| around(cell(&image))) {
             for &other in cells.get(&neighbour).into_iter().flatten() {
                 let there = &grains[other];
-                let distance = (Vector3::from(grain.position) - Vector3::from(there.position)).norm();
+                let distance = period.arm(&grain.position.into(), &there.position.into()).norm();
                 let overlap = grain.radius + there.radius - distance;
                 if overlap > scene.largest_start_overlap * grain.radius.min(there.radius) {
                     return Err(Fault {
@@ -293,7 +299,26 @@ fn no_overlap(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Result<(
                 }
             }
         }
-        cells.entry([x, y, z]).or_default().push(index);
+        cells.entry(cell(&grain.position)).or_default().push(index);
     }
     Ok(())
+}
+
+/// A cell and those around it.
+fn around([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+    (0..27).map(move |n| [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1])
+}
+
+/// A point and those of its images that lie within `reach` (m) of the domain.
+fn images(point: &[f64; 3], period: &Period, domain: &Domain, reach: f64) -> impl Iterator<Item = [f64; 3]> {
+    let laps = |axis: usize| if period.is_periodic(axis) { -1..=1 } else { 0..=0 };
+    let mut images = Vec::new();
+    for (i, j, k) in laps(0).flat_map(|i| laps(1).flat_map(move |j| laps(2).map(move |k| (i, j, k)))) {
+        let image: [f64; 3] =
+            std::array::from_fn(|axis| point[axis] + f64::from([i, j, k][axis]) * period.length(axis));
+        if (0..3).all(|axis| image[axis] >= domain.min[axis] - reach && image[axis] <= domain.max[axis] + reach) {
+            images.push(image);
+        }
+    }
+    images.into_iter()
 }

@@ -35,6 +35,33 @@ pub struct Domain {
     pub min: [f64; 3],
     /// Upper corner.
     pub max: [f64; 3],
+    /// Axes along which space repeats itself: what leaves at one end comes in at the other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub periodic: Vec<Axis>,
+}
+
+/// An axis of the frame of reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// The first one.
+    X,
+    /// The second one.
+    Y,
+    /// The third one.
+    Z,
+}
+
+impl Axis {
+    /// Its place among the three, from 0.
+    pub fn number(self) -> usize {
+        self as usize
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        ["x", "y", "z"][self.number()]
+    }
 }
 
 /// A material of grains or walls.
@@ -130,6 +157,13 @@ pub enum Shape {
         radius: f64,
         /// Length along the axis, metres.
         length: f64,
+    },
+    /// Spheres of one size, seen from outside: a rough bed, or obstacles.
+    Spheres {
+        /// Centres, metres.
+        centres: Vec<[f64; 3]>,
+        /// Radius, metres.
+        radius: f64,
     },
     /// A flat disc, such as a drum's end cap; grains live on the side that the normal points to.
     Disc {

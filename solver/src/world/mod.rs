@@ -1,9 +1,11 @@
 //! What is simulated: bodies, surfaces and their motion, material pairs, the clock.
 
 mod materials;
+mod period;
 mod surface;
 
 pub use materials::{ContactMaterial, MaterialTable};
+pub use period::Period;
 pub use surface::{Pose, Surface};
 
 use crate::effects::compliance::NormalContact;
@@ -81,6 +83,8 @@ pub struct World {
     pub gravity: Vector3<f64>,
     /// Corners of the domain, m.
     pub domain: (Vector3<f64>, Vector3<f64>),
+    /// Axes along which the domain repeats itself.
+    pub period: Period,
     /// Simulated time, s.
     pub time: f64,
 }
@@ -109,27 +113,34 @@ impl World {
                 .wall
                 .iter()
                 .enumerate()
-                .flat_map(|(index, wall)| Surface::of_wall(wall, index as u32, table.number(&wall.material)))
+                .flat_map(|(index, wall)| {
+                    Surface::of_wall(wall, &scene.domain, index as u32, table.number(&wall.material))
+                })
                 .collect(),
             table,
             gravity: Vector3::from(scene.gravity),
             domain: (Vector3::from(scene.domain.min), Vector3::from(scene.domain.max)),
+            period: Period::of(&scene.domain),
             time: 0.0,
         }
     }
 
     /// Puts the dummies of so many boxes behind the grains. Dummies of the two sides of a contact are far apart and at
-    /// rest, so that padding lanes bear nothing without being masked.
+    /// rest, so that padding lanes bear nothing without being masked. Along a periodic axis half a period is as far as it gets.
     pub(crate) fn add_dummies(&mut self, boxes: usize) {
         let grains = self.grains();
         self.bodies.truncate(grains);
         self.spheres.truncate(grains);
         self.materials.truncate(grains);
         let body = Body { velocity: [0.0; 3], inverse_mass: 1.0, surface_speed: [0.0; 3], inverse_radius: 1.0 };
+        let (far, radius) = match self.period.length(0) {
+            length if length > 0.0 => (0.5 * length, 0.01 * length),
+            _ => (1e6, 1.0),
+        };
         for dummy in 0..boxes * DUMMIES {
             let side = (dummy / LANES % 2) as f64;
             self.bodies.push(body);
-            self.spheres.push(Sphere { centre: Vector3::new(1e6 * side, 0.0, 0.0), radius: 1.0 });
+            self.spheres.push(Sphere { centre: Vector3::new(far * side, 0.0, 0.0), radius });
             self.materials.push(0);
         }
     }
@@ -138,6 +149,18 @@ impl World {
     #[inline]
     pub(crate) fn dummies_of(&self, number: usize) -> u32 {
         (self.grains() + number * DUMMIES) as u32
+    }
+
+    /// The vector from one sphere's centre to the nearest image of another's, m.
+    #[inline]
+    pub(crate) fn arm(&self, from: usize, to: usize) -> Vector3<f64> {
+        self.period.arm(&self.spheres[from].centre, &self.spheres[to].centre)
+    }
+
+    /// Where a point lies in the domain, as far as axes are periodic, m.
+    #[inline]
+    pub(crate) fn wrapped(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.period.wrapped(point, &self.domain.0)
     }
 
     /// Number of grains.

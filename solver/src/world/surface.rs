@@ -1,7 +1,7 @@
 //! Faces of walls: where they are at a time, how fast they move, and the nearest point to a grain.
 
-use super::Sphere;
-use crate::scene::{Motion, Shape, Wall};
+use super::{Period, Sphere};
+use crate::scene::{Domain, Motion, Shape, Wall};
 use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
@@ -21,9 +21,28 @@ pub struct Surface {
 
 #[derive(Clone, Copy, Debug)]
 enum Face {
-    Plane { point: Vector, normal: Vector },
-    Disc { centre: Vector, normal: Vector, radius: f64 },
-    Shell { base: Vector, axis: Vector, radius: f64, length: f64 },
+    Plane {
+        point: Vector,
+        normal: Vector,
+    },
+    Disc {
+        centre: Vector,
+        normal: Vector,
+        radius: f64,
+    },
+    /// Its ends lie so far from the base along the axis; there are none where the axis is periodic.
+    Shell {
+        base: Vector,
+        axis: Vector,
+        radius: f64,
+        ends: [f64; 2],
+    },
+    /// A sphere seen from outside, and its images.
+    Ball {
+        centre: Vector,
+        radius: f64,
+        period: Period,
+    },
 }
 
 /// A face at a moment: its geometry and its velocity field.
@@ -36,8 +55,9 @@ pub struct Pose {
 }
 
 impl Surface {
-    /// The faces of a wall.
-    pub fn of_wall(wall: &Wall, index: u32, material: u8) -> Vec<Surface> {
+    /// The faces of a wall in a domain; along a periodic axis they repeat themselves or have no end.
+    pub fn of_wall(wall: &Wall, domain: &Domain, index: u32, material: u8) -> Vec<Surface> {
+        let period = Period::of(domain);
         let faces = match &wall.shape {
             Shape::Plane { point, normal } => {
                 vec![Face::Plane { point: Vector::from(*point), normal: Vector::from(*normal).normalize() }]
@@ -51,8 +71,14 @@ impl Surface {
                 base: Vector::from(*base),
                 axis: Vector::from(*axis).normalize(),
                 radius: *radius,
-                length: *length,
+                ends: match (0..3).any(|along| period.is_periodic(along) && axis[along] != 0.0) {
+                    true => [f64::NEG_INFINITY, f64::INFINITY],
+                    false => [0.0, *length],
+                },
             }],
+            Shape::Spheres { centres, radius } => (centres.iter())
+                .map(|centre| Face::Ball { centre: Vector::from(*centre), radius: *radius, period })
+                .collect(),
             Shape::Box { min, max, open } => {
                 let (min, max) = (Vector::from(*min), Vector::from(*max));
                 ["-x", "+x", "-y", "+y", "-z", "+z"]
@@ -146,6 +172,7 @@ fn keeps_in_place(shape: &Face, motion: &Motion) -> bool {
         Face::Plane { normal, .. } => along(normal),
         Face::Disc { centre, normal, .. } => along(normal) && on_axis(centre),
         Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
+        Face::Ball { centre, .. } => on_axis(centre),
     }
 }
 
@@ -160,7 +187,8 @@ impl Face {
         match self {
             Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
             Face::Disc { centre, normal, radius } => Face::Disc { centre: centre + by, normal, radius },
-            Face::Shell { base, axis, radius, length } => Face::Shell { base: base + by, axis, radius, length },
+            Face::Shell { base, axis, radius, ends } => Face::Shell { base: base + by, axis, radius, ends },
+            Face::Ball { centre, radius, period } => Face::Ball { centre: centre + by, radius, period },
         }
     }
 
@@ -172,9 +200,10 @@ impl Face {
             Face::Disc { centre: middle, normal, radius } => {
                 Face::Disc { centre: place(middle), normal: turn(normal), radius }
             }
-            Face::Shell { base, axis, radius, length } => {
-                Face::Shell { base: place(base), axis: turn(axis), radius, length }
+            Face::Shell { base, axis, radius, ends } => {
+                Face::Shell { base: place(base), axis: turn(axis), radius, ends }
             }
+            Face::Ball { centre: middle, radius, period } => Face::Ball { centre: place(middle), radius, period },
         }
     }
 }
@@ -194,16 +223,22 @@ impl Pose {
                 let beside = (arm - normal * height).norm_squared() > radius * radius;
                 (if beside { f64::INFINITY } else { height }, -normal)
             }
-            Face::Shell { base, axis, radius, length } => {
+            Face::Shell { base, axis, radius, ends } => {
                 let arm = centre - base;
                 let along = axis.dot(&arm);
                 let across = arm - axis * along;
                 let distance = across.norm();
                 let outward = if distance > 0.0 { across / distance } else { perpendicular(axis) };
-                let to_shell = outward * (radius - distance) + axis * (along.clamp(0.0, length) - along);
+                let to_shell = outward * (radius - distance) + axis * (along.clamp(ends[0], ends[1]) - along);
                 let gap = to_shell.norm();
                 let side = if distance <= radius { outward } else { -outward };
                 (gap, if gap > 0.0 { to_shell / gap } else { side })
+            }
+            Face::Ball { centre: middle, radius, period } => {
+                let arm = period.arm(centre, &middle);
+                let distance = arm.norm();
+                // Any direction leads out of the middle.
+                (distance - radius, if distance > 0.0 { arm / distance } else { -Vector::z() })
             }
         }
     }
@@ -214,7 +249,7 @@ impl Pose {
             Face::Plane { point, normal } | Face::Disc { centre: point, normal, .. } => {
                 normal.dot(&(centre - point)) < reach
             }
-            Face::Shell { .. } => self.nearest(centre).0 < reach,
+            Face::Shell { .. } | Face::Ball { .. } => self.nearest(centre).0 < reach,
         }
     }
 
@@ -238,7 +273,7 @@ impl Pose {
                 let beside = matches!(self.shape, Face::Disc { radius, .. } if across.norm() > radius);
                 (meets && !beside).then_some((height, -normal))
             }
-            Face::Shell { base, axis, radius, length } => {
+            Face::Shell { base, axis, radius, ends } => {
                 let arm = sphere.centre - base;
                 let (across, moved) = (arm - axis * axis.dot(&arm), shift - axis * axis.dot(&shift));
                 // From inside the far crossing with the circle of touch, from outside the near one.
@@ -252,11 +287,24 @@ impl Pose {
                 }
                 let share = (side * root.sqrt() - half) / square;
                 let along = axis.dot(&(arm + shift * share));
-                if !(0.0..=1.0).contains(&share) || !(0.0..=length).contains(&along) {
+                if !(0.0..=1.0).contains(&share) || !(ends[0]..=ends[1]).contains(&along) {
                     return None;
                 }
                 let normal = (across + moved * share) * (side / touch);
                 Some((side * radius - normal.dot(&across), normal))
+            }
+            Face::Ball { centre, radius, period } => {
+                let (arm, touch) = (period.arm(&centre, &sphere.centre), radius + reach);
+                let (square, half, beyond) =
+                    (shift.norm_squared(), arm.dot(&shift), arm.norm_squared() - touch * touch);
+                let root = half * half - square * beyond;
+                // Apart now and nearing, at touch before the step ends.
+                if root < 0.0 || beyond <= 0.0 || half >= 0.0 {
+                    return None;
+                }
+                let share = -(root.sqrt() + half) / square;
+                let normal = -(arm + shift * share) / touch;
+                (share <= 1.0).then(|| (-normal.dot(&arm) - radius, normal))
             }
         }
     }

@@ -154,7 +154,7 @@ impl Laws {
             restitution_threshold: settings.restitution_threshold,
             gravity: drawn.gravity.norm(),
         };
-        let faces = scene.wall.iter().flat_map(|wall| Surface::of_wall(wall, 0, 0)).collect();
+        let faces = scene.wall.iter().flat_map(|wall| Surface::of_wall(wall, &scene.domain, 0, 0)).collect();
         let masses = (0..drawn.grains.len()).map(|grain| drawn.mass(grain)).collect();
         Laws { drawn: drawn.clone(), scheme, faces, masses, damping_ratio: damping_ratio(drawn.restitution) }
     }

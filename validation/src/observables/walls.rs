@@ -1,6 +1,7 @@
 //! Distance of a point from the walls, wherever their motion has brought them.
 
-use makadam::scene::{Motion, Scene, Shape, Wall};
+use makadam::scene::{Domain, Motion, Scene, Shape, Wall};
+use makadam::world::Period;
 use nalgebra::{Rotation3, Unit, Vector3};
 
 /// The walls of a scene at one time, as flat and round primitives.
@@ -17,12 +18,16 @@ enum Primitive {
     Plane { point: Vector3<f64>, normal: Vector3<f64> },
     Shell { base: Vector3<f64>, axis: Vector3<f64>, radius: f64, length: f64 },
     Disc { centre: Vector3<f64>, normal: Vector3<f64>, radius: f64 },
+    Ball { centre: Vector3<f64>, radius: f64, period: Period },
 }
 
 impl PlacedWalls {
     /// The walls of a scene at `time` (s).
+    ///
+    /// The ends of a periodic axis count as walls: a frame does not have the neighbours that grains there have beyond.
     pub fn at(scene: &Scene, time: f64) -> Self {
-        Self(scene.wall.iter().flat_map(|wall| place(wall, time)).collect())
+        let walls = scene.wall.iter().flat_map(|wall| place(wall, &Period::of(&scene.domain), time));
+        Self(walls.chain(ends(&scene.domain)).collect())
     }
 
     /// Distance of a point from the nearest wall, m; infinite where there is no wall.
@@ -38,7 +43,16 @@ impl PlacedWalls {
     }
 }
 
-fn place(wall: &Wall, time: f64) -> Vec<Placed> {
+/// Both ends of every periodic axis.
+fn ends(domain: &Domain) -> impl Iterator<Item = Placed> + '_ {
+    let faces = domain.periodic.iter().flat_map(|axis| {
+        [(domain.min, 1.0), (domain.max, -1.0)]
+            .map(|(corner, sign)| Primitive::Plane { point: corner.into(), normal: Vector3::ith(axis.number(), sign) })
+    });
+    faces.map(|primitive| Placed { primitive, shift: Vector3::zeros(), turn: None })
+}
+
+fn place(wall: &Wall, period: &Period, time: f64) -> Vec<Placed> {
     let elapsed = |start: f64, stop: Option<f64>| (time.min(stop.unwrap_or(f64::INFINITY)) - start).max(0.0);
     let (mut shift, mut turn) = (Vector3::zeros(), None);
     match &wall.motion {
@@ -51,10 +65,10 @@ fn place(wall: &Wall, time: f64) -> Vec<Placed> {
             turn = Some((Vector3::from(*point), back));
         }
     }
-    primitives(&wall.shape).into_iter().map(|primitive| Placed { primitive, shift, turn }).collect()
+    primitives(&wall.shape, period).into_iter().map(|primitive| Placed { primitive, shift, turn }).collect()
 }
 
-fn primitives(shape: &Shape) -> Vec<Primitive> {
+fn primitives(shape: &Shape, period: &Period) -> Vec<Primitive> {
     match shape {
         Shape::Plane { point, normal } => {
             vec![Primitive::Plane { point: (*point).into(), normal: Vector3::from(*normal).normalize() }]
@@ -73,6 +87,9 @@ fn primitives(shape: &Shape) -> Vec<Primitive> {
             radius: *radius,
             length: *length,
         }],
+        Shape::Spheres { centres, radius } => (centres.iter())
+            .map(|centre| Primitive::Ball { centre: (*centre).into(), radius: *radius, period: *period })
+            .collect(),
         Shape::Disc { centre, normal, radius } => vec![Primitive::Disc {
             centre: (*centre).into(),
             normal: Vector3::from(*normal).normalize(),
@@ -95,6 +112,7 @@ impl Placed {
                 let past_end = (-along).max(along - length).max(0.0);
                 ((arm - axis * along).norm() - radius).hypot(past_end)
             }
+            Primitive::Ball { centre, radius, period } => period.arm(centre, &point).norm() - radius,
             Primitive::Disc { centre, normal, radius } => {
                 let arm = point - centre;
                 let height = arm.dot(normal);

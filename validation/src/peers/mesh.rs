@@ -36,6 +36,8 @@ pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64) -> Mesh {
         Shape::Cylinder { base, axis, radius, length } => {
             cylinder(Vector3::from(*base), unit(axis), *radius, *length, smallest_radius)
         }
+        // Codes that need meshes refuse these beforehand.
+        Shape::Spheres { .. } => Mesh::default(),
         Shape::Disc { centre, normal, radius } => disc(Vector3::from(*centre), unit(normal), *radius),
     }
 }
@@ -47,6 +49,7 @@ pub fn reach(domain: &Domain) -> Domain {
     Domain {
         min: std::array::from_fn(|i| grow(domain.min[i], -width[i])),
         max: std::array::from_fn(|i| grow(domain.max[i], width[i])),
+        periodic: domain.periodic.clone(),
     }
 }
 

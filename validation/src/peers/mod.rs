@@ -16,7 +16,7 @@ pub use makadam::{Makadam, frame_is_due};
 pub use yade::Yade;
 
 use crate::recording::Recording;
-use ::makadam::scene::Scene;
+use ::makadam::scene::{Scene, Shape};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -140,6 +140,12 @@ fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::sc
     }
     if grains.is_empty() {
         return refuse("it has no grains");
+    }
+    if !scene.domain.periodic.is_empty() {
+        return refuse("its domain is periodic");
+    }
+    if scene.wall.iter().any(|wall| matches!(wall.shape, Shape::Spheres { .. })) {
+        return refuse("a wall is made of spheres");
     }
     if palette::Palette::new(scene, grains).pairs().any(|(_, _, pair)| pair.twisting_friction > 0.0) {
         return refuse("its contacts resist twisting");

@@ -27,6 +27,11 @@ pub(super) fn walls(drawing: &mut Drawing, scene: &Scene, view: &View, time: f64
                     rotation(drawing, view, at(base), about, *radius, place);
                 }
             }
+            Shape::Spheres { centres, radius } => {
+                for centre in centres {
+                    drawing.circle("wall", place(flat(view, at(centre))), radius * scale);
+                }
+            }
             // Edge on, a disc is a line; face on, it coincides with the shell that it closes.
             Shape::Disc { centre, normal, radius } => {
                 let normal = Vector3::from(*normal).normalize();

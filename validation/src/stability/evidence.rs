@@ -179,7 +179,7 @@ impl<'a> Evidence<'a> {
     /// Faces of the walls at a time, with the wall's place in the scene.
     fn surfaces(&self, time: f64) -> Vec<(usize, Pose)> {
         let walls = self.scene.wall.iter().enumerate();
-        let faces = walls.flat_map(|(place, wall)| Surface::of_wall(wall, place as u32, 0));
+        let faces = walls.flat_map(|(place, wall)| Surface::of_wall(wall, &self.scene.domain, place as u32, 0));
         faces.map(|face| (face.wall as usize, face.at(time))).collect()
     }
 }

@@ -41,7 +41,7 @@ impl Sketch {
             duration,
             gravity: [0.0, 0.0, -GRAVITY],
             seed: 1,
-            domain: Domain { min: [-0.5, -0.5, -0.1], max: [0.5, 0.5, 0.9] },
+            domain: Domain { min: [-0.5, -0.5, -0.1], max: [0.5, 0.5, 0.9], periodic: Vec::new() },
             largest_start_overlap: 0.01,
             material: materials.into_iter().map(|(name, material)| (name.to_string(), material)).collect(),
             pair: Vec::new(),
@@ -111,7 +111,7 @@ impl Sketch {
 
     /// Corners of the domain, m.
     pub fn domain(self, min: [f64; 3], max: [f64; 3]) -> Sketch {
-        self.with(|scene| scene.domain = Domain { min, max })
+        self.with(|scene| (scene.domain.min, scene.domain.max) = (min, max))
     }
 
     /// Time step, s.

@@ -135,7 +135,13 @@ mod tests {
     fn the_bed_in_one_box_lies_in_one_box() {
         let scene = super::one_box().scene;
         let domain = (Vector3::from(scene.domain.min), Vector3::from(scene.domain.max));
-        let boxes = BoxGrid::new(&domain, 50, super::RADIUS, scene.solver.skin * super::RADIUS);
+        let boxes = BoxGrid::new(
+            &domain,
+            &makadam::world::Period::default(),
+            50,
+            super::RADIUS,
+            scene.solver.skin * super::RADIUS,
+        );
         assert_eq!(boxes.boxes(), 1);
     }
 }

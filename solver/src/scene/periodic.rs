@@ -1,0 +1,82 @@
+//! Whether a scene can repeat itself along the axes that its domain says.
+
+use super::check::{Checked, Place};
+use super::{Axis, Motion, Scene, Shape, Wall};
+use nalgebra::Vector3;
+
+/// Reaches of a pair of grains that a period must hold, so that no two grains meet twice and boxes at both ends have work of their
+/// own.
+const REACHES: f64 = 3.0;
+
+/// Sine of the largest angle between directions that count as parallel.
+const PARALLEL: f64 = 1e-9;
+
+/// Checks the period against the grains, and every wall.
+pub(super) fn check(scene: &Scene) -> Checked {
+    let (domain, at) = (&scene.domain, Place::default().key("domain"));
+    let of_populations = scene.population.iter().map(|population| population.radius.bounds().1);
+    let largest = of_populations.chain(scene.grain.iter().map(|grain| grain.radius)).fold(0.0, f64::max);
+    for axis in &domain.periodic {
+        let (length, number) = (domain.max[axis.number()] - domain.min[axis.number()], axis.number());
+        let least = REACHES * (largest * (2.0 + scene.solver.skin) + range_of_cohesion(scene, largest));
+        if length < least {
+            let problem = format!("{length} m along {} are too short a period for grains of this size", axis.name());
+            return Err(at.key("max").fault(problem, &format!("make the domain at least {least:.4} m long there")));
+        }
+        for (index, wall) in scene.wall.iter().enumerate() {
+            if let Some(why) = breaks(wall, *axis, [domain.min[number], domain.max[number]]) {
+                let at = Place::default().key("wall").index(index);
+                let problem = format!(
+                    "wall '{}' does not repeat itself along the periodic axis {}: {why}",
+                    wall.name,
+                    axis.name()
+                );
+                return Err(at.fault(problem, "change the wall, or take the axis out of domain.periodic"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Largest gap across which cohesion pulls, m.
+fn range_of_cohesion(scene: &Scene, largest_radius: f64) -> f64 {
+    let rules = scene.pair.iter().filter_map(|rule| rule.cohesion);
+    let ranges = scene.material.values().filter_map(|material| material.cohesion).chain(rules).map(|cohesion| {
+        let softest = scene.material.values().map(|material| material.youngs_modulus).fold(f64::INFINITY, f64::min);
+        cohesion.pull(largest_radius, 0.5 * softest).range
+    });
+    ranges.fold(0.0, f64::max)
+}
+
+/// Why a wall does not repeat itself along an axis that ends at these places; nothing if it does.
+fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
+    let along = Vector3::ith(axis.number(), 1.0);
+    let parallel = |direction: &[f64; 3]| Vector3::from(*direction).normalize().cross(&along).norm() < PARALLEL;
+    let across = |direction: &[f64; 3]| Vector3::from(*direction).normalize().dot(&along).abs() < PARALLEL;
+    let face = match &wall.shape {
+        Shape::Plane { normal, .. } => (!across(normal)).then_some("the plane is not parallel to the axis"),
+        Shape::Box { open, .. } => {
+            let closed = |sign: &str| !open.contains(&format!("{sign}{}", axis.name()));
+            (closed("-") || closed("+")).then_some("list its two faces there as open")
+        }
+        Shape::Cylinder { base, axis: own, length, .. } if parallel(own) => {
+            let far = base[axis.number()] + length * Vector3::from(*own).normalize()[axis.number()];
+            let (low, high) = (base[axis.number()].min(far), base[axis.number()].max(far));
+            let slack = PARALLEL * (ends[1] - ends[0]);
+            (low > ends[0] + slack || high < ends[1] - slack)
+                .then_some("the cylinder does not reach both ends of the domain")
+        }
+        Shape::Cylinder { .. } => Some("the cylinder is not parallel to the axis"),
+        Shape::Disc { .. } => Some("a disc has an edge"),
+        Shape::Spheres { .. } => None,
+    };
+    face.or_else(|| match (&wall.motion, &wall.shape) {
+        (Motion::Rotating { axis: turning, .. }, Shape::Plane { normal, .. }) => {
+            let own = Vector3::from(*normal).cross(&Vector3::from(*turning)).norm() < PARALLEL;
+            (!own && !parallel(turning)).then_some("it turns about another axis")
+        }
+        (Motion::Rotating { .. }, Shape::Spheres { .. }) => Some("spheres that turn about an axis"),
+        (Motion::Rotating { axis: turning, .. }, _) => (!parallel(turning)).then_some("it turns about another axis"),
+        _ => None,
+    })
+}

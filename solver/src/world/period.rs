@@ -1,0 +1,114 @@
+//! Periodic axes: space repeats itself along them, so that what leaves at one end comes in at the other.
+//!
+//! Grains keep the coordinates that they have come to, however far that is: potential energy stays what it is, and nothing jumps.
+//! Only distances and cells are taken between nearest images.
+
+use crate::lanes::Number;
+use crate::scene::Domain;
+use nalgebra::Vector3;
+
+/// Adding and taking this away rounds to the nearest whole number, ties to even, below 2^51: plain arithmetic that has the same bits
+/// on every instruction set.
+const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
+
+/// Lengths after which space repeats itself, m; zero along an axis that does not.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Period {
+    length: [f64; 3],
+    inverse: [f64; 3],
+}
+
+impl Period {
+    /// The period of a scene's domain.
+    pub fn of(domain: &Domain) -> Period {
+        let mut period = Period::default();
+        for axis in domain.periodic.iter().map(|axis| axis.number()) {
+            period.length[axis] = domain.max[axis] - domain.min[axis];
+            period.inverse[axis] = 1.0 / period.length[axis];
+        }
+        period
+    }
+
+    /// Whether an axis is periodic.
+    pub fn is_periodic(&self, axis: usize) -> bool {
+        self.length[axis] > 0.0
+    }
+
+    /// Whether any axis is.
+    pub fn any(&self) -> bool {
+        (0..3).any(|axis| self.is_periodic(axis))
+    }
+
+    /// Length along an axis, m; zero if it is not periodic.
+    pub fn length(&self, axis: usize) -> f64 {
+        self.length[axis]
+    }
+
+    /// The shortest of the vectors that lead from the images of one point to those of another, given one of them.
+    #[inline(always)]
+    pub fn shortest<N: Number>(&self, arm: [N; 3]) -> [N; 3] {
+        let rounding = N::splat(ROUNDING);
+        std::array::from_fn(|axis| {
+            let laps = (arm[axis] * N::splat(self.inverse[axis]) + rounding) - rounding;
+            arm[axis] - laps * N::splat(self.length[axis])
+        })
+    }
+
+    /// The vector from a point to the nearest image of another.
+    #[inline]
+    pub fn arm(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
+        let arm = to - from;
+        if self.any() { Vector3::from(self.shortest([arm.x, arm.y, arm.z])) } else { arm }
+    }
+
+    /// The image of a point that lies in the domain whose lower corner is `low`, as far as axes are periodic.
+    #[inline]
+    pub fn wrapped(&self, point: &Vector3<f64>, low: &Vector3<f64>) -> Vector3<f64> {
+        let mut image = *point;
+        for axis in (0..3).filter(|&axis| self.is_periodic(axis)) {
+            let (length, distance) = (self.length[axis], point[axis] - low[axis]);
+            // A distance just below zero may round up to the whole length, which is an image of zero.
+            let inside = distance - (distance * self.inverse[axis]).floor() * length;
+            image[axis] = low[axis] + if inside < length { inside.max(0.0) } else { 0.0 };
+        }
+        image
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Axis;
+
+    fn period() -> Period {
+        Period::of(&Domain { min: [-1.0, 0.0, 0.0], max: [2.0, 1.0, 5.0], periodic: vec![Axis::X, Axis::Z] })
+    }
+
+    #[test]
+    fn the_nearest_image_is_never_further_than_half_a_period() {
+        let arm = period().arm(&Vector3::new(1.9, 0.1, 4.9), &Vector3::new(-0.9, 0.9, 20.2));
+        assert!((arm - Vector3::new(0.2, 0.8, 0.3)).norm() < 1e-12, "{arm}");
+        for lap in -20..20 {
+            let [x, _, z] = period().shortest([1.4 + 3.0 * f64::from(lap), 0.7, 2.4 - 5.0 * f64::from(lap)]);
+            assert!((x - 1.4).abs() < 1e-12 && (z - 2.4).abs() < 1e-12, "{x} {z}");
+        }
+    }
+
+    #[test]
+    fn without_periodic_axes_an_arm_is_a_difference() {
+        let (a, b) = (Vector3::new(0.1, 0.2, 0.3), Vector3::new(1e3, -2e3, 0.7));
+        assert_eq!(Period::default().arm(&a, &b), b - a);
+        assert_eq!(Period::default().wrapped(&b, &a), b);
+    }
+
+    #[test]
+    fn wrapped_points_lie_in_the_domain() {
+        let low = Vector3::new(-1.0, 0.0, 0.0);
+        for x in [-1.0, 2.0, 1.999, 302.0, -1.0 - 1e-17, -301.5] {
+            let image = period().wrapped(&Vector3::new(x, 7.0, -0.1), &low);
+            assert!((-1.0..2.0).contains(&image.x), "{x} went to {}", image.x);
+            assert_eq!(image.y, 7.0);
+            assert!((image.z - 4.9).abs() < 1e-12);
+        }
+    }
+}
