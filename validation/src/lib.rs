@@ -10,6 +10,7 @@ pub mod convergence;
 pub mod effects;
 pub mod execution;
 pub mod interrupt;
+pub mod laws;
 pub mod observables;
 pub mod output;
 pub mod peers;

@@ -46,6 +46,8 @@ pub enum Command {
     Stability(StabilityArguments),
     /// Tell which effects a scene calls for, what each costs, and, with --ablate, whether it matters.
     Effects(EffectsArguments),
+    /// Measure published laws of granular matter and judge them against the published values.
+    Laws(LawsArguments),
 }
 
 /// Arguments of `makadam run`.
@@ -462,6 +464,37 @@ pub struct EffectsArguments {
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Folder to write into; results/effects/SCENE, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the study as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam laws`.
+#[derive(Debug, Args)]
+pub struct LawsArguments {
+    /// Names of laws; all laws, if absent.
+    pub names: Vec<String>,
+    /// Fewer and smaller cases: an answer in seconds, from grains that are large for their container.
+    #[arg(long)]
+    pub quick: bool,
+    /// Say which laws there are and where they were published; measure none.
+    #[arg(long)]
+    pub list: bool,
+    /// Seed of the initial positions, the first one if there are several.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Seeds of each case; figures are judged by their means.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub seeds: u16,
+    /// Measure again what an earlier start has kept.
+    #[arg(long)]
+    pub again: bool,
+    /// Runs side by side; as many as there are cores, if absent.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Folder to write into, a folder a law, and to take finished runs from; results/laws, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the study as JSON.

@@ -6,6 +6,7 @@ mod console;
 mod convergence;
 mod effects;
 mod failure;
+mod laws;
 mod qualify;
 mod record;
 mod roofline;
@@ -37,6 +38,7 @@ pub fn main() -> ExitCode {
         Command::Compare(compare) => compare::compare(compare, &console),
         Command::Convergence(convergence) => convergence::convergence(convergence, &console),
         Command::Effects(effects) => effects::effects(effects, &console),
+        Command::Laws(laws) => laws::laws(laws, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),

@@ -19,4 +19,5 @@ pub use case::{Case, Finding, Judge};
 pub use catalogue::catalogue;
 pub use evidence::Evidence;
 pub use outcome::{CaseResult, Outcome, Study, Verdict};
+pub(crate) use sketch::{GRAVITY, Sketch};
 pub use table::table;

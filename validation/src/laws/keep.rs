@@ -1,0 +1,111 @@
+//! All cases of a law over all seeds, side by side; each row is kept as soon as it is there, and taken up by the next start.
+
+use super::{Case, Law, LawError, Row, Run};
+use crate::output::{create_folder, write_whole};
+use crate::provenance::{VERSION, scene_hash};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// What is to be run.
+pub(crate) struct Plan<'a> {
+    /// Seeds of each case.
+    pub(crate) seeds: &'a [u64],
+    /// Whether rows that an earlier start has kept are measured again.
+    pub(crate) again: bool,
+    /// Folder of the law.
+    pub(crate) folder: &'a Path,
+}
+
+/// Measures every case with every seed; rows are in the order of the cases, and of the seeds within a case. `progress` is told
+/// the share that is done.
+///
+/// # Errors
+/// [`LawError`] of the first run that fails.
+pub(crate) fn carry_out(
+    law: &dyn Law,
+    cases: &[Case],
+    plan: &Plan<'_>,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Vec<Row>, LawError> {
+    create_folder(&plan.folder.join("runs"))?;
+    let runs: Vec<(&Case, u64)> =
+        cases.iter().flat_map(|case| plan.seeds.iter().map(move |&seed| (case, seed))).collect();
+    let weights: Vec<f64> = runs.iter().map(|(case, _)| work(case)).collect();
+    let total: f64 = weights.iter().sum();
+    let shares: Vec<AtomicU64> = runs.iter().map(|_| AtomicU64::new(0)).collect();
+    let one = |number: usize| -> Result<Row, LawError> {
+        let (case, seed) = runs[number];
+        let told = |share: f64| {
+            shares[number].store(share.to_bits(), Ordering::Relaxed);
+            let done = shares.iter().map(|share| f64::from_bits(share.load(Ordering::Relaxed)));
+            progress(done.zip(&weights).map(|(share, weight)| share * weight).sum::<f64>() / total);
+        };
+        let row = match kept(case, seed, plan) {
+            Some(row) => row,
+            None => measured(law, case, seed, plan, &told)?,
+        };
+        told(1.0);
+        Ok(row)
+    };
+    // The longest first, so that none is left alone at the end.
+    let mut order: Vec<usize> = (0..runs.len()).collect();
+    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
+    let rows: Result<Vec<(usize, Row)>, LawError> =
+        order.into_par_iter().with_max_len(1).map(|number| Ok((number, one(number)?))).collect();
+    let mut rows = rows?;
+    rows.sort_by_key(|(number, _)| *number);
+    Ok(rows.into_iter().map(|(_, row)| row).collect())
+}
+
+/// Grains times steps.
+fn work(case: &Case) -> f64 {
+    let grains: usize = case.scene.population.iter().map(|population| population.count).sum();
+    (grains + case.scene.grain.len()) as f64 * case.scene.duration / case.scene.solver.step
+}
+
+fn file(case: &Case, seed: u64, plan: &Plan<'_>) -> PathBuf {
+    plan.folder.join("runs").join(format!("{}-s{seed}.json", case.name))
+}
+
+/// The row of an earlier start, if it is of the same scene and version.
+fn kept(case: &Case, seed: u64, plan: &Plan<'_>) -> Option<Row> {
+    if plan.again {
+        return None;
+    }
+    let text = std::fs::read_to_string(file(case, seed, plan)).ok()?;
+    let row: Row = serde_json::from_str(&text).ok()?;
+    let same = row.scene_hash == hash(case) && row.seed == seed && row.makadam == VERSION;
+    same.then_some(row)
+}
+
+fn measured(
+    law: &dyn Law,
+    case: &Case,
+    seed: u64,
+    plan: &Plan<'_>,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Row, LawError> {
+    let start = Instant::now();
+    let mut run = Run::start(case, seed, progress)?;
+    let mut values = law.measure(case, &mut run)?;
+    values.extend(case.given.clone());
+    let row = Row {
+        case: case.name.clone(),
+        seed,
+        values,
+        scene_hash: hash(case),
+        makadam: VERSION.into(),
+        grains: run.frame().particles.len(),
+        steps: run.steps(),
+        wall_seconds: start.elapsed().as_secs_f64(),
+    };
+    let text = serde_json::to_vec_pretty(&row).expect("a row is made of numbers and plain text");
+    write_whole(&file(case, seed, plan), &text)?;
+    Ok(row)
+}
+
+fn hash(case: &Case) -> String {
+    format!("{:016x}", scene_hash(&case.scene))
+}
