@@ -22,6 +22,7 @@ pub fn called(scene: &Scene, text: &str) -> Vec<Called> {
         gravity(scene, text),
         wall_motion(scene, text),
         size_spread(scene, text),
+        periodic_axes(scene, text),
         compliance(scene, text),
         viscosity(scene, text),
         of_materials(scene, text, "restitution", "restitution", |one| one.restitution, "impacts are inelastic"),
@@ -77,6 +78,17 @@ fn wall_motion(scene: &Scene, text: &str) -> Called {
             line_of(text, &["wall", &index.to_string(), "motion"]),
         ),
         None => off("wall motion", "no wall moves"),
+    }
+}
+
+fn periodic_axes(scene: &Scene, text: &str) -> Called {
+    let axes: Vec<&str> = scene.domain.periodic.iter().map(|axis| axis.name()).collect();
+    match axes.is_empty() {
+        true => off("periodic axes", "the domain ends on all sides"),
+        false => {
+            let line = line_of(text, &["domain", "periodic"]);
+            on("periodic axes", format!("domain.periodic = {}", axes.join(", ")), line)
+        }
     }
 }
 

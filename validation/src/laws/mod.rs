@@ -9,6 +9,7 @@
 //! constant in that file and was chosen before anything was measured; only what the law leaves open is fitted.
 
 mod case;
+mod chute;
 mod collapse;
 mod fit;
 mod keep;
@@ -55,8 +56,8 @@ pub(crate) trait Law: Sync {
 }
 
 /// All laws, in the order in which they are shown.
-pub(crate) fn all() -> [&'static dyn Law; 1] {
-    [&collapse::Collapse]
+pub(crate) fn all() -> [&'static dyn Law; 2] {
+    [&collapse::Collapse, &chute::Chute]
 }
 
 /// A figure without bounds.
