@@ -8,6 +8,7 @@ partner, point (3), normal from the first grain to the partner (3), force on the
 """
 
 import json
+import math
 import os
 import sys
 import time
@@ -53,6 +54,16 @@ for index, wall in enumerate(job["walls"]):
         if motion["kind"] == "translating":
             engine = TranslationEngine(
                 translationAxis=motion["axis"], velocity=motion["rate"], ids=ids, dead=True
+            )
+        elif motion["kind"] == "vibrating":
+            # Its velocity is -A w sin(w t + fi) with the time of the run: A w cos(w (t - start)) here.
+            phase = -2 * math.pi * motion["frequency"] * motion["first"] * job["time_step"] - math.pi / 2
+            engine = HarmonicMotionEngine(
+                A=Vector3(*motion["axis"]) * motion["rate"],
+                f=Vector3(1, 1, 1) * motion["frequency"],
+                fi=Vector3(1, 1, 1) * phase,
+                ids=ids,
+                dead=True,
             )
         else:
             # The engine moves bodies along the circle itself, not along its tangent: no drift over many turns.

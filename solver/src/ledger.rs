@@ -20,6 +20,7 @@ use crate::energy::Energy;
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use crate::partition::{ContactLanes, TaskGroups};
 use crate::world::{ContactMaterial, World};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Energy (J) and momentum (kg m/s) since the ledger was opened.
@@ -42,6 +43,9 @@ pub struct Balance {
     pub first_touch: f64,
     /// Work of the walls on the grains.
     pub walls: f64,
+    /// Potential energy that grains gained where they were, because gravity changed.
+    #[serde(default)]
+    pub changing_gravity: f64,
     /// Energy at the end that is not accounted for.
     pub closure: f64,
     /// Momentum at the start.
@@ -75,6 +79,7 @@ struct Entries {
     stabilisation: f64,
     first_touch: f64,
     walls: f64,
+    changing_gravity: f64,
     gravity_impulse: [f64; 3],
     wall_impulse: [f64; 3],
 }
@@ -99,10 +104,19 @@ impl Ledger {
         self.surface_speeds.extend(world.bodies.iter().map(|body| body.surface_speed));
     }
 
+    /// Notes that gravity is no longer what it was `before` (m/s2), after a step of length `h` (s) has moved the grains.
+    pub fn change_gravity(&mut self, world: &World, before: Vector3<f64>, h: f64) {
+        let change = world.gravity - before;
+        for (sphere, body) in world.spheres[..world.grains()].iter().zip(&world.bodies) {
+            let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
+            self.entries.changing_gravity -= change.dot(&place) / body.inverse_mass;
+        }
+    }
+
     /// Notes what a step's impulses did, before the grains move.
     pub fn note(&mut self, simulation: &Simulation, scheme: &NormalScheme) {
         let Simulation { world, candidates, layout, .. } = simulation;
-        let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
+        let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.over(world.time, scheme.step)).collect();
         for body in &world.bodies[..world.grains()] {
             for axis in 0..3 {
                 self.entries.gravity_impulse[axis] += world.gravity[axis] * scheme.step / body.inverse_mass;
@@ -116,15 +130,15 @@ impl Ledger {
                     let (a, b) = (&world.spheres[i], &world.spheres[j]);
                     let normal = group.contacts.normal(lane);
                     let (first, second) = (self.passage(world, i, normal, 1.0), self.passage(world, j, normal, -1.0));
-                    let contact = normal_contact(
-                        a.radius + b.radius - world.arm(i, j).norm(),
-                        a.radius * b.radius / (a.radius + b.radius),
-                        first.inverse_mass + second.inverse_mass,
-                        world.table.between_grains(world.materials[i], world.materials[j]),
-                    );
                     let before = minus(second.before, first.before);
                     let after = minus(second.after, first.after);
                     let material = world.table.between_grains(world.materials[i], world.materials[j]);
+                    let contact = normal_contact(
+                        (a.radius + b.radius - world.arm(i, j).norm(), dot(normal, before)),
+                        a.radius * b.radius / (a.radius + b.radius),
+                        first.inverse_mass + second.inverse_mass,
+                        material,
+                    );
                     let pull = material.pull(contact.effective_radius);
                     let borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
                     self.contact(&borne, contact, pull, [before, after], scheme);
@@ -139,8 +153,10 @@ impl Ledger {
                     let velocity = std::array::from_fn(|axis| group.wall_velocity[axis].0[lane]);
                     let material =
                         world.table.with_wall(world.materials[i], world.surfaces[wall.surface as usize].material);
+                    let pose = &poses[wall.surface as usize];
+                    let approach = minus(minus(velocity, pose.gain().into()), grain.before);
                     let contact = normal_contact(
-                        sphere.radius - poses[wall.surface as usize].nearest(&sphere.centre).0,
+                        (sphere.radius - pose.nearest(&sphere.centre).0, dot(normal, approach)),
                         sphere.radius,
                         grain.inverse_mass,
                         material,
@@ -194,7 +210,8 @@ impl Ledger {
         }
     }
 
-    /// Enters one contact, given its relative velocities before and after; returns its impulse on the second side.
+    /// Enters one contact as it was at the start of the step, given its relative velocities before and after; returns its impulse
+    /// on the second side.
     fn contact(
         &mut self,
         borne: &Borne,
@@ -212,13 +229,12 @@ impl Ledger {
         let gained = later.elastic_energy(scheme.law) - stored;
         let cohesive = pull.energy(-later.overlap) - pull.energy(-contact.overlap);
         let loss = -along * dot(normal, mean) - gained - cohesive;
-        let approach = NormalContact { velocity: dot(normal, before), ..contact };
         // With the velocity that brought the two here they were apart a step ago.
-        if contact.overlap + scheme.step * approach.velocity <= 0.0 {
+        if contact.overlap + scheme.step * contact.velocity <= 0.0 {
             entries.first_touch += stored;
         }
-        let impact = approach.velocity < -scheme.restitution_threshold;
-        match impact || approach.constraint(scheme).resolves_impact {
+        let impact = contact.velocity < -scheme.restitution_threshold;
+        match impact || contact.constraint(scheme).resolves_impact {
             true => entries.restitution += loss,
             false => entries.stabilisation += loss,
         }
@@ -244,13 +260,13 @@ impl Borne {
 }
 
 fn normal_contact(
-    overlap: f64,
+    (overlap, velocity): (f64, f64),
     effective_radius: f64,
     inverse_mass: f64,
     material: &ContactMaterial,
 ) -> NormalContact<f64> {
     let ContactMaterial { effective_modulus, damping_ratio, .. } = *material;
-    NormalContact { overlap, velocity: 0.0, effective_modulus, effective_radius, inverse_mass, damping_ratio }
+    NormalContact { overlap, velocity, effective_modulus, effective_radius, inverse_mass, damping_ratio }
 }
 
 impl Simulation {
@@ -263,7 +279,7 @@ impl Simulation {
     pub fn balance(&self) -> Option<Balance> {
         let Ledger { start, momentum_start, entries, .. } = self.ledger.as_ref()?;
         let (end, momentum_end) = (self.energy_half_a_step_earlier(), self.momentum());
-        let gained = entries.walls + entries.first_touch;
+        let gained = entries.walls + entries.first_touch + entries.changing_gravity;
         let lost = entries.friction + entries.resistance + entries.restitution + entries.stabilisation;
         Some(Balance {
             start: *start,
@@ -274,6 +290,7 @@ impl Simulation {
             stabilisation: entries.stabilisation,
             first_touch: entries.first_touch,
             walls: entries.walls,
+            changing_gravity: entries.changing_gravity,
             closure: end.total() - start.total() - gained + lost,
             momentum_start: *momentum_start,
             momentum_end,

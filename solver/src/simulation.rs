@@ -204,7 +204,11 @@ impl Simulation {
             }
         });
         self.steps += 1;
-        self.world.time = self.world_time_after(self.steps);
+        let (time, gravity) = (self.world_time_after(self.steps), self.world.gravity);
+        self.world.set_time(time);
+        if let Some(ledger) = self.ledger.as_mut().filter(|_| self.world.gravity != gravity) {
+            ledger.change_gravity(&self.world, gravity, h);
+        }
     }
 
     /// Time after a number of steps: a product, so that it gathers no rounding error.

@@ -174,8 +174,8 @@ pub(crate) fn sweep_all(
     total
 }
 
-/// Velocity that residuals are measured against: g h, or 1 m/s where there is no gravity.
+/// Velocity that residuals are measured against: g h, with the largest g of the run, or 1 m/s where there is no gravity.
 pub(crate) fn residual_unit(world: &World, h: f64) -> f64 {
-    let gravity = world.gravity.norm();
+    let gravity = world.field.largest();
     if gravity > 0.0 { gravity * h } else { 1.0 }
 }

@@ -112,6 +112,8 @@ pub struct Watchdog {
     settings: Watch,
     /// Whether mechanical energy cannot come from walls.
     closed: bool,
+    /// Time of the last look, s.
+    looked_at: f64,
     /// Smallest mechanical energy so far, J: no later state may have more, its elastic energy left out.
     available: f64,
     /// Largest kinetic energy so far, J.
@@ -126,6 +128,7 @@ impl Watchdog {
         Watchdog {
             settings: settings.clone(),
             closed: !simulation.world.surfaces.iter().any(|surface| surface.moves()),
+            looked_at: simulation.world.time,
             available: f64::INFINITY,
             kinetic: 0.0,
             residual: f64::INFINITY,
@@ -192,14 +195,17 @@ impl Watchdog {
         let mechanical =
             energy.kinetic + energy.potential + cohesive + half * world.gravity.dot(&Vector3::from(momentum));
         let mass: f64 = world.bodies[..world.grains()].iter().map(|body| 1.0 / body.inverse_mass).sum();
-        let weight = world.gravity.norm() * mass;
+        let weight = world.field.largest() * mass;
         self.kinetic = self.kinetic.max(energy.kinetic);
         let scale = self.kinetic + weight * world.largest_and_mean_radius().1;
         let (share, bound) = ((mechanical - self.available) / scale, self.settings.energy);
-        let gained = self.closed && share > bound;
+        // Gravity that changes gives energy, and takes it.
+        let steady = world.field.is_constant(self.looked_at, world.time);
+        self.looked_at = world.time;
+        let gained = self.closed && steady && share > bound;
         // What was said is not said again.
         let present = mechanical + elastic;
-        self.available = if gained { present } else { self.available.min(present) };
+        self.available = if gained || !steady { present } else { self.available.min(present) };
         let fastest = || {
             let squares =
                 world.bodies[..world.grains()].iter().map(|body| body.velocity.iter().map(|v| v * v).sum::<f64>());

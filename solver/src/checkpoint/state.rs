@@ -182,7 +182,7 @@ impl State {
         simulation.steps = self.steps;
         simulation.contact_sweeps = self.contact_sweeps;
         simulation.ledger = self.ledger.clone();
-        simulation.world.time = simulation.world_time_after(self.steps);
+        simulation.world.set_time(simulation.world_time_after(self.steps));
         Ok(simulation)
     }
 

@@ -93,7 +93,7 @@ impl Kernel for FillWalls<'_> {
         for (group, sources) in self.groups.walls.iter_mut().zip(&self.groups.wall_sources) {
             // Faces differ from lane to lane, so their geometry is done one by one.
             let [mut distances, mut normal_x, mut normal_y, mut normal_z, mut radii] = far;
-            let mut wall_velocity = [Eight::default(); 3];
+            let [mut wall_velocity, mut wall_before] = [[Eight::default(); 3]; 2];
             let mut surfaces = [0; crate::lanes::LANES];
             let mut meets = 0_u8;
             for (lane, candidate) in sources.occupied() {
@@ -104,11 +104,13 @@ impl Kernel for FillWalls<'_> {
                 meets |= u8::from(met.is_some()) << lane;
                 let (gap, normal) = met.unwrap_or_else(|| pose.nearest(&sphere.centre));
                 let velocity = pose.velocity_at(&(sphere.centre + normal * gap));
+                let velocity_before = velocity - pose.gain();
                 distances.0[lane] = gap;
                 radii.0[lane] = sphere.radius;
                 (normal_x.0[lane], normal_y.0[lane], normal_z.0[lane]) = (normal.x, normal.y, normal.z);
                 for axis in 0..3 {
                     wall_velocity[axis].0[lane] = velocity[axis];
+                    wall_before[axis].0[lane] = velocity_before[axis];
                 }
                 surfaces[lane] = wall.surface;
             }
@@ -125,7 +127,7 @@ impl Kernel for FillWalls<'_> {
             });
             let geometry = NormalContact {
                 overlap: radius - distance,
-                velocity: dot(normal, minus(wall_velocity.each_ref().map(L::load), [body[0], body[1], body[2]])),
+                velocity: dot(normal, minus(wall_before.each_ref().map(L::load), [body[0], body[1], body[2]])),
                 effective_modulus: material.effective_modulus,
                 effective_radius: radius,
                 inverse_mass: body[3],

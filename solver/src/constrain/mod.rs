@@ -27,6 +27,10 @@ use touch::PackPairs;
 #[derive(Clone, Debug)]
 pub struct Constrainer {
     constants: StepConstants,
+    /// The stiffest contact that the scene can have.
+    stiffest: NormalContact<f64>,
+    /// Largest gap across which cohesion pulls, m.
+    range_of_cohesion: f64,
     effects: EffectSet,
     taken: Vec<Taken>,
     poses: Vec<Pose>,
@@ -71,10 +75,18 @@ impl Constrainer {
             restitution_threshold: settings.restitution_threshold,
             gravity: world.gravity.norm(),
         };
-        let reach = scheme.reach(&world.stiffest_contact()).max(world.range_of_cohesion());
-        let constants = StepConstants { scheme, warm_start: settings.warm_start, reach };
+        let (stiffest, range_of_cohesion) = (world.stiffest_contact(), world.range_of_cohesion());
+        let constants = StepConstants { scheme, warm_start: settings.warm_start, reach: 0.0 };
         let effects = world.table.effects();
-        Constrainer { constants, effects, taken: Vec::new(), poses: Vec::new(), steps: 0 }
+        let (taken, poses) = (Vec::new(), Vec::new());
+        Constrainer { constants, stiffest, range_of_cohesion, effects, taken, poses, steps: 0 }
+    }
+
+    /// Goes by gravity as it now is.
+    fn follow(&mut self, gravity: f64) {
+        let StepConstants { scheme, reach, .. } = &mut self.constants;
+        scheme.gravity = gravity;
+        *reach = scheme.reach(&self.stiffest).max(self.range_of_cohesion);
     }
 
     /// Lays out the contacts of a step from the state at its start; `then` is called with the groups of each task as soon
@@ -89,7 +101,8 @@ impl Constrainer {
         then: impl Fn(&TaskGroups) + Sync,
     ) {
         self.poses.clear();
-        self.poses.extend(world.surfaces.iter().map(|surface| surface.at(world.time)));
+        self.poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.constants.scheme.step)));
+        self.follow(world.gravity.norm());
         self.taken.resize(world.grains(), Taken::default());
         self.steps += 1;
         // Each candidate belongs to one task, so their impulses are written without a lock.

@@ -198,7 +198,7 @@ impl Candidates {
     fn search(&mut self, world: &World, set: InstructionSet, team: &Team) {
         let Buffers { found, poses, .. } = &mut self.buffers;
         poses.clear();
-        poses.extend(world.surfaces.iter().map(|surface| surface.at(world.time)));
+        poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.step)));
         let boxes = self.boxes.boxes();
         found.resize_with(boxes, Found::default);
         let parts = Disjoint::new(found);

@@ -6,8 +6,10 @@
 pub mod cohesion;
 pub mod compliance;
 pub mod friction;
+pub mod gravity;
 pub mod resistance;
 pub mod restitution;
+pub mod vibration;
 
 /// What a kernel is compiled with. An effect that is off leaves no instruction in it.
 pub(crate) trait Effects {

@@ -110,7 +110,10 @@ impl Bed {
         }
         let count = f64::max(count, 1.0);
         let size: [f64; 3] = std::array::from_fn(|axis| scene.domain.max[axis] - scene.domain.min[axis]);
-        let gravity = scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+        let gravity = match scene.gravity_changes.is_empty() {
+            true => scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt(),
+            false => scene.gravity_field().largest(),
+        };
         // The ground is the domain's extent across gravity.
         let down = (0..3).max_by(|&a, &b| scene.gravity[a].abs().total_cmp(&scene.gravity[b].abs())).unwrap_or(2);
         let ground = size.iter().product::<f64>() / size[down];

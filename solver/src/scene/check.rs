@@ -20,7 +20,7 @@ const MOST_DEVIATIONS: f64 = 100.0;
 pub(super) fn check(scene: &Scene) -> Checked {
     let root = Place::default();
     root.key("duration").range(scene.duration, 0.0, 1e5, "s")?;
-    root.key("gravity").finite(&scene.gravity)?;
+    gravity(scene)?;
     extent(&root.key("domain"), &scene.domain.min, &scene.domain.max)?;
     periodic::check(scene)?;
     root.key("largest_start_overlap").range(scene.largest_start_overlap, 0.0, 2.0, "smaller radii")?;
@@ -35,6 +35,25 @@ pub(super) fn check(scene: &Scene) -> Checked {
     solver(scene)?;
     watch(scene)?;
     measure(scene)
+}
+
+fn gravity(scene: &Scene) -> Checked {
+    let root = Place::default();
+    root.key("gravity").finite(&scene.gravity)?;
+    let mut before = 0.0;
+    for (index, change) in scene.gravity_changes.iter().enumerate() {
+        let at = root.key("gravity_changes").index(index);
+        at.key("gravity").finite(&change.gravity)?;
+        at.key("time").range(change.time, 0.0, 1e6, "s")?;
+        if change.time <= before {
+            let problem = format!("{} s is not after {before} s, the time before it", change.time);
+            return Err(at
+                .key("time")
+                .fault(problem, "list the changes in the order of their times, the first above 0"));
+        }
+        before = change.time;
+    }
+    Ok(())
 }
 
 fn watch(scene: &Scene) -> Checked {
@@ -136,6 +155,11 @@ fn walls(scene: &Scene) -> Checked {
                 motion.key("rate").range(*rate, -1e5, 1e5, "rad/s")?;
                 interval(&motion, *start, *stop)?;
                 motion.key("reverse").range(reverse.unwrap_or(*start), *start, 1e6, "s")?;
+            }
+            Motion::Vibrating { amplitude, frequency, start, stop } => {
+                motion.key("amplitude").finite(amplitude)?;
+                motion.key("frequency").range(*frequency, 0.0, 1e6, "Hz")?;
+                interval(&motion, *start, *stop)?;
             }
         }
     }

@@ -14,6 +14,8 @@ mod types;
 mod watch;
 
 pub use crate::effects::cohesion::Cohesion;
+use crate::effects::gravity::Field;
+pub use crate::effects::gravity::GravityChange;
 pub use accuracy::Accuracy;
 pub use error::{SceneError, line_of};
 pub use populate::{Grain, populate};
@@ -41,6 +43,9 @@ pub struct Scene {
     /// Acceleration of gravity, m/s2.
     #[serde(default = "types::earth_gravity")]
     pub gravity: [f64; 3],
+    /// Later values of gravity, straight lines between them and the start; none where it is constant.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gravity_changes: Vec<GravityChange>,
     /// Seed used where none is asked for.
     #[serde(default = "types::first_seed")]
     pub seed: u64,
@@ -153,6 +158,11 @@ impl Scene {
             material.youngs_modulus *= factor;
         }
         scene
+    }
+
+    /// Gravity over time.
+    pub fn gravity_field(&self) -> Field {
+        Field::new(self.gravity, &self.gravity_changes)
     }
 
     /// Coefficients of a contact between two materials; `wall` if the second one is a wall's.

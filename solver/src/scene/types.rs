@@ -1,6 +1,7 @@
 //! The tables of a scene file. Units are SI throughout: metres, seconds, kilograms, pascals, radians a second.
 
 use crate::effects::cohesion::Cohesion;
+use crate::effects::vibration::Vibration;
 use serde::{Deserialize, Serialize};
 
 pub(super) fn earth_gravity() -> [f64; 3] {
@@ -210,6 +211,30 @@ pub enum Motion {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         reverse: Option<f64>,
     },
+    /// A sine about where the wall is placed, between two times: see [`vibration`](crate::effects::vibration).
+    Vibrating {
+        /// Largest displacement, m.
+        amplitude: [f64; 3],
+        /// Frequency, Hz.
+        frequency: f64,
+        /// Time at which it begins, s.
+        #[serde(default)]
+        start: f64,
+        /// Time at which it ends, s, and the wall stays where it is; never, if absent.
+        stop: Option<f64>,
+    },
+}
+
+impl Motion {
+    /// The vibration, if it is one.
+    pub fn vibration(&self) -> Option<Vibration> {
+        match *self {
+            Motion::Vibrating { amplitude, frequency, start, stop } => {
+                Some(Vibration { amplitude, frequency, start, stop })
+            }
+            _ => None,
+        }
+    }
 }
 
 /// A group of grains placed on the sites of a jittered lattice, the lowest sites first.

@@ -9,6 +9,7 @@ pub use period::Period;
 pub use surface::{Pose, Surface};
 
 use crate::effects::compliance::NormalContact;
+use crate::effects::gravity::Field;
 use crate::lanes::{LANES, Quad};
 use crate::scene::{Grain, Scene};
 use crate::schedule::{Disjoint, Phase, Team};
@@ -79,8 +80,10 @@ pub struct World {
     pub surfaces: Vec<Surface>,
     /// Pair properties.
     pub table: MaterialTable,
-    /// Acceleration of gravity, m/s2.
+    /// Acceleration of gravity at the present time, m/s2.
     pub gravity: Vector3<f64>,
+    /// The same over time.
+    pub field: Field,
     /// Corners of the domain, m.
     pub domain: (Vector3<f64>, Vector3<f64>),
     /// Axes along which the domain repeats itself.
@@ -119,6 +122,7 @@ impl World {
                 .collect(),
             table,
             gravity: Vector3::from(scene.gravity),
+            field: scene.gravity_field(),
             domain: (Vector3::from(scene.domain.min), Vector3::from(scene.domain.max)),
             period: Period::of(&scene.domain),
             time: 0.0,
@@ -161,6 +165,14 @@ impl World {
     #[inline]
     pub(crate) fn wrapped(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.period.wrapped(point, &self.domain.0)
+    }
+
+    /// Sets the clock, and gravity to what it then is.
+    pub(crate) fn set_time(&mut self, time: f64) {
+        self.time = time;
+        if self.field.changes() {
+            self.gravity = self.field.at(time);
+        }
     }
 
     /// Number of grains.

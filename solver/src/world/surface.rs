@@ -50,6 +50,8 @@ enum Face {
 pub struct Pose {
     shape: Face,
     velocity: Vector,
+    /// What it has gained since the step before, by speeding up.
+    gain: Vector,
     spin: Vector,
     centre: Vector,
 }
@@ -102,10 +104,10 @@ impl Surface {
         faces.into_iter().map(surface).collect()
     }
 
-    /// The face at a time.
+    /// The face at a time, with its velocity there.
     pub fn at(&self, time: f64) -> Pose {
-        let mut pose =
-            Pose { shape: self.shape, velocity: Vector::zeros(), spin: Vector::zeros(), centre: Vector::zeros() };
+        let zero = Vector::zeros();
+        let mut pose = Pose { shape: self.shape, velocity: zero, gain: zero, spin: zero, centre: zero };
         match &self.motion {
             Motion::Fixed => {}
             Motion::Translating { velocity, start, stop } => {
@@ -128,6 +130,25 @@ impl Surface {
                     pose.centre = centre;
                 }
             }
+            Motion::Vibrating { .. } => {
+                if let Some(vibration) = self.motion.vibration() {
+                    pose.shape = self.shape.moved(vibration.displacement(time).into());
+                    pose.velocity = vibration.velocity(time).into();
+                }
+            }
+        }
+        pose
+    }
+
+    /// The face at the start of a step of length `step` (s), with the velocity that counts in it: where it vibrates, the mean
+    /// one.
+    pub(crate) fn over(&self, time: f64, step: f64) -> Pose {
+        let mut pose = self.at(time);
+        if let Some(vibration) = self.motion.vibration() {
+            pose.velocity = vibration.mean_velocity(time, time + step).into();
+            if vibration.is_smooth(time - step, time + step) {
+                pose.gain = pose.velocity - Vector::from(vibration.mean_velocity(time - step, time));
+            }
         }
         pose
     }
@@ -145,6 +166,9 @@ impl Surface {
             Motion::Translating { velocity, start, stop } => {
                 Vector::from(*velocity).norm() * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
             }
+            Motion::Vibrating { .. } => self.motion.vibration().map_or(0.0, |vibration| {
+                (Vector::from(vibration.displacement(to)) - Vector::from(vibration.displacement(from))).norm()
+            }),
             Motion::Rotating { rate, start, stop, .. } => {
                 rate.abs() * reach * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
             }
@@ -314,10 +338,15 @@ impl Pose {
         self.velocity.norm()
     }
 
-    /// Velocity of the wall at a point, m/s.
+    /// Velocity of the wall at a point, m/s; in a step that of the step.
     #[inline]
     pub fn velocity_at(&self, point: &Vector) -> Vector {
         self.velocity + self.spin.cross(&(point - self.centre))
+    }
+
+    /// What the wall's velocity has gained since the step before without a jump, m/s: no approach of what rests on it.
+    pub(crate) fn gain(&self) -> Vector {
+        self.gain
     }
 
     /// Angular velocity, rad/s.

@@ -188,6 +188,9 @@ fn build(scene: &Scene, grains: &[Grain], settings: &Settings) -> Result<Physics
     if let Some(name) = scene.material.iter().find_map(acts) {
         return refuse(format!("{name} has rolling or twisting friction, or cohesion"));
     }
+    if !scene.gravity_changes.is_empty() {
+        return refuse("its gravity changes in time".into());
+    }
     if !scene.pair.is_empty() {
         return refuse("it has rules for pairs of materials".into());
     }

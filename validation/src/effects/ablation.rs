@@ -79,6 +79,7 @@ pub fn variations(scene: &Scene) -> Vec<Variation> {
             || changed.wall != scene.wall
             || changed.population != scene.population
             || changed.solver != scene.solver
+            || changed.gravity_changes != scene.gravity_changes
         {
             all.push(Variation { effect, change, scene: changed });
         }
@@ -99,6 +100,7 @@ pub fn variations(scene: &Scene) -> Vec<Variation> {
         }
     });
     add("wall motion", "off".into(), &|scene| scene.wall.iter_mut().for_each(|wall| wall.motion = Motion::Fixed));
+    add("changing gravity", "off".into(), &|scene| scene.gravity_changes.clear());
     add("cohesion", "off".into(), &|scene| {
         scene.material.values_mut().for_each(|one| one.cohesion = None);
         scene.pair.iter_mut().for_each(|pair| pair.cohesion = None);

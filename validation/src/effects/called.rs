@@ -20,6 +20,7 @@ pub struct Called {
 pub fn called(scene: &Scene, text: &str) -> Vec<Called> {
     vec![
         gravity(scene, text),
+        changing_gravity(scene, text),
         wall_motion(scene, text),
         size_spread(scene, text),
         periodic_axes(scene, text),
@@ -64,11 +65,23 @@ fn gravity(scene: &Scene, text: &str) -> Called {
     }
 }
 
+fn changing_gravity(scene: &Scene, text: &str) -> Called {
+    match scene.gravity_changes.as_slice() {
+        [] => off("changing gravity", "gravity is constant"),
+        [.., last] => {
+            let [x, y, z] = last.gravity;
+            let why = format!("gravity = [{x}, {y}, {z}] from {} s on", last.time);
+            on("changing gravity", why, line_of(text, &["gravity_changes"]))
+        }
+    }
+}
+
 fn wall_motion(scene: &Scene, text: &str) -> Called {
     let moving = |motion: &Motion| match motion {
         Motion::Fixed => None,
         Motion::Translating { .. } => Some("translates"),
         Motion::Rotating { .. } => Some("rotates"),
+        Motion::Vibrating { .. } => Some("vibrates"),
     };
     let mut walls = scene.wall.iter().enumerate();
     match walls.find_map(|(index, wall)| Some((index, wall, moving(&wall.motion)?))) {

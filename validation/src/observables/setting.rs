@@ -25,7 +25,7 @@ pub struct Setting<'a> {
 }
 
 impl<'a> Setting<'a> {
-    /// Reads the scene; `frame` gives the mean diameter.
+    /// Reads the scene; `frame` gives the mean diameter and the time at which gravity is taken.
     pub fn new(scene: &'a Scene, frame: &Snapshot) -> Self {
         let names: Vec<&String> = scene.material.keys().collect();
         let index = |name: &String| names.iter().position(|known| *known == name).unwrap_or(0);
@@ -34,7 +34,7 @@ impl<'a> Setting<'a> {
         for population in &scene.population {
             material.resize(material.len() + population.count, index(&population.material));
         }
-        let gravity = Vector3::from(scene.gravity);
+        let gravity = scene.gravity_field().at(frame.time);
         let count = frame.particles.len().max(1) as f64;
         Self {
             scene,

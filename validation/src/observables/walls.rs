@@ -64,6 +64,10 @@ fn place(wall: &Wall, period: &Period, time: f64) -> Vec<Placed> {
             let back = Rotation3::from_axis_angle(&axis, -rate * (elapsed(*start, *stop) - 2.0 * backwards));
             turn = Some((Vector3::from(*point), back));
         }
+        Motion::Vibrating { amplitude, frequency, start, stop } => {
+            let phase = std::f64::consts::TAU * frequency * elapsed(*start, *stop);
+            shift = Vector3::from(*amplitude) * phase.sin();
+        }
     }
     primitives(&wall.shape, period).into_iter().map(|primitive| Placed { primitive, shift, turn }).collect()
 }

@@ -147,6 +147,9 @@ fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::sc
     if scene.wall.iter().any(|wall| matches!(wall.shape, Shape::Spheres { .. })) {
         return refuse("a wall is made of spheres");
     }
+    if !scene.gravity_changes.is_empty() {
+        return refuse("its gravity changes in time");
+    }
     if palette::Palette::new(scene, grains).pairs().any(|(_, _, pair)| pair.twisting_friction > 0.0) {
         return refuse("its contacts resist twisting");
     }

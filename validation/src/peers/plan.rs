@@ -19,7 +19,7 @@ pub(super) struct Plan {
     pub fine_from: u64,
 }
 
-/// A part of a wall's motion in which its velocity does not change.
+/// A part of a wall's motion that a code can be told at once: at one velocity, or a vibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotionPhase {
     /// Step at which it begins.
@@ -55,11 +55,11 @@ impl Plan {
         coarse.chain(fine).chain([self.steps]).collect()
     }
 
-    /// The phases of a wall's motion within the run, each at one velocity, in their order.
+    /// The phases of a wall's motion within the run, in their order.
     pub fn phases(&self, motion: &Motion) -> Vec<MotionPhase> {
         let (start, stop, reverse) = match motion {
             Motion::Fixed => return Vec::new(),
-            Motion::Translating { start, stop, .. } => (*start, *stop, None),
+            Motion::Translating { start, stop, .. } | Motion::Vibrating { start, stop, .. } => (*start, *stop, None),
             Motion::Rotating { start, stop, reverse, .. } => (*start, *stop, *reverse),
         };
         let step_at = |time: f64| ((time / self.time_step).round() as u64).min(self.steps);

@@ -90,9 +90,14 @@ struct WallEntry {
 #[derive(Serialize)]
 struct MotionEntry {
     kind: &'static str,
+    /// Point of the axis, m.
     point: [f64; 3],
+    /// Unit vector along the motion or the axis.
     axis: [f64; 3],
+    /// Speed (m/s), angular velocity (rad/s), or largest displacement (m).
     rate: f64,
+    /// Frequency, Hz, of a vibration.
+    frequency: f64,
     first: u64,
     last: u64,
 }
@@ -276,13 +281,18 @@ fn job_file<'a>(
 }
 
 fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<MotionEntry> {
-    let (kind, point, direction, rate) = match motion {
+    let size = |vector: &[f64; 3]| Vector3::from(*vector).norm();
+    let (kind, point, direction, rate, frequency) = match motion {
         Motion::Fixed => return None,
-        Motion::Translating { velocity, .. } => ("translating", [0.0; 3], *velocity, Vector3::from(*velocity).norm()),
-        Motion::Rotating { point, axis, rate, .. } => ("rotating", *point, *axis, *rate),
+        Motion::Translating { velocity, .. } => ("translating", [0.0; 3], *velocity, size(velocity), 0.0),
+        Motion::Rotating { point, axis, rate, .. } => ("rotating", *point, *axis, *rate, 0.0),
+        Motion::Vibrating { amplitude, frequency, .. } => {
+            ("vibrating", [0.0; 3], *amplitude, size(amplitude), *frequency)
+        }
     };
     let axis = Vector3::from(direction).try_normalize(0.0)?.into();
-    Some(MotionEntry { kind, point, axis, rate: phase.direction * rate, first: phase.first, last: phase.last })
+    let rate = phase.direction * rate;
+    Some(MotionEntry { kind, point, axis, rate, frequency, first: phase.first, last: phase.last })
 }
 
 /// Reads the driver's frames; any bytes are either frames or an error.

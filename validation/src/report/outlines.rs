@@ -50,7 +50,7 @@ fn displacement(motion: &Motion, time: f64) -> Vector3<f64> {
             let end = stop.unwrap_or(f64::INFINITY).min(time);
             Vector3::from(*velocity) * (end - start).max(0.0)
         }
-        _ => Vector3::zeros(),
+        _ => motion.vibration().map_or_else(Vector3::zeros, |vibration| vibration.displacement(time).into()),
     }
 }
 

@@ -40,6 +40,7 @@ impl Sketch {
             description: "A hard case of makadam stability.".into(),
             duration,
             gravity: [0.0, 0.0, -GRAVITY],
+            gravity_changes: Vec::new(),
             seed: 1,
             domain: Domain { min: [-0.5, -0.5, -0.1], max: [0.5, 0.5, 0.9], periodic: Vec::new() },
             largest_start_overlap: 0.01,

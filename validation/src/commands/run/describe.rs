@@ -83,11 +83,15 @@ fn ledger(balance: &Balance) -> String {
         0.0 => String::new(),
         lost => format!(", resistance to turning {lost:.4e} J"),
     };
+    let changes = match balance.changing_gravity {
+        0.0 => String::new(),
+        gained => format!(", changing gravity {gained:.4e}"),
+    };
     let size = |vector: [f64; 3]| vector.iter().map(|component| component * component).sum::<f64>().sqrt();
     format!(
         "energy           {} J\n\
          lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J{resistance}\n\
-         gained from      walls {:.4e}, overlap at first touch {:.4e} J; left open {:.2e} J\n\
+         gained from      walls {:.4e}, overlap at first touch {:.4e}{changes} J; left open {:.2e} J\n\
          momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; left open {:.2e} kg m/s\n",
         states.join(", "),
         balance.friction,

@@ -227,6 +227,14 @@ fn start_motion(text: &mut String, wall: usize, motion: &Motion, direction: f64)
                  axis {a:.17e} {b:.17e} {c:.17e} period {period:.17e}"
             )
         }
+        Motion::Vibrating { amplitude: [x, y, z], frequency, .. } => {
+            let period = 1.0 / frequency.max(1e-12);
+            writeln!(
+                text,
+                "fix move{wall} all move/mesh mesh wall{wall} wiggle amplitude {x:.17e} {y:.17e} {z:.17e} \
+                 period {period:.17e}"
+            )
+        }
     };
 }
 

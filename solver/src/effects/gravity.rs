@@ -1,0 +1,70 @@
+//! Gravity that changes in time: straight between given moments, constant after the last.
+//!
+//! ```text
+//! g(t) = g_i + (g_(i+1) - g_i) (t - t_i) / (t_(i+1) - t_i)          t_i <= t <= t_(i+1), with t_0 = 0
+//! ```
+//!
+//! A step takes gravity as it is at the step's start. Whatever compares with `g h` - reach of contacts, fall of a step - goes by
+//! that; residuals, which a field that passes through zero would leave without a measure, and the scale of energies go by the
+//! largest `|g|` of the run.
+//!
+//! Potential energy is `-m g(t) x`. So a change of the field gives or takes energy at rest, `-m x` times the change of g, which
+//! the ledger enters by itself; x is the place half a step earlier there, as in all its potential energies.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// A moment of gravity that changes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GravityChange {
+    /// Time, s.
+    pub time: f64,
+    /// Acceleration of gravity from then on, up to the next one, m/s2.
+    pub gravity: [f64; 3],
+}
+
+/// Gravity over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    start: Vector3<f64>,
+    changes: Vec<GravityChange>,
+}
+
+impl Field {
+    /// The field of a start at time 0 (m/s2) and of changes in the order of their times, which are above 0.
+    pub fn new(start: [f64; 3], changes: &[GravityChange]) -> Field {
+        Field { start: start.into(), changes: changes.to_vec() }
+    }
+
+    /// Gravity at a time (s), m/s2.
+    pub fn at(&self, time: f64) -> Vector3<f64> {
+        let (mut since, mut gravity) = (0.0, self.start);
+        for change in &self.changes {
+            let next = Vector3::from(change.gravity);
+            if time < change.time {
+                return gravity + (next - gravity) * ((time - since) / (change.time - since)).max(0.0);
+            }
+            (since, gravity) = (change.time, next);
+        }
+        gravity
+    }
+
+    /// Largest magnitude at any time, m/s2: straight lines have theirs at an end.
+    pub fn largest(&self) -> f64 {
+        self.changes.iter().map(|change| Vector3::from(change.gravity).norm()).fold(self.start.norm(), f64::max)
+    }
+
+    /// Whether it ever changes.
+    pub fn changes(&self) -> bool {
+        !self.changes.is_empty()
+    }
+
+    /// Whether it is the same from one time (s) to another.
+    pub fn is_constant(&self, from: f64, to: f64) -> bool {
+        let between = self.changes.iter().filter(|change| change.time > from && change.time < to);
+        let mut values = between.map(|change| change.gravity.into()).chain([self.at(to)]);
+        let first = self.at(from);
+        values.all(|value| value == first)
+    }
+}
