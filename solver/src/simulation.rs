@@ -62,8 +62,10 @@ impl Simulation {
     /// Places the scene's grains and makes ready for the first step.
     ///
     /// # Errors
-    /// [`SceneError`] if the grains do not fit their container or overlap.
+    /// [`SceneError`] if the grains do not fit their container or overlap, or if restitution falls with the speed of impacts that the
+    /// step resolves.
     pub fn new(scene: &Scene, seed: u64, file: &Path) -> Result<Simulation, SceneError> {
+        scene.refuse_resolved_impacts(file)?;
         let grains = populate(scene, seed, file)?;
         Ok(Simulation::of_world(scene, World::new(scene, &grains)))
     }
@@ -151,18 +153,28 @@ impl Simulation {
         clock.lap(&mut self.phases.constrain);
     }
 
-    /// Keeps the velocities at the start of a step of length `h` (s), then lets gravity act on the grains.
+    /// Keeps the velocities, and spins where they are asked for, at the start of a step of length `h` (s), then lets gravity act on the grains.
     pub(crate) fn apply_gravity(&mut self, h: f64, team: &Team) {
         let change = self.world.gravity * h;
+        let spins = self.relaxation.effects.kinetic_friction;
         let (grains, count) = (self.world.grains(), self.world.bodies.len());
-        let World { bodies, before, .. } = &mut self.world;
+        let World { bodies, before, spins_before, .. } = &mut self.world;
         before.resize(count, Quad::default());
-        let (bodies, before) = (Disjoint::new(bodies), Disjoint::new(before));
+        spins_before.resize(if spins { count } else { 0 }, Quad::default());
+        let (bodies, before, spins_before) =
+            (Disjoint::new(bodies), Disjoint::new(before), Disjoint::new(spins_before));
         team.each(Phase::Integrate, chunks(count), |number| {
             let places = chunk(number, count);
             let falling = places.start..places.end.min(grains).max(places.start);
             // SAFETY: chunks do not overlap.
-            let (bodies, before) = unsafe { (bodies.range(places.clone()), before.range(places)) };
+            let (bodies, before) = unsafe { (bodies.range(places.clone()), before.range(places.clone())) };
+            if spins {
+                // SAFETY: as above.
+                for (body, spin) in bodies.iter().zip(unsafe { spins_before.range(places) }) {
+                    let [x, y, z] = body.surface_speed;
+                    *spin = Quad([x, y, z, 0.0]);
+                }
+            }
             for (body, before) in bodies.iter().zip(before) {
                 let [x, y, z] = body.velocity;
                 *before = Quad([x, y, z, body.inverse_mass]);

@@ -178,6 +178,8 @@ fn a_kernel_with_resistance_that_no_contact_has_gives_the_bits_of_one_without() 
                 between: ["bystander".into(), "bystander".into()],
                 friction: None,
                 restitution: None,
+                kinetic_friction: None,
+                restitution_speed: None,
                 rolling_friction: None,
                 twisting_friction: None,
                 cohesion: None,

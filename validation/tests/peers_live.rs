@@ -255,6 +255,30 @@ fn every_grain_of_a_small_packing_is_in_balance() {
     });
 }
 
+#[test]
+fn a_grain_follows_a_plate_that_vibrates_below_g() {
+    let rate = std::f64::consts::TAU * 10.0;
+    let amplitude = 0.5 * GRAVITY / (rate * rate);
+    let (start, stop) = (0.02, 0.245);
+    let shape = "kind = 'disc', centre = [0.0, 0.0, 0.0], normal = [0, 0, 1], radius = 0.05";
+    let motion = format!(
+        "kind = 'vibrating', amplitude = [0, 0, {amplitude}], frequency = 10.0, start = {start}, stop = {stop}"
+    );
+    // Off the seams of the plate's facets.
+    let body = wall("grain", shape, &motion) + &grain([0.017, 0.011, RADIUS], [0.0; 3]);
+    in_each(&scene(GRAVITY, 0.4, 0.005, &body), 0.05, |code, recording| {
+        let stiffness = 4.0 / 3.0 * 1e7 / (2.0 * (1.0 - 0.09)) * RADIUS.sqrt();
+        let overlap = (mass() * GRAVITY / stiffness).powf(2.0 / 3.0);
+        // The start throws it up; by then it has come back. The stop, two and a quarter periods on, is a turning point.
+        for frame in recording.frames.iter().filter(|frame| frame.time > 0.15) {
+            let plate = amplitude * (rate * (frame.time.min(stop) - start)).sin();
+            let depth = RADIUS + plate - frame.particles[0].position[2];
+            close(code, &format!("depth at {} s", frame.time), depth, overlap, overlap);
+        }
+        close(code, "speed at the end", velocity(recording.frames.last().unwrap(), 0).z, 0.0, 1e-4);
+    });
+}
+
 /// A scene with a coefficient of rolling friction, and three quarters of it on walls: what YADE can express.
 fn rolling(scene: &Scene, coefficient: f64) -> Scene {
     let mut scene = scene.clone();

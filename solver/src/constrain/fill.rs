@@ -1,9 +1,10 @@
 //! Constraint data of eight contacts at a time.
 
-use super::{Given, LaneMaterial, write_contacts};
+use super::coefficients::{LaneMaterial, OnSurfaces};
+use super::{Given, write_contacts};
 use crate::detect::Impulse;
 use crate::effects::compliance::NormalContact;
-use crate::effects::restitution::impact_on_the_way;
+use crate::effects::restitution::{at_speed, impact_on_the_way};
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch_places, times};
 use crate::partition::TaskGroups;
 use crate::schedule::Disjoint;
@@ -52,16 +53,25 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
             let upward = [L::zero(), L::zero(), L::splat(1.0)];
             let along = times(arm, L::splat(1.0) / distance);
             let normal = std::array::from_fn(|axis| L::select(one_centre, upward[axis], along[axis]));
-            let material = match self.given.material {
+            let mut material = match self.given.material {
                 Some(material) => LaneMaterial::of_all(material),
                 None => LaneMaterial::of_each(|lane| {
                     let number = |place: u32| world.materials[place as usize];
                     world.table.between_grains(number(group.first[lane]), number(group.second[lane]))
                 }),
             };
+            let velocity = minus([b[0], b[1], b[2]], [a[0], a[1], a[2]]);
+            if self.given.effects.falling_restitution {
+                material.at_speed(self.given, group, dot(normal, velocity));
+            }
+            if self.given.effects.kinetic_friction {
+                // SAFETY: lanes name grains or dummies.
+                let spin = unsafe { self.given.spins_of_pairs(group) };
+                material.while_sliding(self.given, group, normal, velocity, spin);
+            }
             let geometry = NormalContact {
                 overlap: radius + to_radius - distance,
-                velocity: dot(normal, minus([b[0], b[1], b[2]], [a[0], a[1], a[2]])),
+                velocity: dot(normal, velocity),
                 effective_modulus: material.effective_modulus,
                 effective_radius: radius * to_radius / (radius + to_radius),
                 inverse_mass: a[3] + b[3],
@@ -121,13 +131,22 @@ impl Kernel for FillWalls<'_> {
             };
             let normal = [&normal_x, &normal_y, &normal_z].map(L::load);
             let (distance, radius) = (L::load(&distances), L::load(&radii));
-            let material = LaneMaterial::of_each(|lane| {
+            let mut material = LaneMaterial::of_each(|lane| {
                 let grain = world.materials[group.body[lane] as usize];
                 world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material)
             });
+            let velocity = minus(wall_before.each_ref().map(L::load), [body[0], body[1], body[2]]);
+            if self.given.effects.falling_restitution {
+                material.at_speed(self.given, &OnSurfaces(group, &surfaces), dot(normal, velocity));
+            }
+            if self.given.effects.kinetic_friction {
+                // SAFETY: lanes name grains or dummies.
+                let spin = unsafe { self.given.spins_at_walls(group) };
+                material.while_sliding(self.given, &OnSurfaces(group, &surfaces), normal, velocity, spin);
+            }
             let geometry = NormalContact {
                 overlap: radius - distance,
-                velocity: dot(normal, minus(wall_before.each_ref().map(L::load), [body[0], body[1], body[2]])),
+                velocity: dot(normal, velocity),
                 effective_modulus: material.effective_modulus,
                 effective_radius: radius,
                 inverse_mass: body[3],
@@ -141,8 +160,8 @@ impl Kernel for FillWalls<'_> {
                 let wall = Vector3::from([0, 1, 2].map(|axis| wall_velocity[axis].0[lane]));
                 let velocity = towards.dot(&(wall - Vector3::new(u, v, w)));
                 let grain = world.materials[group.body[lane] as usize];
-                let restitution =
-                    world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material).restitution;
+                let material = world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material);
+                let restitution = at_speed(material.restitution, material.restitution_speed, -velocity);
                 let gap = distances.0[lane] - radii.0[lane];
                 group.contacts.bias.0[lane] = impact_on_the_way(&constants.scheme, gap, velocity, restitution);
                 group.contacts.regularisation.0[lane] = 0.0;

@@ -3,6 +3,7 @@
 //! A task goes through its candidates eight at a time and packs those that touch into lane groups, by place only; then
 //! it fills the groups, eight contacts at a time, from the bodies and from the impulses of the last step.
 
+mod coefficients;
 mod fill;
 mod pulls;
 mod torques;
@@ -10,13 +11,15 @@ mod touch;
 
 use crate::detect::{AngularImpulse, Candidates, Impulse, WallCandidate};
 use crate::effects::compliance::{NormalContact, NormalScheme};
+use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
-use crate::lanes::{Eight, InstructionSet, LANES, Lanes, Number};
+use crate::lanes::{InstructionSet, Lanes, Number};
 use crate::partition::{Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups};
 use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{ContactMaterial, Pose, World};
+use coefficients::LaneMaterial;
 use fill::{FillPairs, FillWalls};
 use nalgebra::Vector3;
 use std::marker::PhantomData;
@@ -44,6 +47,8 @@ struct StepConstants {
     warm_start: f64,
     /// Gap up to which a contact may still matter in a step, m.
     reach: f64,
+    /// Sliding faster than this at the start of a step, a contact has its kinetic friction, m/s.
+    slip_speed: f64,
 }
 
 /// What the tasks of a step read.
@@ -76,7 +81,8 @@ impl Constrainer {
             gravity: world.gravity.norm(),
         };
         let (stiffest, range_of_cohesion) = (world.stiffest_contact(), world.range_of_cohesion());
-        let constants = StepConstants { scheme, warm_start: settings.warm_start, reach: 0.0 };
+        let slip_speed = slip_speed(world.field.largest(), settings.step);
+        let constants = StepConstants { scheme, warm_start: settings.warm_start, reach: 0.0, slip_speed };
         let effects = world.table.effects();
         let (taken, poses) = (Vec::new(), Vec::new());
         Constrainer { constants, stiffest, range_of_cohesion, effects, taken, poses, steps: 0 }
@@ -212,39 +218,6 @@ impl Given<'_> {
                 let effects = PhantomData::<E>;
                 set.run(FillTorques { given: self, groups, pairs, walls, effects })
             });
-        }
-    }
-}
-
-/// Restitution, friction and the rest for eight contacts.
-struct LaneMaterial<L> {
-    effective_modulus: L,
-    damping_ratio: L,
-    restitution: L,
-    friction: L,
-}
-
-impl<L: Lanes> LaneMaterial<L> {
-    #[inline(always)]
-    fn of_all(material: &ContactMaterial) -> Self {
-        Self {
-            effective_modulus: L::splat(material.effective_modulus),
-            damping_ratio: L::splat(material.damping_ratio),
-            restitution: L::splat(material.restitution),
-            friction: L::splat(material.friction),
-        }
-    }
-
-    #[inline(always)]
-    fn of_each<'a>(material: impl Fn(usize) -> &'a ContactMaterial) -> Self {
-        let lanes = |property: fn(&ContactMaterial) -> f64| {
-            L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
-        };
-        Self {
-            effective_modulus: lanes(|material| material.effective_modulus),
-            damping_ratio: lanes(|material| material.damping_ratio),
-            restitution: lanes(|material| material.restitution),
-            friction: lanes(|material| material.friction),
         }
     }
 }

@@ -56,17 +56,30 @@ pub struct EffectSet {
     pub twisting: bool,
     /// Some contact pulls. Sweeps know nothing of it.
     pub cohesion: bool,
+    /// Some contact has a restitution that falls with the speed of impact. Sweeps know nothing of it.
+    pub falling_restitution: bool,
+    /// Some contact has less friction while it slides. Sweeps know nothing of it.
+    pub kinetic_friction: bool,
 }
 
 impl EffectSet {
     /// Every choice that a kernel is compiled for.
     pub const COMPILED: [EffectSet; 5] = [
-        EffectSet { friction: false, rolling: false, twisting: false, cohesion: false },
-        EffectSet { friction: true, rolling: false, twisting: false, cohesion: false },
-        EffectSet { friction: true, rolling: true, twisting: false, cohesion: false },
-        EffectSet { friction: true, rolling: false, twisting: true, cohesion: false },
-        EffectSet { friction: true, rolling: true, twisting: true, cohesion: false },
+        EffectSet::NONE,
+        EffectSet { friction: true, ..EffectSet::NONE },
+        EffectSet { friction: true, rolling: true, ..EffectSet::NONE },
+        EffectSet { friction: true, twisting: true, ..EffectSet::NONE },
+        EffectSet { friction: true, rolling: true, twisting: true, ..EffectSet::NONE },
     ];
+
+    const NONE: EffectSet = EffectSet {
+        friction: false,
+        rolling: false,
+        twisting: false,
+        cohesion: false,
+        falling_restitution: false,
+        kinetic_friction: false,
+    };
 
     /// Whether contacts bear torques.
     pub fn torques(&self) -> bool {
@@ -75,7 +88,8 @@ impl EffectSet {
 
     /// The kernel that is run for it: grains that resist turning carry their spin, as with friction.
     pub fn compiled(&self) -> EffectSet {
-        EffectSet { friction: self.friction || self.torques(), cohesion: false, ..*self }
+        let EffectSet { rolling, twisting, .. } = *self;
+        EffectSet { friction: self.friction || self.torques(), rolling, twisting, ..EffectSet::NONE }
     }
 
     /// Its effects in words.

@@ -5,6 +5,18 @@
 //! keeps its compliance. Below the threshold a contact is a resting one. A compliant contact whose impact the step resolves
 //! needs none of this: its damping gives the restitution. Where the step does not resolve it, the impact is over within the
 //! step, so it is as stiff as a rigid one.
+//!
+//! Grains that yield give back less the faster they meet: `e ~ v^(-1/4)` (Johnson, Contact Mechanics, 1985, 11.4, for spheres that
+//! are plastic in the main). With a speed `v_y` up to which restitution is the material's,
+//!
+//! ```text
+//! e(v) = e                        v <= v_y
+//! e(v) = e (v_y / v)^(1/4)        v >  v_y
+//! ```
+//!
+//! with v the speed of approach along the normal at the start of the step. This goes with impacts that are over within a step.
+//! Where the step resolves a compliant impact, its damping gives the restitution, the same at any speed: the speed with which
+//! an impact began is not known any more in its later steps. Scenes that ask for both are refused.
 
 use super::compliance::{NormalConstraint, NormalScheme};
 use crate::lanes::Number;
@@ -55,6 +67,13 @@ pub fn with_restitution<N: Number>(
 pub fn impact_on_the_way(scheme: &NormalScheme, gap: f64, velocity: f64, restitution: f64) -> f64 {
     let rebound = -restitution * velocity;
     if rebound > scheme.restitution_threshold { rebound } else { -gap / scheme.step }
+}
+
+/// Restitution of an impact at a speed (m/s): the material's up to the `limit`, beyond it falling as the fourth root. Two square
+/// roots, which are rounded alike everywhere.
+#[inline(always)]
+pub fn at_speed<N: Number>(restitution: N, limit: N, speed: N) -> N {
+    N::select(limit.below(speed), restitution * (limit / speed).sqrt().sqrt(), restitution)
 }
 
 /// Whether a contact may bear something in this step.

@@ -75,6 +75,8 @@ fn materials(scene: &Scene) -> Checked {
         at.key("poisson_ratio").range(material.poisson_ratio, 0.0, 0.4999, "(no unit)")?;
         at.key("friction").range(material.friction, 0.0, 1e9, "(no unit)")?;
         at.key("restitution").range(material.restitution, 0.0, 1.0, "(no unit)")?;
+        kinetic_friction(&at, material.kinetic_friction, material.friction)?;
+        at.key("restitution_speed").range(material.restitution_speed.unwrap_or(1.0), 1e-6, 1e6, "m/s")?;
         at.key("rolling_friction").range(material.rolling_friction, 0.0, 1e9, "(no unit)")?;
         at.key("twisting_friction").range(material.twisting_friction, 0.0, 1e9, "(no unit)")?;
         cohesion(&at.key("cohesion"), material.cohesion)?;
@@ -86,11 +88,30 @@ fn materials(scene: &Scene) -> Checked {
         }
         at.key("friction").range(rule.friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
         at.key("restitution").range(rule.restitution.unwrap_or(0.0), 0.0, 1.0, "(no unit)")?;
+        let [a, b] = &rule.between;
+        kinetic_friction(&at, rule.kinetic_friction, least_friction(scene, a, b))?;
+        at.key("restitution_speed").range(rule.restitution_speed.unwrap_or(1.0), 1e-6, 1e6, "m/s")?;
         at.key("rolling_friction").range(rule.rolling_friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
         at.key("twisting_friction").range(rule.twisting_friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
         cohesion(&at.key("cohesion"), rule.cohesion)?;
     }
     Ok(())
+}
+
+/// Friction of two materials, the smaller one where both are of walls.
+fn least_friction(scene: &Scene, first: &str, second: &str) -> f64 {
+    let of_walls = |name: &str| scene.wall.iter().any(|wall| wall.material == name);
+    let friction = |a: &str, b: &str, wall: bool| scene.contact_coefficients(a, b, wall).friction;
+    match (of_walls(first), of_walls(second)) {
+        (true, true) => friction(second, first, true).min(friction(first, second, true)),
+        (true, false) => friction(second, first, true),
+        (false, wall) => friction(first, second, wall),
+    }
+}
+
+/// A contact that slides has no more friction than one that sticks.
+fn kinetic_friction(at: &Place, kinetic: Option<f64>, friction: f64) -> Checked {
+    at.key("kinetic_friction").range(kinetic.unwrap_or(0.0), 0.0, friction, "(no unit), the friction of what sticks")
 }
 
 fn cohesion(at: &Place, cohesion: Option<Cohesion>) -> Checked {

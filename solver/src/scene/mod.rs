@@ -7,6 +7,7 @@
 mod accuracy;
 mod check;
 mod error;
+mod impacts;
 mod periodic;
 mod populate;
 mod settings;
@@ -93,8 +94,12 @@ pub struct Scene {
 pub struct ContactCoefficients {
     /// Coulomb friction.
     pub friction: f64,
+    /// Coulomb friction while it slides.
+    pub kinetic_friction: f64,
     /// Restitution, 0 to 1.
     pub restitution: f64,
+    /// Speed of impact beyond which restitution falls, m/s; infinite where it does not.
+    pub restitution_speed: f64,
     /// Rolling friction, over the effective radius.
     pub rolling_friction: f64,
     /// Twisting friction, over the effective radius.
@@ -179,9 +184,17 @@ impl Scene {
         let decided = |of: fn(&PairRule) -> Option<f64>| rule.and_then(of);
         let both = a.cohesion.zip(b.cohesion).map(|(one, other)| one.weaker(other));
         let cohesion = if wall { b.cohesion } else { both };
+        let friction = decided(|rule| rule.friction).unwrap_or(common(|one| one.friction));
+        // A rule's friction alone is that of both.
+        let kinetic = decided(|rule| rule.kinetic_friction.or(rule.friction));
         ContactCoefficients {
-            friction: decided(|rule| rule.friction).unwrap_or(common(|one| one.friction)),
+            friction,
+            kinetic_friction: kinetic
+                .unwrap_or(common(|one| one.kinetic_friction.unwrap_or(one.friction)))
+                .min(friction),
             restitution: decided(|rule| rule.restitution).unwrap_or(common(|one| one.restitution)),
+            restitution_speed: decided(|rule| rule.restitution_speed)
+                .unwrap_or(common(|one| one.restitution_speed.unwrap_or(f64::INFINITY))),
             rolling_friction: decided(|rule| rule.rolling_friction).unwrap_or(common(|one| one.rolling_friction)),
             twisting_friction: decided(|rule| rule.twisting_friction).unwrap_or(common(|one| one.twisting_friction)),
             cohesion: rule.and_then(|rule| rule.cohesion).or(cohesion),

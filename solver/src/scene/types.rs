@@ -79,6 +79,13 @@ pub struct Material {
     pub friction: f64,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: f64,
+    /// Coulomb friction coefficient of a contact that slides, no more than `friction`; the same, if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kinetic_friction: Option<f64>,
+    /// Speed of impact up to which restitution is `restitution`, m/s; beyond it falls as the fourth root. It never falls, if
+    /// absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub restitution_speed: Option<f64>,
     /// Coefficient of rolling friction: the torque against rolling is at most this times the effective radius times the normal
     /// force, with the effective radius `r_a r_b / (r_a + r_b)`, that of the grain at a wall.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -101,6 +108,12 @@ pub struct PairRule {
     pub friction: Option<f64>,
     /// Coefficient of restitution of the pair.
     pub restitution: Option<f64>,
+    /// Coulomb friction coefficient of the pair while it slides. Where a rule gives `friction` alone, that holds for both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kinetic_friction: Option<f64>,
+    /// Speed of impact up to which the restitution of the pair does not fall, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub restitution_speed: Option<f64>,
     /// Coefficient of rolling friction of the pair.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rolling_friction: Option<f64>,

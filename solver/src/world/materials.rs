@@ -10,8 +10,12 @@ use crate::scene::{ContactCoefficients, Scene};
 pub struct ContactMaterial {
     /// Coulomb friction coefficient.
     pub friction: f64,
+    /// The same while the contact slides; no more than `friction`.
+    pub kinetic_friction: f64,
     /// Coefficient of restitution.
     pub restitution: f64,
+    /// Speed of impact beyond which restitution falls, m/s; infinite where it does not.
+    pub restitution_speed: f64,
     /// Share of critical damping that gives this restitution.
     pub damping_ratio: f64,
     /// Coefficient of rolling friction, over the effective radius.
@@ -52,11 +56,20 @@ impl MaterialTable {
                         (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus
                     };
                     let effective_modulus = 1.0 / (softness(first) + softness(second));
-                    let ContactCoefficients { friction, restitution, rolling_friction, twisting_friction, cohesion } =
-                        coefficients;
+                    let ContactCoefficients {
+                        friction,
+                        kinetic_friction,
+                        restitution,
+                        restitution_speed,
+                        rolling_friction,
+                        twisting_friction,
+                        cohesion,
+                    } = coefficients;
                     table.push(ContactMaterial {
                         friction,
+                        kinetic_friction,
                         restitution,
+                        restitution_speed,
                         damping_ratio: damping_ratio(restitution),
                         rolling_friction,
                         twisting_friction,
@@ -108,6 +121,8 @@ impl MaterialTable {
             rolling: any(|pair| pair.rolling_friction),
             twisting: any(|pair| pair.twisting_friction),
             cohesion: any(|pair| pair.pull(1.0).force),
+            falling_restitution: any(|pair| f64::from(pair.restitution_speed.is_finite())),
+            kinetic_friction: any(|pair| pair.friction - pair.kinetic_friction),
         }
     }
 }

@@ -76,6 +76,8 @@ pub struct World {
     pub ids: Vec<u32>,
     /// Velocity and inverse mass of every body at the start of the step; between steps, room to reorder grains in.
     pub(crate) before: Vec<Quad>,
+    /// Surface speed of every body at the start of the step, where friction goes by how contacts slide.
+    pub(crate) spins_before: Vec<Quad>,
     /// Faces of the scene's walls.
     pub surfaces: Vec<Surface>,
     /// Pair properties.
@@ -112,6 +114,7 @@ impl World {
             materials: grains.iter().map(|grain| table.number(&grain.material)).collect(),
             ids: (0..grains.len() as u32).collect(),
             before: Vec::new(),
+            spins_before: Vec::new(),
             surfaces: scene
                 .wall
                 .iter()
@@ -208,7 +211,7 @@ impl World {
             + self.spheres.capacity() * size_of::<Sphere>()
             + self.materials.capacity()
             + self.ids.capacity() * size_of::<u32>()
-            + self.before.capacity() * size_of::<Quad>()
+            + (self.before.capacity() + self.spins_before.capacity()) * size_of::<Quad>()
     }
 
     /// Largest and mean radius, m; (0, 0) in an empty world.

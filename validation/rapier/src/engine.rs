@@ -183,10 +183,11 @@ fn build(scene: &Scene, grains: &[Grain], settings: &Settings) -> Result<Physics
     let refuse = |reason: String| Err(CodeError::Unsupported { code: NAME, reason });
     let acts = |(name, material): (&String, &makadam::scene::Material)| {
         let turning = material.rolling_friction != 0.0 || material.twisting_friction != 0.0;
-        (turning || material.cohesion.is_some()).then(|| name.clone())
+        let varying = material.kinetic_friction.is_some() || material.restitution_speed.is_some();
+        (turning || varying || material.cohesion.is_some()).then(|| name.clone())
     };
     if let Some(name) = scene.material.iter().find_map(acts) {
-        return refuse(format!("{name} has rolling or twisting friction, or cohesion"));
+        return refuse(format!("{name} has rolling, twisting or kinetic friction, a restitution_speed, or cohesion"));
     }
     if !scene.gravity_changes.is_empty() {
         return refuse("its gravity changes in time".into());

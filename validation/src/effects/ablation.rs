@@ -85,8 +85,20 @@ pub fn variations(scene: &Scene) -> Vec<Variation> {
         }
     };
     add("Coulomb friction", "off".into(), &|scene| {
-        scene.material.values_mut().for_each(|one| one.friction = 0.0);
-        scene.pair.iter_mut().for_each(|pair| pair.friction = None);
+        for one in scene.material.values_mut() {
+            (one.friction, one.kinetic_friction) = (0.0, None);
+        }
+        for pair in &mut scene.pair {
+            (pair.friction, pair.kinetic_friction) = (None, None);
+        }
+    });
+    add("kinetic friction", "off".into(), &|scene| {
+        scene.material.values_mut().for_each(|one| one.kinetic_friction = None);
+        scene.pair.iter_mut().for_each(|pair| pair.kinetic_friction = None);
+    });
+    add("falling restitution", "off".into(), &|scene| {
+        scene.material.values_mut().for_each(|one| one.restitution_speed = None);
+        scene.pair.iter_mut().for_each(|pair| pair.restitution_speed = None);
     });
     add("restitution", "off".into(), &|scene| {
         scene.material.values_mut().for_each(|one| one.restitution = 0.0);

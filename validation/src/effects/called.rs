@@ -1,6 +1,6 @@
 //! Which effects a scene calls for, and which of its lines says so.
 
-use makadam::scene::{Cohesion, Material, Motion, NormalLaw, RadiusDistribution, Scene, line_of};
+use makadam::scene::{Cohesion, Material, Motion, NormalLaw, PairRule, RadiusDistribution, Scene, line_of};
 use serde::Serialize;
 
 /// One effect: whether the scene calls for it, and why.
@@ -27,7 +27,19 @@ pub fn called(scene: &Scene, text: &str) -> Vec<Called> {
         compliance(scene, text),
         viscosity(scene, text),
         of_materials(scene, text, "restitution", "restitution", |one| one.restitution, "impacts are inelastic"),
+        optional(
+            (scene, text),
+            ("falling restitution", "restitution_speed"),
+            (|one| one.restitution_speed, |rule| rule.restitution_speed),
+            "restitution is the same at any speed",
+        ),
         of_materials(scene, text, "Coulomb friction", "friction", |one| one.friction, "grains are smooth"),
+        optional(
+            (scene, text),
+            ("kinetic friction", "kinetic_friction"),
+            (|one| one.kinetic_friction, |rule| rule.kinetic_friction),
+            "friction is the same for what sticks and what slides",
+        ),
         spin(scene, text),
         cohesion(scene, text),
         of_materials(
@@ -181,6 +193,29 @@ fn spin(scene: &Scene, text: &str) -> Called {
             on("spin", "friction turns grains".into(), line_of(text, &["material", material, "friction"]))
         }
         None => off("spin", "without friction nothing turns a grain"),
+    }
+}
+
+/// An effect that is on where some material or pair names its key, which it need not.
+fn optional(
+    (scene, text): (&Scene, &str),
+    (effect, key): (&'static str, &'static str),
+    (of_material, of_rule): (fn(&Material) -> Option<f64>, fn(&PairRule) -> Option<f64>),
+    without: &str,
+) -> Called {
+    let mut materials = scene.material.iter();
+    if let Some((name, value)) = materials.find_map(|(name, one)| Some((name, of_material(one)?))) {
+        let line = line_of(text, &["material", name, key]);
+        return on(effect, format!("material '{name}': {key} = {value}"), line);
+    }
+    let mut rules = scene.pair.iter().enumerate();
+    match rules.find_map(|(index, rule)| Some((index, rule, of_rule(rule)?))) {
+        Some((index, rule, value)) => {
+            let [a, b] = &rule.between;
+            let line = line_of(text, &["pair", &index.to_string(), key]);
+            on(effect, format!("pair '{a}', '{b}': {key} = {value}"), line)
+        }
+        None => off(effect, without),
     }
 }
 

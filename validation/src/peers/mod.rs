@@ -16,7 +16,7 @@ pub use makadam::{Makadam, frame_is_due};
 pub use yade::Yade;
 
 use crate::recording::Recording;
-use ::makadam::scene::{Scene, Shape};
+use ::makadam::scene::{ContactCoefficients, Scene, Shape};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -150,8 +150,16 @@ fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::sc
     if !scene.gravity_changes.is_empty() {
         return refuse("its gravity changes in time");
     }
-    if palette::Palette::new(scene, grains).pairs().any(|(_, _, pair)| pair.twisting_friction > 0.0) {
+    let palette = palette::Palette::new(scene, grains);
+    let any = |has: fn(ContactCoefficients) -> bool| palette.pairs().any(|(_, _, pair)| has(pair));
+    if any(|pair| pair.twisting_friction > 0.0) {
         return refuse("its contacts resist twisting");
+    }
+    if any(|pair| pair.kinetic_friction < pair.friction) {
+        return refuse("its contacts have less friction while they slide");
+    }
+    if any(|pair| pair.restitution_speed.is_finite()) {
+        return refuse("its restitution falls with the speed of impact");
     }
     Ok(())
 }

@@ -152,6 +152,32 @@ normal_law = { kind = "linear", stiffness = 1e4 }
 method = { kind = "anderson", memory = 3 }
 "#;
 
+/// What changes in time or with speed.
+const CHANGING_SCENE: &str = r#"
+[[pair]]
+between = ["grain", "wall"]
+kinetic_friction = 0.2
+restitution_speed = 0.5
+
+[[wall]]
+name = "plate"
+material = "wall"
+shape = { kind = "plane", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
+motion = { kind = "vibrating", amplitude = [0.0, 1e-4, 1e-3], frequency = 20.0, start = 0.05, stop = 0.15 }
+
+[[grain]]
+material = "grain"
+radius = 0.005
+position = [0.0, 0.0, 0.0051]
+
+[solver]
+normal_law = { kind = "rigid" }
+"#;
+
+/// The key in front of the first table that goes with it.
+const CHANGES: &str =
+    "gravity_changes = [{ time = 0.1, gravity = [0.0, 0.0, -12.0] }, { time = 0.15, gravity = [3.0, 0.0, -9.0] }]\n";
+
 fn text(head: &str, rest: &str) -> String {
     format!(
         "name = \"small\"\ndescription = \"small\"\nduration = 0.2\ngravity = [0.0, 0.0, -9.81]\nseed = 3\n{head}\
@@ -168,7 +194,8 @@ pub fn scene(rest: &str) -> Scene {
 /// Scenes.
 pub fn scenes() -> Vec<Vec<u8>> {
     let asked = text("accuracy = { packing_fraction = 0.004 }\n", ASKED_SCENE);
-    vec![text("", SMALL_SCENE).into_bytes(), text("", WALLED_SCENE).into_bytes(), asked.into_bytes()]
+    let changing = text(CHANGES, CHANGING_SCENE);
+    [text("", SMALL_SCENE), text("", WALLED_SCENE), asked, changing].map(String::into_bytes).to_vec()
 }
 
 /// Checkpoints of the small scene: before its first step, and after some.

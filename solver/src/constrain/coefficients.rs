@@ -1,0 +1,125 @@
+//! Coefficients of eight contacts: those of their materials, and those that go by how fast the contacts close or slide.
+
+use super::{Given, StepConstants};
+use crate::effects::friction::while_sliding;
+use crate::effects::restitution::at_speed;
+use crate::lanes::{Eight, LANES, Lanes, Quad, cross, dot, minus, plus, times};
+use crate::partition::{PairGroup, WallGroup};
+use crate::world::ContactMaterial;
+
+/// Restitution, friction and the rest for eight contacts.
+pub(super) struct LaneMaterial<L> {
+    pub effective_modulus: L,
+    pub damping_ratio: L,
+    pub restitution: L,
+    pub friction: L,
+}
+
+/// Eight contacts whose materials can be looked up.
+pub(super) trait Contacts {
+    /// A property of their materials.
+    fn property<L: Lanes>(&self, given: &Given<'_>, property: fn(&ContactMaterial) -> f64) -> L;
+}
+
+impl Contacts for PairGroup {
+    #[inline(always)]
+    fn property<L: Lanes>(&self, given: &Given<'_>, property: fn(&ContactMaterial) -> f64) -> L {
+        let world = given.world;
+        let number = |place: u32| world.materials[place as usize];
+        let material = |lane: usize| {
+            given.material.unwrap_or(world.table.between_grains(number(self.first[lane]), number(self.second[lane])))
+        };
+        L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
+    }
+}
+
+/// Contacts with walls, and the surfaces that they are with.
+pub(super) struct OnSurfaces<'a>(pub &'a WallGroup, pub &'a [u32; LANES]);
+
+impl Contacts for OnSurfaces<'_> {
+    #[inline(always)]
+    fn property<L: Lanes>(&self, given: &Given<'_>, property: fn(&ContactMaterial) -> f64) -> L {
+        let OnSurfaces(group, surfaces) = *self;
+        let world = given.world;
+        let material = |lane: usize| {
+            let grain = world.materials[group.body[lane] as usize];
+            world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material)
+        };
+        L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
+    }
+}
+
+impl<L: Lanes> LaneMaterial<L> {
+    #[inline(always)]
+    pub fn of_all(material: &ContactMaterial) -> Self {
+        Self {
+            effective_modulus: L::splat(material.effective_modulus),
+            damping_ratio: L::splat(material.damping_ratio),
+            restitution: L::splat(material.restitution),
+            friction: L::splat(material.friction),
+        }
+    }
+
+    #[inline(always)]
+    pub fn of_each<'a>(material: impl Fn(usize) -> &'a ContactMaterial) -> Self {
+        let lanes = |property: fn(&ContactMaterial) -> f64| {
+            L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
+        };
+        Self {
+            effective_modulus: lanes(|material| material.effective_modulus),
+            damping_ratio: lanes(|material| material.damping_ratio),
+            restitution: lanes(|material| material.restitution),
+            friction: lanes(|material| material.friction),
+        }
+    }
+
+    /// Restitution at the speed at which the contacts close.
+    #[inline(always)]
+    pub fn at_speed(&mut self, given: &Given<'_>, contacts: &impl Contacts, velocity: L) {
+        let limit = contacts.property(given, |material| material.restitution_speed);
+        self.restitution = at_speed(self.restitution, limit, -velocity);
+    }
+
+    /// Friction at the velocity at which the contacts slide, without the spin of the grains: their surfaces move with the cross
+    /// product of `spin` and the normal.
+    #[inline(always)]
+    pub fn while_sliding(
+        &mut self,
+        given: &Given<'_>,
+        contacts: &impl Contacts,
+        normal: [L; 3],
+        velocity: [L; 3],
+        spin: [L; 3],
+    ) {
+        let StepConstants { slip_speed, .. } = given.constants;
+        let kinetic = contacts.property(given, |material| material.kinetic_friction);
+        let velocity = minus(velocity, cross(spin, normal));
+        let sliding = minus(velocity, times(normal, dot(normal, velocity)));
+        self.friction = while_sliding(self.friction, kinetic, sliding, L::splat(slip_speed));
+    }
+}
+
+impl Given<'_> {
+    /// Sum of the surface speeds that eight pairs had at the start of the step.
+    ///
+    /// # Safety
+    /// The lanes name grains or dummies, and the scene keeps surface speeds.
+    #[inline(always)]
+    pub(super) unsafe fn spins_of_pairs<L: Lanes>(&self, group: &PairGroup) -> [L; 3] {
+        let spins: *const Quad = self.world.spins_before.as_ptr();
+        // SAFETY: the caller's promise.
+        let (a, b) = unsafe { (L::load_quads::<1>(spins, &group.first), L::load_quads::<1>(spins, &group.second)) };
+        plus([a[0], a[1], a[2]], [b[0], b[1], b[2]])
+    }
+
+    /// The same of eight grains at walls.
+    ///
+    /// # Safety
+    /// As for pairs.
+    #[inline(always)]
+    pub(super) unsafe fn spins_at_walls<L: Lanes>(&self, group: &WallGroup) -> [L; 3] {
+        // SAFETY: the caller's promise.
+        let [x, y, z, _] = unsafe { L::load_quads::<1>(self.world.spins_before.as_ptr(), &group.body) };
+        [x, y, z]
+    }
+}
