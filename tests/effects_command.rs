@@ -60,6 +60,35 @@ fn what_is_declared_in_vain_is_told() {
 }
 
 #[test]
+fn what_changes_in_time_or_with_speed_is_told_by_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let effects = [
+        ("kinetic friction", "kinetic_friction"),
+        ("falling restitution", "restitution_speed"),
+        ("changing gravity", "gravity_changes"),
+        ("wall motion", "vibrating"),
+    ];
+    let plain = study(folder.path(), &smoke(), &["--settle", "0.05", "--look", "0.05"]);
+    assert!(effects.iter().all(|(name, _)| effect(&plain, name)["on"] == false), "{plain}");
+    let coefficients = "friction = 0.5\nkinetic_friction = 0.4\nrestitution_speed = 1.0\n";
+    let scene = changed(folder.path(), "friction = 0.5\n", coefficients);
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let motion = "motion = { kind = 'vibrating', amplitude = [0.0, 0.0, 0.0001], frequency = 10.0 }";
+    let text = text.replacen("[[population]]", &format!("{motion}\n\n[[population]]"), 1);
+    let changes = "gravity_changes = [{ time = 0.05, gravity = [0.0, 0.0, -12.0] }]";
+    std::fs::write(&scene, format!("{changes}\n{text}")).unwrap();
+    let study = study(folder.path(), &scene, &["--settle", "0.05", "--look", "0.05"]);
+    for (name, word) in effects {
+        let row = effect(&study, name);
+        assert_eq!(
+            (&row["on"], row["line"].as_u64()),
+            (&Value::Bool(true), Some(line_of(&scene, word) as u64)),
+            "{name}"
+        );
+    }
+}
+
+#[test]
 fn ablation_says_which_observables_need_an_effect() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["--settle", "0.1", "--look", "0.05", "--ablate", "--seeds", "2"];
