@@ -1,11 +1,9 @@
 //! Range checks of a scene, before anything is simulated.
 
-use super::error::{Fault, Step};
 use super::periodic;
+use super::place::{Checked, Place};
 use super::{Cohesion, Motion, NormalLaw, Precision, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop};
 use crate::methods::MOST_MEMORY;
-
-pub(super) type Checked = Result<(), Fault>;
 
 /// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
 const MOST_GRAINS: f64 = 1e8;
@@ -396,69 +394,4 @@ fn known_material(scene: &Scene, at: &Place, name: &str) -> Checked {
 
 fn join(scene: &Scene) -> String {
     scene.material.keys().cloned().collect::<Vec<_>>().join(", ")
-}
-
-/// A place in the document, built up as the check goes down into it.
-#[derive(Clone, Default)]
-pub(super) struct Place(Vec<Step>);
-
-impl Place {
-    pub(super) fn key(&self, key: &'static str) -> Place {
-        self.with(Step::Key(key))
-    }
-
-    fn name(&self, name: &str) -> Place {
-        self.with(Step::Name(name.to_string()))
-    }
-
-    pub(super) fn index(&self, index: usize) -> Place {
-        self.with(Step::Index(index))
-    }
-
-    fn with(&self, step: Step) -> Place {
-        let mut path = self.0.clone();
-        path.push(step);
-        Place(path)
-    }
-
-    fn label(&self) -> String {
-        let mut label = String::new();
-        for step in &self.0 {
-            match step {
-                Step::Key(key) => label += &format!(".{key}"),
-                Step::Name(name) => label += &format!(".{name}"),
-                Step::Index(index) => label += &format!("[{index}]"),
-            }
-        }
-        label.trim_start_matches('.').to_string()
-    }
-
-    pub(super) fn fault(&self, problem: String, remedy: &str) -> Fault {
-        Fault { path: self.0.clone(), problem: format!("{}: {problem}", self.label()), remedy: remedy.to_string() }
-    }
-
-    fn range(&self, value: f64, low: f64, high: f64, unit: &str) -> Checked {
-        match value.is_finite() && value >= low && value <= high {
-            true => Ok(()),
-            false => {
-                Err(self
-                    .fault(format!("{value} is out of range"), &format!("give a number from {low} to {high} {unit}")))
-            }
-        }
-    }
-
-    fn finite(&self, vector: &[f64; 3]) -> Checked {
-        match vector.iter().all(|x| x.is_finite() && x.abs() < 1e6) {
-            true => Ok(()),
-            false => Err(self.fault(format!("{vector:?} is not usable"), "give three finite SI numbers below 1e6")),
-        }
-    }
-
-    fn direction(&self, vector: &[f64; 3]) -> Checked {
-        self.finite(vector)?;
-        match vector.iter().map(|x| x * x).sum::<f64>() > 1e-24 {
-            true => Ok(()),
-            false => Err(self.fault("has no direction".into(), "give a vector that is not zero")),
-        }
-    }
 }

@@ -9,6 +9,7 @@ mod check;
 mod error;
 mod impacts;
 mod periodic;
+mod place;
 mod populate;
 mod settings;
 mod types;

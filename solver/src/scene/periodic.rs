@@ -1,6 +1,6 @@
 //! Whether a scene can repeat itself along the axes that its domain says.
 
-use super::check::{Checked, Place};
+use super::place::{Checked, Place};
 use super::{Axis, Motion, Scene, Shape, Wall};
 use nalgebra::Vector3;
 

@@ -196,11 +196,14 @@ fn spin(scene: &Scene, text: &str) -> Called {
     }
 }
 
+/// A value that a table may give or not.
+type Value<Table> = fn(&Table) -> Option<f64>;
+
 /// An effect that is on where some material or pair names its key, which it need not.
 fn optional(
     (scene, text): (&Scene, &str),
     (effect, key): (&'static str, &'static str),
-    (of_material, of_rule): (fn(&Material) -> Option<f64>, fn(&PairRule) -> Option<f64>),
+    (of_material, of_rule): (Value<Material>, Value<PairRule>),
     without: &str,
 ) -> Called {
     let mut materials = scene.material.iter();
