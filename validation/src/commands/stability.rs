@@ -10,6 +10,7 @@ use crate::stability::{Case, CaseResult, StabilityError, Study, catalogue, table
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
@@ -41,21 +42,48 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
         let text = toml::to_string(&case.scene).expect("a scene is made of plain tables");
         write_whole(&folder.join("scenes").join(format!("{}.toml", case.name)), text.as_bytes())?;
     }
-    let results = run(&cases, &codes, &folder, Duration::from_secs_f64(time_limit), console)?;
-
-    let study = Study {
+    let empty = Study {
         version: JSON_VERSION,
         command: "stability",
-        as_stated: Study::all_as_stated(&results),
-        cases: results,
+        as_stated: true,
+        cases: Vec::new(),
+        unfinished: cases.iter().map(|case| case.name.clone()).collect(),
         codes: codes.iter().filter_map(|code| Some((code.name().to_string(), code.version()?))).collect(),
         time_limit,
         provenance: account(rayon::current_num_threads(), &[]),
     };
-    let document = json(&study);
-    write_whole(&folder.join("stability.json"), document.as_bytes())?;
-    console.result(&if arguments.json { document } else { table(&study) })?;
+    let kept = Kept { file: folder.join("stability.json"), study: Mutex::new(empty) };
+    run(&cases, &codes, &folder, &kept, console)?;
+    let study = kept.study.into_inner().expect("nothing panics while it holds the lock");
+    console.result(&if arguments.json { json(&study) } else { table(&study) })?;
     Ok(if study.as_stated { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+}
+
+/// A study that is written with each case that is finished.
+struct Kept {
+    file: PathBuf,
+    study: Mutex<Study>,
+}
+
+impl Kept {
+    /// Takes in a case; `cases` is the catalogue's order.
+    fn add(&self, result: CaseResult, cases: &[Case]) -> Result<(), Failure> {
+        let mut study = self.study.lock().expect("nothing panics while it holds the lock");
+        study.unfinished.retain(|name| *name != result.name);
+        study.cases.push(result);
+        study.cases.sort_by_key(|result| cases.iter().position(|case| case.name == result.name));
+        study.as_stated = Study::all_as_stated(&study.cases);
+        Ok(write_whole(&self.file, json(&*study).as_bytes())?)
+    }
+
+    /// What an interruption leaves, in words.
+    fn words(&self) -> String {
+        let study = self.study.lock().expect("nothing panics while it holds the lock");
+        match study.cases.len() {
+            0 => "nothing: no case was finished".into(),
+            count => format!("{count} finished cases in {}", self.file.display()),
+        }
+    }
 }
 
 /// The cases of the catalogue whose name or group contains one of the filters; all, if there is none.
@@ -73,14 +101,10 @@ fn chosen(arguments: &StabilityArguments) -> Result<Vec<Case>, Failure> {
     }
 }
 
-/// Runs every case in every code, several side by side.
-fn run(
-    cases: &[Case],
-    codes: &[Box<dyn Code>],
-    folder: &Path,
-    limit: Duration,
-    console: &Console,
-) -> Result<Vec<CaseResult>, Failure> {
+/// Runs every case in every code, several side by side, and keeps those that are finished.
+fn run(cases: &[Case], codes: &[Box<dyn Code>], folder: &Path, kept: &Kept, console: &Console) -> Result<(), Failure> {
+    let limit = kept.study.lock().expect("nothing panics while it holds the lock").time_limit;
+    let limit = Duration::from_secs_f64(limit);
     let bar = console.bar("hard cases");
     let (done, runs) = (AtomicUsize::new(0), cases.len() * codes.len());
     let one = |case: &Case, code: &dyn Code| {
@@ -96,19 +120,14 @@ fn run(
         }
         outcome
     };
-    let result = |case: &Case| -> Result<CaseResult, Failure> {
+    let finish = |case: &Case| -> Result<(), Failure> {
         let outcomes: Result<Vec<_>, StabilityError> = codes.par_iter().map(|code| one(case, &**code)).collect();
-        Ok(CaseResult::new(case, outcomes?))
-    };
-    cases.par_iter().map(result).collect()
-}
-
-impl From<StabilityError> for Failure {
-    fn from(error: StabilityError) -> Failure {
-        match error {
+        let outcomes = outcomes.map_err(|error| match error {
             StabilityError::Scene(error) => Failure::Scene(error),
-            StabilityError::Interrupted => Failure::Interrupted("nothing: no study was written".into()),
+            StabilityError::Interrupted => Failure::Interrupted(kept.words()),
             StabilityError::Code(error) => error.into(),
-        }
-    }
+        })?;
+        kept.add(CaseResult::new(case, outcomes), cases)
+    };
+    cases.par_iter().map(finish).collect()
 }

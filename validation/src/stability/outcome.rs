@@ -101,8 +101,10 @@ pub struct Study {
     pub command: &'static str,
     /// Whether all cases ended as stated in Makadam.
     pub as_stated: bool,
-    /// The cases, in the order of the catalogue.
+    /// The cases that are finished, in the order of the catalogue.
     pub cases: Vec<CaseResult>,
+    /// Names of the cases that are not.
+    pub unfinished: Vec<String>,
     /// Version of each code that ran.
     pub codes: BTreeMap<String, String>,
     /// Wall time after which a run was stopped, s.
