@@ -1,0 +1,57 @@
+//! The command line: every command's arguments, and the words that they take.
+
+mod runs;
+mod studies;
+mod values;
+
+pub use runs::{CompareArguments, QualifyArguments, RunArguments, Tier};
+pub use studies::{
+    ConvergenceArguments, EffectsArguments, LawsArguments, RooflineArguments, ScalingArguments, StabilityArguments,
+    TradeoffArguments,
+};
+pub use values::{BoundArgument, CodeName};
+
+use clap::{Parser, Subcommand};
+
+const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, \
+    4 outside tolerance or undecided, 5 a reference code is missing.";
+
+/// Granular matter by non-smooth contact dynamics, judged against YADE and LIGGGHTS.
+#[derive(Debug, Parser)]
+#[command(name = "makadam", version, about, after_help = EXIT_CODES)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Say nothing but results and errors.
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+    /// Say more.
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate a scene; frames for ParaView, observables as CSV, provenance as JSON.
+    Run(RunArguments),
+    /// Compare Makadam with YADE and LIGGGHTS on one scene.
+    Compare(CompareArguments),
+    /// Judge Makadam on the reference scenes and write one report.
+    Qualify(QualifyArguments),
+    /// Measure how a scene's step scales with threads, and replay it beyond the cores at hand.
+    Scaling(ScalingArguments),
+    /// Show how each method converges on the problem of one step: residual against iterations and wall time.
+    Convergence(ConvergenceArguments),
+    /// Show what accuracy costs in time: error against wall time over the settings of each code.
+    Tradeoff(TradeoffArguments),
+    /// Measure the contact sweep against what arithmetic and memory deliver.
+    Roofline(RooflineArguments),
+    /// Run the hard cases: what breaks simulators, the right outcome, and who survives it.
+    Stability(StabilityArguments),
+    /// Tell which effects a scene calls for, what each costs, and, with --ablate, whether it matters.
+    Effects(EffectsArguments),
+    /// Measure published laws of granular matter and judge them against the published values.
+    Laws(LawsArguments),
+}

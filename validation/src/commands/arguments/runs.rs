@@ -1,0 +1,136 @@
+//! Arguments of the commands that run scenes and judge them.
+
+use super::values::{
+    CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, positive, rayleigh_fraction, seconds,
+};
+use clap::{Args, ValueEnum};
+use makadam::lanes::PREFETCH;
+use makadam::scene::Accuracy;
+use std::path::PathBuf;
+
+/// Arguments of `makadam run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// A folder under reference-scenes/, or a path to a TOML file.
+    pub scene: String,
+    /// Seed of the initial positions; the scene's, if absent.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Threads that share the work; as many as there are cores, if absent. The result does not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// How threads share the work. The result does not depend on it.
+    #[arg(long, value_enum, default_value = "work-stealing")]
+    pub scheduler: SchedulerName,
+    /// Instruction set of the kernels; the widest that this processor has, if absent. The result does not depend on it.
+    #[arg(long, value_enum)]
+    pub isa: Option<InstructionSetName>,
+    /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor.
+    #[arg(long, default_value_t = PREFETCH as u16, value_parser = clap::value_parser!(u16).range(..=1024))]
+    pub prefetch: u16,
+    /// Accuracy in place of the scene's step and sweeps: a share such as 1%, or deviations such as
+    /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (degrees, none, mean radii).
+    #[arg(long, value_parser = accuracy)]
+    pub accuracy: Option<Accuracy>,
+    /// The best accuracy that fits into so much wall time, s: the coarsest setting first, then a finer one if there is time.
+    #[arg(long, value_name = "SECONDS", value_parser = positive, conflicts_with_all = ["accuracy", "resume"])]
+    pub time_budget: Option<f64>,
+    /// Precision of the sweeps; the scene's, if absent. The result depends on it.
+    #[arg(long, value_enum)]
+    pub precision: Option<PrecisionName>,
+    /// Steps to take, in place of the scene's duration.
+    #[arg(long)]
+    pub steps: Option<u64>,
+    /// Keep a ledger of energy and momentum, and print how it closes; costs about a sixth of a step's time.
+    #[arg(long)]
+    pub ledger: bool,
+    /// Go on from the checkpoint of a run that did not end, if there is one; the result is the same to the last bit.
+    #[arg(long, conflicts_with = "restart")]
+    pub resume: bool,
+    /// Begin anew where a run that did not end has left a checkpoint.
+    #[arg(long)]
+    pub restart: bool,
+    /// Wall time between checkpoints, s; 0 writes one after every step.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
+    pub checkpoint_interval: f64,
+    /// Folder to write into; results/SCENE, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam compare`.
+#[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// A folder under reference-scenes/, or a path to a TOML file.
+    pub scene: String,
+    /// Number of seeds, counted from 1; as many as are recorded, or 3, if absent.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: Option<u64>,
+    /// Codes to compare.
+    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam", "yade", "liggghts"])]
+    pub codes: Vec<CodeName>,
+    /// Run YADE and LIGGGHTS here and now instead of reading recorded numbers.
+    #[arg(long)]
+    pub live: bool,
+    /// Time step of YADE and LIGGGHTS over the Rayleigh step.
+    #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
+    pub rayleigh_fraction: f64,
+    /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
+    #[arg(long, default_value_t = 7200.0, value_parser = positive)]
+    pub time_limit: f64,
+    /// Write numbers of YADE and LIGGGHTS as the scene's recorded references; only seeds that are not recorded yet, of
+    /// the same scene, version and time step, are measured from raw recordings or run.
+    #[arg(long)]
+    pub record: bool,
+    /// Measure or run all seeds anew and replace what is recorded; with --record only.
+    #[arg(long, requires = "record")]
+    pub again: bool,
+    /// Factor on every Young's modulus; with --record only.
+    #[arg(long, default_value_t = 1.0, value_parser = positive, requires = "record")]
+    pub stiffness_factor: f64,
+    /// Folder of raw recordings, read and filled by --record; in the user's cache, if absent.
+    #[arg(long, requires = "record")]
+    pub recordings: Option<PathBuf>,
+    /// Threads for the runs of Makadam.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Folder to write comparison.json and comparison.csv into.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the comparison as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How much is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Tier {
+    /// Packing, drum, drum with caps and heap, in minutes.
+    Quick,
+}
+
+/// Arguments of `makadam qualify`.
+#[derive(Debug, Args)]
+pub struct QualifyArguments {
+    /// How much is judged.
+    #[arg(long, value_enum, default_value = "quick")]
+    pub tier: Tier,
+    /// Insist on running YADE and LIGGGHTS beside the recorded numbers.
+    #[arg(long)]
+    pub live: bool,
+    /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
+    #[arg(long, default_value_t = 900.0, value_parser = positive)]
+    pub time_limit: f64,
+    /// Threads for the runs of Makadam.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Folder of the report; results/qualification, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the qualification as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
