@@ -64,6 +64,20 @@ skin = 0.6
 warm_start = 1.0
 "#;
 
+/// A rough bed without end.
+pub const PERIODIC_SCENE: &str = r#"
+[[wall]]
+name = "bed"
+material = "wall"
+shape = { kind = "spheres", centres = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.001], [0.098, 0.05, 0.0]], radius = 0.005 }
+
+[[grain]]
+material = "grain"
+radius = 0.005
+position = [0.005, 0.0, 0.012]
+velocity = [30.0, 0.0, 0.0]
+"#;
+
 /// A turning drum with an end cap and a box.
 pub const WALLED_SCENE: &str = r#"
 [[wall]]
@@ -195,7 +209,8 @@ pub fn scene(rest: &str) -> Scene {
 pub fn scenes() -> Vec<Vec<u8>> {
     let asked = text("accuracy = { packing_fraction = 0.004 }\n", ASKED_SCENE);
     let changing = text(CHANGES, CHANGING_SCENE);
-    [text("", SMALL_SCENE), text("", WALLED_SCENE), asked, changing].map(String::into_bytes).to_vec()
+    let periodic = text("", PERIODIC_SCENE).replace("0.2] }", "0.2], periodic = [\"x\", \"y\"] }");
+    [text("", SMALL_SCENE), text("", WALLED_SCENE), asked, changing, periodic].map(String::into_bytes).to_vec()
 }
 
 /// Checkpoints of the small scene: before its first step, and after some.
