@@ -2,14 +2,11 @@
 
 mod common;
 use approx::assert_relative_eq;
+use common::bits::{hash_after, reference_scene, same_bits_everywhere, start};
 use common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run_until};
-use makadam::Simulation;
 use makadam::effects::cohesion::{Cohesion, Pull};
-use makadam::lanes::InstructionSet;
 use makadam::scene::Scene;
-use makadam::schedule::Scheduler;
 use std::f64::consts::PI;
-use std::path::Path;
 
 const RADIUS: f64 = 0.005;
 const MASS: f64 = DENSITY * 4.0 / 3.0 * PI * RADIUS * RADIUS * RADIUS;
@@ -19,10 +16,6 @@ fn cohesive(setup: &Setup, cohesion: Cohesion) -> Scene {
     let mut scene = setup.scene();
     scene.material.values_mut().for_each(|material| material.cohesion = Some(cohesion));
     scene
-}
-
-fn start(scene: &Scene) -> Simulation {
-    Simulation::new(scene, 1, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -147,34 +140,8 @@ fn energy_and_momentum_are_accounted_for() {
 
 #[test]
 fn a_cohesive_bed_has_the_same_bits_everywhere() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
-    let plain = Scene::load(&file).unwrap();
-    let mut scene = plain.clone();
+    let mut scene = reference_scene("packing");
     scene.material.values_mut().for_each(|one| one.cohesion = Some(Cohesion::SurfaceEnergy { work: 0.5 }));
-    let hash = |scene: &Scene, adapt: &dyn Fn(&mut Simulation)| {
-        let mut simulation = start(scene);
-        adapt(&mut simulation);
-        (0..500).for_each(|_| {
-            simulation.step();
-        });
-        simulation.state_hash()
-    };
-    let expected = hash(&scene, &|_| ());
-    assert_ne!(expected, hash(&plain, &|_| ()), "cohesion changes the result");
-    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
-        let found = hash(&scene, &|simulation| {
-            simulation.use_instruction_set(set);
-            simulation.use_team(Scheduler::WorkStealing, 3).unwrap();
-        });
-        assert_eq!(found, expected, "{set:?}");
-    }
-    let mut simulation = start(&scene);
-    (0..300).for_each(|_| {
-        simulation.step();
-    });
-    let mut continued = Simulation::resume(&scene, &simulation.checkpoint(), Path::new("a.checkpoint")).unwrap();
-    (0..200).for_each(|_| {
-        continued.step();
-    });
-    assert_eq!(continued.state_hash(), expected, "resumed");
+    let without = hash_after(&reference_scene("packing"), 500, |_| ());
+    assert_ne!(same_bits_everywhere(&scene, 500), without, "cohesion changes the result");
 }

@@ -2,11 +2,10 @@
 
 mod common;
 use approx::assert_relative_eq;
+use common::bits::{hash_after, leaves_no_trace, reference_scene, same_bits_everywhere, start};
 use common::{CONVERGED_HERTZ, CONVERGED_RIGID, FLOOR, Setup, grain, run_until};
 use makadam::Simulation;
-use makadam::lanes::InstructionSet;
 use makadam::scene::Scene;
-use makadam::schedule::Scheduler;
 use std::path::Path;
 
 const RADIUS: f64 = 0.005;
@@ -29,10 +28,6 @@ fn on_a_slope(slope: f64, velocity: f64, solver: &str) -> Simulation {
         (material.rolling_friction, material.kinetic_friction) = (100.0, Some(KINETIC));
     }
     start(&scene)
-}
-
-fn start(scene: &Scene) -> Simulation {
-    Simulation::new(scene, 1, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn speed(simulation: &Simulation) -> f64 {
@@ -140,32 +135,12 @@ fn spin_counts_as_sliding() {
     }
 }
 
-fn reference_scene(name: &str) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes").join(name).join("scene.toml");
-    Scene::load(&file).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn hash_after(scene: &Scene, steps: usize, adapt: impl Fn(&mut Simulation)) -> u64 {
-    let mut simulation = start(scene);
-    adapt(&mut simulation);
-    (0..steps).for_each(|_| {
-        simulation.step();
-    });
-    simulation.state_hash()
-}
-
 #[test]
 fn two_coefficients_that_no_contact_has_leave_no_trace() {
     for name in ["drum", "packing", "heap"] {
         let plain = reference_scene(name);
-        let expected = hash_after(&plain, 300, |_| ());
-        let mut scene = plain.clone();
-        let bystander = scene.material["grain"].clone();
-        scene.material.insert("bystander".into(), bystander);
-        scene.material.get_mut("bystander").unwrap().kinetic_friction = Some(0.0);
-        assert_eq!(hash_after(&scene, 300, |_| ()), expected, "{name}");
-        let text = toml::to_string(&plain).unwrap();
-        assert!(!text.contains("kinetic_friction"), "{text}");
+        leaves_no_trace(&plain, 300, |bystander| bystander.kinetic_friction = Some(0.0));
+        assert!(!toml::to_string(&plain).unwrap().contains("kinetic_friction"), "{name}");
     }
 }
 
@@ -175,27 +150,8 @@ fn a_bed_has_the_same_bits_everywhere() {
     for material in scene.material.values_mut() {
         material.kinetic_friction = Some(0.6 * material.friction);
     }
-    let expected = hash_after(&scene, 500, |_| ());
-    assert_ne!(expected, hash_after(&reference_scene("drum"), 500, |_| ()), "the effect changes the result");
-    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
-        for (scheduler, threads) in [(Scheduler::CentralQueue, 1), (Scheduler::WorkStealing, 2)] {
-            let found = hash_after(&scene, 500, |simulation| {
-                simulation.use_instruction_set(set);
-                simulation.use_team(scheduler, threads).unwrap();
-            });
-            assert_eq!(found, expected, "{set:?}, {scheduler:?}, {threads}");
-        }
-    }
-    // A run that was stopped goes on as if it had not been.
-    let mut simulation = start(&scene);
-    (0..300).for_each(|_| {
-        simulation.step();
-    });
-    let mut continued = Simulation::resume(&scene, &simulation.checkpoint(), Path::new("a.checkpoint")).unwrap();
-    (0..200).for_each(|_| {
-        continued.step();
-    });
-    assert_eq!(continued.state_hash(), expected, "resumed");
+    let without = hash_after(&reference_scene("drum"), 500, |_| ());
+    assert_ne!(same_bits_everywhere(&scene, 500), without, "the effect changes the result");
 }
 
 #[test]

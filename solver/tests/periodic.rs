@@ -2,11 +2,9 @@
 
 mod common;
 use approx::assert_relative_eq;
+use common::bits::{same_bits_everywhere, start};
 use common::{CONVERGED_HERTZ, FLOOR, Setup, grain, run_until};
-use makadam::Simulation;
-use makadam::lanes::InstructionSet;
 use makadam::scene::{Axis, Domain, Scene, populate};
-use makadam::schedule::Scheduler;
 use makadam::snapshot::{Particle, Partner};
 use makadam::world::Period;
 use nalgebra::Vector3;
@@ -21,10 +19,6 @@ fn periodic(setup: &Setup, min: [f64; 3], max: [f64; 3], axes: &[Axis]) -> Scene
     let mut scene = setup.scene();
     scene.domain = Domain { min, max, periodic: axes.to_vec() };
     scene
-}
-
-fn start(scene: &Scene) -> Simulation {
-    Simulation::new(scene, 1, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A gas of grains of two sizes in a cube of so many diameters, with friction, periodic along all axes.
@@ -184,32 +178,7 @@ fn where_the_boundary_lies_does_not_matter() {
 
 #[test]
 fn periodic_scenes_have_the_same_bits_everywhere_and_after_a_restart() {
-    let scene = gas(20.0, 3000);
-    let begin = start(&scene);
-    let hash = |mut simulation: Simulation| {
-        for _ in 0..150 {
-            simulation.step();
-        }
-        simulation.state_hash()
-    };
-    let expected = hash(begin.clone());
-    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
-        for (scheduler, threads) in [(Scheduler::Serial, 1), (Scheduler::CentralQueue, 2), (Scheduler::WorkStealing, 3)]
-        {
-            let mut simulation = begin.clone();
-            simulation.use_instruction_set(set);
-            simulation.use_team(scheduler, threads).unwrap();
-            assert_eq!(hash(simulation), expected, "{set:?}, {scheduler:?}, {threads} threads");
-        }
-    }
-    let mut broken = begin;
-    for leg in 0..150 {
-        if leg % 17 == 5 {
-            broken = Simulation::resume(&scene, &broken.checkpoint(), Path::new("a.checkpoint")).unwrap();
-        }
-        broken.step();
-    }
-    assert_eq!(broken.state_hash(), expected, "after restarts");
+    same_bits_everywhere(&gas(20.0, 3000), 150);
 }
 
 /// Gravity of a chute that is inclined by `angle` (rad) along x.

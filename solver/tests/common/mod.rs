@@ -1,6 +1,8 @@
 //! Small scenes for closed-form tests.
 #![allow(dead_code)] // each test target uses its own part
 
+pub mod bits;
+
 use makadam::Simulation;
 use makadam::scene::Scene;
 use std::path::Path;
