@@ -402,6 +402,8 @@ pub enum Observable {
     Balances,
     /// Velocity profile, layer thickness, shell slip, wall torque.
     DrumFlow,
+    /// How well small and large grains are mixed.
+    SizeMixing,
 }
 
 /// An observable that is compared, and how far two codes may differ.

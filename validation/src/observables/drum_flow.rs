@@ -5,12 +5,13 @@ use super::bed_surface::{BedFields, BedSurface, surface};
 use super::drum::Drum;
 use super::field::Field;
 use super::measurement::{Measurement, Quantity, Readings};
+use super::mixing::{MIXING_CELL, lacey_index};
 use super::setting::Setting;
 use super::view::View;
 use crate::statistics::{mean, standard_error};
 use makadam::snapshot::{Partner, Snapshot};
 use nalgebra::Vector3;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 const SPEED_RATIO: Quantity = Quantity::mean("shell_layer_speed_ratio", "");
 const TORQUE: Quantity = Quantity::mean("wall_torque", "N m");
@@ -26,9 +27,6 @@ const HALF_ARC: f64 = 30.0;
 
 /// Half width of the strip across the surface in which the velocity profile is taken, diameters.
 const HALF_STRIP: f64 = 2.0;
-
-/// Cells of the mixing index, diameters wide.
-const MIXING_CELL: f64 = 3.0;
 
 /// Adds a frame's readings: nothing where there is no drum.
 ///
@@ -86,7 +84,7 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
 ///   at which the velocity along the surface changes sign.
 /// - `surface_speed` (m/s): velocity down the slope of the uppermost half diameter there.
 /// - `lacey_mixing_index`: of the grains on either side of their median across the drum at the first measured frame,
-///   at the last: (s0^2 - s^2)/(s0^2 - sr^2), 0 for unmixed and 1 for random (Lacey, J. Appl. Chem. 4, 257, 1954).
+///   at the last ([`mixing`](super::mixing)).
 pub fn measure_span(setting: &Setting<'_>, bed: &BedFields, frames: &[&Snapshot]) -> Vec<Measurement> {
     let Some(drum) = &setting.drum else {
         return Vec::new();
@@ -101,7 +99,7 @@ pub fn measure_span(setting: &Setting<'_>, bed: &BedFields, frames: &[&Snapshot]
         measurements.push(THICKNESS.measured(thickness, error(|part| part.0), frames.len()));
         measurements.push(SURFACE_SPEED.measured(speed, error(|part| part.1), frames.len()));
     }
-    if let Some(index) = lacey_index(setting, drum, frames[0], frames[frames.len() - 1]) {
+    if let Some(index) = mixing_of_sides(setting, drum, frames[0], frames[frames.len() - 1]) {
         measurements.push(LACEY.measured(index, None, frames.len()));
     }
     measurements
@@ -137,30 +135,17 @@ fn flowing_layer(setting: &Setting<'_>, drum: &Drum, surface: &BedSurface, frame
     Some((depth / setting.diameter, profile[0].1))
 }
 
-fn lacey_index(setting: &Setting<'_>, drum: &Drum, first: &Snapshot, last: &Snapshot) -> Option<f64> {
+fn mixing_of_sides(setting: &Setting<'_>, drum: &Drum, first: &Snapshot, last: &Snapshot) -> Option<f64> {
     let across: HashMap<u32, f64> =
         first.particles.iter().map(|grain| (grain.id, drum.section(&grain.position.into())[0])).collect();
     let mut sorted: Vec<f64> = across.values().copied().collect();
     sorted.sort_by(f64::total_cmp);
     let median = *sorted.get(sorted.len() / 2)?;
-    // Sorted, so that sums are taken in the same order in every run.
-    let mut cells: BTreeMap<[i64; 3], (f64, f64)> = BTreeMap::new();
-    for grain in &last.particles {
+    let places = last.particles.iter().map(|grain| {
         let point = Vector3::from(grain.position);
         let [x, y] = drum.section(&point);
-        let along = (point - drum.centre).dot(&drum.axis);
-        let cell = [x, y, along].map(|c| (c / (MIXING_CELL * setting.diameter)).floor() as i64);
-        let (dyed, all) = cells.entry(cell).or_default();
-        *dyed += f64::from(u8::from(across.get(&grain.id).is_some_and(|place| *place < median)));
-        *all += 1.0;
-    }
-    // Cells at the rim of the bed hold too few grains to say anything.
-    let full: Vec<(f64, f64)> = cells.into_values().filter(|(_, all)| *all >= 5.0).collect();
-    let total: f64 = full.iter().map(|(_, all)| all).sum();
-    let share = full.iter().map(|(dyed, _)| dyed).sum::<f64>() / total;
-    let variance = full.iter().map(|(dyed, all)| all * (dyed / all - share).powi(2)).sum::<f64>() / total;
-    let unmixed = share * (1.0 - share);
-    let random = unmixed * full.len() as f64 / total;
-    let index = (unmixed - variance) / (unmixed - random);
-    (full.len() >= 5 && index.is_finite()).then_some(index)
+        let dyed = across.get(&grain.id).is_some_and(|place| *place < median);
+        ([x, y, (point - drum.centre).dot(&drum.axis)], dyed)
+    });
+    lacey_index(places, MIXING_CELL * setting.diameter)
 }

@@ -21,6 +21,7 @@
 //! | `share_below_mean`, `gini`, `friction_mobilisation`, ... | [`contact_forces`] |
 //! | `wall_force_over_weight`, `largest_overlap`, ... | [`balances`] |
 //! | `shell_layer_speed_ratio`, `wall_torque`, ... | [`drum_flow`] |
+//! | `size_mixing_index`, ... | [`mixing`] |
 
 pub mod balances;
 pub mod bed_surface;
@@ -37,6 +38,7 @@ pub mod force_distribution;
 pub mod line;
 pub mod literature;
 pub mod measurement;
+pub mod mixing;
 pub mod neighbours;
 pub mod packing_fraction;
 pub mod setting;
@@ -110,6 +112,9 @@ pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
         }
         if asks(Observable::DrumFlow) {
             drum_flow::read(&view, &mut readings);
+        }
+        if asks(Observable::SizeMixing) {
+            mixing::read(&view, &mut readings);
         }
         if asks(Observable::Balances) {
             balances::read(&view, &mut readings);

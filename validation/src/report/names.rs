@@ -12,6 +12,7 @@ pub(crate) fn observable(name: &str) -> String {
         "ks" | "kolmogorov_smirnov" => "Kolmogorov–Smirnov distance of forces".into(),
         "wasserstein" | "wasserstein_1" => "Wasserstein-1 distance of forces".into(),
         "lacey_index" | "mixing_index" => "mixing index (Lacey)".into(),
+        "size_mixing_index" => "mixing index of sizes (Lacey)".into(),
         "wall_force_over_weight" => "wall force over weight".into(),
         "largest_overlap_over_radius" => "largest overlap over radius".into(),
         _ => name.replace('_', " "),

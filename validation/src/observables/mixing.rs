@@ -1,0 +1,113 @@
+//! How well two kinds of grains are mixed: by where they came from, or by size.
+
+use super::measurement::{Quantity, Readings};
+use super::view::View;
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+const BY_SIZE: Quantity = Quantity::mean("size_mixing_index", "");
+const CORE: Quantity = Quantity::mean("small_over_large_distance", "");
+
+/// Cells of the mixing index, mean diameters wide.
+pub(super) const MIXING_CELL: f64 = 3.0;
+
+/// Grains that a cell must hold to say anything: those at the rim of a bed hold fewer.
+const FEWEST: f64 = 5.0;
+
+/// Largest radius over the smallest from which on a bed has two sizes.
+const TWO_SIZES: f64 = 1.3;
+
+/// Lacey's mixing index of marked grains, given places (m) and marks: `(s0^2 - s^2)/(s0^2 - sr^2)` with the variance of the
+/// share of marked grains over cells (m wide), as it is, unmixed, and random: 0 for unmixed and 1 for random (Lacey, J. Appl.
+/// Chem. 4, 257, 1954). None if there are too few grains.
+pub fn lacey_index(places: impl Iterator<Item = ([f64; 3], bool)>, cell: f64) -> Option<f64> {
+    // Sorted, so that sums are taken in the same order in every run.
+    let mut cells: BTreeMap<[i64; 3], (f64, f64)> = BTreeMap::new();
+    for (place, is_marked) in places {
+        let (marked, all) = cells.entry(place.map(|x| (x / cell).floor() as i64)).or_default();
+        *marked += f64::from(u8::from(is_marked));
+        *all += 1.0;
+    }
+    let full: Vec<(f64, f64)> = cells.into_values().filter(|(_, all)| *all >= FEWEST).collect();
+    let total: f64 = full.iter().map(|(_, all)| all).sum();
+    let share = full.iter().map(|(marked, _)| marked).sum::<f64>() / total;
+    let variance = full.iter().map(|(marked, all)| all * (marked / all - share).powi(2)).sum::<f64>() / total;
+    let unmixed = share * (1.0 - share);
+    let random = unmixed * full.len() as f64 / total;
+    let index = (unmixed - variance) / (unmixed - random);
+    (full.len() >= 5 && index.is_finite()).then_some(index)
+}
+
+/// Adds a frame's readings: nothing where all grains are about as large.
+///
+/// Small grains are those below the middle of the smallest and the largest radius.
+///
+/// - `size_mixing_index`: [`lacey_index`] of the small grains, in cells of three mean diameters.
+/// - `small_over_large_distance`, in drums: root mean square distance of the small grains from the middle of the bed, across the
+///   axis, over that of the large ones: below 1 where small grains gather in a core.
+pub fn read(view: &View<'_>, readings: &mut Readings) {
+    let grains = &view.frame.particles;
+    let radii = || grains.iter().map(|grain| grain.radius);
+    let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+    if largest < TWO_SIZES * smallest {
+        return;
+    }
+    let is_small = |radius: f64| radius < 0.5 * (smallest + largest);
+    let marks = grains.iter().map(|grain| (grain.position, is_small(grain.radius)));
+    if let Some(index) = lacey_index(marks, MIXING_CELL * view.setting.diameter) {
+        readings.add(BY_SIZE, index);
+    }
+    if let Some(drum) = &view.setting.drum {
+        let volume = |radius: f64| radius.powi(3);
+        let total: f64 = radii().map(volume).sum();
+        let middle =
+            grains.iter().map(|grain| Vector3::from(grain.position) * volume(grain.radius)).sum::<Vector3<f64>>();
+        let [x, y] = drum.section(&(middle / total));
+        let spread = |small: bool| {
+            let own = grains.iter().filter(|grain| is_small(grain.radius) == small);
+            let squares: Vec<f64> = own
+                .map(|grain| {
+                    let [across, up] = drum.section(&grain.position.into());
+                    (across - x).powi(2) + (up - y).powi(2)
+                })
+                .collect();
+            (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        };
+        let ratio = spread(true) / spread(false);
+        if ratio.is_finite() {
+            readings.add(CORE, ratio);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lacey_index;
+
+    /// Marks on a cube of 12 x 12 x 12 grains a unit apart.
+    fn index(mark: impl Fn([i64; 3]) -> bool) -> Option<f64> {
+        let places = (0..1728).map(|n| [n % 12, n / 12 % 12, n / 144]);
+        lacey_index(places.map(|at| (at.map(|x| x as f64 + 0.5), mark(at))), 3.0)
+    }
+
+    #[test]
+    fn halves_are_unmixed_and_chessboards_better_than_random() {
+        assert!(index(|[x, ..]| x < 6).unwrap().abs() < 1e-12, "no cell holds both kinds");
+        let chess = index(|[x, y, z]| (x + y + z) % 2 == 0).unwrap();
+        assert!(chess > 1.0, "every cell holds both alike, which chance does not do: {chess}");
+    }
+
+    #[test]
+    fn random_marks_have_an_index_of_one() {
+        // A generator good enough to have no pattern in cells of 27.
+        let hash =
+            |[x, y, z]: [i64; 3]| ((x * 73_856_093) ^ (y * 19_349_663) ^ (z * 83_492_791)).wrapping_mul(2_654_435_761);
+        let random = index(|at| (hash(at) >> 13) % 10 < 4).unwrap();
+        assert!((random - 1.0).abs() < 0.03, "{random}");
+    }
+
+    #[test]
+    fn too_few_grains_have_none() {
+        assert_eq!(lacey_index([([0.0; 3], true), ([1.0; 3], false)].into_iter(), 3.0), None);
+    }
+}
