@@ -80,9 +80,16 @@ fn cylinders_and_discs_have_their_areas_and_fine_facets() {
     }
     assert!(mesh.bend < 360.0 / 100.0 + 1e-9);
 
-    let disc = Shape::Disc { centre: [0.1, 0.0, 0.0], normal: [0.0, 1.0, 1.0], radius: 0.1 };
+    let disc = Shape::Disc { centre: [0.1, 0.0, 0.0], normal: [0.0, 1.0, 1.0], radius: 0.1, hole: 0.0 };
     let (vector, area) = areas(&wall_mesh(&disc, &DOMAIN, 0.005));
     assert!((area / (std::f64::consts::PI * 0.01) - 1.0).abs() < 0.01, "{area}");
+    assert!((vector.normalize() - Vector3::new(0.0, 1.0, 1.0).normalize()).norm() < 1e-9);
+
+    let ring = Shape::Disc { centre: [0.1, 0.0, 0.0], normal: [0.0, 1.0, 1.0], radius: 0.1, hole: 0.04 };
+    let (vector, area) = areas(&wall_mesh(&ring, &DOMAIN, 0.005));
+    assert!((area / (std::f64::consts::PI * (0.01 - 0.0016)) - 1.0).abs() < 0.01, "{area}");
+    // All triangles face the same way.
+    assert!((vector.norm() / area - 1.0).abs() < 1e-9);
     assert!((vector.normalize() - Vector3::new(0.0, 1.0, 1.0).normalize()).norm() < 1e-9);
 }
 

@@ -155,10 +155,11 @@ fn walls(scene: &Scene) -> Checked {
                 }
                 shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
             }
-            Shape::Disc { centre, normal, radius } => {
+            Shape::Disc { centre, normal, radius, hole } => {
                 shape.key("centre").finite(centre)?;
                 shape.key("normal").direction(normal)?;
                 shape.key("radius").range(*radius, 1e-9, 1e4, "m")?;
+                shape.key("hole").range(*hole, 0.0, *radius, "m, the radius of the disc")?;
             }
         }
         let motion = at.key("motion");

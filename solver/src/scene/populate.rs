@@ -264,11 +264,16 @@ fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
             let gaps = centres.iter().map(|middle| period.arm(&centre, &Vector3::from(*middle)).norm() - radius);
             grain.radius - gaps.fold(f64::INFINITY, f64::min)
         }
-        Shape::Disc { centre: middle, normal, radius } => {
+        Shape::Disc { centre: middle, normal, radius, hole } => {
             let normal = Vector3::from(*normal).normalize();
             let arm = centre - Vector3::from(*middle);
             let height = normal.dot(&arm);
-            match (arm - normal * height).norm() < *radius {
+            let across = (arm - normal * height).norm();
+            if *hole > 0.0 {
+                // A ring has two sides, so that nothing lies behind it.
+                return grain.radius - (across - across.clamp(*hole, *radius)).hypot(height);
+            }
+            match across < *radius {
                 true => grain.radius - height,
                 false => f64::NEG_INFINITY,
             }

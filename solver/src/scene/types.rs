@@ -179,7 +179,8 @@ pub enum Shape {
         /// Radius, metres.
         radius: f64,
     },
-    /// A flat disc, such as a drum's end cap; grains live on the side that the normal points to.
+    /// A flat disc, such as a drum's end cap; grains live on the side that the normal points to. With a hole it is a thin ring,
+    /// such as the floor of a silo: grains live on both sides of it, fall through the hole and roll over its rims.
     Disc {
         /// Centre, metres.
         centre: [f64; 3],
@@ -187,6 +188,9 @@ pub enum Shape {
         normal: [f64; 3],
         /// Radius, metres.
         radius: f64,
+        /// Radius of the round hole in its middle, metres; none, if zero.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        hole: f64,
     },
 }
 

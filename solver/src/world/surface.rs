@@ -30,6 +30,13 @@ enum Face {
         normal: Vector,
         radius: f64,
     },
+    /// A disc with a hole.
+    Ring {
+        centre: Vector,
+        normal: Vector,
+        radius: f64,
+        hole: f64,
+    },
     /// Its ends lie so far from the base along the axis; there are none where the axis is periodic.
     Shell {
         base: Vector,
@@ -64,11 +71,13 @@ impl Surface {
             Shape::Plane { point, normal } => {
                 vec![Face::Plane { point: Vector::from(*point), normal: Vector::from(*normal).normalize() }]
             }
-            Shape::Disc { centre, normal, radius } => vec![Face::Disc {
-                centre: Vector::from(*centre),
-                normal: Vector::from(*normal).normalize(),
-                radius: *radius,
-            }],
+            Shape::Disc { centre, normal, radius, hole } => {
+                let (centre, normal) = (Vector::from(*centre), Vector::from(*normal).normalize());
+                vec![match *hole > 0.0 {
+                    true => Face::Ring { centre, normal, radius: *radius, hole: *hole },
+                    false => Face::Disc { centre, normal, radius: *radius },
+                }]
+            }
             Shape::Cylinder { base, axis, radius, length } => vec![Face::Shell {
                 base: Vector::from(*base),
                 axis: Vector::from(*axis).normalize(),
@@ -194,7 +203,7 @@ fn keeps_in_place(shape: &Face, motion: &Motion) -> bool {
     let on_axis = |place: Vector| (place - centre).cross(&axis).norm() < 1e-12 * (1.0 + (place - centre).norm());
     match *shape {
         Face::Plane { normal, .. } => along(normal),
-        Face::Disc { centre, normal, .. } => along(normal) && on_axis(centre),
+        Face::Disc { centre, normal, .. } | Face::Ring { centre, normal, .. } => along(normal) && on_axis(centre),
         Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
         Face::Ball { centre, .. } => on_axis(centre),
     }
@@ -211,6 +220,7 @@ impl Face {
         match self {
             Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
             Face::Disc { centre, normal, radius } => Face::Disc { centre: centre + by, normal, radius },
+            Face::Ring { centre, normal, radius, hole } => Face::Ring { centre: centre + by, normal, radius, hole },
             Face::Shell { base, axis, radius, ends } => Face::Shell { base: base + by, axis, radius, ends },
             Face::Ball { centre, radius, period } => Face::Ball { centre: centre + by, radius, period },
         }
@@ -224,6 +234,9 @@ impl Face {
             Face::Disc { centre: middle, normal, radius } => {
                 Face::Disc { centre: place(middle), normal: turn(normal), radius }
             }
+            Face::Ring { centre: middle, normal, radius, hole } => {
+                Face::Ring { centre: place(middle), normal: turn(normal), radius, hole }
+            }
             Face::Shell { base, axis, radius, ends } => {
                 Face::Shell { base: place(base), axis: turn(axis), radius, ends }
             }
@@ -236,7 +249,8 @@ impl Pose {
     /// Distance from a grain's centre to the face, and the unit normal from the centre to the nearest point.
     ///
     /// Behind a plane or disc the distance is negative, so that the grain is pushed back. A shell is thin and has two
-    /// sides; beyond its ends the nearest point lies on its rim. A disc has no rim: beside it the distance is infinite.
+    /// sides; beyond its ends the nearest point lies on its rim. A disc has no rim: beside it the distance is infinite. A disc
+    /// with a hole is thin and has two sides and two rims, so that grains fall through the hole and roll over its edge.
     #[inline]
     pub fn nearest(&self, centre: &Vector) -> (f64, Vector) {
         match self.shape {
@@ -246,6 +260,17 @@ impl Pose {
                 let height = normal.dot(&arm);
                 let beside = (arm - normal * height).norm_squared() > radius * radius;
                 (if beside { f64::INFINITY } else { height }, -normal)
+            }
+            Face::Ring { centre: middle, normal, radius, hole } => {
+                let arm = centre - middle;
+                let height = normal.dot(&arm);
+                let across = arm - normal * height;
+                let distance = across.norm();
+                let outward = if distance > 0.0 { across / distance } else { perpendicular(normal) };
+                let to_ring = outward * (distance.clamp(hole, radius) - distance) - normal * height;
+                let gap = to_ring.norm();
+                let side = if height >= 0.0 { -normal } else { normal };
+                (gap, if gap > 0.0 { to_ring / gap } else { side })
             }
             Face::Shell { base, axis, radius, ends } => {
                 let arm = centre - base;
@@ -273,7 +298,7 @@ impl Pose {
             Face::Plane { point, normal } | Face::Disc { centre: point, normal, .. } => {
                 normal.dot(&(centre - point)) < reach
             }
-            Face::Shell { .. } | Face::Ball { .. } => self.nearest(centre).0 < reach,
+            Face::Shell { .. } | Face::Ball { .. } | Face::Ring { .. } => self.nearest(centre).0 < reach,
         }
     }
 
@@ -296,6 +321,16 @@ impl Pose {
                 let across = arm + shift * share - normal * reach;
                 let beside = matches!(self.shape, Face::Disc { radius, .. } if across.norm() > radius);
                 (meets && !beside).then_some((height, -normal))
+            }
+            Face::Ring { centre: middle, normal, radius, hole } => {
+                let arm = sphere.centre - middle;
+                // The normal on the side that the grain comes from.
+                let normal = if normal.dot(&arm) < 0.0 { -normal } else { normal };
+                let (height, fall) = (normal.dot(&arm), -normal.dot(&shift));
+                let share = (height - reach) / fall;
+                let meets = height > reach && (0.0..=1.0).contains(&share);
+                let across = arm + shift * share - normal * reach;
+                (meets && (hole..=radius).contains(&across.norm())).then_some((height, -normal))
             }
             Face::Shell { base, axis, radius, ends } => {
                 let arm = sphere.centre - base;

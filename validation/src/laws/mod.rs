@@ -8,10 +8,12 @@
 //! A law is one file that implements [`Law`] and one line in [`all`]. What it takes as given (sizes, friction, definitions) is
 //! constant in that file and was chosen before anything was measured; only what the law leaves open is fitted.
 
+mod beverloo;
 mod case;
 mod chute;
 mod collapse;
 mod fit;
+mod janssen;
 mod keep;
 mod run;
 mod study;
@@ -56,8 +58,8 @@ pub(crate) trait Law: Sync {
 }
 
 /// All laws, in the order in which they are shown.
-pub(crate) fn all() -> [&'static dyn Law; 2] {
-    [&collapse::Collapse, &chute::Chute]
+pub(crate) fn all() -> [&'static dyn Law; 4] {
+    [&janssen::Janssen, &beverloo::Beverloo, &collapse::Collapse, &chute::Chute]
 }
 
 /// A figure without bounds.

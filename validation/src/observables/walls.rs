@@ -17,7 +17,7 @@ struct Placed {
 enum Primitive {
     Plane { point: Vector3<f64>, normal: Vector3<f64> },
     Shell { base: Vector3<f64>, axis: Vector3<f64>, radius: f64, length: f64 },
-    Disc { centre: Vector3<f64>, normal: Vector3<f64>, radius: f64 },
+    Disc { centre: Vector3<f64>, normal: Vector3<f64>, radius: f64, hole: f64 },
     Ball { centre: Vector3<f64>, radius: f64, period: Period },
 }
 
@@ -94,10 +94,11 @@ fn primitives(shape: &Shape, period: &Period) -> Vec<Primitive> {
         Shape::Spheres { centres, radius } => (centres.iter())
             .map(|centre| Primitive::Ball { centre: (*centre).into(), radius: *radius, period: *period })
             .collect(),
-        Shape::Disc { centre, normal, radius } => vec![Primitive::Disc {
+        Shape::Disc { centre, normal, radius, hole } => vec![Primitive::Disc {
             centre: (*centre).into(),
             normal: Vector3::from(*normal).normalize(),
             radius: *radius,
+            hole: *hole,
         }],
     }
 }
@@ -117,11 +118,11 @@ impl Placed {
                 ((arm - axis * along).norm() - radius).hypot(past_end)
             }
             Primitive::Ball { centre, radius, period } => period.arm(centre, &point).norm() - radius,
-            Primitive::Disc { centre, normal, radius } => {
+            Primitive::Disc { centre, normal, radius, hole } => {
                 let arm = point - centre;
                 let height = arm.dot(normal);
-                let past_rim = ((arm - normal * height).norm() - radius).max(0.0);
-                height.hypot(past_rim)
+                let across = (arm - normal * height).norm();
+                height.hypot(across - across.clamp(*hole, *radius))
             }
         }
     }

@@ -38,7 +38,10 @@ pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64) -> Mesh {
         }
         // Codes that need meshes refuse these beforehand.
         Shape::Spheres { .. } => Mesh::default(),
-        Shape::Disc { centre, normal, radius } => disc(Vector3::from(*centre), unit(normal), *radius),
+        Shape::Disc { centre, normal, radius, hole } if *hole > 0.0 => {
+            ring(Vector3::from(*centre), unit(normal), *radius, *hole)
+        }
+        Shape::Disc { centre, normal, radius, .. } => disc(Vector3::from(*centre), unit(normal), *radius),
     }
 }
 
@@ -172,12 +175,28 @@ fn cylinder(base: Vector3<f64>, axis: Vector3<f64>, radius: f64, length: f64, sm
 }
 
 fn disc(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64) -> Mesh {
+    Mesh { triangles: triangulate(circle(centre, normal, radius)), bend: 0.0 }
+}
+
+/// A disc with a hole: two triangles between each two corners of its outlines.
+fn ring(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64, hole: f64) -> Mesh {
+    let (inner, outer) = (circle(centre, normal, hole), circle(centre, normal, radius));
+    let quadrangle = |index: usize| {
+        let next = (index + 1) % DISC_CORNERS;
+        let (a, b, c, d) = (inner[index], outer[index], outer[next], inner[next]);
+        [[a, b, c].map(Into::into), [a, c, d].map(Into::into)]
+    };
+    Mesh { triangles: (0..DISC_CORNERS).flat_map(quadrangle).collect(), bend: 0.0 }
+}
+
+/// Corners of a circle's outline, counter-clockwise about the normal; they lie a hair outside, so that the mean radius is right.
+fn circle(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64) -> Vec<Vector3<f64>> {
     let (u, v) = frame(&normal);
     let half_angle = PI / DISC_CORNERS as f64;
     let corner_radius = radius * (1.0 + half_angle * half_angle / 3.0);
-    let corners = (0..DISC_CORNERS).map(|index| {
+    let corner = |index: usize| {
         let (sine, cosine) = (2.0 * half_angle * index as f64).sin_cos();
         centre + (u * cosine + v * sine) * corner_radius
-    });
-    Mesh { triangles: triangulate(corners.collect()), bend: 0.0 }
+    };
+    (0..DISC_CORNERS).map(corner).collect()
 }

@@ -33,11 +33,13 @@ pub(super) fn walls(drawing: &mut Drawing, scene: &Scene, view: &View, time: f64
                 }
             }
             // Edge on, a disc is a line; face on, it coincides with the shell that it closes.
-            Shape::Disc { centre, normal, radius } => {
+            Shape::Disc { centre, normal, radius, hole } => {
                 let normal = Vector3::from(*normal).normalize();
                 if normal.dot(&view.forward).abs() < 0.05 {
-                    let along = normal.cross(&view.forward) * *radius;
-                    segment(drawing, view, at(centre) - along, at(centre) + along, place);
+                    let along = normal.cross(&view.forward);
+                    for side in [-along, along] {
+                        segment(drawing, view, at(centre) + side * *hole, at(centre) + side * *radius, place);
+                    }
                 }
             }
         }

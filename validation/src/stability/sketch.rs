@@ -174,8 +174,8 @@ impl Sketch {
     pub fn drum(self, radius: f64, length: f64, motion: Motion) -> Sketch {
         let (y, axis) = (0.5 * length, [0.0, 1.0, 0.0]);
         self.moving_wall(Shape::Cylinder { base: [0.0, -y, 0.0], axis, radius, length }, motion.clone())
-            .moving_wall(Shape::Disc { centre: [0.0, -y, 0.0], normal: axis, radius }, motion.clone())
-            .moving_wall(Shape::Disc { centre: [0.0, y, 0.0], normal: [0.0, -1.0, 0.0], radius }, motion)
+            .moving_wall(Shape::Disc { centre: [0.0, -y, 0.0], normal: axis, radius, hole: 0.0 }, motion.clone())
+            .moving_wall(Shape::Disc { centre: [0.0, y, 0.0], normal: [0.0, -1.0, 0.0], radius, hole: 0.0 }, motion)
     }
 
     /// Adds a grain at rest.

@@ -75,7 +75,7 @@ fn pyramid() -> Case {
 }
 
 fn disc(x: f64) -> Shape {
-    Shape::Disc { centre: [x, 0.0, 0.0], normal: [0.0, 0.0, 1.0], radius: 0.2 }
+    Shape::Disc { centre: [x, 0.0, 0.0], normal: [0.0, 0.0, 1.0], radius: 0.2, hole: 0.0 }
 }
 
 /// A ball that rolls from one face onto another of the same height; codes with meshes cut the floor of a box into triangles.

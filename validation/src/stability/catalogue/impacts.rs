@@ -86,7 +86,7 @@ fn corner() -> Case {
 /// A grain that flies at a disc.
 fn disc() -> Case {
     let scene = fast("fast-disc")
-        .wall(Shape::Disc { centre: [0.0; 3], normal: [0.0, 0.0, 1.0], radius: 0.2 })
+        .wall(Shape::Disc { centre: [0.0; 3], normal: [0.0, 0.0, 1.0], radius: 0.2, hole: 0.0 })
         .moving_grain(RADIUS, [0.01, 0.02, 50.5 * 2.0 * RADIUS], [0.0, 0.0, -FAST], [0.0; 3])
         .scene();
     let right = "a grain at 100 diameters a step does not pass a disc";
