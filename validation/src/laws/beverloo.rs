@@ -68,8 +68,9 @@ impl Law for Beverloo {
 
     fn cases(&self, quick: bool) -> Vec<Case> {
         match quick {
-            true => [5.0, 7.0].map(case).into(),
-            false => [6.0, 8.0, 10.0, 12.0].map(case).into(),
+            // Narrower than the law asks for: 14 grain diameters.
+            true => [4.5, 5.5].map(|hole| case(hole, 14.0)).into(),
+            false => [6.0, 8.0, 10.0, 12.0].map(|hole| case(hole, SILO[1])).into(),
         }
     }
 
@@ -202,9 +203,9 @@ fn filling(frame: &Snapshot, silo: f64) -> f64 {
     heights.get(heights.len() * 99 / 100).map_or(0.0, |height| height / silo)
 }
 
-/// A silo with a hole of so many grain diameters.
-fn case(hole: f64) -> Case {
-    let silo = (SILO[0] * hole).max(SILO[1]) * DIAMETER;
+/// A silo of at least so many grain diameters with a hole of so many.
+fn case(hole: f64, least: f64) -> Case {
+    let silo = (SILO[0] * hole).max(least) * DIAMETER;
     let (radius, height, grain) = (0.5 * silo, FILLING[0] * silo, 0.5 * DIAMETER);
     let count = (SOLID * PI * radius * radius * height / grain_volume()).round() as usize;
     // The lattice that grains start on is less than half as dense as the bed.

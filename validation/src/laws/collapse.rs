@@ -2,8 +2,12 @@
 //!
 //! A tube full of grains on a rough plane is lifted off. The run-out over the first radius, `(r - r0)/r0`, depends on the
 //! aspect ratio `a = h0/r0` alone: 1.24 a up to a = 1.7 and 1.6 sqrt(a) beyond.
+//!
+//! That is so where the column is hundreds of grains wide, as in the experiments. Each aspect ratio is run at several radii, the
+//! widest one is judged, and a line through the ratios to the law over `d/r0` tells what is left of the deviation at `d/r0 = 0`.
 
 use super::case::values;
+use super::fit::line;
 use super::{Case, Law, LawError, Mean, Run, Values, reported};
 use crate::observables::close_pairs;
 use crate::report::figure::Figure;
@@ -65,8 +69,15 @@ impl Law for Collapse {
 
     fn cases(&self, quick: bool) -> Vec<Case> {
         match quick {
-            true => [0.5, 2.0].map(|aspect| case(8.0, aspect)).into(),
-            false => [0.5, 1.0, 2.0, 4.0].map(|aspect| case(12.0, aspect)).into(),
+            true => [(0.5, 8.0), (2.0, 8.0)].map(|(aspect, radius)| case(radius, aspect)).into(),
+            false => {
+                let sizes = [(0.5, 20.0), (1.0, 20.0), (2.0, 12.0), (4.0, 12.0)];
+                let series = sizes.into_iter().flat_map(|(aspect, widest)| {
+                    let radii = [8.0, 12.0, 20.0].into_iter().filter(move |radius| *radius <= widest);
+                    radii.map(move |radius| case(radius, aspect))
+                });
+                series.collect()
+            }
         }
     }
 
@@ -103,18 +114,27 @@ impl Law for Collapse {
     }
 
     fn judge(&self, means: &[Mean]) -> Vec<Finding> {
+        let aspects = nominal_aspects(means);
         let mut findings = Vec::new();
-        for mean in means {
-            let aspect = mean.of_value("aspect");
-            let ratio = mean.of_value("run_out") / law(aspect);
-            let what = format!("run-out over the law's, a = {aspect:.2}");
-            findings.push(Finding::near(what, "", ratio, 1.0, TOLERANCE));
+        for series in aspects.iter().map(|&aspect| series(means, aspect)) {
+            let Some(widest) = series.last() else { continue };
+            let what = format!("run-out over the law's, {}", words(widest));
+            findings.push(Finding::near(what, "", ratio(widest, "run_out"), 1.0, TOLERANCE));
         }
-        for mean in means {
-            let aspect = mean.of_value("aspect");
-            for (name, words) in ALTERNATIVES {
-                let ratio = mean.of_value(name) / law(aspect);
-                findings.push(reported(format!("  the same, a = {aspect:.2}, {words}"), "", ratio));
+        for series in aspects.iter().map(|&aspect| series(means, aspect)).filter(|series| series.len() > 1) {
+            for narrower in &series[..series.len() - 1] {
+                findings.push(reported(format!("the same, {}", words(narrower)), "", ratio(narrower, "run_out")));
+            }
+            let points: Vec<[f64; 2]> =
+                series.iter().map(|mean| [DIAMETER / mean.of_value("radius"), ratio(mean, "run_out")]).collect();
+            let aspect = series[0].of_value("nominal_aspect");
+            findings.push(reported(format!("the same at d/r0 = 0, by a line, a near {aspect}"), "", line(&points).1));
+        }
+        for series in aspects.iter().map(|&aspect| series(means, aspect)) {
+            let Some(widest) = series.last() else { continue };
+            for (name, definition) in ALTERNATIVES {
+                let what = format!("the same by another edge, {}, {definition}", words(widest));
+                findings.push(reported(what, "", ratio(widest, name)));
             }
         }
         findings
@@ -128,8 +148,8 @@ impl Law for Collapse {
         let other = CodeStyle { class: "code-other", marker: Marker::Diamond };
         let keys = [
             Key::Line("curve neutral", "law"),
-            Key::Points(own, "half covered"),
-            Key::Points(other, "other definitions of the edge"),
+            Key::Points(own, "half covered (open: narrower)"),
+            Key::Points(other, "other edges"),
         ];
         let (x, y) = (Axis::fine("aspect ratio a = h0/r0", least, most), Axis::fine("run-out (r − r0)/r0", 0.3, 8.0));
         let mut plot = Plot::with_legend(x, y, &keys);
@@ -137,11 +157,15 @@ impl Law for Collapse {
         let along = (0..=marks).map(|mark| 0.1 * 200f64.powf(f64::from(mark) / f64::from(marks)));
         plot.curve("curve neutral", along.map(|aspect| [aspect, law(aspect)]));
         for mean in means {
-            let aspect = mean.of_value("aspect");
+            plot.open_marker(own, mean.of_value("aspect"), mean.of_value("run_out"), 3.4);
+        }
+        for series in nominal_aspects(means).into_iter().map(|aspect| series(means, aspect)) {
+            let Some(widest) = series.last() else { continue };
+            let aspect = widest.of_value("aspect");
             for (name, _) in ALTERNATIVES {
-                plot.open_marker(other, aspect, mean.of_value(name), 3.0);
+                plot.open_marker(other, aspect, widest.of_value(name), 2.6);
             }
-            plot.marker(own, aspect, mean.of_value("run_out"), 4.2);
+            plot.marker(own, aspect, widest.of_value("run_out"), 4.2);
         }
         let title = "Run-out of collapsing columns";
         let caption = format!("{title}: measured, and the law of Lube et al. (2004).");
@@ -158,6 +182,28 @@ const ALTERNATIVES: [(&str, &str); 5] = [
     ("run_out_99_percent", "99% of the solid volume"),
 ];
 
+/// Aspect ratios that were asked for, each once, in their order.
+fn nominal_aspects(means: &[Mean]) -> Vec<f64> {
+    let mut aspects: Vec<f64> = means.iter().map(|mean| mean.of_value("nominal_aspect")).collect();
+    aspects.dedup();
+    aspects
+}
+
+/// The columns of one aspect ratio, narrow ones first.
+fn series(means: &[Mean], aspect: f64) -> Vec<&Mean> {
+    means.iter().filter(|mean| mean.of_value("nominal_aspect") == aspect).collect()
+}
+
+/// A run-out over the law's.
+fn ratio(mean: &Mean, name: &str) -> f64 {
+    mean.of_value(name) / law(mean.of_value("aspect"))
+}
+
+/// Aspect ratio and radius of a column.
+fn words(mean: &Mean) -> String {
+    format!("a = {:.2}, r0 = {:.0} d", mean.of_value("aspect"), mean.of_value("radius") / DIAMETER)
+}
+
 /// A column of so many diameters in radius.
 fn case(radius_in_diameters: f64, aspect: f64) -> Case {
     let radius = radius_in_diameters * DIAMETER;
@@ -173,7 +219,7 @@ fn case(radius_in_diameters: f64, aspect: f64) -> Case {
     let lift = LIFT * (GRAVITY * height).sqrt();
     let tube = Motion::Translating { velocity: [0.0, 0.0, lift], start: release, stop: None };
     let up = [0.0, 0.0, 1.0];
-    let scene = Sketch::new(format!("collapse-{aspect}"), release + PATIENCE * fall)
+    let scene = Sketch::new(format!("collapse-{aspect}-r{radius_in_diameters}"), release + PATIENCE * fall)
         .domain([-reach, -reach, -DIAMETER], [reach, reach, room])
         .step(SOLVE.0)
         .sweeps(SOLVE.1)
@@ -322,14 +368,24 @@ mod tests {
 
     #[test]
     fn judged_are_run_outs_and_nothing_else() {
-        let mean = |run_out: f64| Mean {
-            case: "collapse-1".into(),
-            seeds: 1,
-            values: values([("aspect", 1.0), ("run_out", run_out)]),
-            deviations: Values::new(),
-        };
-        let judged = |run_out: f64| Collapse.judge(&[mean(run_out)])[0].holds();
+        let judged = |run_out: f64| Collapse.judge(&[mean(0.2, run_out)])[0].holds();
         assert!(judged(1.24 * 1.09) && judged(1.24 * 0.91));
         assert!(!judged(1.24 * 1.11) && !judged(1.24 * 0.89));
+    }
+
+    #[test]
+    fn the_widest_column_counts_and_the_line_goes_on_to_endless_ones() {
+        // 1 - 4 d/r0 of the law.
+        let findings = Collapse.judge(&[8.0, 20.0].map(|radius| mean(radius * DIAMETER, 1.24 * (1.0 - 4.0 / radius))));
+        let judged: Vec<&Finding> = findings.iter().filter(|finding| finding.low.is_finite()).collect();
+        assert_eq!(judged.len(), 1);
+        assert_relative_eq!(judged[0].value, 0.8, max_relative = 1e-12);
+        let limit = findings.iter().find(|finding| finding.what.contains("d/r0 = 0")).unwrap();
+        assert_relative_eq!(limit.value, 1.0, max_relative = 1e-12);
+    }
+
+    fn mean(radius: f64, run_out: f64) -> Mean {
+        let given = [("aspect", 1.0), ("nominal_aspect", 1.0), ("radius", radius), ("run_out", run_out)];
+        Mean { case: format!("collapse-{radius}"), seeds: 1, values: values(given), deviations: Values::new() }
     }
 }

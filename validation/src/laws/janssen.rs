@@ -120,11 +120,13 @@ impl Law for Janssen {
         let densest = fitted(means).last();
         let density = densest.map_or(f64::NAN, |mean| mean.of_value("bulk_density"));
         let radius = densest.map_or(f64::NAN, |mean| mean.of_value("radius"));
+        let mobilised = densest.map_or(f64::NAN, |mean| mean.of_value("mobilisation"));
         let ratio = density * PI * radius.powi(3) / (2.0 * WALL_FRICTION * saturated);
         let [active, passive] = rankine(INTERNAL_FRICTION);
         let mut findings = vec![
             Finding::at_most("largest deviation from Janssen's curve over M_s", "", largest, TOLERANCE),
             Finding::between("K, between Rankine's limits", "", ratio, active, passive),
+            reported("K, by the friction that is mobilised in the fullest tube", "", ratio / mobilised),
             reported("root mean square deviation over M_s", "", rms),
             reported("saturated mass M_s", "kg", saturated),
         ];
