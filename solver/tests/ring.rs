@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use makadam::Simulation;
-use makadam::scene::{Motion, Scene, Shape, Wall};
+use makadam::scene::{Domain, Motion, Scene, Shape, Wall};
 use makadam::world::{Pose, Surface};
 use nalgebra::Vector3;
 use std::path::Path;
@@ -11,11 +11,16 @@ const HOLE: f64 = 0.05;
 const RADIUS: f64 = 0.01;
 const GRAVITY: f64 = 9.81;
 
+/// A domain that does not repeat itself.
+fn everywhere() -> Domain {
+    Domain { min: [-10.0; 3], max: [10.0; 3], periodic: Vec::new() }
+}
+
 /// A ring in the plane z = 0, its hole of radius 0.05 m and its outline of 0.2 m.
 fn ring() -> Pose {
     let shape = Shape::Disc { centre: [0.0; 3], normal: [0.0, 0.0, 2.0], radius: 0.2, hole: HOLE };
     let wall = Wall { name: "ring".into(), material: "wall".into(), shape, motion: Motion::Fixed };
-    Surface::of_wall(&wall, 0, 0)[0].at(0.0)
+    Surface::of_wall(&wall, &everywhere(), 0, 0)[0].at(0.0)
 }
 
 fn nearest(at: [f64; 3]) -> (f64, Vector3<f64>) {
