@@ -26,7 +26,7 @@ pub(super) fn least(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) 
             b = low + share * (high - low);
             at_b = function(b);
         }
-        if !(a < b) {
+        if a >= b {
             break;
         }
     }
