@@ -293,8 +293,8 @@ impl Profile {
 fn force_on_walls(frame: &Snapshot) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for contact in frame.contacts.iter().filter(|contact| matches!(contact.second, Partner::Wall(_))) {
-        for axis in 0..3 {
-            sum[axis] += contact.normal_force * contact.normal[axis] + contact.tangential_force[axis];
+        for ((sum, normal), tangential) in sum.iter_mut().zip(contact.normal).zip(contact.tangential_force) {
+            *sum += contact.normal_force * normal + tangential;
         }
     }
     sum
