@@ -6,7 +6,6 @@ use common::bits::{same_bits_everywhere, start};
 use common::{CONVERGED_HERTZ, FLOOR, Setup, grain, run_until};
 use makadam::scene::{Axis, Domain, Scene, populate};
 use makadam::snapshot::{Particle, Partner};
-use makadam::world::Period;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -95,7 +94,7 @@ fn every_pair_that_overlaps_is_stopped_and_momentum_stays() {
     for (diameters, count) in [(5.0, 50), (12.0, 700), (30.0, 8000)] {
         let scene = gas(diameters, count);
         let mut simulation = start(&scene);
-        let (period, before) = (Period::of(&scene.domain), simulation.momentum());
+        let (period, before) = (scene.domain.period(), simulation.momentum());
         let scale: f64 = simulation.momentum().iter().map(|p| p.abs()).sum::<f64>() + 1e-3;
         for _ in 0..8 {
             for _ in 0..50 {

@@ -1,9 +1,10 @@
 //! Grains sorted into cells by counting. Cells are a whole part of a box, so that grains in the order of cells are in the
 //! order of boxes too.
 
+use crate::effects::period::Period;
 use crate::partition::BoxGrid;
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{Period, World, chunk, chunks};
+use crate::world::{World, chunk, chunks};
 use nalgebra::Vector3;
 use std::ops::Range;
 

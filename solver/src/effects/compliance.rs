@@ -9,7 +9,22 @@
 //! `1/(1.25 k_H sqrt(d))`. At rest this gives back `force = k_H d^(3/2)`.
 
 use crate::lanes::Number;
-use crate::scene::NormalLaw;
+use serde::{Deserialize, Serialize};
+
+/// Law of the normal contact.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum NormalLaw {
+    /// No compliance.
+    Rigid,
+    /// A linear spring.
+    Linear {
+        /// Stiffness, N/m.
+        stiffness: f64,
+    },
+    /// Hertz's law, from the materials.
+    Hertz,
+}
 
 /// Overlaps below this share of the effective radius are as stiff as it: the first touch of a Hertzian contact would
 /// otherwise have no stiffness at all.

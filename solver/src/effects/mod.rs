@@ -7,6 +7,7 @@ pub mod cohesion;
 pub mod compliance;
 pub mod friction;
 pub mod gravity;
+pub mod period;
 pub mod resistance;
 pub mod restitution;
 pub mod vibration;

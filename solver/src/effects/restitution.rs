@@ -18,9 +18,8 @@
 //! Where the step resolves a compliant impact, its damping gives the restitution, the same at any speed: the speed with which
 //! an impact began is not known any more in its later steps. Scenes that ask for both are refused.
 
-use super::compliance::{NormalConstraint, NormalScheme};
+use super::compliance::{NormalConstraint, NormalLaw, NormalScheme};
 use crate::lanes::Number;
-use crate::scene::NormalLaw;
 
 /// Bias of a contact that must bear nothing, m/s: no contact separates as fast as that.
 const OUT_OF_TOUCH: f64 = -1e30;

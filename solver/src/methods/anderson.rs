@@ -48,7 +48,7 @@ pub(super) struct Anderson {
 }
 
 impl Anderson {
-    /// With so many earlier sweeps remembered, at most [`MOST_MEMORY`](super::MOST_MEMORY).
+    /// With so many earlier sweeps remembered, at most [`MOST_MEMORY`](crate::scene::MOST_MEMORY).
     pub fn new(memory: u32) -> Anderson {
         let slots = (memory as usize + 1).min(MOST);
         Anderson {

@@ -50,9 +50,6 @@ use jacobi::Jacobi;
 use nonlinear_conjugate_gradients::NonlinearConjugateGradients;
 use projected_conjugate_gradients::ProjectedConjugateGradients;
 
-/// Most iterations that Anderson's acceleration can remember.
-pub const MOST_MEMORY: usize = 8;
-
 /// One iteration of a method, and its memory.
 pub(crate) trait Method {
     /// Makes ready for a new problem.

@@ -5,7 +5,7 @@ use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, chunk, chunks};
 
 /// Most states that a combination or a set of products can have.
-pub(crate) const MOST: usize = super::MOST_MEMORY + 1;
+pub(crate) const MOST: usize = crate::scene::MOST_MEMORY + 1;
 
 /// Coefficients of new states (rows) by old ones.
 pub(crate) type Coefficients = [[f64; 3]; 3];

@@ -1,6 +1,6 @@
 //! Boxes eight diameters wide, and the stage and task of a pair of grains.
 
-use crate::world::Period;
+use crate::effects::period::Period;
 use nalgebra::Vector3;
 
 /// Number of conflict-free stages in three dimensions.

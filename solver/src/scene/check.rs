@@ -2,8 +2,9 @@
 
 use super::periodic;
 use super::place::{Checked, Place};
-use super::{Cohesion, Motion, NormalLaw, Precision, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop};
-use crate::methods::MOST_MEMORY;
+use super::{
+    Cohesion, MOST_MEMORY, Motion, NormalLaw, Precision, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop,
+};
 
 /// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
 const MOST_GRAINS: f64 = 1e8;

@@ -16,12 +16,13 @@ mod types;
 mod watch;
 
 pub use crate::effects::cohesion::Cohesion;
+pub use crate::effects::compliance::NormalLaw;
 use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
 pub use accuracy::Accuracy;
 pub use error::{SceneError, line_of};
 pub use populate::{Grain, populate};
-pub use settings::{NormalLaw, Precision, SolverMethod, SolverSettings, Stop};
+pub use settings::{MOST_MEMORY, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
     Axis, Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population, Prepare,
     RadiusDistribution, Region, Shape, Wall,

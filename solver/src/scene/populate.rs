@@ -2,7 +2,7 @@
 
 use super::error::{Fault, Step};
 use super::{Domain, Population, RadiusDistribution, Region, Scene, SceneError, Shape};
-use crate::world::Period;
+use crate::effects::period::Period;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};
@@ -212,7 +212,7 @@ fn inside_container(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Re
         problem: format!("grain {index} at {:?} {what}", grains[index].position),
         remedy: remedy.into(),
     };
-    let period = Period::of(&scene.domain);
+    let period = scene.domain.period();
     for (index, grain) in grains.iter().enumerate() {
         let outside = (0..3)
             .any(|axis| grain.position[axis] < scene.domain.min[axis] || grain.position[axis] > scene.domain.max[axis]);
@@ -285,7 +285,7 @@ fn no_overlap(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Result<(
     let size = 2.0 * grains.iter().map(|grain| grain.radius).fold(1e-12, f64::max);
     let cell = |position: &[f64; 3]| position.map(|x| (x / size).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-    let period = Period::of(&scene.domain);
+    let period = scene.domain.period();
     for (index, grain) in grains.iter().enumerate() {
         for neighbour in images(&grain.position, &period, &scene.domain, size).flat_map(|image| around(cell(&image))) {
             for &other in cells.get(&neighbour).into_iter().flatten() {

@@ -1,5 +1,6 @@
 //! How a scene is solved: one typed setting a knob, with one default.
 
+use crate::effects::compliance::NormalLaw;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the time step and of the contact solver.
@@ -94,6 +95,9 @@ pub enum SolverMethod {
     ProjectedConjugateGradients,
 }
 
+/// Most iterations that Anderson's acceleration can remember.
+pub const MOST_MEMORY: usize = 8;
+
 const ANDERSON_MEMORY: u32 = 3;
 const JACOBI_DAMPING: f64 = 0.3;
 
@@ -127,21 +131,6 @@ impl SolverMethod {
             SolverMethod::ProjectedConjugateGradients => "projected-conjugate-gradients",
         }
     }
-}
-
-/// Law of the normal contact.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum NormalLaw {
-    /// No compliance.
-    Rigid,
-    /// A linear spring.
-    Linear {
-        /// Stiffness, N/m.
-        stiffness: f64,
-    },
-    /// Hertz's law, from the materials.
-    Hertz,
 }
 
 /// When a solve stops.

@@ -1,6 +1,7 @@
 //! The tables of a scene file. Units are SI throughout: metres, seconds, kilograms, pascals, radians a second.
 
 use crate::effects::cohesion::Cohesion;
+use crate::effects::period::Period;
 use crate::effects::vibration::Vibration;
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +40,14 @@ pub struct Domain {
     /// Axes along which space repeats itself: what leaves at one end comes in at the other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub periodic: Vec<Axis>,
+}
+
+impl Domain {
+    /// Lengths after which space repeats itself.
+    pub fn period(&self) -> Period {
+        let repeats = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.periodic.contains(&axis));
+        Period::new(std::array::from_fn(|axis| self.max[axis] - self.min[axis]), repeats)
+    }
 }
 
 /// An axis of the frame of reference.

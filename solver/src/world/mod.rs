@@ -1,15 +1,14 @@
 //! What is simulated: bodies, surfaces and their motion, material pairs, the clock.
 
 mod materials;
-mod period;
 mod surface;
 
 pub use materials::{ContactMaterial, MaterialTable};
-pub use period::Period;
 pub use surface::{Pose, Surface};
 
 use crate::effects::compliance::NormalContact;
 use crate::effects::gravity::Field;
+use crate::effects::period::Period;
 use crate::lanes::{LANES, Quad};
 use crate::scene::{Grain, Scene};
 use crate::schedule::{Disjoint, Phase, Team};
@@ -127,7 +126,7 @@ impl World {
             gravity: Vector3::from(scene.gravity),
             field: scene.gravity_field(),
             domain: (Vector3::from(scene.domain.min), Vector3::from(scene.domain.max)),
-            period: Period::of(&scene.domain),
+            period: scene.domain.period(),
             time: 0.0,
         }
     }

@@ -1,6 +1,7 @@
 //! Faces of walls: where they are at a time, how fast they move, and the nearest point to a grain.
 
-use super::{Period, Sphere};
+use super::Sphere;
+use crate::effects::period::Period;
 use crate::scene::{Domain, Motion, Shape, Wall};
 use nalgebra::Vector3;
 
@@ -66,7 +67,7 @@ pub struct Pose {
 impl Surface {
     /// The faces of a wall in a domain; along a periodic axis they repeat themselves or have no end.
     pub fn of_wall(wall: &Wall, domain: &Domain, index: u32, material: u8) -> Vec<Surface> {
-        let period = Period::of(domain);
+        let period = domain.period();
         let faces = match &wall.shape {
             Shape::Plane { point, normal } => {
                 vec![Face::Plane { point: Vector::from(*point), normal: Vector::from(*normal).normalize() }]

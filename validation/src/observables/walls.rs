@@ -1,7 +1,7 @@
 //! Distance of a point from the walls, wherever their motion has brought them.
 
+use makadam::effects::period::Period;
 use makadam::scene::{Domain, Motion, Scene, Shape, Wall};
-use makadam::world::Period;
 use nalgebra::{Rotation3, Unit, Vector3};
 
 /// The walls of a scene at one time, as flat and round primitives.
@@ -26,7 +26,7 @@ impl PlacedWalls {
     ///
     /// The ends of a periodic axis count as walls: a frame does not have the neighbours that grains there have beyond.
     pub fn at(scene: &Scene, time: f64) -> Self {
-        let walls = scene.wall.iter().flat_map(|wall| place(wall, &Period::of(&scene.domain), time));
+        let walls = scene.wall.iter().flat_map(|wall| place(wall, &scene.domain.period(), time));
         Self(walls.chain(ends(&scene.domain)).collect())
     }
 

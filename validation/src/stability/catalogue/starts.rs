@@ -137,7 +137,7 @@ mod tests {
         let domain = (Vector3::from(scene.domain.min), Vector3::from(scene.domain.max));
         let boxes = BoxGrid::new(
             &domain,
-            &makadam::world::Period::default(),
+            &makadam::effects::period::Period::default(),
             50,
             super::RADIUS,
             scene.solver.skin * super::RADIUS,

@@ -4,7 +4,6 @@
 //! Only distances and cells are taken between nearest images.
 
 use crate::lanes::Number;
-use crate::scene::Domain;
 use nalgebra::Vector3;
 
 /// Adding and taking this away rounds to the nearest whole number, ties to even, below 2^51: plain arithmetic that has the same bits
@@ -19,12 +18,12 @@ pub struct Period {
 }
 
 impl Period {
-    /// The period of a scene's domain.
-    pub fn of(domain: &Domain) -> Period {
+    /// A space of these lengths (m) that repeats itself along some of its axes.
+    pub fn new(lengths: [f64; 3], repeats: [bool; 3]) -> Period {
         let mut period = Period::default();
-        for axis in domain.periodic.iter().map(|axis| axis.number()) {
-            period.length[axis] = domain.max[axis] - domain.min[axis];
-            period.inverse[axis] = 1.0 / period.length[axis];
+        for axis in (0..3).filter(|&axis| repeats[axis]) {
+            period.length[axis] = lengths[axis];
+            period.inverse[axis] = 1.0 / lengths[axis];
         }
         period
     }
@@ -78,10 +77,9 @@ impl Period {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Axis;
 
     fn period() -> Period {
-        Period::of(&Domain { min: [-1.0, 0.0, 0.0], max: [2.0, 1.0, 5.0], periodic: vec![Axis::X, Axis::Z] })
+        Period::new([3.0, 1.0, 5.0], [true, false, true])
     }
 
     #[test]
