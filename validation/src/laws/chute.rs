@@ -144,14 +144,14 @@ impl Law for Chute {
         let own = CodeStyle { class: "code-makadam", marker: Marker::Circle };
         let keys = [
             Key::Line("curve neutral", "spheres, simulated"),
-            Key::Line("curve faint", "glass beads, measured"),
+            Key::Line("code-other curve thin", "glass beads, measured"),
             Key::Points(own, "Makadam"),
         ];
         let (x, y) = (Axis::fine("inertial number I", 0.005, 0.4), Axis::fine("friction µ", 0.36, 0.56));
         let mut plot = Plot::with_legend(x, y, &keys);
         let along = || (0..=60).map(|mark| 0.005 * 80f64.powf(f64::from(mark) / 60.0));
         plot.curve("curve neutral", along().map(|inertial| [inertial, friction(inertial)]));
-        plot.curve("curve faint", along().map(|inertial| [inertial, friction_of_beads(inertial)]));
+        plot.curve("code-other curve thin", along().map(|inertial| [inertial, friction_of_beads(inertial)]));
         for mean in means {
             plot.marker(own, mean.of_value("inertial_number"), mean.of_value("friction"), 4.2);
         }
