@@ -5,7 +5,7 @@
 //!                                          kept at once                        ─> figures, CSV, JSON, table
 //! ```
 //!
-//! A law is one file that implements [`Law`] and one line in [`all`]. What it takes as given (sizes, friction, definitions) is
+//! A law is one file that implements `Law` and one line in `all`. What it takes as given (sizes, friction, definitions) is
 //! constant in that file and was chosen before anything was measured; only what the law leaves open is fitted.
 
 mod beverloo;
