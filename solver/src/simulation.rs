@@ -104,10 +104,10 @@ impl Simulation {
         team.enter(|| self.step_of(&team))
     }
 
-    /// Advances by one time step, task after task, and tells how long each took.
+    /// Advances by one time step and tells how long each task took.
     pub fn trace_step(&mut self) -> (StepReport, StepTrace) {
-        let team = Team::traced();
-        let report = self.step_of(&team);
+        let team = self.team.traced();
+        let report = team.enter(|| self.step_of(&team));
         (report, team.take_trace())
     }
 

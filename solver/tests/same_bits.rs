@@ -94,11 +94,14 @@ fn single_precision_differs_by_rounding_alone() {
 
 #[test]
 fn a_traced_step_is_a_step() {
-    let (mut plain, mut traced) = (reference_scene("drum", 1), reference_scene("drum", 1));
-    for _ in 0..200 {
-        plain.step();
-        let (report, trace) = traced.trace_step();
-        assert!(report.contacts == 0 || trace.regions.iter().any(|region| region.tasks.len() > 1));
+    for scheduler in Scheduler::ALL {
+        let (mut plain, mut traced) = (reference_scene("drum", 1), reference_scene("drum", 1));
+        traced.use_team(scheduler, 2).unwrap();
+        for _ in 0..200 {
+            plain.step();
+            let (report, trace) = traced.trace_step();
+            assert!(report.contacts == 0 || trace.regions.iter().any(|region| region.tasks.len() > 1));
+        }
+        assert_eq!(plain.state_hash(), traced.state_hash(), "{scheduler:?}");
     }
-    assert_eq!(plain.state_hash(), traced.state_hash());
 }

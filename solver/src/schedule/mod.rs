@@ -51,8 +51,8 @@ pub struct Team {
     scheduler: Scheduler,
     /// Absent where there is one thread.
     pool: Option<Arc<ThreadPool>>,
-    tracer: Arc<Mutex<Tracer>>,
-    tracing: bool,
+    /// Where durations of tasks are written down; absent unless the team traces.
+    tracer: Option<Arc<Mutex<Tracer>>>,
 }
 
 impl Team {
@@ -66,7 +66,7 @@ impl Team {
             (Scheduler::Serial, _) | (_, 0 | 1) => None,
             _ => Some(Arc::new(ThreadPoolBuilder::new().num_threads(threads).build()?)),
         };
-        Ok(Team { scheduler, pool, ..Team::default() })
+        Ok(Team { scheduler, pool, tracer: None })
     }
 
     /// Number of threads.
@@ -89,9 +89,19 @@ impl Team {
 
     /// Runs `task` for each number below `count`, in any order and at the same time.
     pub(crate) fn each(&self, phase: Phase, count: usize, task: impl Fn(usize) + Sync) {
-        if self.tracing {
-            return self.each_traced(phase, count, task);
-        }
+        let Some(tracer) = &self.tracer else { return self.hand_out(count, task) };
+        let mut seconds = vec![0.0; count];
+        let parts = Disjoint::new(&mut seconds);
+        self.hand_out(count, |number| {
+            let clock = Instant::now();
+            task(number);
+            // SAFETY: every task is done once, by one thread.
+            unsafe { *parts.at(number) = clock.elapsed().as_secs_f64() };
+        });
+        tracer.lock().expect("no task panics while it traces").add(phase, seconds);
+    }
+
+    fn hand_out(&self, count: usize, task: impl Fn(usize) + Sync) {
         match (&self.pool, self.scheduler) {
             _ if count <= 1 => (0..count).for_each(task),
             (None, Scheduler::CentralQueue) => CentralQueue::new(count).drain(&task),
@@ -107,33 +117,22 @@ impl Team {
 
     /// Runs a piece of work that is not cut into tasks.
     pub(crate) fn alone<R>(&self, phase: Phase, work: impl FnOnce() -> R) -> R {
-        if !self.tracing {
-            return work();
-        }
+        let Some(tracer) = &self.tracer else { return work() };
         let clock = Instant::now();
         let result = work();
-        self.tracer.lock().expect("no task panics while it traces").add(phase, vec![clock.elapsed().as_secs_f64()]);
+        tracer.lock().expect("no task panics while it traces").add(phase, vec![clock.elapsed().as_secs_f64()]);
         result
     }
 
-    fn each_traced(&self, phase: Phase, count: usize, task: impl Fn(usize)) {
-        let timed = |number| {
-            let clock = Instant::now();
-            task(number);
-            clock.elapsed().as_secs_f64()
-        };
-        let seconds = (0..count).map(timed).collect();
-        self.tracer.lock().expect("no task panics while it traces").add(phase, seconds);
+    /// The same team, but it writes down how long each task takes.
+    pub(crate) fn traced(&self) -> Team {
+        Team { tracer: Some(Arc::default()), ..self.clone() }
     }
 
-    /// A team of one thread that writes down how long each task takes.
-    pub(crate) fn traced() -> Team {
-        Team { scheduler: Scheduler::Serial, tracing: true, ..Team::default() }
-    }
-
-    /// What was written down since the last call.
+    /// What was written down since the last call; nothing if it does not trace.
     pub(crate) fn take_trace(&self) -> StepTrace {
-        self.tracer.lock().expect("no task panics while it traces").take()
+        let take = |tracer: &Arc<Mutex<Tracer>>| tracer.lock().expect("no task panics while it traces").take();
+        self.tracer.as_ref().map(take).unwrap_or_default()
     }
 }
 

@@ -1,5 +1,6 @@
 use super::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 #[test]
 fn every_scheduler_does_every_task_once() {
@@ -25,11 +26,23 @@ fn every_scheduler_does_every_task_once() {
 
 #[test]
 fn a_trace_has_a_duration_for_every_task() {
-    let team = Team::traced();
+    for scheduler in Scheduler::ALL {
+        let team = Team::new(scheduler, 2).unwrap().traced();
+        team.enter(|| {
+            team.each(Phase::Detect, 3, |_| std::thread::sleep(Duration::from_millis(1)));
+            team.alone(Phase::Integrate, || {});
+        });
+        let trace = team.take_trace();
+        let sizes: Vec<_> = trace.regions.iter().map(|region| (region.phase, region.tasks.len())).collect();
+        assert_eq!(sizes, [(Phase::Detect, 3), (Phase::Integrate, 1)]);
+        assert!(trace.regions[0].tasks.iter().all(|&seconds| seconds >= 1e-3), "{:?}", trace.regions[0]);
+        assert!(team.take_trace().regions.is_empty());
+    }
+}
+
+#[test]
+fn a_team_traces_only_when_it_is_asked_to() {
+    let team = Team::default();
     team.each(Phase::Detect, 3, |_| {});
-    team.alone(Phase::Integrate, || {});
-    let trace = team.take_trace();
-    let sizes: Vec<_> = trace.regions.iter().map(|region| (region.phase, region.tasks.len())).collect();
-    assert_eq!(sizes, [(Phase::Detect, 3), (Phase::Integrate, 1)]);
     assert!(team.take_trace().regions.is_empty());
 }

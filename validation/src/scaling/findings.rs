@@ -142,9 +142,27 @@ fn checks(checks: &[Check]) -> Option<String> {
         None => "; none of them on more than one thread".into(),
     };
     Some(format!(
-        "The replay misses the {} measured configurations by at most {}{several}.",
+        "The replay misses the {} measured configurations by at most {}{several}.{}",
         checks.len(),
-        worst(&all)?
+        worst(&all)?,
+        own_tasks(&parallel).unwrap_or_default()
+    ))
+}
+
+/// What is left of the deviations where tasks are as long as they were on several threads.
+fn own_tasks(parallel: &[&Check]) -> Option<String> {
+    let worst = |key: fn(&Check) -> f64| {
+        parallel.iter().copied().max_by(|a, b| key(a).total_cmp(&key(b))).map(|check| (key(check), check))
+    };
+    let (ratio, longest) = worst(|check| check.task_time_ratio)?;
+    let (deviation, _) = worst(|check| check.own_tasks_deviation_percent.abs())?;
+    Some(format!(
+        " Threads change the duration of each other's tasks, by at most {:+.1}% ({}, {}, {}); replayed from tasks as long as \
+         they were there, the parallel configurations are missed by at most {deviation:.1}%.",
+        100.0 * (ratio - 1.0),
+        longest.instruction_set.name(),
+        longest.scheduler.name(),
+        threads_word(longest.threads)
     ))
 }
 

@@ -47,14 +47,16 @@ pub struct Timing {
     pub hashes: Vec<u64>,
 }
 
-/// Traced steps with one instruction set, typical of the repetitions.
+/// Traced steps of one configuration, typical of the repetitions.
 pub struct Traces {
-    /// The instruction set.
-    pub instruction_set: InstructionSet,
+    /// The configuration.
+    pub configuration: Execution,
     /// The steps.
     pub steps: Vec<StepTrace>,
     /// Sweeps of each step.
     pub sweeps: Vec<u32>,
+    /// Time of all tasks over that in the serial trace of the same round and instruction set; median over the rounds.
+    pub task_time_ratio: f64,
 }
 
 /// All that was measured.
@@ -71,7 +73,7 @@ pub struct Measurement {
     pub bytes_per_sweep: f64,
     /// Timed runs, serial first for each instruction set.
     pub timings: Vec<Timing>,
-    /// Traced runs, by instruction set.
+    /// Traced runs, in the order of `timings`.
     pub traces: Vec<Traces>,
     /// Whether tracing gave the same bits as stepping.
     pub traces_same_bits: bool,
@@ -115,30 +117,22 @@ impl Plan {
     /// [`MeasureError`].
     pub fn measure(&self, start: &Simulation, progress: &dyn Fn(f64)) -> Result<Measurement, MeasureError> {
         let configurations = self.configurations();
-        let sets = &self.instruction_sets;
         let mut timings: Vec<Timing> = configurations
             .iter()
             .map(|&configuration| Timing { configuration, repetitions: Vec::new(), hashes: Vec::new() })
             .collect();
-        let mut traced: Vec<Vec<TracedRun>> = sets.iter().map(|_| Vec::new()).collect();
+        let mut traced: Vec<Vec<TracedRun>> = configurations.iter().map(|_| Vec::new()).collect();
         let (mut facts, mut hash_when_traced) = (Facts::default(), None);
-        let jobs = configurations.len() + sets.len();
+        let jobs = configurations.len();
         for repetition in 0..self.repetitions {
             for place in 0..jobs {
                 // Each round begins with another configuration, so that none always follows the same one.
                 let job = (place + repetition) % jobs;
-                match configurations.get(job) {
-                    Some(&configuration) => {
-                        let run = self.timed(start, configuration, &mut facts)?;
-                        hash_when_traced.get_or_insert(run.hash_when_traced);
-                        timings[job].repetitions.push(run.times);
-                        timings[job].hashes.push(run.hash);
-                    }
-                    None => {
-                        let set = job - configurations.len();
-                        traced[set].push(self.traced(start, sets[set])?);
-                    }
-                }
+                let run = self.timed(start, configurations[job], &mut facts)?;
+                hash_when_traced.get_or_insert(run.hash_when_traced);
+                timings[job].repetitions.push(run.times);
+                timings[job].hashes.push(run.hash);
+                traced[job].push(self.traced(start, configurations[job])?);
                 progress((repetition * jobs + place + 1) as f64 / (self.repetitions * jobs) as f64);
             }
         }
@@ -150,7 +144,7 @@ impl Plan {
             simulation_bytes: facts.simulation_bytes,
             bytes_per_sweep: facts.bytes_per_sweep,
             timings,
-            traces: sets.iter().zip(traced).map(|(&set, runs)| medians(set, runs)).collect(),
+            traces: typical(&configurations, &traced),
             traces_same_bits,
         })
     }
@@ -182,9 +176,8 @@ impl Plan {
         Ok(TimedRun { times, hash: simulation.state_hash(), hash_when_traced })
     }
 
-    fn traced(&self, start: &Simulation, instruction_set: InstructionSet) -> Result<TracedRun, MeasureError> {
-        let serial = Execution { instruction_set, ..Execution::serial() };
-        let mut simulation = warmed_up(start, serial)?;
+    fn traced(&self, start: &Simulation, configuration: Execution) -> Result<TracedRun, MeasureError> {
+        let mut simulation = warmed_up(start, configuration)?;
         let (mut steps, mut sweeps) = (Vec::new(), Vec::new());
         for _ in 0..self.traced_steps {
             let (report, trace) = simulation.trace_step();
@@ -208,6 +201,13 @@ struct TracedRun {
     steps: Vec<StepTrace>,
     sweeps: Vec<u32>,
     hash: u64,
+}
+
+impl TracedRun {
+    /// Time of all tasks of all its steps, s.
+    fn seconds(&self, clock: f64) -> f64 {
+        self.steps.iter().map(|step| total_seconds(step, clock)).sum()
+    }
 }
 
 /// What is the same for every configuration.
@@ -248,16 +248,31 @@ fn clock_seconds() -> f64 {
     median((0..1001).map(|_| Instant::now().elapsed().as_secs_f64()))
 }
 
+/// What is typical of the traced runs of each configuration.
+fn typical(configurations: &[Execution], traced: &[Vec<TracedRun>]) -> Vec<Traces> {
+    let clock = clock_seconds();
+    let serial = |set| {
+        let place = configurations
+            .iter()
+            .position(|other| other.instruction_set == set && other.scheduler == Scheduler::Serial);
+        place.map_or(&[][..], |place| &traced[place])
+    };
+    let all = configurations.iter().zip(traced).map(|(&configuration, runs)| {
+        let rounds = serial(configuration.instruction_set).iter().zip(runs);
+        let task_time_ratio = median(rounds.map(|(serial, own)| own.seconds(clock) / serial.seconds(clock)));
+        let sweeps = runs.first().map_or(Vec::new(), |run| run.sweeps.clone());
+        Traces { configuration, steps: medians(runs, clock), sweeps, task_time_ratio }
+    });
+    all.collect()
+}
+
 /// The traced steps, each with the median of its total over the repetitions, shared out among its tasks as the medians of their own
 /// durations are. Reading the clock is left out. The tasks depend on the scene alone, so they are the same ones each time.
 ///
 /// Whatever else the machine does lengthens a few tasks of every repetition, and other ones each time. The medians of single tasks
 /// leave that out, but a measured step contains it, so the totals have to as well.
-fn medians(instruction_set: InstructionSet, runs: Vec<TracedRun>) -> Traces {
-    let Some(first) = runs.first() else {
-        return Traces { instruction_set, steps: Vec::new(), sweeps: Vec::new() };
-    };
-    let clock = clock_seconds();
+fn medians(runs: &[TracedRun], clock: f64) -> Vec<StepTrace> {
+    let Some(first) = runs.first() else { return Vec::new() };
     let median_of = |step: usize, region: usize, task: usize| {
         let durations = runs.iter().filter_map(|run| run.steps.get(step)?.regions.get(region)?.tasks.get(task));
         (median(durations.copied()) - clock).max(0.0)
@@ -275,7 +290,7 @@ fn medians(instruction_set: InstructionSet, runs: Vec<TracedRun>) -> Traces {
         }
         typical
     });
-    Traces { instruction_set, steps: steps.collect(), sweeps: first.sweeps.clone() }
+    steps.collect()
 }
 
 /// Time of all tasks of a step, less what reading the clock added to each, s.
@@ -297,8 +312,8 @@ mod tests {
     fn disturbances_stay_in_the_total_and_leave_the_shares() {
         // Another task is hit each time: 10 s of work, 2 s of something else.
         let runs = [&[6.0, 2.0, 4.0], &[4.0, 4.0, 4.0], &[4.0, 2.0, 6.0]].map(|durations| run(durations));
-        let traces = medians(InstructionSet::Generic, runs.into());
-        let tasks = &traces.steps[0].regions[0].tasks;
+        let steps = medians(&runs, clock_seconds());
+        let tasks = &steps[0].regions[0].tasks;
         let total: f64 = tasks.iter().sum();
         assert!((total - 12.0).abs() < 1e-4, "the median of the totals, less the clock: {total}");
         assert!((tasks[0] / tasks[1] - 2.0).abs() < 1e-4, "{tasks:?}");

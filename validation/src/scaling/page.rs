@@ -66,6 +66,9 @@ fn checks(study: &Study) -> Vec<Value> {
             measured => time(check.measured_seconds),
             replayed => time(check.replayed_seconds),
             deviation => signed_percent(check.deviation_percent),
+            task_time => signed_percent(100.0 * (check.task_time_ratio - 1.0)),
+            own => time(check.replayed_from_own_tasks_seconds),
+            own_deviation => signed_percent(check.own_tasks_deviation_percent),
         }
     });
     rows.collect()

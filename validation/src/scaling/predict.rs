@@ -12,12 +12,12 @@ use rayon::prelude::*;
 /// Replays the traces of some instruction sets on a machine, by scheduler and number of workers.
 pub(super) fn curves(
     machine: &Machine,
-    traces: &[Traces],
+    traces: &[&Traces],
     measurement: &Measurement,
     threads: &[usize],
 ) -> Vec<ReplayedRow> {
     let mut jobs = Vec::new();
-    for traces in traces {
+    for &traces in traces {
         jobs.push((traces, Scheduler::Serial, 1));
         for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
             let counts = worker_counts(machine.most_workers(), threads);
@@ -33,13 +33,13 @@ pub(super) fn curves(
         .collect();
     let rows = jobs.iter().zip(&replays).map(|(&(traces, scheduler, workers), own)| {
         let is_serial = |job: &&(&Traces, Scheduler, usize)| {
-            job.1 == Scheduler::Serial && job.0.instruction_set == traces.instruction_set
+            job.1 == Scheduler::Serial && job.0.configuration.instruction_set == traces.configuration.instruction_set
         };
         let serial = jobs.iter().zip(&replays).find(|(job, _)| is_serial(job)).map_or(own, |(_, serial)| serial);
         ReplayedRow {
             source: "replayed".into(),
             machine: machine.name.clone(),
-            instruction_set: traces.instruction_set,
+            instruction_set: traces.configuration.instruction_set,
             scheduler,
             workers,
             step_seconds: own.seconds,
@@ -85,10 +85,11 @@ fn traffic(machine: &Machine, traces: &Traces, measurement: &Measurement, worker
     (seconds > 0.0).then(|| Traffic { bytes_per_second: bytes / (seconds * machine.duration_factor), ceiling })
 }
 
-/// The replay on this machine beside what was measured, over the same steps.
+/// The replay on this machine beside what was measured, over the same steps: from the serial trace, and from the trace of the
+/// configuration itself, whose tasks already contain what threads do to each other's caches and memory.
 pub(super) fn checks(plan: &Plan, measurement: &Measurement, here: &Machine, replayed: &[ReplayedRow]) -> Vec<Check> {
     let traced = plan.traced_steps as usize;
-    let checks = measurement.timings.iter().filter_map(|timing| {
+    let checks = measurement.timings.iter().zip(&measurement.traces).filter_map(|(timing, traces)| {
         let own = timing.configuration;
         let row = replayed.iter().find(|row| {
             row.machine == here.name
@@ -99,13 +100,18 @@ pub(super) fn checks(plan: &Plan, measurement: &Measurement, here: &Machine, rep
         let of_step =
             |step: usize| median(timing.repetitions.iter().filter_map(|times| times.steps.get(step)).copied());
         let measured_seconds = mean(&(0..traced).map(of_step).collect::<Vec<_>>());
+        let deviation = |replayed: f64| 100.0 * (replayed / measured_seconds - 1.0);
+        let from_own_tasks = mean_replay(traces, own.scheduler, here, None, own.threads).seconds;
         Some(Check {
             instruction_set: own.instruction_set,
             scheduler: own.scheduler,
             threads: own.threads,
             measured_seconds,
             replayed_seconds: row.step_seconds,
-            deviation_percent: 100.0 * (row.step_seconds / measured_seconds - 1.0),
+            deviation_percent: deviation(row.step_seconds),
+            task_time_ratio: traces.task_time_ratio,
+            replayed_from_own_tasks_seconds: from_own_tasks,
+            own_tasks_deviation_percent: deviation(from_own_tasks),
         })
     });
     checks.filter(|check| check.threads <= MOST_WORKERS).collect()

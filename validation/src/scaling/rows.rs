@@ -68,10 +68,16 @@ pub struct Check {
     pub threads: usize,
     /// Measured wall time a step, s.
     pub measured_seconds: f64,
-    /// Replayed time a step, s.
+    /// Time a step, replayed from the serial trace, s.
     pub replayed_seconds: f64,
     /// Replayed over measured, less one, %.
     pub deviation_percent: f64,
+    /// Time of all tasks over that in the serial trace: what threads do to each other's caches and memory.
+    pub task_time_ratio: f64,
+    /// Time a step, replayed from tasks as long as they were in this configuration, s.
+    pub replayed_from_own_tasks_seconds: f64,
+    /// That over measured, less one, %.
+    pub own_tasks_deviation_percent: f64,
 }
 
 /// Durations of the tasks of one kind of region, in seconds, over the traced steps.

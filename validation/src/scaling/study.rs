@@ -2,7 +2,7 @@
 
 use super::costs::{Bandwidth, median};
 use super::machine::Machine;
-use super::measure::{Measurement, Plan, Timing, WARM_UP};
+use super::measure::{Measurement, Plan, Timing, Traces, WARM_UP};
 use super::predict::{checks, curves};
 use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 use super::tasks::task_rows;
@@ -86,12 +86,14 @@ impl Study {
     /// Makes rows, replays and sentences of a measurement.
     pub fn new(plan: &Plan, measurement: &Measurement, setting: Setting) -> Study {
         let measured = measured_rows(measurement);
+        let serial = |traces: &&Traces| traces.configuration.scheduler == Scheduler::Serial;
+        let serial_traces: Vec<&Traces> = measurement.traces.iter().filter(serial).collect();
         let replayed: Vec<ReplayedRow> = setting
             .machines
             .par_iter()
             .enumerate()
             .flat_map(|(place, machine)| {
-                let traces = &measurement.traces;
+                let traces = &serial_traces;
                 let chosen = if place == 0 { &traces[..] } else { &traces[traces.len().saturating_sub(1)..] };
                 curves(machine, chosen, measurement, &plan.threads)
             })
@@ -120,7 +122,7 @@ impl Study {
             machines: setting.machines,
             replayed,
             checks,
-            tasks: measurement.traces.iter().flat_map(task_rows).collect(),
+            tasks: serial_traces.iter().copied().flat_map(task_rows).collect(),
             findings: Vec::new(),
             provenance: setting.provenance,
         };
