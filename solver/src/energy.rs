@@ -108,7 +108,7 @@ impl Simulation {
             let sphere = &world.spheres[grain];
             let material = world.table.with_wall(world.materials[grain], world.surfaces[surface].material);
             let contact = NormalContact {
-                overlap: sphere.radius - poses[surface].nearest(&sphere.centre).0,
+                overlap: sphere.radius - poses[surface].distance(&sphere.centre),
                 velocity: 0.0,
                 effective_modulus: material.effective_modulus,
                 effective_radius: sphere.radius,

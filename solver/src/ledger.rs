@@ -156,7 +156,7 @@ impl Ledger {
                     let pose = &poses[wall.surface as usize];
                     let approach = minus(minus(velocity, pose.gain().into()), grain.before);
                     let contact = normal_contact(
-                        (sphere.radius - pose.nearest(&sphere.centre).0, dot(normal, approach)),
+                        (sphere.radius - pose.distance(&sphere.centre), dot(normal, approach)),
                         sphere.radius,
                         grain.inverse_mass,
                         material,

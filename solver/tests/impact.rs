@@ -2,7 +2,7 @@
 
 mod common;
 use approx::assert_relative_eq;
-use common::{FLOOR, Setup, grain, run_until};
+use common::{CONVERGED_RIGID, FLOOR, Setup, grain, run_until};
 
 const RADIUS: f64 = 0.0025;
 
@@ -266,4 +266,32 @@ fn a_resting_contact_that_opens_while_it_bears_does_the_work_that_the_laws_give_
     let gain = simulation.energy().kinetic / before - 1.0;
     assert_relative_eq!(gain, second * (parting + left) / (1.0 + parting * parting), max_relative = 1e-5);
     assert!(gain > 0.03, "{gain}");
+}
+
+#[test]
+fn a_grain_on_the_axis_of_a_tube_meets_the_side_that_it_falls_to() {
+    // All points of a circle are nearest: the one below decides, wherever below is. The gap is shorter than the way of a step.
+    let (gap, step) = (4e-5, 5e-3);
+    let tube = format!(
+        "[[wall]]\nname = 'tube'\nmaterial = 'wall'\n\
+         shape = {{ kind = 'cylinder', base = [0, 0, -0.5], axis = [0, 0, 1], radius = {}, length = 1.0 }}\n",
+        RADIUS + gap
+    );
+    for gravity in [[0.0, 9.81, 0.0], [-9.81, 0.0, 0.0], [5.886, -7.848, 0.0]] {
+        let body = format!("{tube}{}", grain(RADIUS, [0.0; 3], [0.0; 3]));
+        let solver = CONVERGED_RIGID.replace("step = 1e-4", &format!("step = {step:?}"));
+        let setup =
+            Setup { gravity, restitution: 0.0, friction: 0.0, wall_friction: 0.0, solver, body, ..Setup::default() };
+        let mut simulation = setup.start();
+        simulation.step();
+        let velocity = simulation.snapshot().particles[0].velocity;
+        for axis in 0..3 {
+            assert_relative_eq!(
+                velocity[axis],
+                gravity[axis] / 9.81 * gap / step,
+                max_relative = 1e-9,
+                epsilon = 1e-15
+            );
+        }
+    }
 }

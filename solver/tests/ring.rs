@@ -24,7 +24,7 @@ fn ring() -> Pose {
 }
 
 fn nearest(at: [f64; 3]) -> (f64, Vector3<f64>) {
-    ring().nearest(&Vector3::from(at))
+    ring().nearest(&Vector3::from(at), Vector3::zeros)
 }
 
 #[test]

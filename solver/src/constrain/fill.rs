@@ -112,7 +112,7 @@ impl Kernel for FillWalls<'_> {
                 let pose = &poses[wall.surface as usize];
                 let met = self.given.meets(&wall);
                 meets |= u8::from(met.is_some()) << lane;
-                let (gap, normal) = met.unwrap_or_else(|| pose.nearest(&sphere.centre));
+                let (gap, normal) = met.unwrap_or_else(|| pose.nearest(&sphere.centre, || self.given.heading(&wall)));
                 let velocity = pose.velocity_at(&(sphere.centre + normal * gap));
                 let velocity_before = velocity - pose.gain();
                 distances.0[lane] = gap;

@@ -178,6 +178,15 @@ impl Given<'_> {
         pose.met_on_the_way(sphere, &Vector3::new(u, v, w), self.constants.scheme.step)
     }
 
+    /// Where the grain of a wall candidate would go without contacts, seen from the wall, m/s.
+    #[inline(always)]
+    fn heading(&self, wall: &WallCandidate) -> Vector3<f64> {
+        let [u, v, w, _] = self.world.before[wall.body as usize].0;
+        let falling = self.world.gravity * self.constants.scheme.step;
+        let centre = &self.world.spheres[wall.body as usize].centre;
+        Vector3::new(u, v, w) + falling - self.poses[wall.surface as usize].velocity_at(centre)
+    }
+
     /// Lays out one task.
     ///
     /// # Safety

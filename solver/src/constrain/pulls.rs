@@ -26,7 +26,7 @@ impl Given<'_> {
                 let (grain, surface) = (group.body[lane] as usize, candidates.walls[candidate].surface as usize);
                 let sphere = &world.spheres[grain];
                 let material = world.table.with_wall(world.materials[grain], world.surfaces[surface].material);
-                let gap = poses[surface].nearest(&sphere.centre).0 - sphere.radius;
+                let gap = poses[surface].distance(&sphere.centre) - sphere.radius;
                 pulls.0[lane] = material.pull(sphere.radius).impulse(gap, h);
             }
         }

@@ -119,7 +119,7 @@ impl Given<'_> {
         for candidate in task.walls.start as usize..task.walls.end as usize {
             let wall = self.candidates.walls[candidate];
             let sphere = &self.world.spheres[wall.body as usize];
-            let (distance, _) = self.poses[wall.surface as usize].nearest(&sphere.centre);
+            let distance = self.poses[wall.surface as usize].distance(&sphere.centre);
             // SAFETY: the caller's promise.
             unsafe {
                 if distance < sphere.radius + self.constants.reach || self.meets(&wall).is_some() {

@@ -66,7 +66,7 @@ impl Found {
             }
             for ((grain, sphere), body) in places.clone().zip(spheres).zip(bodies) {
                 let meets = || pose.met_on_the_way(sphere, &body.velocity.into(), step).is_some();
-                if pose.nearest(&sphere.centre).0 < sphere.radius + skin || (ahead > 0.0 && meets()) {
+                if pose.distance(&sphere.centre) < sphere.radius + skin || (ahead > 0.0 && meets()) {
                     self.walls.push(WallCandidate { body: grain as u32, surface: surface as u32 });
                 }
             }

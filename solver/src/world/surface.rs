@@ -247,13 +247,20 @@ impl Face {
 }
 
 impl Pose {
-    /// Distance from a grain's centre to the face, and the unit normal from the centre to the nearest point.
+    /// Distance from a grain's centre to the face, negative behind a plane or disc: see [`Pose::nearest`].
+    #[inline]
+    pub fn distance(&self, centre: &Vector) -> f64 {
+        self.nearest(centre, Vector::zeros).0
+    }
+
+    /// Distance from a grain's centre to the face, and the unit normal from the centre to the nearest point. Where a whole circle or
+    /// sphere of points is nearest, as to the axis of a tube, it is the one that the grain is `heading` for, a vector of any length.
     ///
     /// Behind a plane or disc the distance is negative, so that the grain is pushed back. A shell is thin and has two
     /// sides; beyond its ends the nearest point lies on its rim. A disc has no rim: beside it the distance is infinite. A disc
     /// with a hole is thin and has two sides and two rims, so that grains fall through the hole and roll over its edge.
     #[inline]
-    pub fn nearest(&self, centre: &Vector) -> (f64, Vector) {
+    pub fn nearest(&self, centre: &Vector, heading: impl FnOnce() -> Vector) -> (f64, Vector) {
         match self.shape {
             Face::Plane { point, normal } => (normal.dot(&(centre - point)), -normal),
             Face::Disc { centre: middle, normal, radius } => {
@@ -267,7 +274,7 @@ impl Pose {
                 let height = normal.dot(&arm);
                 let across = arm - normal * height;
                 let distance = across.norm();
-                let outward = if distance > 0.0 { across / distance } else { perpendicular(normal) };
+                let outward = if distance > 0.0 { across / distance } else { perpendicular(normal, heading()) };
                 let to_ring = outward * (distance.clamp(hole, radius) - distance) - normal * height;
                 let gap = to_ring.norm();
                 let side = if height >= 0.0 { -normal } else { normal };
@@ -278,7 +285,7 @@ impl Pose {
                 let along = axis.dot(&arm);
                 let across = arm - axis * along;
                 let distance = across.norm();
-                let outward = if distance > 0.0 { across / distance } else { perpendicular(axis) };
+                let outward = if distance > 0.0 { across / distance } else { perpendicular(axis, heading()) };
                 let to_shell = outward * (radius - distance) + axis * (along.clamp(ends[0], ends[1]) - along);
                 let gap = to_shell.norm();
                 let side = if distance <= radius { outward } else { -outward };
@@ -288,7 +295,12 @@ impl Pose {
                 let arm = period.arm(centre, &middle);
                 let distance = arm.norm();
                 // Any direction leads out of the middle.
-                (distance - radius, if distance > 0.0 { arm / distance } else { -Vector::z() })
+                let inward = if distance > 0.0 {
+                    arm / distance
+                } else {
+                    -heading().try_normalize(0.0).unwrap_or_else(Vector::z)
+                };
+                (distance - radius, inward)
             }
         }
     }
@@ -299,7 +311,7 @@ impl Pose {
             Face::Plane { point, normal } | Face::Disc { centre: point, normal, .. } => {
                 normal.dot(&(centre - point)) < reach
             }
-            Face::Shell { .. } | Face::Ball { .. } | Face::Ring { .. } => self.nearest(centre).0 < reach,
+            Face::Shell { .. } | Face::Ball { .. } | Face::Ring { .. } => self.distance(centre) < reach,
         }
     }
 
@@ -391,7 +403,12 @@ impl Pose {
     }
 }
 
-fn perpendicular(axis: Vector) -> Vector {
-    let other = if axis.x.abs() < 0.9 { Vector::x() } else { Vector::y() };
-    axis.cross(&other).normalize()
+/// A unit vector across a unit vector: the way that `heading` leads across it, or any if it leads nowhere.
+#[cold]
+fn perpendicular(axis: Vector, heading: Vector) -> Vector {
+    let across = heading - axis * axis.dot(&heading);
+    across.try_normalize(0.0).unwrap_or_else(|| {
+        let other = if axis.x.abs() < 0.9 { Vector::x() } else { Vector::y() };
+        axis.cross(&other).normalize()
+    })
 }

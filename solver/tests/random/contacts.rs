@@ -251,7 +251,8 @@ impl Laws {
         for (first, grain) in grains.iter().enumerate() {
             let centre = Vector::from(grain.position);
             for pose in &poses {
-                let (gap, own_normal) = pose.nearest(&centre);
+                let heading = || velocity(before, first) + self.drawn.gravity * h - pose.velocity_at(&centre);
+                let (gap, own_normal) = pose.nearest(&centre, heading);
                 let overlap = grain.radius - gap;
                 // The faces of a box lie across each other; of other walls there is one.
                 let parallel = |normal: &Vector| normal.dot(&own_normal) > 0.9 || poses.len() == 1;

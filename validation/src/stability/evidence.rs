@@ -143,7 +143,7 @@ impl<'a> Evidence<'a> {
         let walls = self.surfaces(frame.time).into_iter().flat_map(|(wall, pose)| {
             let wall = &self.scene.material[&self.scene.wall[wall].material];
             grains.iter().enumerate().map(move |(id, grain)| {
-                stored(grain.radius - pose.nearest(&grain.position.into()).0, grain.radius, [material(id), wall])
+                stored(grain.radius - pose.distance(&grain.position.into()), grain.radius, [material(id), wall])
             })
         });
         pairs.sum::<f64>() + walls.sum::<f64>()
@@ -160,7 +160,7 @@ impl<'a> Evidence<'a> {
                 .fold(0.0, f64::max);
             let surfaces = self.surfaces(frame.time);
             let walls = surfaces.iter().flat_map(|(_, pose)| {
-                grains.iter().map(|grain| 1.0 - pose.nearest(&grain.position.into()).0 / grain.radius)
+                grains.iter().map(|grain| 1.0 - pose.distance(&grain.position.into()) / grain.radius)
             });
             walls.fold(pairs, f64::max)
         };
