@@ -156,7 +156,7 @@ impl Simulation {
     /// Keeps the velocities, and spins where they are asked for, at the start of a step of length `h` (s), then lets gravity act on the grains.
     pub(crate) fn apply_gravity(&mut self, h: f64, team: &Team) {
         let change = self.world.gravity * h;
-        let spins = self.relaxation.effects.kinetic_friction;
+        let spins = self.relaxation.effects.kinetic_friction();
         let (grains, count) = (self.world.grains(), self.world.bodies.len());
         let World { bodies, before, spins_before, .. } = &mut self.world;
         before.resize(count, Quad::default());
@@ -195,7 +195,7 @@ impl Simulation {
             // SAFETY: no other task uses the bodies of these groups meanwhile.
             unsafe {
                 relaxation.start(parts.as_ptr(), groups);
-                if relaxation.effects.cohesion {
+                if relaxation.effects.cohesion() {
                     relaxation.pull(parts.as_ptr(), groups);
                 }
             }

@@ -61,10 +61,10 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
                 }),
             };
             let velocity = minus([b[0], b[1], b[2]], [a[0], a[1], a[2]]);
-            if self.given.effects.falling_restitution {
+            if self.given.effects.falling_restitution() {
                 material.at_speed(self.given, group, dot(normal, velocity));
             }
-            if self.given.effects.kinetic_friction {
+            if self.given.effects.kinetic_friction() {
                 // SAFETY: lanes name grains or dummies.
                 let spin = unsafe { self.given.spins_of_pairs(group) };
                 material.while_sliding(self.given, group, normal, velocity, spin);
@@ -136,10 +136,10 @@ impl Kernel for FillWalls<'_> {
                 world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material)
             });
             let velocity = minus(wall_before.each_ref().map(L::load), [body[0], body[1], body[2]]);
-            if self.given.effects.falling_restitution {
+            if self.given.effects.falling_restitution() {
                 material.at_speed(self.given, &OnSurfaces(group, &surfaces), dot(normal, velocity));
             }
-            if self.given.effects.kinetic_friction {
+            if self.given.effects.kinetic_friction() {
                 // SAFETY: lanes name grains or dummies.
                 let spin = unsafe { self.given.spins_at_walls(group) };
                 material.while_sliding(self.given, &OnSurfaces(group, &surfaces), normal, velocity, spin);

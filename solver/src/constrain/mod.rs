@@ -218,7 +218,7 @@ impl Given<'_> {
             set.run(FillPairs::<false> { given: self, groups, impulses });
         }
         set.run(FillWalls { given: self, groups, impulses: &remembered.walls });
-        if self.effects.cohesion {
+        if self.effects.cohesion() {
             self.fill_pulls(groups);
         }
         if self.effects.torques() {

@@ -56,8 +56,9 @@ impl Field {
     }
 
     /// Whether it ever changes.
+    #[inline(always)]
     pub fn changes(&self) -> bool {
-        !self.changes.is_empty()
+        cfg!(feature = "changing-gravity") && !self.changes.is_empty()
     }
 
     /// Whether it is the same from one time (s) to another.

@@ -46,21 +46,16 @@ pub(crate) type Twisting = Compiled<true, false, true>;
 /// All three.
 pub(crate) type RollingTwisting = Compiled<true, true, true>;
 
-/// The effects that a scene calls for, as far as the sweep kernel has to know them.
+/// The effects that a scene calls for. Code asks the methods, which are constants where an effect is not built in: see the features
+/// of the crate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct EffectSet {
-    /// Some contact can have friction.
-    pub friction: bool,
-    /// Some contact can resist rolling.
-    pub rolling: bool,
-    /// Some contact can resist twisting.
-    pub twisting: bool,
-    /// Some contact pulls. Sweeps know nothing of it.
-    pub cohesion: bool,
-    /// Some contact has a restitution that falls with the speed of impact. Sweeps know nothing of it.
-    pub falling_restitution: bool,
-    /// Some contact has less friction while it slides. Sweeps know nothing of it.
-    pub kinetic_friction: bool,
+    pub(crate) friction: bool,
+    pub(crate) rolling: bool,
+    pub(crate) twisting: bool,
+    pub(crate) cohesion: bool,
+    pub(crate) falling_restitution: bool,
+    pub(crate) kinetic_friction: bool,
 }
 
 impl EffectSet {
@@ -82,20 +77,57 @@ impl EffectSet {
         kinetic_friction: false,
     };
 
+    /// Some contact can have friction.
+    #[inline(always)]
+    pub fn friction(&self) -> bool {
+        cfg!(feature = "friction") && self.friction
+    }
+
+    /// Some contact can resist rolling.
+    #[inline(always)]
+    pub fn rolling(&self) -> bool {
+        cfg!(feature = "rolling-resistance") && self.rolling
+    }
+
+    /// Some contact can resist twisting.
+    #[inline(always)]
+    pub fn twisting(&self) -> bool {
+        cfg!(feature = "twisting-resistance") && self.twisting
+    }
+
+    /// Some contact pulls. Sweeps know nothing of it.
+    #[inline(always)]
+    pub fn cohesion(&self) -> bool {
+        cfg!(feature = "cohesion") && self.cohesion
+    }
+
+    /// Some contact has a restitution that falls with the speed of impact. Sweeps know nothing of it.
+    #[inline(always)]
+    pub fn falling_restitution(&self) -> bool {
+        cfg!(feature = "falling-restitution") && self.falling_restitution
+    }
+
+    /// Some contact has less friction while it slides. Sweeps know nothing of it.
+    #[inline(always)]
+    pub fn kinetic_friction(&self) -> bool {
+        cfg!(feature = "kinetic-friction") && self.kinetic_friction
+    }
+
     /// Whether contacts bear torques.
+    #[inline(always)]
     pub fn torques(&self) -> bool {
-        self.rolling || self.twisting
+        self.rolling() || self.twisting()
     }
 
     /// The kernel that is run for it: grains that resist turning carry their spin, as with friction.
     pub fn compiled(&self) -> EffectSet {
-        let EffectSet { rolling, twisting, .. } = *self;
-        EffectSet { friction: self.friction || self.torques(), rolling, twisting, ..EffectSet::NONE }
+        let (rolling, twisting) = (self.rolling(), self.twisting());
+        EffectSet { friction: self.friction() || self.torques(), rolling, twisting, ..EffectSet::NONE }
     }
 
     /// Its effects in words.
     pub fn name(&self) -> &'static str {
-        match (self.compiled().friction, self.rolling, self.twisting) {
+        match (self.compiled().friction(), self.rolling(), self.twisting()) {
             (_, true, true) => "friction, rolling and twisting resistance",
             (_, true, false) => "friction and rolling resistance",
             (_, false, true) => "friction and twisting resistance",
@@ -108,25 +140,26 @@ impl EffectSet {
 /// Evaluates an expression with `$effects` as the type that is compiled for the choice.
 macro_rules! with_effects {
     ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::effects::{EffectSet, Frictional, Frictionless, Rolling, RollingTwisting, Twisting};
-        match $set {
-            EffectSet { rolling: true, twisting: true, .. } => {
+        use $crate::effects::{Frictional, Frictionless, Rolling, RollingTwisting, Twisting};
+        let set = $set;
+        match (set.friction(), set.rolling(), set.twisting()) {
+            (_, true, true) => {
                 type $effects = RollingTwisting;
                 $body
             }
-            EffectSet { rolling: true, .. } => {
+            (_, true, false) => {
                 type $effects = Rolling;
                 $body
             }
-            EffectSet { twisting: true, .. } => {
+            (_, false, true) => {
                 type $effects = Twisting;
                 $body
             }
-            EffectSet { friction: true, .. } => {
+            (true, false, false) => {
                 type $effects = Frictional;
                 $body
             }
-            _ => {
+            (false, false, false) => {
                 type $effects = Frictionless;
                 $body
             }

@@ -34,8 +34,9 @@ impl Period {
     }
 
     /// Whether any axis is.
+    #[inline(always)]
     pub fn any(&self) -> bool {
-        (0..3).any(|axis| self.is_periodic(axis))
+        cfg!(feature = "periodic-axes") && (0..3).any(|axis| self.is_periodic(axis))
     }
 
     /// Length along an axis, m; zero if it is not periodic.

@@ -258,7 +258,7 @@ pub(crate) fn visit<V: Visit>(
             // SAFETY: each task has its own groups.
             let groups = unsafe { groups.at(plan.tasks()[place].number as usize) };
             // Scenes with torques are refused methods other than Gauss-Seidel when they are read.
-            match relaxation.effects.friction {
+            match relaxation.effects.friction() {
                 true => set.run(Visiting::<V, Frictional> { groups, visit: make(place), effects: PhantomData }),
                 false => set.run(Visiting::<V, Frictionless> { groups, visit: make(place), effects: PhantomData }),
             }

@@ -203,7 +203,7 @@ impl TaskGroups {
             grow(&mut self.pair_torques, self.pairs_used, self.pairs.capacity());
             grow(&mut self.wall_torques, self.walls_used, self.walls.capacity());
         }
-        if effects.cohesion {
+        if effects.cohesion() {
             grow(&mut self.pair_pulls, self.pairs_used, self.pairs.capacity());
             grow(&mut self.wall_pulls, self.walls_used, self.walls.capacity());
         }

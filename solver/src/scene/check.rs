@@ -1,5 +1,6 @@
 //! Range checks of a scene, before anything is simulated.
 
+use super::built;
 use super::periodic;
 use super::place::{Checked, Place};
 use super::{
@@ -17,6 +18,7 @@ const MOST_DEVIATIONS: f64 = 100.0;
 
 /// Checks every value of a scene against the range in which it has a meaning.
 pub(super) fn check(scene: &Scene) -> Checked {
+    built::check(scene)?;
     let root = Place::default();
     root.key("duration").range(scene.duration, 0.0, 1e5, "s")?;
     gravity(scene)?;

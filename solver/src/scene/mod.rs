@@ -5,6 +5,7 @@
 //! that every code starts from.
 
 mod accuracy;
+mod built;
 mod check;
 mod error;
 mod impacts;

@@ -253,9 +253,10 @@ pub enum Motion {
 
 impl Motion {
     /// The vibration, if it is one.
+    #[inline(always)]
     pub fn vibration(&self) -> Option<Vibration> {
         match *self {
-            Motion::Vibrating { amplitude, frequency, start, stop } => {
+            Motion::Vibrating { amplitude, frequency, start, stop } if cfg!(feature = "vibration") => {
                 Some(Vibration { amplitude, frequency, start, stop })
             }
             _ => None,

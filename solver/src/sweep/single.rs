@@ -32,7 +32,7 @@ impl Relaxation {
         residual: &mut TaskResidual,
     ) {
         // Scenes with torques are refused single precision when they are read.
-        match (self.effects.friction, measure) {
+        match (self.effects.friction(), measure) {
             (true, true) => self.run_single::<Frictional, true>(bodies, groups, factor, residual),
             (true, false) => self.run_single::<Frictional, false>(bodies, groups, factor, residual),
             (false, true) => self.run_single::<Frictionless, true>(bodies, groups, factor, residual),

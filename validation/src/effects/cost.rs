@@ -62,7 +62,7 @@ impl Costs {
                 times.push(1e9 * start.elapsed().as_secs_f64() / done as f64);
             }
         }
-        let frictional = EffectSet::COMPILED.iter().position(|effects| effects.friction && !effects.torques())?;
+        let frictional = EffectSet::COMPILED.iter().position(|effects| effects.friction() && !effects.torques())?;
         let cost = |(number, effects): (usize, &EffectSet)| {
             let ratios = times[number].iter().zip(&times[frictional]).map(|(own, friction)| own / friction);
             Cost {
