@@ -163,6 +163,13 @@ fn a_study_says_what_is_replayed() {
     // The sample's measured times are replays with a known factor.
     for check in &study.checks {
         assert!((check.deviation_percent + 100.0 * (1.0 - 1.0 / sample::SLOWER)).abs() < 1e-6, "{check:?}");
+        // The replay grows about as tasks do: handing out costs what it did, and a thief may take another half.
+        let ratio = if check.threads > 1 { sample::LONGER } else { 1.0 };
+        assert_eq!(check.task_time_ratio, ratio);
+        let own = check.replayed_from_own_tasks_seconds / check.replayed_seconds;
+        assert!((own - ratio).abs() <= 0.5 * (ratio - 1.0) + 1e-9, "{check:?}");
+        let measured = 100.0 * (check.replayed_from_own_tasks_seconds / check.measured_seconds - 1.0);
+        assert_relative_eq!(check.own_tasks_deviation_percent, measured, max_relative = 1e-9);
     }
     for row in study.measured.iter().filter(|row| row.threads == 1) {
         assert!((0.8..=1.0 + 1e-9).contains(&row.speedup), "{row:?}");
@@ -171,6 +178,7 @@ fn a_study_says_what_is_replayed() {
     let page = write(&study, folder.path()).unwrap();
     let html = std::fs::read_to_string(page).unwrap();
     assert!(html.contains("Replayed on the model xeon-phi-3120") && html.contains("The thesis"), "{html}");
+    assert!(html.contains("Threads change the duration of each other's tasks, by at most +3.0%"), "{html}");
     for name in ["here-time", "here-speedup", "xeon-phi-3120-time", "xeon-phi-3120-speedup", "instruction-sets-time"] {
         let svg = std::fs::read_to_string(folder.path().join(format!("{name}.svg"))).unwrap();
         roxmltree::Document::parse(&svg).unwrap();

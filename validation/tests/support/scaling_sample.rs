@@ -13,6 +13,9 @@ use std::path::Path;
 /// Factor of the invented measurement on its replay.
 pub const SLOWER: f64 = 1.04;
 
+/// Factor of the invented tasks on several threads on those of a serial trace.
+pub const LONGER: f64 = 1.03;
+
 const SETS: [(InstructionSet, f64); 2] = [(InstructionSet::Generic, 3.0), (InstructionSet::Avx512, 1.0)];
 const COSTS: Costs =
     Costs { pop_alone: 15e-9, pop_contended: 90e-9, task_start: 30e-9, steal: 400e-9, region: 300e-9, met_share: 1.0 };
@@ -46,6 +49,12 @@ fn step(factor: f64) -> StepTrace {
     StepTrace { regions }
 }
 
+/// The same step with longer tasks.
+pub fn longer(mut step: StepTrace, factor: f64) -> StepTrace {
+    step.regions.iter_mut().flat_map(|region| &mut region.tasks).for_each(|task| *task *= factor);
+    step
+}
+
 /// What a study is made of.
 pub fn parts() -> (Plan, Measurement, Setting) {
     let plan = Plan {
@@ -56,14 +65,18 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         repetitions: 3,
     };
     let here = Machine::here(COSTS, (300e9, 16), 32 << 20);
-    let mut timings = Vec::new();
+    let (mut timings, mut traces) = (Vec::new(), Vec::new());
     for (instruction_set, factor) in SETS {
         let mut add = |scheduler, threads| {
             let seconds = SLOWER * replay(&step(factor).regions, scheduler, &here, None, threads).seconds;
             let repetition =
                 |noise: f64| Times { steps: vec![noise * seconds; 2], sweeps: vec![0.7 * noise * seconds; 2] };
+            let configuration = Execution { instruction_set, scheduler, threads, ..Execution::serial() };
+            let task_time_ratio = if threads > 1 { LONGER } else { 1.0 };
+            let steps = vec![longer(step(factor), task_time_ratio); 2];
+            traces.push(Traces { configuration, steps, sweeps: vec![SWEEPS; 2], task_time_ratio });
             timings.push(Timing {
-                configuration: Execution { instruction_set, scheduler, threads, ..Execution::serial() },
+                configuration,
                 repetitions: [0.97, 1.0, 1.06].map(repetition).to_vec(),
                 hashes: vec![7; 3],
             });
@@ -75,11 +88,6 @@ pub fn parts() -> (Plan, Measurement, Setting) {
             }
         }
     }
-    let traces = SETS.map(|(instruction_set, factor)| Traces {
-        instruction_set,
-        steps: vec![step(factor), step(factor)],
-        sweeps: vec![SWEEPS; 2],
-    });
     let measurement = Measurement {
         particles: 50_000,
         contacts: 130_000.0,
@@ -87,7 +95,7 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         simulation_bytes: 48 << 20,
         bytes_per_sweep: 110.0 * 130_000.0,
         timings,
-        traces: traces.into_iter().collect(),
+        traces,
         traces_same_bits: true,
     };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
