@@ -178,7 +178,8 @@ fn a_study_says_what_is_replayed() {
     let page = write(&study, folder.path()).unwrap();
     let html = std::fs::read_to_string(page).unwrap();
     assert!(html.contains("Replayed on the model xeon-phi-3120") && html.contains("The thesis"), "{html}");
-    assert!(html.contains("Threads change the duration of each other's tasks, by at most +3.0%"), "{html}");
+    let findings = study.findings.join("\n");
+    assert!(findings.contains("Threads change the duration of each other's tasks, by at most +3.0%"), "{findings}");
     for name in ["here-time", "here-speedup", "xeon-phi-3120-time", "xeon-phi-3120-speedup", "instruction-sets-time"] {
         let svg = std::fs::read_to_string(folder.path().join(format!("{name}.svg"))).unwrap();
         roxmltree::Document::parse(&svg).unwrap();
