@@ -127,6 +127,20 @@ fn points_have_errors_and_the_reference_has_none() {
     let within = points.iter().filter(|point| point["within_bounds"] == true);
     let least = within.map(|p| p["wall_seconds_per_simulated_second"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
     assert_eq!(fastest[0]["wall_seconds_per_simulated_second"].as_f64(), Some(least));
+    // What is varied beside step and sweeps stands in rows of its own, and is told from what is not.
+    let variations: Vec<&str> =
+        study["variations"].as_array().unwrap().iter().map(|row| row["variation"].as_str().unwrap()).collect();
+    assert_eq!(variations, ["single precision", "Anderson"]);
+    for name in &variations {
+        let of = |point: &&Value| point["variation"] == **name;
+        let setting = points.iter().find(of).unwrap()["setting"].as_str().unwrap();
+        assert!(setting.ends_with(name), "{setting}");
+    }
+    assert!(points.iter().filter(|point| point["variation"].is_null()).count() >= 9);
+    let page = std::fs::read_to_string(folder.path().join("out/tradeoff.html")).unwrap();
+    for part in ["id=\"variations\"", "method-anderson", "variation-single-precision"] {
+        assert!(page.contains(part), "{part}");
+    }
     for name in ["points.csv", "references.csv", "fastest.csv", "provenance.json", "tradeoff.json", "tradeoff.html"] {
         assert!(folder.path().join("out").join(name).is_file(), "{name}");
     }

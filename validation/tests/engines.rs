@@ -3,10 +3,12 @@
 use makadam::scene::Scene;
 use makadam_validation::compare::{MeasuredRun, physics_hash};
 use makadam_validation::observables::Measurement;
+use makadam_validation::peers::{Code, Makadam};
 use makadam_validation::provenance::Build;
 use makadam_validation::tradeoff::{
-    Configuration, EngineOrigin, EngineRecord, KeptRun, Knobs, Outcome, Plan, recorded_engines,
+    Configuration, EngineOrigin, EngineRecord, EngineRuns, KeptRun, Knobs, Outcome, Plan, Scope, recorded_engines,
 };
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 fn smoke() -> Scene {
@@ -91,7 +93,7 @@ fn a_record_is_read_as_it_was_written() {
 #[test]
 fn runs_stand_at_the_stiffest_reference_for_the_seeds_that_are_asked_for() {
     let scene = smoke();
-    let mut plan = Plan::new(&scene, true, &["Makadam"], &[10.0]);
+    let mut plan = Plan::new(&scene, Scope::Quick, &["Makadam"], &[10.0]);
     let own = plan.configurations.len();
     let mut outcome = Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
     record(&scene).join(&scene, 2, &mut plan, &mut outcome);
@@ -107,7 +109,7 @@ fn runs_stand_at_the_stiffest_reference_for_the_seeds_that_are_asked_for() {
 #[test]
 fn runs_of_another_scene_are_left_out_with_a_note() {
     let scene = smoke();
-    let mut plan = Plan::new(&scene, true, &["Makadam"], &[]);
+    let mut plan = Plan::new(&scene, Scope::Quick, &["Makadam"], &[]);
     let own = plan.configurations.len();
     let mut outcome = Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
     record(&scene.with_stiffness_factor(2.0)).join(&scene, 2, &mut plan, &mut outcome);
@@ -142,4 +144,44 @@ fn a_damaged_record_is_told_with_its_file_line_and_remedy() {
     std::fs::write(&table, whole).unwrap();
     std::fs::remove_file(folder.path().join("tradeoff/here/rapier.json")).unwrap();
     assert!(recorded_engines(&file, "any").unwrap_err().to_string().contains("rapier.json"));
+}
+
+#[test]
+fn runs_that_a_record_holds_are_not_made_again() {
+    let (folder, scene) = (tempfile::tempdir().unwrap(), smoke());
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
+    let knobs = |setting: &str| Knobs::Engine { step: 5e-4, setting: setting.into(), short_setting: setting.into() };
+    let made = |settings: &[&str], seeds: u64| {
+        let settings: Vec<(Knobs, Box<dyn Code>)> =
+            settings.iter().map(|setting| (knobs(setting), Box::new(Makadam) as Box<dyn Code>)).collect();
+        let told = RefCell::new(Vec::new());
+        let runs = EngineRuns {
+            code: "An engine",
+            engine: "an engine 1.2",
+            common: "one thread",
+            stem: "rapier",
+            scene: &scene,
+            scene_file: &file,
+            seeds,
+            // One that the scene compares, which has its column already, and one that it does not.
+            further: &["mean_overlap", "kinetic_energy"],
+            folder: folder.path(),
+            command: "drive it",
+        };
+        let record = runs
+            .carry_out(&settings, |kept| told.borrow_mut().push((kept.configuration.setting(), kept.run.seed)))
+            .unwrap();
+        (record.runs.len(), told.into_inner())
+    };
+    let run = |setting: &str, seed: u64| (setting.to_string(), seed);
+    assert_eq!(made(&["fast"], 1), (1, vec![run("fast", 1)]));
+    // Seed by seed, and what is there is left alone.
+    let new = vec![run("slow", 1), run("fast", 2), run("slow", 2)];
+    assert_eq!(made(&["fast", "slow"], 2), (4, new));
+    assert_eq!(made(&["fast", "slow"], 2), (4, Vec::new()));
+    let record = EngineRecord::load(folder.path(), "rapier").unwrap();
+    assert_eq!(record.runs.len(), 4);
+    assert!(record.runs.iter().all(|kept| kept.run.value("kinetic_energy").is_some()));
+    let head = std::fs::read_to_string(folder.path().join("rapier.csv")).unwrap();
+    assert_eq!(head.lines().next().unwrap().matches("mean_overlap").count(), 1);
 }

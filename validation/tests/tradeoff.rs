@@ -1,8 +1,9 @@
 //! Fronts, orders of convergence and plans, against what can be worked out by hand.
 
 use approx::assert_relative_eq;
-use makadam::scene::{Scene, SolverSettings, Stop};
-use makadam_validation::tradeoff::{Convergence, Knobs, Plan, pareto_front};
+use makadam::scene::{Precision, Scene, SolverMethod, SolverSettings, Stop};
+use makadam_validation::tradeoff::{Convergence, Knobs, Plan, Scope, pareto_front};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Values of three seeds about a middle: the same for all grids, so that their differences have no noise.
@@ -62,8 +63,8 @@ fn a_front_holds_what_nothing_beats() {
 fn a_plan_holds_each_configuration_once_and_three_grids_a_stiffness() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
     let scene = Scene::load(&file).unwrap();
-    for quick in [true, false] {
-        let plan = Plan::new(&scene, quick, &["Makadam", "YADE"], &[0.5, 10.0]);
+    for scope in [Scope::Quick, Scope::QuickAndVaried, Scope::Full] {
+        let plan = Plan::new(&scene, scope, &["Makadam", "YADE"], &[0.5, 10.0]);
         for (place, configuration) in plan.configurations.iter().enumerate() {
             assert!(!plan.configurations[..place].contains(configuration), "{} twice", configuration.setting());
         }
@@ -85,27 +86,108 @@ fn a_plan_holds_each_configuration_once_and_three_grids_a_stiffness() {
     }
 }
 
+fn smoke() -> Scene {
+    Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml")).unwrap()
+}
+
+/// Settings and names of what a plan varies beside step and sweeps.
+fn varied(scene: &Scene, scope: Scope) -> Vec<(SolverSettings, String)> {
+    let plan = Plan::new(scene, scope, &["Makadam"], &[]);
+    let solver = |knobs: &Knobs| match knobs {
+        Knobs::Solver { settings, variation } => (settings.clone(), variation.clone()),
+        _ => panic!("only Makadam was asked for"),
+    };
+    let all = plan.configurations.iter().map(|configuration| solver(&configuration.knobs));
+    all.filter_map(|(settings, variation)| Some((settings, variation?))).collect()
+}
+
 #[test]
 fn one_setting_is_varied_at_a_time() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
-    let scene = Scene::load(&file).unwrap();
-    let plan = Plan::new(&scene, false, &["Makadam"], &[]);
-    let mut varied = 0;
-    for configuration in &plan.configurations {
-        let Knobs::Solver { settings, variation } = &configuration.knobs else { panic!("only Makadam was asked for") };
-        let Some(variation) = variation else {
-            assert!(matches!(settings.stop, Stop::Sweeps { .. }));
-            continue;
-        };
-        varied += 1;
-        assert_ne!(*settings, scene.solver);
-        assert_eq!(settings.step, scene.solver.step);
+    let scene = smoke();
+    let settings = varied(&scene, Scope::Full);
+    for (settings, variation) in &settings {
+        assert!(scene.accepts(settings), "{variation}");
+        // With step and stop as they are, one setting is left that differs; a residual is a stop itself.
+        let back = SolverSettings { step: scene.solver.step, stop: scene.solver.stop, ..settings.clone() };
         if variation.starts_with("residual") {
             assert!(matches!(settings.stop, Stop::Residual { .. }));
-            assert_eq!(SolverSettings { stop: scene.solver.stop, ..settings.clone() }, scene.solver);
-        } else {
-            assert_eq!(settings.stop, scene.solver.stop);
+            assert_eq!(back, scene.solver);
+            continue;
+        }
+        assert!(matches!(settings.stop, Stop::Sweeps { .. }));
+        let own = &scene.solver;
+        let differences = [
+            back.method != own.method,
+            back.precision != own.precision,
+            back.warm_start != own.warm_start,
+            back.inner_sweeps != own.inner_sweeps,
+            back.over_relaxation != own.over_relaxation,
+        ];
+        assert_eq!(differences.iter().filter(|differs| **differs).count(), 1, "{variation}");
+        let restored = SolverSettings {
+            method: own.method,
+            precision: own.precision,
+            warm_start: own.warm_start,
+            inner_sweeps: own.inner_sweeps,
+            over_relaxation: own.over_relaxation,
+            ..back
+        };
+        assert_eq!(restored, *own, "{variation}");
+    }
+}
+
+#[test]
+fn each_variation_is_run_at_several_steps_and_iterations() {
+    let scene = smoke();
+    for method in SolverMethod::ALL {
+        if method == scene.solver.method {
+            continue;
+        }
+        let settings = varied(&scene, Scope::Full);
+        let own: Vec<&SolverSettings> =
+            settings.iter().map(|(settings, _)| settings).filter(|settings| settings.method == method).collect();
+        let distinct =
+            |key: fn(&SolverSettings) -> u64| own.iter().map(|one| key(one)).collect::<BTreeSet<u64>>().len();
+        assert!(distinct(|settings| settings.step.to_bits()) >= 3, "{}", method.name());
+        assert!(distinct(|settings| settings.stop.max_sweeps().into()) >= 3, "{}", method.name());
+    }
+    let names = |scope: Scope| varied(&scene, scope).into_iter().map(|(_, name)| name).collect::<BTreeSet<String>>();
+    assert_eq!(names(Scope::Quick), ["Anderson", "single precision"].map(String::from).into());
+    assert!(names(Scope::QuickAndVaried).is_superset(&names(Scope::Quick)));
+    for name in ["warm start 0", "single precision", "Jacobi", "projected conjugate gradients", "2 inner sweeps"] {
+        assert!(names(Scope::QuickAndVaried).contains(name), "{name}");
+    }
+}
+
+#[test]
+fn the_scene_s_own_settings_are_varied_first() {
+    // Kept runs are found by these configurations: a name or a setting that changed would run them again.
+    let scene = smoke();
+    let settings = varied(&scene, Scope::Full);
+    let one = |name: &str, settings: SolverSettings| (settings, name.to_string());
+    let own = || scene.solver.clone();
+    for expected in [
+        one("warm start 0", SolverSettings { warm_start: 0.0, ..own() }),
+        one("single precision", SolverSettings { precision: Precision::Single, ..own() }),
+        one("4 inner sweeps", SolverSettings { inner_sweeps: 4, ..own() }),
+        one("residual 0.1", SolverSettings { stop: Stop::Residual { tolerance: 0.1, max_sweeps: 40 }, ..own() }),
+        one("Anderson", SolverSettings { method: SolverMethod::Anderson { memory: 3 }, ..own() }),
+    ] {
+        assert!(settings.contains(&expected), "{}", expected.1);
+    }
+}
+
+#[test]
+fn what_a_scene_refuses_is_not_planned() {
+    let mut scene = smoke();
+    for material in scene.material.values_mut() {
+        material.rolling_friction = 0.1;
+    }
+    for scope in [Scope::QuickAndVaried, Scope::Full] {
+        let settings = varied(&scene, scope);
+        assert!(!settings.is_empty());
+        for (settings, name) in settings {
+            assert_eq!((settings.method, settings.precision), (SolverMethod::GaussSeidel, Precision::Double), "{name}");
         }
     }
-    assert!(varied >= 10, "warm start, over-relaxation, inner sweeps, residuals, precision, methods: {varied}");
 }

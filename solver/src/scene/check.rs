@@ -307,7 +307,7 @@ fn resistance(scene: &Scene) -> Option<&'static str> {
     }
 }
 
-fn solver(scene: &Scene) -> Checked {
+pub(super) fn solver(scene: &Scene) -> Checked {
     let at = Place::default().key("solver");
     let settings = &scene.solver;
     at.key("step").range(settings.step, 1e-9, 0.1, "s")?;

@@ -142,6 +142,11 @@ impl Scene {
         (self.solver.step, self.solver.stop) = accuracy.settings(self);
     }
 
+    /// Whether the scene can be solved with these settings: single precision and most methods have no torques.
+    pub fn accepts(&self, settings: &SolverSettings) -> bool {
+        check::solver(&Scene { solver: settings.clone(), ..self.clone() }).is_ok()
+    }
+
     /// Finds the file of a scene named by a path, or by its folder under `reference-scenes/` in `roots`.
     ///
     /// # Errors

@@ -9,11 +9,9 @@ mod engine;
 
 use engine::{NAME, Rapier, Settings};
 use makadam::scene::Scene;
-use makadam_validation::compare::{Runs, Share, physics_hash};
-use makadam_validation::provenance::{Build, utc};
-use makadam_validation::tradeoff::{Configuration, CoreClock, EngineOrigin, EngineRecord, KeptRun, Knobs};
+use makadam_validation::peers::Code;
+use makadam_validation::tradeoff::{EngineRuns, KeptRun, Knobs};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
 
 /// Observables beside those that the scene compares.
 const FURTHER: [&str; 4] = ["mean_overlap", "largest_overlap", "kinetic_energy", "mechanical_coordination_number"];
@@ -60,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let [name, seeds, folder, picked @ ..] = arguments.as_slice() else {
         return Err("usage: rapier SCENE SEEDS FOLDER [SETTINGS...]".into());
     };
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
     let file = Scene::find(name, std::slice::from_ref(&root))?;
     let scene = Scene::load(&file)?;
     let seeds: u64 = seeds.parse().map_err(|_| format!("'{seeds}' is no number of seeds"))?;
@@ -71,69 +69,32 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Err(format!("nothing to run: {} settings, {seeds} seeds", chosen.len()).into());
     }
 
-    let compared = scene.compare.iter().map(|expectation| expectation.observable.clone());
-    let observables: Vec<String> = compared.chain(FURTHER.map(String::from)).collect();
-    let folder = Path::new(folder);
-    let mut record = record(folder, &scene, &version, &command(&arguments));
-    let announce = |_: &str| -> Share { Box::new(|_| {}) };
-    // All settings with one seed, then with the next: a study that is stopped has something of each.
-    for (seed, settings) in (1..=seeds).flat_map(|seed| chosen.iter().map(move |settings| (seed, settings))) {
-        let is_this = |kept: &KeptRun| kept.configuration.setting() == settings.words() && kept.run.seed == seed;
-        if record.runs.iter().any(is_this) {
-            continue;
-        }
-        let rapier = Rapier { settings: settings.clone(), version: version.clone() };
-        let asked = Runs {
-            scene: &scene,
-            scene_file: &file,
-            seeds: vec![seed],
-            rayleigh_fraction: 0.0,
-            stiffness_factor: 1.0,
-            time_limit: Duration::MAX,
-            recordings: None,
-            announce: &announce,
-        };
-        let clock = CoreClock::start();
-        let run = asked.one(&rapier, &scene, seed)?.run;
-        let kept = KeptRun {
-            configuration: configuration(settings),
-            extrapolated: false,
-            core_share: clock.share(),
-            run,
-            build: Build::here(),
-            command: record.origin.command.clone(),
-        };
-        println!("{}, seed {seed}: {:.2} s a simulated second{}", settings.words(), kept.pace(), brief(&kept));
-        record.runs.push(kept);
-        record.origin.date = utc(SystemTime::now());
-        record.save(folder, "rapier", &observables)?;
+    let chosen: Vec<(Knobs, Box<dyn Code>)> = chosen
+        .into_iter()
+        .map(|settings| {
+            let (setting, short_setting) = (settings.words(), settings.short_words());
+            let knobs = Knobs::Engine { step: settings.step, setting, short_setting };
+            let code: Box<dyn Code> = Box::new(Rapier { settings, version: version.clone() });
+            (knobs, code)
+        })
+        .collect();
+    EngineRuns {
+        code: NAME,
+        engine: &version,
+        common: COMMON,
+        stem: "rapier",
+        scene: &scene,
+        scene_file: &file,
+        seeds,
+        further: &FURTHER,
+        folder: Path::new(folder),
+        command: &command(&arguments),
     }
+    .carry_out(&chosen, |kept| {
+        let (setting, seed, pace) = (kept.configuration.setting(), kept.run.seed, kept.pace());
+        println!("{setting}, seed {seed}: {pace:.2} s a simulated second{}", brief(kept));
+    })?;
     Ok(())
-}
-
-fn configuration(settings: &Settings) -> Configuration {
-    let knobs = Knobs::Engine { step: settings.step, setting: settings.words(), short_setting: settings.short_words() };
-    Configuration { code: NAME.into(), stiffness_factor: 1.0, knobs }
-}
-
-/// What the folder holds of this engine, scene and processor, to be gone on with; an empty record if it holds nothing.
-fn record(folder: &Path, scene: &Scene, engine: &str, command: &str) -> EngineRecord {
-    let origin = EngineOrigin {
-        code: NAME.into(),
-        engine: engine.into(),
-        common: COMMON.into(),
-        scene: scene.name.clone(),
-        scene_hash: physics_hash(scene),
-        date: utc(SystemTime::now()),
-        command: command.into(),
-        build: Build::here(),
-    };
-    let fits = |there: &EngineOrigin| {
-        (&there.engine, &there.scene_hash, &there.common, &there.build.processor)
-            == (&origin.engine, &origin.scene_hash, &origin.common, &origin.build.processor)
-    };
-    let kept = EngineRecord::load(folder, "rapier").ok().filter(|record| fits(&record.origin));
-    EngineRecord { runs: kept.map_or(Vec::new(), |record| record.runs), origin }
 }
 
 fn command(arguments: &[String]) -> String {

@@ -6,7 +6,7 @@ use super::{Console, Failure, OUTSIDE_TOLERANCE, json, load};
 use crate::prepared::file_stem;
 use crate::provenance::{account, processor};
 use crate::tradeoff::{
-    self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Shelf, Study, Terms, recorded_engines,
+    self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Shelf, Study, Terms, recorded_engines,
 };
 use makadam::scene::{Scene, Stop};
 use std::path::PathBuf;
@@ -32,7 +32,12 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         )));
     }
     let names: Vec<&str> = wanted.iter().map(|code| code.name()).collect();
-    let mut plan = Plan::new(&scene, arguments.quick, &names, &stiffness_factors(arguments));
+    let scope = match (arguments.quick, arguments.variations) {
+        (false, _) => Scope::Full,
+        (true, false) => Scope::Quick,
+        (true, true) => Scope::QuickAndVaried,
+    };
+    let mut plan = Plan::new(&scene, scope, &names, &stiffness_factors(arguments));
     // The reference is Makadam's, whichever codes are asked for.
     let runners = codes(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
     let [quick, full] = TIME_LIMITS;

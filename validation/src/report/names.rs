@@ -48,6 +48,9 @@ pub(crate) enum Marker {
     Square,
     Triangle,
     Diamond,
+    /// A triangle on its tip.
+    Wedge,
+    Cross,
 }
 
 /// How a code is drawn: always in the same colour, with the same marker and the same kind of line.
@@ -65,6 +68,7 @@ pub(crate) fn code_style(code: &str) -> CodeStyle {
         "makadam" => ("code-makadam", Marker::Circle),
         "liggghts" => ("code-liggghts", Marker::Square),
         "yade" => ("code-yade", Marker::Triangle),
+        "siconos" => ("code-siconos", Marker::Wedge),
         _ => ("code-other", Marker::Diamond),
     };
     CodeStyle { class, marker }

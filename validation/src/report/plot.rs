@@ -10,6 +10,8 @@ const LEFT: f64 = 58.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
+/// Height of the words of a tick.
+const TICK_HEIGHT: f64 = 11.0;
 /// Height of a line of a legend.
 const LEGEND_LINE: f64 = 18.0;
 /// Where the lines of a legend of several begin.
@@ -44,6 +46,8 @@ pub(crate) struct Plot {
     /// Upper and lower edge of the frame.
     top: f64,
     bottom: f64,
+    /// Where [`label_if_free`](Plot::label_if_free) has put words: left, right and baseline.
+    taken: Vec<[f64; 3]>,
 }
 
 impl Plot {
@@ -76,7 +80,7 @@ impl Plot {
     fn below_legend(x: Axis, y: Axis, lines: usize) -> Plot {
         let more = LEGEND_LINE * lines.saturating_sub(1) as f64;
         let (top, bottom) = (TOP + more, HEIGHT + more - BOTTOM);
-        let mut plot = Plot { drawing: Drawing::new(WIDTH, HEIGHT + more), x, y, top, bottom };
+        let mut plot = Plot { drawing: Drawing::new(WIDTH, HEIGHT + more), x, y, top, bottom, taken: Vec::new() };
         plot.grid();
         plot
     }
@@ -193,6 +197,19 @@ impl Plot {
     pub(crate) fn label(&mut self, [x, y]: [f64; 2], [right, down]: [f64; 2], anchor: Anchor, text: &str) {
         let [x, y] = self.at(x, y);
         self.drawing.text("tick", [x + right, y + down], anchor, text);
+    }
+
+    /// A few words to the right of a point, moved by so many pixels, unless they would run into others that were put so.
+    pub(crate) fn label_if_free(&mut self, point: [f64; 2], [right, down]: [f64; 2], text: &str) {
+        let [x, y] = self.at(point[0], point[1]);
+        // There is no measuring of text here; 6.4 pixels a character of a tick label is on the wide side.
+        let (left, baseline) = (x + right, y + down);
+        let end = left + 6.4 * text.chars().count() as f64;
+        let meets = |&[l, r, b]: &[f64; 3]| left < r && l < end && (baseline - b).abs() < TICK_HEIGHT;
+        if !self.taken.iter().any(meets) {
+            self.taken.push([left, end, baseline]);
+            self.drawing.text("tick", [left, baseline], Anchor::Start, text);
+        }
     }
 
     /// A few words above the straight line from one point to another, near its beginning.

@@ -131,6 +131,20 @@ impl Drawing {
                 &class,
                 &[[x, y - size * 1.2], [x + size * 1.1, y + size * 0.8], [x - size * 1.1, y + size * 0.8]],
             ),
+            Marker::Wedge => self.polygon(
+                &class,
+                &[[x, y + size * 1.2], [x + size * 1.1, y - size * 0.8], [x - size * 1.1, y - size * 0.8]],
+            ),
+            Marker::Cross => {
+                // Two bars across each other; `arm` is their half length along the axes, `half` their half width.
+                let (arm, half) = (size * 1.05, size * 0.38);
+                let quarter = [[half, 0.0], [arm, arm - half], [arm - half, arm], [0.0, half]];
+                let turns: [fn([f64; 2]) -> [f64; 2]; 4] =
+                    [|p| p, |[a, b]| [-b, a], |[a, b]| [-a, -b], |[a, b]| [b, -a]];
+                let corners = turns.iter().flat_map(|turn| quarter.map(turn));
+                let corners: Vec<[f64; 2]> = corners.map(|[a, b]| [x + a, y + b]).collect();
+                self.polygon(&class, &corners);
+            }
             Marker::Diamond => {
                 let half = size * 1.25;
                 self.polygon(&class, &[[x, y - half], [x + half, y], [x, y + half], [x - half, y]]);

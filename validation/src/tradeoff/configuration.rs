@@ -1,7 +1,7 @@
 //! One way to run one code.
 
 use crate::report::numbers::compact;
-use makadam::scene::{Scene, SolverSettings, Stop};
+use makadam::scene::{Scene, SolverMethod, SolverSettings, Stop};
 use serde::{Deserialize, Serialize};
 
 /// One way to run one code: a point of the trade-off once it has run.
@@ -69,10 +69,18 @@ impl Configuration {
         }
     }
 
-    /// Most sweeps of a solve, for Makadam.
+    /// Most iterations of a solve, for Makadam: sweeps, with Gauss-Seidel.
     pub fn sweeps(&self) -> Option<u32> {
         match &self.knobs {
             Knobs::Solver { settings, .. } => Some(settings.stop.max_sweeps()),
+            Knobs::Explicit { .. } | Knobs::Engine { .. } => None,
+        }
+    }
+
+    /// The axis that is varied beside step and sweeps, and its value, for Makadam.
+    pub fn variation(&self) -> Option<&str> {
+        match &self.knobs {
+            Knobs::Solver { variation, .. } => variation.as_deref(),
             Knobs::Explicit { .. } | Knobs::Engine { .. } => None,
         }
     }
@@ -87,7 +95,10 @@ impl Configuration {
                 };
                 let sweeps = settings.stop.max_sweeps();
                 let varied = variation.as_ref().map_or(String::new(), |variation| format!(", {variation}"));
-                format!("{} ms × {bound}{sweeps} sweeps{varied}", compact(1e3 * settings.step))
+                // An iteration of the other methods is no sweep, and inner sweeps make it several.
+                let plain = settings.method == SolverMethod::GaussSeidel && settings.inner_sweeps <= 1;
+                let unit = if plain { "sweeps" } else { "iterations" };
+                format!("{} ms × {bound}{sweeps} {unit}{varied}", compact(1e3 * settings.step))
             }
             Knobs::Explicit { rayleigh_fraction } => {
                 format!("{}% of the Rayleigh step", compact(100.0 * rayleigh_fraction))

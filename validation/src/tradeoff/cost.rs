@@ -1,7 +1,7 @@
 //! What a run will take, from those that have ended: for the order, the time left, and what is cut short.
 
 use super::configuration::{Configuration, Knobs};
-use makadam::scene::{Scene, Stop};
+use makadam::scene::{Scene, SolverMethod, SolverSettings, Stop};
 use std::collections::BTreeMap;
 
 /// Time of a grain's step before anything has run, s: of the right order on a processor of the 2020s.
@@ -38,8 +38,7 @@ impl Costs {
                         max_sweeps.min(OPEN_ENDED)
                     }
                 };
-                let sweeps = f64::from(sweeps * settings.inner_sweeps.max(1));
-                (1.0 + SWEEP * sweeps) / settings.step
+                (1.0 + SWEEP * f64::from(sweeps) * sweeps_of_iteration(settings)) / settings.step
             }
             // The Rayleigh step goes as the inverse root of the stiffness.
             Knobs::Explicit { rayleigh_fraction } => {
@@ -65,5 +64,18 @@ impl Costs {
         let known = self.known.entry(configuration.code.clone()).or_default();
         known[0] += wall;
         known[1] += units;
+    }
+}
+
+/// Wall time of an iteration over that of a sweep, from `reference-scenes/drum-50k/convergence`; a rough guide, which the runs
+/// themselves correct.
+fn sweeps_of_iteration(settings: &SolverSettings) -> f64 {
+    let inner = f64::from(settings.inner_sweeps.max(1));
+    match settings.method {
+        SolverMethod::GaussSeidel => inner,
+        SolverMethod::NonlinearConjugateGradients => inner + 1.7,
+        SolverMethod::Anderson { .. } => inner + 3.9,
+        SolverMethod::Jacobi { .. } => 3.9,
+        SolverMethod::AcceleratedProjectedGradients | SolverMethod::ProjectedConjugateGradients => 6.0,
     }
 }

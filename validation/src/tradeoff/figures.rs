@@ -1,19 +1,20 @@
-//! Error against wall time, one figure an observable and a stiffness.
+//! Error against wall time: one figure an observable and a stiffness for the codes, and one for each kind of variation of
+//! Makadam's solver.
 
-use super::rows::{Deviation, Point, Reference};
+use super::front::pareto_front;
+use super::panel::{Member, Series, bound_of, noise_of, panel};
+use super::rows::{Point, Reference};
 use super::study::Study;
-use super::words::{modulus, titled};
+use super::variations::{Family, Variation};
+use super::words::modulus;
 use crate::prepared::file_stem;
 use crate::report::figure::Figure;
 use crate::report::names::{CodeStyle, Marker, code_style, observable};
-use crate::report::numbers::compact;
-use crate::report::plot::{Axis, Key, Plot};
-use crate::report::svg::Anchor;
 
 /// Observables that have a figure at the scene's stiffness; at others only bounded ones have.
 const SHOWN: usize = 4;
 
-/// Figures of the scene's stiffness first, then the bounded observables at the others.
+/// Figures of the scene's stiffness first, with the variations of the solver, then the bounded observables at the others.
 pub(super) fn figures(study: &Study) -> Vec<Figure> {
     let mut factors = study.stiffness_factors();
     factors.sort_by(|a, b| (*a != 1.0).cmp(&(*b != 1.0)).then(a.total_cmp(b)));
@@ -21,101 +22,116 @@ pub(super) fn figures(study: &Study) -> Vec<Figure> {
     for factor in factors {
         let room = if factor == 1.0 { SHOWN.max(study.bounds.len()) } else { study.bounds.len() };
         for name in study.observables().into_iter().take(room) {
-            all.extend(study.reference(name, factor).and_then(|reference| figure(study, reference)));
+            all.extend(study.reference(name, factor).and_then(|reference| codes(study, reference)));
+        }
+        if factor == 1.0 {
+            // Without a bound the first observable stands for all.
+            for name in study.observables().into_iter().take(study.bounds.len().max(1)) {
+                let reference = study.reference(name, factor);
+                all.extend(reference.into_iter().flat_map(|reference| variations(study, reference)));
+            }
         }
     }
     all
 }
 
-/// One observable at one stiffness; absent where no point has an error.
-fn figure(study: &Study, reference: &Reference) -> Option<Figure> {
+/// All codes on one observable at one stiffness; absent where no point has an error.
+fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
     let name = reference.observable.as_str();
     let of = |point: &&Point| point.stiffness_factor == reference.stiffness_factor && !point.reference;
     let all: Vec<&Point> = study.points.iter().filter(of).collect();
-    let known: Vec<(&Point, &Deviation)> = all.iter().filter_map(|p| Some((*p, p.deviation(name)?))).collect();
-    let errors = || known.iter().map(|(_, deviation)| deviation.deviation.abs());
-    let noise = crate::scaling::median(known.iter().filter_map(|(_, d)| d.deviation_standard_error));
-    let largest = errors().chain(bound_of(study, name)).fold(0.0, f64::max);
-    let smallest = errors().filter(|error| *error > 0.0).fold(f64::INFINITY, f64::min);
-    if !(largest > 0.0 && smallest.is_finite()) {
-        return None;
-    }
-    // What lies far below the noise is luck: it is drawn at the lower edge.
-    let low = smallest.max(if noise.is_finite() { 0.3 * noise } else { 0.0 }).min(0.5 * largest);
-    let wall = |point: &Point| point.wall_seconds_per_simulated_second;
-    let least = all.iter().map(|point| wall(point)).fold(f64::INFINITY, f64::min);
-    let most = all.iter().map(|point| wall(point)).fold(0.0, f64::max);
-    let label = format!("error of {}", titled(name, &reference.unit));
-    // The finer marks of small numbers would run into the label.
-    let y = if low < 1e-3 { Axis::logarithmic } else { Axis::fine }(&label, low, 1.5 * largest);
-    let (bottom, top) = (y.low, y.high);
-    let x = Axis::fine("wall time over simulated time (s/s, one core)", least, 1.4 * most);
-    let (left, right) = (x.low, x.high);
-    let mut plot = Plot::new(x, y);
-    if let Some(bound) = bound_of(study, name) {
-        plot.curve("ideal", [[left, bound], [right, bound]].into_iter());
-        // On the side away from the noise.
-        let down = if noise > bound { 13.0 } else { -5.0 };
-        plot.label([right, bound], [-6.0, down], Anchor::End, &format!("bound {}", compact(bound)));
-    }
-    if noise > bottom {
-        plot.curve("ideal noise", [[left, noise], [right, noise]].into_iter());
-        // To the left, where settings are too cheap to be that near.
-        plot.label([left, noise], [6.0, 13.0], Anchor::Start, "noise of the seeds (median)");
-    }
-    let mut codes: Vec<&str> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     for point in &all {
-        if !codes.contains(&point.code.as_str()) {
-            codes.push(&point.code);
+        if !names.contains(&point.code.as_str()) {
+            names.push(&point.code);
         }
     }
-    for code in &codes {
-        draw_code(&mut plot, code, &known, [bottom, top]);
+    let mut series: Vec<Series<'_>> = Vec::new();
+    for code in &names {
+        let own: Vec<&Point> = all.iter().copied().filter(|point| point.code == *code).collect();
+        let (varied, plain): (Vec<&Point>, Vec<&Point>) = own.iter().partition(|point| point.variation.is_some());
+        series.push(Series {
+            name: code,
+            style: code_style(code),
+            members: members_of(&plain, name),
+            cut: cut_of(&plain),
+            // A code has one front, whatever its settings.
+            front: members_of(&own, name).into_iter().filter(|member| member.deviation.on_front).collect(),
+            labelled: true,
+        });
+        if !varied.is_empty() {
+            series.push(Series {
+                name: "Makadam, solver varied",
+                style: CodeStyle { class: code_style(code).class, marker: Marker::Cross },
+                members: members_of(&varied, name),
+                cut: cut_of(&varied),
+                front: Vec::new(),
+                labelled: false,
+            });
+        }
     }
-    for point in all.iter().filter(|point| point.extrapolated) {
-        plot.open_marker(code_style(&point.code), wall(point), top, 5.0);
-    }
-    let open = CodeStyle { class: "neutral hollow", marker: Marker::Circle };
-    let mut keys: Vec<Key<'_>> = codes.iter().map(|code| Key::Code(code)).collect();
-    if all.iter().any(|point| point.extrapolated) {
-        keys.push(Key::Points(open, "extrapolated, no error"));
-    }
-    plot.legend(&keys);
     let stiffness = modulus(reference.youngs_modulus);
     let about = format!("Error of the {} against wall time, grains of {stiffness}", observable(name));
     Some(Figure {
         name: format!("{}-{}", file_stem(name), file_stem(&stiffness.replace(' ', ""))),
-        svg: plot.finish(&about),
+        svg: panel(study, reference, series, &about)?,
         caption: format!(
             "{about}. Lines are Pareto fronts, bars one standard error over seeds; points at the lower edge lie below it."
         ),
     })
 }
 
-fn bound_of(study: &Study, name: &str) -> Option<f64> {
-    study.bounds.iter().find(|bound| bound.observable == name).map(|bound| bound.value)
+/// Makadam's sweeps beside their variations, one figure a kind of variation; none where none of a kind has an error.
+fn variations(study: &Study, reference: &Reference) -> Vec<Figure> {
+    let name = reference.observable.as_str();
+    let own = |point: &&Point| {
+        point.code == "Makadam" && point.stiffness_factor == reference.stiffness_factor && !point.reference
+    };
+    let family = |point: &Point| point.variation.as_deref().and_then(Variation::named).map(|known| known.family);
+    let floor = noise_of(study, reference);
+    let series = |of: Option<Family>| {
+        let points: Vec<&Point> = study.points.iter().filter(own).filter(|point| family(point) == of).collect();
+        let members = members_of(&points, name);
+        let coordinates: Vec<[f64; 2]> = members.iter().map(Member::coordinates).collect();
+        Series {
+            name: of.map_or("sweeps", Family::name),
+            style: of.map_or(code_style("Makadam"), Family::style),
+            front: pareto_front(&coordinates, floor).into_iter().map(|place| members[place]).collect(),
+            cut: cut_of(&points),
+            members,
+            labelled: of.is_none(),
+        }
+    };
+    let stiffness = modulus(reference.youngs_modulus);
+    let figure = |(kind, families): (&str, &[Family])| {
+        let varied: Vec<Series<'_>> =
+            families.iter().map(|family| series(Some(*family))).filter(|series| !series.is_empty()).collect();
+        if varied.is_empty() {
+            return None;
+        }
+        let all = std::iter::once(series(None)).chain(varied).collect();
+        let about =
+            format!("Error of the {} against wall time, {kind} of Makadam, grains of {stiffness}", observable(name));
+        Some(Figure {
+            name: format!("{}-{}", file_stem(name), kind.replace(", ", "-").replace(' ', "-")),
+            svg: panel(study, reference, all, &about)?,
+            caption: format!(
+                "{about}. Sweeps are Gauss-Seidel in double precision with over-relaxation and warm start; lines are the Pareto \
+                 front of each kind."
+            ),
+        })
+    };
+    let bounded = bound_of(study, name).is_some() || study.bounds.is_empty();
+    Family::PANELS.into_iter().filter(|_| bounded).filter_map(figure).collect()
 }
 
-/// Points of a code with their bars, and its front as a line with the settings beside it.
-fn draw_code(plot: &mut Plot, code: &str, known: &[(&Point, &Deviation)], [bottom, top]: [f64; 2]) {
-    let style = code_style(code);
-    let mut own: Vec<&(&Point, &Deviation)> = known.iter().filter(|(point, _)| point.code == code).collect();
-    own.sort_by(|a, b| a.0.wall_seconds_per_simulated_second.total_cmp(&b.0.wall_seconds_per_simulated_second));
-    let at = |(point, deviation): &(&Point, &Deviation)| {
-        [point.wall_seconds_per_simulated_second, deviation.deviation.abs().clamp(bottom, top)]
-    };
-    let front: Vec<&(&Point, &Deviation)> = own.iter().copied().filter(|(_, deviation)| deviation.on_front).collect();
-    plot.curve(&format!("{} curve", style.class), front.iter().map(|member| at(member)));
-    for member in &own {
-        let [x, y] = at(member);
-        if let Some(error) = member.1.deviation_standard_error {
-            let size = member.1.deviation.abs();
-            let (low, high) = ((size - error).max(bottom), (size + error).max(bottom));
-            plot.error_bar(&format!("{} error", style.class), x, low, high);
-        }
-        plot.marker(style, x, y, if member.1.on_front { 5.0 } else { 3.2 });
-    }
-    for member in front {
-        plot.label(at(member), [7.0, -6.0], Anchor::Start, &member.0.short_setting);
-    }
+/// Points with an error.
+fn members_of<'a>(points: &[&'a Point], name: &str) -> Vec<Member<'a>> {
+    let member = |point: &&'a Point| Some(Member { point, deviation: point.deviation(name)? });
+    points.iter().filter_map(member).collect()
+}
+
+/// Points that were cut short.
+fn cut_of<'a>(points: &[&'a Point]) -> Vec<&'a Point> {
+    points.iter().copied().filter(|point| point.extrapolated).collect()
 }

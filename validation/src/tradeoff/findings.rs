@@ -1,6 +1,6 @@
 //! What a trade-off found, in sentences: every number is computed from its rows.
 
-use super::rows::{Fastest, Point, Reference};
+use super::rows::{Fastest, Point, Reference, Varied};
 use super::study::Study;
 use super::words::{self, modulus};
 use crate::report::names::observable;
@@ -13,6 +13,7 @@ const QUIET: f64 = 0.9;
 pub(super) fn findings(study: &Study) -> Vec<String> {
     let mut sentences: Vec<String> = study.fastest.iter().map(|row| fastest(study, row)).collect();
     sentences.extend(study.stiffness_factors().into_iter().filter_map(|factor| ratios(study, factor)));
+    sentences.extend(study.variations.iter().filter_map(|row| varied(study, row)));
     let bounded = |row: &&Reference| study.bounds.iter().any(|bound| bound.observable == row.observable);
     sentences.extend(study.references.iter().filter(bounded).filter_map(|row| trust(study, row)));
     sentences.extend(study.references.iter().filter(bounded).filter_map(shift));
@@ -81,6 +82,29 @@ fn ratios(study: &Study, factor: f64) -> Option<String> {
             modulus(first.youngs_modulus),
             ratios.join(" : ")
         )
+    })
+}
+
+/// What a variation of the solver is good for; nothing can be said without bounds.
+fn varied(study: &Study, row: &Varied) -> Option<String> {
+    let Varied { variation, settings, setting, .. } = row;
+    if study.bounds.is_empty() {
+        return None;
+    }
+    let bounds = study.bounds.iter().map(words::bound).collect::<Vec<_>>().join(" and ");
+    Some(match (setting, row.wall_seconds_per_simulated_second, row.ratio_to_plain) {
+        (Some(setting), Some(wall), Some(ratio)) => format!(
+            "With {variation} the {bounds} takes {} s a simulated second ({setting}), {} times the fastest setting that varies \
+             step and sweeps alone.",
+            two_digits(wall),
+            two_digits(ratio)
+        ),
+        (Some(setting), Some(wall), None) => format!(
+            "With {variation} the {bounds} takes {} s a simulated second ({setting}); step and sweeps alone do not reach it.",
+            two_digits(wall)
+        ),
+        _ if *settings == 1 => format!("With {variation} the one setting that was run does not keep the {bounds}."),
+        _ => format!("With {variation} none of {settings} settings keeps the {bounds}."),
     })
 }
 

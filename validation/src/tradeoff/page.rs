@@ -1,11 +1,12 @@
 //! The page of a trade-off: figures, tables and what they say, in one file that loads nothing.
 
-use super::rows::{Fastest, Point, Reference};
+use super::rows::{Fastest, Point, Reference, Varied};
 use super::study::Study;
 use super::terminal::{ordered, verdict};
+use super::variations::Variation;
 use super::words::{self, modulus, titled};
 use crate::report::figure::Figure;
-use crate::report::names::{code_style, observable};
+use crate::report::names::{CodeStyle, Marker, code_style, observable};
 use crate::report::numbers::{count, duration, two_digits};
 use crate::report::page::{environment, style};
 use minijinja::{Value, context};
@@ -26,6 +27,7 @@ pub(super) fn render(study: &Study, figures: &[Figure]) -> Result<String, miniji
         bounds => study.bounds.iter().map(words::bound).collect::<Vec<_>>().join(", "),
         figures => figures,
         fastest => study.fastest.iter().map(fastest).collect::<Vec<_>>(),
+        variations => study.variations.iter().map(varied).collect::<Vec<_>>(),
         observables => names.iter().map(|name| titled(name, unit(name))).collect::<Vec<_>>(),
         points => points(study, &names),
         references => study.references.iter().map(reference).collect::<Vec<_>>(),
@@ -58,6 +60,33 @@ fn fastest(row: &Fastest) -> Value {
     }
 }
 
+fn varied(row: &Varied) -> Value {
+    context! {
+        variation => row.variation,
+        class => mark(Some(&row.variation), "Makadam"),
+        settings => row.settings,
+        setting => row.setting,
+        pace => row.wall_seconds_per_simulated_second.map(two_digits),
+        ratio => row.ratio_to_plain.map(two_digits),
+        interval => row.setting.as_ref().map(|_| words::sureness(row.intervals_within_bounds)),
+    }
+}
+
+/// Classes of the mark of a point: those of its variation, or of its code.
+fn mark(variation: Option<&str>, code: &str) -> String {
+    let Some(variation) = variation.and_then(Variation::named) else { return code_style(code).class.into() };
+    let CodeStyle { class, marker } = variation.family.style();
+    let shape = match marker {
+        Marker::Circle => "circle",
+        Marker::Square => "square",
+        Marker::Triangle => "triangle",
+        Marker::Diamond => "diamond",
+        Marker::Wedge => "wedge",
+        Marker::Cross => "cross",
+    };
+    format!("{class} {shape}")
+}
+
 fn points(study: &Study, names: &[&str]) -> Vec<Value> {
     let mut last = None;
     let rows = ordered(study).into_iter().map(|point| {
@@ -67,7 +96,7 @@ fn points(study: &Study, names: &[&str]) -> Vec<Value> {
             first => first,
             stiffness => modulus(point.youngs_modulus),
             code => point.code,
-            class => code_style(&point.code).class,
+            class => mark(point.variation.as_deref(), &point.code),
             setting => point.setting,
             seeds => point.seeds.len(),
             pace => format!(

@@ -1,42 +1,18 @@
 //! What is run: the knobs of each code and the values that they take.
 
 use super::configuration::{Configuration, Knobs};
-use makadam::scene::{Precision, Scene, SolverMethod, SolverSettings, Stop};
+use super::variations::Variation;
+use makadam::scene::{Scene, SolverSettings, Stop};
 
-/// A change of one setting of the solver, beside step and sweeps.
-struct Variation {
-    /// The axis and its value, as tables name it.
-    name: &'static str,
-    /// The change.
-    change: fn(&mut SolverSettings),
-}
-
-/// The axes that are varied one at a time about the scene's own settings.
-const VARIATIONS: [Variation; 13] = [
-    Variation { name: "warm start 0", change: |settings| settings.warm_start = 0.0 },
-    Variation { name: "over-relaxation 1", change: |settings| settings.over_relaxation = 1.0 },
-    Variation { name: "2 inner sweeps", change: |settings| settings.inner_sweeps = 2 },
-    Variation { name: "4 inner sweeps", change: |settings| settings.inner_sweeps = 4 },
-    Variation { name: "residual 0.1", change: |settings| settings.stop = down_to(0.1) },
-    Variation { name: "residual 0.03", change: |settings| settings.stop = down_to(0.03) },
-    Variation { name: "residual 0.01", change: |settings| settings.stop = down_to(0.01) },
-    Variation { name: "residual 0.003", change: |settings| settings.stop = down_to(0.003) },
-    Variation { name: "single precision", change: |settings| settings.precision = Precision::Single },
-    Variation { name: "Anderson", change: |settings| settings.method = SolverMethod::Anderson { memory: 3 } },
-    Variation {
-        name: "nonlinear conjugate gradients",
-        change: |settings| settings.method = SolverMethod::NonlinearConjugateGradients,
-    },
-    Variation {
-        name: "accelerated projected gradients",
-        change: |settings| settings.method = SolverMethod::AcceleratedProjectedGradients,
-    },
-    Variation { name: "Jacobi", change: |settings| settings.method = SolverMethod::Jacobi { damping: 0.3 } },
-];
-
-/// Sweeps until the residual is so small, in units of g h, but no more than the reference takes.
-fn down_to(tolerance: f64) -> Stop {
-    Stop::Residual { tolerance, max_sweeps: FULL.most_sweeps }
+/// How much is planned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// Few configurations.
+    Quick,
+    /// These, and methods, precision, warm start and the settings of the sweeps.
+    QuickAndVaried,
+    /// Everything.
+    Full,
 }
 
 /// How much is run. Steps are over the scene's own step.
@@ -45,8 +21,10 @@ struct Extent {
     steps: &'static [f64],
     /// Sweeps of Makadam's grid.
     sweeps: &'static [u32],
-    /// Whether the other axes are varied.
-    variations: bool,
+    /// Whether the other axes are varied about the scene's own settings.
+    about_own: bool,
+    /// Steps at which they are varied too.
+    varied_steps: &'static [f64],
     /// Steps of the three grids that the reference rests on, from coarse to fine, each half the one before.
     refinement: [f64; 3],
     /// Their sweeps.
@@ -62,7 +40,8 @@ struct Extent {
 const FULL: Extent = Extent {
     steps: &[4.0, 2.0, 1.0, 0.5, 0.25],
     sweeps: &[2, 3, 5, 10, 20, 40],
-    variations: true,
+    about_own: true,
+    varied_steps: &[4.0, 2.0, 1.0],
     refinement: [1.0, 0.5, 0.25],
     most_sweeps: 40,
     elsewhere: &[(2.0, 5), (2.0, 10), (1.0, 5), (1.0, 10), (1.0, 20), (0.5, 5), (0.5, 10), (0.5, 20)],
@@ -70,17 +49,22 @@ const FULL: Extent = Extent {
     rayleigh_fractions_elsewhere: &[0.8, 0.5, 0.2, 0.05],
 };
 
-/// Few configurations, with those that the full extent has found to be worth their time.
+/// Few configurations, with those that the full extent has found to be worth their time. Other axes are varied at the
+/// largest step, where a solve that is not good enough shows most.
 const QUICK: Extent = Extent {
     steps: &[4.0, 2.0, 1.0],
     sweeps: &[3, 5, 10],
-    variations: false,
+    about_own: false,
+    varied_steps: &[4.0],
     refinement: [2.0, 1.0, 0.5],
     most_sweeps: 20,
     elsewhere: &[(4.0, 20), (2.0, 5), (2.0, 10), (2.0, 20), (1.0, 10)],
     rayleigh_fractions: &[0.5, 0.2],
     rayleigh_fractions_elsewhere: &[0.5, 0.2],
 };
+
+/// Variations of the quick scope and their iterations.
+const QUICK_VARIATIONS: [(&str, u32); 2] = [("single precision", 10), ("Anderson", 5)];
 
 /// Factors on every Young's modulus that the full extent covers: 5 MPa to 1 GPa where the scene's is 10 MPa.
 pub const STIFFNESS_FACTORS: [f64; 4] = [0.5, 1.0, 10.0, 100.0];
@@ -106,8 +90,11 @@ pub struct Plan {
 impl Plan {
     /// The plan for a scene: `codes` by name, `factors` on every Young's modulus. Makadam's references are a part of it
     /// whether or not Makadam is among the codes, and so is the scene's own stiffness.
-    pub fn new(scene: &Scene, quick: bool, codes: &[&str], factors: &[f64]) -> Plan {
-        let extent = if quick { &QUICK } else { &FULL };
+    pub fn new(scene: &Scene, scope: Scope, codes: &[&str], factors: &[f64]) -> Plan {
+        let extent = match scope {
+            Scope::Quick | Scope::QuickAndVaried => &QUICK,
+            Scope::Full => &FULL,
+        };
         let mut plan = Plan { configurations: Vec::new(), refinements: Vec::new() };
         let mut factors: Vec<f64> = std::iter::once(1.0).chain(factors.iter().copied()).collect();
         factors.sort_by(f64::total_cmp);
@@ -126,7 +113,7 @@ impl Plan {
             let own = factor == 1.0;
             if codes.contains(&"Makadam") {
                 match own {
-                    true => plan.grid(scene, extent, grid),
+                    true => plan.own_stiffness(scene, scope, extent, grid),
                     false => extent.elsewhere.iter().for_each(|&(step, sweeps)| {
                         plan.place(grid(step, sweeps));
                     }),
@@ -144,20 +131,38 @@ impl Plan {
     }
 
     /// Makadam at the scene's stiffness.
-    fn grid(&mut self, scene: &Scene, extent: &Extent, grid: impl Fn(f64, u32) -> Configuration) {
+    fn own_stiffness(
+        &mut self,
+        scene: &Scene,
+        scope: Scope,
+        extent: &Extent,
+        grid: impl Fn(f64, u32) -> Configuration,
+    ) {
         self.place(makadam(1.0, scene.solver.clone(), None));
         for &step in extent.steps {
             for &sweeps in extent.sweeps {
                 self.place(grid(step, sweeps));
             }
         }
-        for variation in VARIATIONS.iter().filter(|_| extent.variations) {
-            let mut settings = scene.solver.clone();
-            (variation.change)(&mut settings);
-            // The scene may have chosen so itself.
-            if settings != scene.solver {
-                self.place(makadam(1.0, settings, Some(variation.name.into())));
+        for variation in Variation::all() {
+            if extent.about_own {
+                self.vary(scene, variation, &scene.solver);
             }
+            for &step in extent.varied_steps {
+                let quick =
+                    |count: &&u32| scope != Scope::Quick || QUICK_VARIATIONS.contains(&(variation.name, **count));
+                for &sweeps in variation.iterations.iter().filter(quick) {
+                    let (step, stop) = (step * scene.solver.step, Stop::Sweeps { sweeps });
+                    self.vary(scene, variation, &SolverSettings { step, stop, ..scene.solver.clone() });
+                }
+            }
+        }
+    }
+
+    /// Adds a variation of settings, unless they are so already or the scene refuses it.
+    fn vary(&mut self, scene: &Scene, variation: &Variation, settings: &SolverSettings) {
+        if let Some(settings) = variation.apply(settings).filter(|settings| scene.accepts(settings)) {
+            self.place(makadam(1.0, settings, Some(variation.name.into())));
         }
     }
 

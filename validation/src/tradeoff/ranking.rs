@@ -1,7 +1,7 @@
 //! Which settings are worth their time.
 
 use super::front::pareto_front;
-use super::rows::{Bound, Fastest, Point};
+use super::rows::{Bound, Fastest, Point, Varied};
 use crate::scaling::median;
 
 /// Marks the Pareto front of every code and observable at every stiffness. The reference is no point of it: its error
@@ -77,5 +77,33 @@ pub(super) fn fastest(points: &[Point], bounds: &[Bound]) -> Vec<Fastest> {
             rows[place].wall_seconds_per_simulated_second.zip(wall).map(|(own, makadam)| own / makadam);
     }
     rows.sort_by(|a, b| a.stiffness_factor.total_cmp(&b.stiffness_factor));
+    rows
+}
+
+/// What each variation of the solver comes to, in the order of the plan, against settings that vary step and sweeps alone.
+pub(super) fn variations(points: &[Point]) -> Vec<Varied> {
+    let own = || points.iter().filter(|point| point.code == "Makadam" && point.stiffness_factor == 1.0);
+    let best = |variation: Option<&str>| {
+        let settings = own().filter(|point| point.variation.as_deref() == variation);
+        let within = settings.filter(|point| point.within_bounds == Some(true));
+        within.min_by(|a, b| a.wall_seconds_per_simulated_second.total_cmp(&b.wall_seconds_per_simulated_second))
+    };
+    let plain = best(None).map(|point| point.wall_seconds_per_simulated_second);
+    let mut rows: Vec<Varied> = Vec::new();
+    for variation in own().filter_map(|point| point.variation.as_deref()) {
+        if rows.iter().any(|row| row.variation == variation) {
+            continue;
+        }
+        let best = best(Some(variation));
+        let wall = best.map(|best| best.wall_seconds_per_simulated_second);
+        rows.push(Varied {
+            variation: variation.into(),
+            settings: own().filter(|point| point.variation.as_deref() == Some(variation)).count(),
+            setting: best.map(|best| best.setting.clone()),
+            wall_seconds_per_simulated_second: wall,
+            intervals_within_bounds: best.and_then(|best| best.intervals_within_bounds),
+            ratio_to_plain: wall.zip(plain).map(|(wall, plain)| wall / plain),
+        });
+    }
     rows
 }

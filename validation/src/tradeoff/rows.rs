@@ -95,8 +95,10 @@ pub struct Point {
     pub time_step: f64,
     /// Time step over the Rayleigh step, for explicit codes.
     pub rayleigh_fraction: Option<f64>,
-    /// Most sweeps of a solve, for Makadam.
+    /// Most iterations of a solve, for Makadam: sweeps, with Gauss-Seidel.
     pub sweeps: Option<u32>,
+    /// What is varied beside step and sweeps, for Makadam, such as "single precision"; absent where nothing is.
+    pub variation: Option<String>,
     /// Seeds that were run.
     pub seeds: Vec<u64>,
     /// Wall time of the stepping over simulated time on a core of its own, median over seeds
@@ -146,4 +148,21 @@ pub struct Fastest {
     pub intervals_within_bounds: Option<bool>,
     /// Its wall time over that of Makadam's fastest setting at the same stiffness.
     pub ratio_to_makadam: Option<f64>,
+}
+
+/// What a variation of the solver beside step and sweeps comes to, at the scene's stiffness.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Varied {
+    /// The axis and its value, such as "single precision".
+    pub variation: String,
+    /// Settings with it that were run.
+    pub settings: usize,
+    /// The fastest of them that keeps all bounds; absent if none does or there are no bounds.
+    pub setting: Option<String>,
+    /// Its wall time over simulated time.
+    pub wall_seconds_per_simulated_second: Option<f64>,
+    /// Whether its 90% intervals lie within the bounds too.
+    pub intervals_within_bounds: Option<bool>,
+    /// Its wall time over that of the fastest setting within the bounds that varies step and sweeps alone.
+    pub ratio_to_plain: Option<f64>,
 }

@@ -3,8 +3,8 @@
 use super::campaign::Outcome;
 use super::findings::findings;
 use super::plan::Plan;
-use super::ranking::{fastest, mark_fronts};
-use super::rows::{Bound, Fastest, Point, Reference};
+use super::ranking::{fastest, mark_fronts, variations};
+use super::rows::{Bound, Fastest, Point, Reference, Varied};
 use super::table::Table;
 use crate::output::JSON_VERSION;
 use makadam::scene::Scene;
@@ -53,6 +53,9 @@ pub struct Study {
     pub points: Vec<Point>,
     /// The fastest setting within the bounds of each code at each stiffness; empty without bounds.
     pub fastest: Vec<Fastest>,
+    /// What Makadam's solver does with another method, precision, warm start or other sweeps, at the scene's stiffness; empty
+    /// where none was run.
+    pub variations: Vec<Varied>,
     /// What was found, as sentences.
     pub findings: Vec<String>,
     /// What a reader must know: runs that failed, files that were damaged.
@@ -82,6 +85,7 @@ impl Study {
             time_limit: terms.time_limit,
             references,
             fastest: fastest(&points, &bounds),
+            variations: variations(&points),
             points,
             bounds,
             findings: Vec::new(),

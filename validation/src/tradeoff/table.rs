@@ -95,6 +95,7 @@ impl Table<'_> {
             time_step: first.run.time_step,
             rayleigh_fraction: configuration.rayleigh_fraction(),
             sweeps: configuration.sweeps(),
+            variation: configuration.variation().map(String::from),
             seeds: runs.iter().map(|kept| kept.run.seed).collect(),
             wall_seconds_per_simulated_second: median(pace.iter().copied()),
             wall_seconds_per_simulated_second_least: pace.iter().copied().fold(f64::INFINITY, f64::min),

@@ -88,6 +88,9 @@ pub struct TradeoffArguments {
     /// Few configurations, at the scene's stiffness alone: an answer in about ten minutes for drum or packing.
     #[arg(long)]
     pub quick: bool,
+    /// With --quick too: other methods, single precision, no warm start, other sweeps. Without --quick they are always run.
+    #[arg(long)]
+    pub variations: bool,
     /// Number of seeds, counted from 1; 3, if absent.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,

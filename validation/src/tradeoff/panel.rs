@@ -1,0 +1,140 @@
+//! The plot of error against wall time that all figures share.
+
+use super::rows::{Deviation, Point, Reference};
+use super::study::Study;
+use super::words::titled;
+use crate::report::names::{CodeStyle, Marker};
+use crate::report::numbers::compact;
+use crate::report::plot::{Axis, Key, Plot};
+use crate::report::svg::Anchor;
+
+/// A point and what is drawn of it.
+#[derive(Clone, Copy)]
+pub(super) struct Member<'a> {
+    pub(super) point: &'a Point,
+    pub(super) deviation: &'a Deviation,
+}
+
+impl Member<'_> {
+    /// Wall time and error.
+    pub(super) fn coordinates(&self) -> [f64; 2] {
+        [self.point.wall_seconds_per_simulated_second, self.deviation.deviation.abs()]
+    }
+}
+
+/// Points that are drawn alike.
+pub(super) struct Series<'a> {
+    /// What the legend calls it.
+    pub(super) name: &'a str,
+    pub(super) style: CodeStyle,
+    /// Points with an error.
+    pub(super) members: Vec<Member<'a>>,
+    /// Points that were cut short.
+    pub(super) cut: Vec<&'a Point>,
+    /// What its line joins, from the cheapest; may hold members of another series.
+    pub(super) front: Vec<Member<'a>>,
+    /// Whether the settings stand beside the front.
+    pub(super) labelled: bool,
+}
+
+impl Series<'_> {
+    /// Whether there is nothing to draw.
+    pub(super) fn is_empty(&self) -> bool {
+        self.members.is_empty() && self.cut.is_empty()
+    }
+}
+
+/// The bound on an observable.
+pub(super) fn bound_of(study: &Study, name: &str) -> Option<f64> {
+    study.bounds.iter().find(|bound| bound.observable == name).map(|bound| bound.value)
+}
+
+/// Seed noise of an observable at the reference's stiffness: the median standard error of its deviations, 0 where there is none.
+pub(super) fn noise_of(study: &Study, reference: &Reference) -> f64 {
+    let of = |point: &&Point| point.stiffness_factor == reference.stiffness_factor && !point.reference;
+    let known = study.points.iter().filter(of).filter_map(|point| point.deviation(&reference.observable));
+    let noise = crate::scaling::median(known.filter_map(|deviation| deviation.deviation_standard_error));
+    if noise.is_finite() { noise } else { 0.0 }
+}
+
+/// The drawing; absent where no point has an error.
+pub(super) fn panel(study: &Study, reference: &Reference, mut series: Vec<Series<'_>>, about: &str) -> Option<String> {
+    let name = reference.observable.as_str();
+    for one in &mut series {
+        one.front.sort_by(|a, b| a.coordinates()[0].total_cmp(&b.coordinates()[0]));
+    }
+    let known = || series.iter().flat_map(|series| &series.members);
+    let errors = || known().map(|member| member.coordinates()[1]);
+    let noise = noise_of(study, reference);
+    let largest = errors().chain(bound_of(study, name)).fold(0.0, f64::max);
+    let smallest = errors().filter(|error| *error > 0.0).fold(f64::INFINITY, f64::min);
+    if !(largest > 0.0 && smallest.is_finite()) {
+        return None;
+    }
+    // What lies far below the noise is luck: it is drawn at the lower edge.
+    let low = smallest.max(0.3 * noise).min(0.5 * largest);
+    let cut = || series.iter().flat_map(|series| series.cut.iter().map(move |point| (series.style, *point)));
+    let wall = |point: &Point| point.wall_seconds_per_simulated_second;
+    let walls = || known().map(|member| wall(member.point)).chain(cut().map(|(_, point)| wall(point)));
+    let (least, most) = (walls().fold(f64::INFINITY, f64::min), walls().fold(0.0, f64::max));
+    let label = format!("error of {}", titled(name, &reference.unit));
+    // The finer marks of small numbers would run into the label.
+    let y = if low < 1e-3 { Axis::logarithmic } else { Axis::fine }(&label, low, 1.5 * largest);
+    let (bottom, top) = (y.low, y.high);
+    let x = Axis::fine("wall time over simulated time (s/s, one core)", least, 1.4 * most);
+    let (left, right) = (x.low, x.high);
+    let open = CodeStyle { class: "neutral hollow", marker: Marker::Circle };
+    let lines = |series: &Series<'_>| !series.front.is_empty();
+    let mut keys: Vec<Key<'_>> = series
+        .iter()
+        .map(|series| if lines(series) { Key::Series } else { Key::Points }(series.style, series.name))
+        .collect();
+    if cut().next().is_some() {
+        keys.push(Key::Points(open, "extrapolated, no error"));
+    }
+    let mut plot = Plot::with_legend(x, y, &keys);
+    if let Some(bound) = bound_of(study, name) {
+        plot.curve("ideal", [[left, bound], [right, bound]].into_iter());
+        // On the side away from the noise.
+        let down = if noise > bound { 13.0 } else { -5.0 };
+        plot.label([right, bound], [-6.0, down], Anchor::End, &format!("bound {}", compact(bound)));
+    }
+    if noise > bottom {
+        plot.curve("ideal noise", [[left, noise], [right, noise]].into_iter());
+        // To the left, where settings are too cheap to be that near.
+        plot.label([left, noise], [6.0, 13.0], Anchor::Start, "noise of the seeds (median)");
+    }
+    let fronts: Vec<&Point> = series.iter().flat_map(|series| series.front.iter().map(|member| member.point)).collect();
+    for one in &series {
+        draw(&mut plot, one, &fronts, [bottom, top]);
+    }
+    for (style, point) in cut() {
+        plot.open_marker(style, wall(point), top, 5.0);
+    }
+    Some(plot.finish(about))
+}
+
+/// A series with its bars and its front, and the settings beside it. Points of any front are larger.
+fn draw(plot: &mut Plot, series: &Series<'_>, fronts: &[&Point], [bottom, top]: [f64; 2]) {
+    let style = series.style;
+    let at = |member: &Member<'_>| {
+        let [wall, error] = member.coordinates();
+        [wall, error.clamp(bottom, top)]
+    };
+    plot.curve(&format!("{} curve", style.class), series.front.iter().map(at));
+    let mut members: Vec<&Member<'_>> = series.members.iter().collect();
+    members.sort_by(|a, b| a.coordinates()[0].total_cmp(&b.coordinates()[0]));
+    for member in members {
+        let [x, y] = at(member);
+        if let Some(error) = member.deviation.deviation_standard_error {
+            let size = member.deviation.deviation.abs();
+            let (low, high) = ((size - error).max(bottom), (size + error).max(bottom));
+            plot.error_bar(&format!("{} error", style.class), x, low, high);
+        }
+        let on_front = fronts.iter().any(|point| std::ptr::eq(*point, member.point));
+        plot.marker(style, x, y, if on_front { 5.0 } else { 3.2 });
+    }
+    for member in series.front.iter().filter(|_| series.labelled) {
+        plot.label_if_free(at(member), [7.0, -6.0], &member.point.short_setting);
+    }
+}
