@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Engines that are looked for beside a scene, by the name of their files.
-const ENGINES: [&str; 1] = ["rapier"];
+const ENGINES: [&str; 2] = ["rapier", "siconos"];
 
 /// The columns before the observables.
 const COLUMNS: [&str; 8] = [
