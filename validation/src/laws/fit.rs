@@ -1,5 +1,7 @@
 //! Fits by least squares.
 
+use nalgebra::{Matrix3, Vector3};
+
 /// Slope and intercept of the least-squares line through points; not numbers if they do not define one.
 pub(super) fn line(points: &[[f64; 2]]) -> (f64, f64) {
     let count = points.len() as f64;
@@ -9,6 +11,34 @@ pub(super) fn line(points: &[[f64; 2]]) -> (f64, f64) {
     let square: f64 = points.iter().map(|point| (point[0] - x).powi(2)).sum();
     let slope = product / square;
     (slope, y - slope * x)
+}
+
+/// What the least-squares line through points has at zero, and its standard error: from the scatter about the line, which leaves
+/// as many degrees of freedom as there are points less two. None for fewer than three points.
+pub(super) fn at_zero(points: &[[f64; 2]]) -> Option<(f64, f64)> {
+    if points.len() < 3 {
+        return None;
+    }
+    let count = points.len() as f64;
+    let (slope, intercept) = line(points);
+    let scatter = points.iter().map(|[x, y]| (y - intercept - slope * x).powi(2)).sum::<f64>() / (count - 2.0);
+    let middle = points.iter().map(|[x, _]| x).sum::<f64>() / count;
+    let square: f64 = points.iter().map(|[x, _]| (x - middle).powi(2)).sum();
+    Some((intercept, (scatter * (1.0 / count + middle * middle / square)).sqrt()))
+}
+
+/// What the least-squares parabola through points has at zero; none if they do not define one.
+pub(super) fn parabola_at_zero(points: &[[f64; 2]]) -> Option<f64> {
+    // In units of the largest x, so that the normal equations are of order one.
+    let unit = points.iter().map(|[x, _]| x.abs()).fold(0.0, f64::max);
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for [x, y] in points {
+        let powers = Vector3::new(1.0, x / unit, (x / unit).powi(2));
+        normal += powers * powers.transpose();
+        right += powers * *y;
+    }
+    let solution = normal.cholesky().map(|factor| factor.solve(&right));
+    solution.filter(|_| points.len() >= 3).map(|coefficients| coefficients[0])
 }
 
 /// Where a function of one variable that falls and then rises is least, between two bounds: golden section.
@@ -44,6 +74,25 @@ mod tests {
         assert_relative_eq!(slope, 2.5, max_relative = 1e-12);
         assert_relative_eq!(intercept, -1.5, max_relative = 1e-12);
         assert!(line(&[[1.0, 1.0]]).0.is_nan());
+    }
+
+    #[test]
+    fn a_line_at_zero_has_an_error_that_comes_from_the_scatter() {
+        let (value, error) = at_zero(&[[1.0, 1.0], [2.0, 3.5], [4.0, 8.5]]).unwrap();
+        assert_relative_eq!(value, -1.5, max_relative = 1e-12);
+        assert!(error < 1e-12);
+        // y = 1 at x = 1 and 3, 4 at 2: the line is y = 2 with a scatter of 6, and 1/3 + 4/2 of it reach zero.
+        let (value, error) = at_zero(&[[1.0, 1.0], [2.0, 4.0], [3.0, 1.0]]).unwrap();
+        assert_relative_eq!(value, 2.0, max_relative = 1e-12);
+        assert_relative_eq!(error, 14f64.sqrt(), max_relative = 1e-12);
+        assert!(at_zero(&[[1.0, 1.0], [2.0, 4.0]]).is_none());
+    }
+
+    #[test]
+    fn a_parabola_is_found() {
+        let points = [0.02, 0.03, 0.05, 0.125].map(|x| [x, 0.9 - 4.0 * x + 7.0 * x * x]);
+        assert_relative_eq!(parabola_at_zero(&points).unwrap(), 0.9, max_relative = 1e-9);
+        assert!(parabola_at_zero(&points[..2]).is_none());
     }
 
     #[test]

@@ -1,0 +1,178 @@
+//! Columns of grains in a tube that is lifted off.
+
+use super::super::Case;
+use super::law;
+use crate::stability::{GRAVITY, Sketch};
+use makadam::scene::{Motion, Population, RadiusDistribution, Region, Shape, Wall};
+use std::f64::consts::{PI, SQRT_2};
+
+/// Mean diameter of the grains, m.
+pub(super) const DIAMETER: f64 = 0.01;
+/// Half width of the radii's distribution over their mean, so that the grains form no crystal.
+const SPREAD: f64 = 0.1;
+/// Friction of the grains: sand's and glass's.
+const FRICTION: f64 = 0.5;
+/// Rolling friction of the grains: spheres that roll freely run out farther than the grains of the experiments.
+const ROLLING_FRICTION: f64 = 0.1;
+/// Friction and rolling friction of the plane: a base with grains glued to it holds single grains up to slopes of about 25
+/// degrees, half the normal force.
+const BASE: [f64; 2] = [1.0, 0.5];
+/// Speed of the tube over `sqrt(g h0)`.
+const LIFT: f64 = 5.0;
+/// Time step, s, and sweeps a step.
+const SOLVE: (f64, u32) = (5e-4, 10);
+/// Solid fraction by which grains are counted out.
+const SOLID: f64 = 0.6;
+/// Longest time until rest, over `sqrt(h0/g)`.
+const PATIENCE: f64 = 12.0;
+/// Pitch of the lattice that grains start on, over the largest grain's diameter.
+const SPACING: f64 = 1.04;
+
+/// How much of a column is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Part {
+    /// All of it.
+    Whole,
+    /// What lies between the planes x = 0 and y = 0, which are smooth and without friction, as planes of symmetry are.
+    Quarter,
+}
+
+impl Part {
+    /// Its share of the column.
+    pub(super) fn share(self) -> f64 {
+        match self {
+            Part::Whole => 1.0,
+            Part::Quarter => 0.25,
+        }
+    }
+
+    /// The part of a case.
+    pub(super) fn of(case: &Case) -> Part {
+        if case.of("share") < 1.0 { Part::Quarter } else { Part::Whole }
+    }
+}
+
+/// A column of so many diameters in radius.
+pub(super) fn case(radius_in_diameters: f64, aspect: f64, part: Part) -> Case {
+    let radius = radius_in_diameters * DIAMETER;
+    let height = aspect * radius;
+    let grain = 0.5 * DIAMETER;
+    let volume = 4.0 / 3.0 * PI * grain.powi(3) * (1.0 + SPREAD * SPREAD);
+    let count = (part.share() * SOLID * PI * radius * radius * height / volume).round() as usize;
+    // The lattice that grains start on is less than half as dense as the column.
+    let room = 3.0 * height + 10.0 * DIAMETER;
+    let release = 0.4 + 2.5 * (2.0 * height / GRAVITY).sqrt();
+    let fall = (height / GRAVITY).sqrt();
+    let reach = radius * (1.0 + 2.5 * law(aspect));
+    let lift = LIFT * (GRAVITY * height).sqrt();
+    let tube = Motion::Translating { velocity: [0.0, 0.0, lift], start: release, stop: None };
+    let up = [0.0, 0.0, 1.0];
+    let (suffix, words, low) = match part {
+        Part::Whole => ("", "A column", -reach),
+        Part::Quarter => ("-quarter", "A quarter of a column", -DIAMETER),
+    };
+    let populations = match part {
+        Part::Whole => vec![(count, Region::Cylinder { base: [0.0; 3], axis: up, radius, length: room })],
+        Part::Quarter => strips(radius, room, count),
+    };
+    let mut sketch =
+        Sketch::new(format!("collapse-{aspect}-r{radius_in_diameters}{suffix}"), release + PATIENCE * fall)
+            .domain([low, low, -DIAMETER], [reach, reach, room])
+            .step(SOLVE.0)
+            .sweeps(SOLVE.1)
+            .interval(0.05)
+            .material("plate", |plate| [plate.friction, plate.rolling_friction] = BASE)
+            .moving_wall(
+                Shape::Cylinder { base: [0.0, 0.0, -2.0 * DIAMETER], axis: up, radius, length: room + 4.0 * DIAMETER },
+                tube,
+            )
+            .with(|scene| {
+                scene.description =
+                    format!("{words} of aspect ratio {aspect} on a rough plane, whose tube is lifted off.");
+                // The tube slides off without a pull.
+                scene.material.get_mut("wall").expect("a sketch has it").friction = 0.0;
+                let grains = scene.material.get_mut("grain").expect("a sketch has it");
+                (grains.friction, grains.rolling_friction) = (FRICTION, ROLLING_FRICTION);
+                scene.wall.push(Wall {
+                    name: "plate".into(),
+                    material: "plate".into(),
+                    shape: Shape::Plane { point: [0.0; 3], normal: up },
+                    motion: Motion::Fixed,
+                });
+                scene.population.extend(populations.into_iter().map(|(count, region)| Population {
+                    count,
+                    material: "grain".into(),
+                    radius: RadiusDistribution::Uniform { mean: grain, spread: SPREAD },
+                    region,
+                    spacing: SPACING,
+                    agitation: 0.05,
+                }));
+            });
+    if part == Part::Quarter {
+        sketch = sketch.plane([0.0; 3], [1.0, 0.0, 0.0]).plane([0.0; 3], [0.0, 1.0, 0.0]);
+    }
+    let given = [("radius", radius), ("nominal_aspect", aspect), ("release", release), ("share", part.share())];
+    Case::new(sketch.scene(), given)
+}
+
+/// A quarter of a tube as boxes, each one lattice site wide along x and as long along y as the tube has room, and the number of
+/// grains in each: the same number of layers everywhere.
+fn strips(radius: f64, room: f64, count: usize) -> Vec<(usize, Region)> {
+    let largest = 0.5 * DIAMETER * (1.0 + SPREAD);
+    let pitch = 2.0 * largest * SPACING;
+    let jitter = 0.5 * pitch - largest;
+    // A grain's site may be moved along a diagonal.
+    let arm = radius - largest - jitter * SQRT_2;
+    // A hair wider than a site, so that rounding does not leave it without one.
+    let width = pitch * (1.0 + 1e-6);
+    let middles = (0..).map(|number| (f64::from(number) + 0.5) * width).take_while(|x| *x < arm);
+    let lengths = middles.map(|x| (x, (arm * arm - x * x).sqrt())).filter(|(_, y)| *y >= 0.5 * pitch);
+    let strips: Vec<(f64, f64, usize)> =
+        lengths.map(|(x, y)| (x, y, ((y - 0.5 * pitch) / pitch + 1e-9).floor() as usize + 1)).collect();
+    let sites: usize = strips.iter().map(|(.., sites)| sites).sum();
+    let (mut before, mut placed) = (0, 0);
+    let mut regions = Vec::new();
+    for (x, y, own) in strips {
+        before += own;
+        // Rounding what has been placed so far keeps the sum.
+        let until = (count * before + sites / 2) / sites;
+        let region = Region::Box { min: [x - 0.5 * width, 0.0, 0.0], max: [x + 0.5 * width, y + 0.5 * pitch, room] };
+        regions.push((until - placed, region));
+        placed = until;
+    }
+    regions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use makadam::scene::populate;
+    use std::path::Path;
+
+    #[test]
+    fn a_quarter_has_a_quarter_of_the_grains_all_of_them_between_the_planes_and_in_the_tube() {
+        let (whole, quarter) = (case(12.0, 1.0, Part::Whole), case(12.0, 1.0, Part::Quarter));
+        let grains = |case: &Case| populate(&case.scene, 1, Path::new("collapse")).unwrap();
+        let (all, some) = (grains(&whole), grains(&quarter));
+        assert!((4 * some.len()).abs_diff(all.len()) <= 2, "{} of {}", some.len(), all.len());
+        for grain in &some {
+            let [x, y, _] = grain.position;
+            assert!(x >= grain.radius && y >= grain.radius && x.hypot(y) + grain.radius <= 0.12, "{grain:?}");
+        }
+        // Both stand on their lattices to the same height, but for a layer.
+        let top = |grains: &[makadam::scene::Grain]| grains.iter().map(|grain| grain.position[2]).fold(0.0, f64::max);
+        assert!((top(&some) - top(&all)).abs() < 2.5 * DIAMETER, "{} and {}", top(&some), top(&all));
+    }
+
+    #[test]
+    fn layers_of_a_quarter_are_alike_in_all_strips() {
+        let strips = strips(0.3, 1.0, 10_000);
+        assert_eq!(strips.iter().map(|(count, _)| count).sum::<usize>(), 10_000);
+        let sites = |region: &Region| match region {
+            Region::Box { max, .. } => (max[1] / 0.01144).floor(),
+            Region::Cylinder { .. } => panic!("a strip is a box"),
+        };
+        let layers = 10_000.0 / strips.iter().map(|(_, region)| sites(region)).sum::<f64>();
+        assert!(strips.iter().all(|(count, region)| (*count as f64 - layers * sites(region)).abs() <= 1.0));
+    }
+}
