@@ -29,14 +29,15 @@ impl Period {
     }
 
     /// Whether an axis is periodic.
+    #[inline(always)]
     pub fn is_periodic(&self, axis: usize) -> bool {
-        self.length[axis] > 0.0
+        cfg!(feature = "periodic-axes") && self.length[axis] > 0.0
     }
 
     /// Whether any axis is.
     #[inline(always)]
     pub fn any(&self) -> bool {
-        cfg!(feature = "periodic-axes") && (0..3).any(|axis| self.is_periodic(axis))
+        (0..3).any(|axis| self.is_periodic(axis))
     }
 
     /// Length along an axis, m; zero if it is not periodic.
