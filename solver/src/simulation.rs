@@ -7,7 +7,7 @@ use crate::effects::EffectSet;
 use crate::lanes::{InstructionSet, PREFETCH, Quad};
 use crate::ledger::Ledger;
 use crate::methods::Solver;
-use crate::partition::{BoxGrid, Layout};
+use crate::partition::{BoxGrid, Layout, Portion};
 use crate::scene::{Precision, Scene, SceneError, SolverMethod, SolverSettings, Stop, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
@@ -363,6 +363,11 @@ impl Simulation {
     /// Fetches bodies into the cache so many lane groups before a sweep needs them; 0 leaves it to the processor.
     pub fn use_prefetch(&mut self, groups: usize) {
         self.relaxation.prefetch = groups;
+    }
+
+    /// Gives threads tasks in other portions, with the same bits.
+    pub fn use_portion(&mut self, portion: Portion) {
+        self.layout.plan.set_portion(portion);
     }
 
     /// Solves the steps to come with another method; scenes whose contacts bear torques stay with Gauss-Seidel.

@@ -3,6 +3,7 @@
 
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
+use makadam::partition::Portion;
 use makadam::scene::{Precision, Scene};
 use makadam::schedule::Scheduler;
 use std::path::Path;
@@ -47,6 +48,10 @@ fn same_bits_everywhere(scene: &str, precision: Precision) {
     simulation.use_scalar_sweeps(precision == Precision::Double);
     simulation.use_prefetch(0);
     assert_eq!(expected, hashes(&mut simulation), "{scene}: one contact at a time, or without prefetch");
+    let mut simulation = start.clone();
+    simulation.use_portion(Portion::Boxes);
+    simulation.use_team(Scheduler::CentralQueue, 2).unwrap();
+    assert_eq!(expected, hashes(&mut simulation), "{scene}: box by box");
     assert_ne!(expected, hashes(&mut reference_scene(scene, 2)), "{scene}: another seed, another state");
 }
 

@@ -2,6 +2,7 @@
 
 use makadam::Simulation;
 use makadam::lanes::{InstructionSet, PREFETCH};
+use makadam::partition::Portion;
 use makadam::schedule::Scheduler;
 
 /// Threads, the way in which they share tasks, and the instruction set of the kernels.
@@ -15,6 +16,8 @@ pub struct Execution {
     pub instruction_set: InstructionSet,
     /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor.
     pub prefetch: usize,
+    /// What a thread is given at a time.
+    pub portion: Portion,
 }
 
 /// Why a simulation cannot be carried out so.
@@ -36,7 +39,14 @@ impl Execution {
             threads: 1,
             instruction_set: InstructionSet::detect(),
             prefetch: PREFETCH,
+            portion: Portion::Batches,
         }
+    }
+
+    /// Whether this is the serial execution that a speed-up of the other one refers to.
+    pub fn is_serial_of(&self, other: &Execution) -> bool {
+        self.scheduler == Scheduler::Serial
+            && (self.instruction_set, self.portion) == (other.instruction_set, other.portion)
     }
 
     /// Makes a simulation run so from its next step on.
@@ -51,6 +61,7 @@ impl Execution {
         }
         simulation.use_instruction_set(self.instruction_set);
         simulation.use_prefetch(self.prefetch);
+        simulation.use_portion(self.portion);
         simulation
             .use_team(self.scheduler, self.threads)
             .map_err(|error| ExecutionError::NoThreads(self.threads, error.to_string()))

@@ -20,7 +20,7 @@ mod single;
 pub use boxes::{BoxGrid, STAGES};
 pub use groups::{ContactLanes, PairGroup, Sources, TorqueLanes, WallGroup, WallTorqueLanes};
 pub(crate) use packing::{Packer, Taken};
-pub use plan::{Plan, PlannedTask};
+pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups};
 
 use crate::lanes::Eight;

@@ -1,7 +1,29 @@
 //! The plan of tasks: which there are, stage by stage, and which candidates belong to each.
 
 use super::STAGES;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
+
+/// What a thread is given at a time. It changes no bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Portion {
+    /// Tasks of one stage that follow each other, as many as keep a thread busy for some microseconds.
+    #[default]
+    Batches,
+    /// One task, however small: what one box has in one stage.
+    Boxes,
+}
+
+impl Portion {
+    /// Its name, as tables have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Portion::Batches => "batches",
+            Portion::Boxes => "boxes",
+        }
+    }
+}
 
 /// A task that has candidates.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +53,8 @@ pub struct Plan {
     batches: Vec<Range<usize>>,
     /// Where each stage begins in `batches`.
     batch_stages: [usize; STAGES + 1],
+    /// Whether there are batches of more than one task at all.
+    portion: Portion,
 }
 
 /// Candidates that fill a batch.
@@ -59,9 +83,19 @@ impl Plan {
         self.batch();
     }
 
+    /// Hands out tasks in other portions from now on.
+    pub(crate) fn set_portion(&mut self, portion: Portion) {
+        self.portion = portion;
+        self.batch();
+    }
+
     /// Cuts each stage into batches.
     fn batch(&mut self) {
         self.batches.clear();
+        let full = match self.portion {
+            Portion::Batches => BATCH,
+            Portion::Boxes => 0,
+        };
         for stage in 0..STAGES {
             self.batch_stages[stage] = self.batches.len();
             let places = self.stage_range(stage);
@@ -69,7 +103,7 @@ impl Plan {
             for place in places.clone() {
                 let task = &self.tasks[place];
                 candidates += TASK + task.pairs.end - task.pairs.start + task.walls.end - task.walls.start;
-                if candidates >= BATCH || place + 1 == places.end {
+                if candidates >= full || place + 1 == places.end {
                     self.batches.push(start..place + 1);
                     (start, candidates) = (place + 1, 0);
                 }
@@ -138,5 +172,8 @@ mod tests {
         assert!((2..STAGES).all(|stage| plan.batches(stage).is_empty()));
         let covered: Vec<usize> = plan.all_batches().iter().flat_map(Clone::clone).collect();
         assert_eq!(covered, (0..plan.tasks().len()).collect::<Vec<_>>());
+        plan.set_portion(Portion::Boxes);
+        let boxes: Vec<_> = (0..plan.tasks().len()).map(|place| place..place + 1).collect();
+        assert_eq!(plan.all_batches(), boxes, "each task by itself");
     }
 }

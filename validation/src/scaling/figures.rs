@@ -3,12 +3,13 @@
 
 use super::findings::curve_rows;
 use super::machine::{MOST_WORKERS, Machine};
-use super::rows::MeasuredRow;
+use super::rows::{MeasuredRow, ReplayedRow};
 use super::study::Study;
 use crate::report::figure::Figure;
 use crate::report::names::{CodeStyle, Marker};
 use crate::report::plot::{Axis, Key, Plot};
 use makadam::lanes::InstructionSet;
+use makadam::partition::Portion;
 use makadam::schedule::Scheduler;
 
 /// One curve: a replayed line, and measured points where there are any.
@@ -33,9 +34,31 @@ struct Bar {
     speedup: f64,
 }
 
-const SCHEDULERS: [(Scheduler, &str, CodeStyle); 2] = [
-    (Scheduler::CentralQueue, "central queue", CodeStyle { class: "scheduler-central-queue", marker: Marker::Square }),
-    (Scheduler::WorkStealing, "work stealing", CodeStyle { class: "scheduler-work-stealing", marker: Marker::Circle }),
+const SCHEDULERS: [(Scheduler, Portion, &str, CodeStyle); 4] = [
+    (
+        Scheduler::CentralQueue,
+        Portion::Batches,
+        "queue, batches",
+        CodeStyle { class: "scheduler-central-queue", marker: Marker::Square },
+    ),
+    (
+        Scheduler::WorkStealing,
+        Portion::Batches,
+        "stealing, batches",
+        CodeStyle { class: "scheduler-work-stealing", marker: Marker::Circle },
+    ),
+    (
+        Scheduler::CentralQueue,
+        Portion::Boxes,
+        "queue, boxes",
+        CodeStyle { class: "scheduler-central-queue-boxes", marker: Marker::Square },
+    ),
+    (
+        Scheduler::WorkStealing,
+        Portion::Boxes,
+        "stealing, boxes",
+        CodeStyle { class: "scheduler-work-stealing-boxes", marker: Marker::Circle },
+    ),
 ];
 
 fn set_style(set: InstructionSet) -> CodeStyle {
@@ -53,14 +76,14 @@ pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
     for (number, machine) in study.machines.iter().enumerate() {
         let series: Vec<Series> = SCHEDULERS
             .iter()
-            .map(|&(scheduler, label, style)| Series {
+            .map(|&(scheduler, portion, label, style)| Series {
                 style,
                 label: label.into(),
-                line: line(study, machine, scheduler, set),
-                points: if number == 0 { points(study, scheduler, set) } else { Vec::new() },
+                line: line(study, machine, (scheduler, portion), set),
+                points: if number == 0 { points(study, (scheduler, portion), set) } else { Vec::new() },
             })
             .collect();
-        let serial = curve_rows(study, machine, Scheduler::Serial).next().map(|row| row.step_seconds);
+        let serial = curve_rows(study, machine, Scheduler::Serial, Portion::Batches).next().map(|row| row.step_seconds);
         let about = format!("the two schedulers on {}, {}", site(machine), set.name());
         all.push(pair(&machine.name, &about, machine, &series, serial));
     }
@@ -72,8 +95,8 @@ pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
             .map(|set| Series {
                 style: set_style(set),
                 label: set.name().into(),
-                line: line(study, here, Scheduler::WorkStealing, set),
-                points: points(study, Scheduler::WorkStealing, set),
+                line: line(study, here, (Scheduler::WorkStealing, Portion::Batches), set),
+                points: points(study, (Scheduler::WorkStealing, Portion::Batches), set),
             })
             .collect();
         let about = format!("work stealing with each instruction set on {}", site(here));
@@ -86,16 +109,17 @@ fn site(machine: &Machine) -> String {
     if machine.name == Machine::HERE { "this machine".into() } else { format!("the model {}", machine.name) }
 }
 
-fn line(study: &Study, machine: &Machine, scheduler: Scheduler, set: InstructionSet) -> Vec<Point> {
-    let own = study
-        .replayed
-        .iter()
-        .filter(|row| row.machine == machine.name && row.scheduler == scheduler && row.instruction_set == set);
-    own.map(|row| Point { threads: row.workers as f64, seconds: row.step_seconds, speedup: row.speedup }).collect()
+fn line(study: &Study, machine: &Machine, way: (Scheduler, Portion), set: InstructionSet) -> Vec<Point> {
+    let own = |row: &&ReplayedRow| {
+        row.machine == machine.name && (row.scheduler, row.portion) == way && row.instruction_set == set
+    };
+    (study.replayed.iter().filter(own))
+        .map(|row| Point { threads: row.workers as f64, seconds: row.step_seconds, speedup: row.speedup })
+        .collect()
 }
 
-fn points(study: &Study, scheduler: Scheduler, set: InstructionSet) -> Vec<Bar> {
-    let own = |row: &&MeasuredRow| row.scheduler == scheduler && row.instruction_set == set;
+fn points(study: &Study, way: (Scheduler, Portion), set: InstructionSet) -> Vec<Bar> {
+    let own = |row: &&MeasuredRow| (row.scheduler, row.portion) == way && row.instruction_set == set;
     (study.measured.iter().filter(own))
         .map(|row| Bar {
             threads: row.threads as f64,

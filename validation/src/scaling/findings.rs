@@ -1,9 +1,10 @@
 //! What a study found, in sentences: every number is computed from its rows.
 
 use super::machine::Machine;
-use super::rows::{Check, MeasuredRow, ReplayedRow};
+use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 use super::study::Study;
 use crate::report::numbers::two_digits;
+use makadam::partition::Portion;
 use makadam::schedule::{Phase, Scheduler};
 
 /// Speed-up over number of threads down to which a curve is called linear.
@@ -14,6 +15,9 @@ pub const THESIS_CENTRAL_QUEUE: usize = 25;
 /// Threads beyond which its work stealing was still linear there.
 pub const THESIS_WORK_STEALING: usize = 40;
 
+/// The schedulers that share work.
+pub(super) const PARALLEL: [Scheduler; 2] = [Scheduler::CentralQueue, Scheduler::WorkStealing];
+
 /// The sentences.
 pub(super) fn findings(study: &Study) -> Vec<String> {
     let mut sentences = vec![same_bits(study)];
@@ -23,10 +27,10 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
     sentences.extend(slow_to_wake(study));
     sentences.extend(serial_share(study));
     for machine in &study.machines {
-        sentences.extend(
-            [Scheduler::CentralQueue, Scheduler::WorkStealing].iter().filter_map(|&s| curve(study, machine, s)),
-        );
-        sentences.extend(queue_limit(study, machine));
+        for portion in [Portion::Batches, Portion::Boxes] {
+            sentences.extend(PARALLEL.iter().filter_map(|&scheduler| curve(study, machine, scheduler, portion)));
+            sentences.extend(queue_limit(study, machine, portion));
+        }
     }
     sentences.extend(thesis(study));
     sentences
@@ -73,7 +77,7 @@ fn measured(study: &Study) -> Option<String> {
         study
             .measured
             .iter()
-            .find(|row| row.instruction_set == set && row.scheduler == scheduler && row.threads == most)
+            .find(|row| (row.instruction_set, row.scheduler) == (set, scheduler) && row.threads == most)
     };
     let one = |row: &MeasuredRow| {
         format!(
@@ -92,7 +96,8 @@ fn measured(study: &Study) -> Option<String> {
 
 /// What a contact sweep costs on one core.
 fn instruction_sets(study: &Study) -> Option<String> {
-    let serial: Vec<&MeasuredRow> = study.measured.iter().filter(|row| row.scheduler == Scheduler::Serial).collect();
+    let serial = |row: &&MeasuredRow| (row.scheduler, row.portion) == (Scheduler::Serial, Portion::Batches);
+    let serial: Vec<&MeasuredRow> = study.measured.iter().filter(serial).collect();
     let cost = |row: &&MeasuredRow| {
         Some(format!("{} ns with {}", two_digits(row.nanoseconds_per_contact_sweep?), row.instruction_set.name()))
     };
@@ -127,11 +132,12 @@ fn checks(checks: &[Check]) -> Option<String> {
         let all = checks.iter().max_by(|a, b| a.deviation_percent.abs().total_cmp(&b.deviation_percent.abs()));
         all.map(|check| {
             format!(
-                "{:.1}% ({}, {}, {})",
+                "{:.1}% ({}, {}, {}, {})",
                 check.deviation_percent.abs(),
                 check.instruction_set.name(),
                 check.scheduler.name(),
-                threads_word(check.threads)
+                threads_word(check.threads),
+                check.portion.name()
             )
         })
     };
@@ -169,7 +175,7 @@ fn own_tasks(parallel: &[&Check]) -> Option<String> {
 /// Amdahl's bound.
 fn serial_share(study: &Study) -> Option<String> {
     let set = study.widest()?;
-    let rows = study.tasks.iter().filter(|row| row.instruction_set == set);
+    let rows = study.tasks.iter().filter(|row| (row.instruction_set, row.portion) == (set, Portion::Batches));
     let serial: f64 = rows.filter(|row| row.most_tasks < 2).map(|row| row.share).sum();
     let bound = if serial > 0.0 {
         format!(", which bounds any speed-up to {}", two_digits(1.0 / serial))
@@ -188,10 +194,13 @@ pub(super) fn curve_rows<'a>(
     study: &'a Study,
     machine: &'a Machine,
     scheduler: Scheduler,
+    portion: Portion,
 ) -> impl Iterator<Item = &'a ReplayedRow> {
     let set = study.widest();
     study.replayed.iter().filter(move |row| {
-        row.machine == machine.name && row.scheduler == scheduler && Some(row.instruction_set) == set
+        row.machine == machine.name
+            && (row.scheduler, row.portion) == (scheduler, portion)
+            && Some(row.instruction_set) == set
     })
 }
 
@@ -203,20 +212,22 @@ pub(super) fn linear_up_to<'a>(
     rows.take_while(|row| speedup(row) >= LINEAR_SHARE * row.workers as f64).last().map(|row| row.workers)
 }
 
-fn curve(study: &Study, machine: &Machine, scheduler: Scheduler) -> Option<String> {
-    let best = curve_rows(study, machine, scheduler).max_by(|a, b| a.speedup.total_cmp(&b.speedup))?;
+fn curve(study: &Study, machine: &Machine, scheduler: Scheduler, portion: Portion) -> Option<String> {
+    let rows = || curve_rows(study, machine, scheduler, portion);
+    let best = rows().max_by(|a, b| a.speedup.total_cmp(&b.speedup))?;
     // A curve that has levelled off creeps on; what counts is where it comes near its end.
-    let near = curve_rows(study, machine, scheduler).find(|row| row.speedup >= 0.95 * best.speedup)?;
+    let near = rows().find(|row| row.speedup >= 0.95 * best.speedup)?;
     let linear = |speedup| {
-        linear_up_to(curve_rows(study, machine, scheduler), speedup)
+        linear_up_to(rows(), speedup)
             .map_or("linear nowhere".to_string(), |workers| format!("linear up to {}", threads_word(workers)))
     };
-    let sweeps = curve_rows(study, machine, scheduler).map(|row| row.sweep_speedup).fold(0.0, f64::max);
+    let sweeps = rows().map(|row| row.sweep_speedup).fold(0.0, f64::max);
     Some(format!(
-        "Replayed on {}: {} is {}, its sweeps are {}; at most it is {} times as fast as one thread (95% of that with {}), \
-         its sweeps {} times.",
+        "Replayed on {}: {} of {} is {}, its sweeps are {}; at most it is {} times as fast as one thread (95% of that with \
+         {}), its sweeps {} times.",
         place(machine),
         scheduler_name(scheduler),
+        portion.name(),
         linear(|row| row.speedup),
         linear(|row| row.sweep_speedup),
         two_digits(best.speedup),
@@ -235,10 +246,12 @@ pub(super) fn place(machine: &Machine) -> String {
 }
 
 /// Mean duration of the tasks of sweeps in regions of several tasks, s, where they were traced.
-fn mean_task(study: &Study) -> Option<f64> {
+fn mean_task(study: &Study, portion: Portion) -> Option<f64> {
     let set = study.widest()?;
-    let rows =
-        study.tasks.iter().filter(|row| row.instruction_set == set && row.phase == Phase::Sweep && row.most_tasks > 1);
+    let swept = |row: &&TaskRow| {
+        (row.instruction_set, row.portion, row.phase) == (set, portion, Phase::Sweep) && row.most_tasks > 1
+    };
+    let rows = study.tasks.iter().filter(swept);
     let (time, tasks) = rows.fold((0.0, 0.0), |(time, tasks), row| {
         let count = row.regions * row.tasks;
         (time + count * row.mean, tasks + count)
@@ -247,11 +260,15 @@ fn mean_task(study: &Study) -> Option<f64> {
 }
 
 /// How many workers one queue can feed.
-fn queue_limit(study: &Study, machine: &Machine) -> Option<String> {
-    let (task, pop) = (machine.duration_factor * mean_task(study)?, machine.costs.pop_contended);
+fn queue_limit(study: &Study, machine: &Machine, portion: Portion) -> Option<String> {
+    let (task, pop) = (machine.duration_factor * mean_task(study, portion)?, machine.costs.pop_contended);
+    let one = match portion {
+        Portion::Batches => "a batch of a sweep",
+        Portion::Boxes => "what one box has in one stage of a sweep",
+    };
     Some(format!(
-        "On {} a task of a sweep takes {} in the mean and a pop of the contended queue {}: one queue can feed about {} \
-         workers (replayed).",
+        "On {} {one} takes {} in the mean and a pop of the contended queue {}: one queue can feed about {} workers \
+         (replayed).",
         place(machine),
         time(task),
         time(pop),
@@ -262,25 +279,27 @@ fn queue_limit(study: &Study, machine: &Machine) -> Option<String> {
 /// The thesis beside the replay on its machine.
 fn thesis(study: &Study) -> Option<String> {
     let phi = study.machines.iter().find(|machine| machine.name == Machine::XEON_PHI)?;
-    let reach = |scheduler| {
-        linear_up_to(curve_rows(study, phi, scheduler), |row| row.sweep_speedup)
+    let reach = |scheduler, portion| {
+        linear_up_to(curve_rows(study, phi, scheduler, portion), |row| row.sweep_speedup)
             .map_or("nowhere".to_string(), |workers| format!("up to {workers}"))
     };
-    let hand_over = mean_task(study).map_or(String::new(), |task| {
-        let task = phi.duration_factor * task;
-        format!(
-            " With tasks as long as these a queue feeds the thesis's {THESIS_CENTRAL_QUEUE} threads if a pop takes {}; the \
-             model assumes {}.",
-            time(task / THESIS_CENTRAL_QUEUE as f64),
-            time(phi.costs.pop_contended)
-        )
-    });
+    let most = |scheduler, portion| {
+        let speedups = curve_rows(study, phi, scheduler, portion).map(|row| row.sweep_speedup);
+        two_digits(speedups.fold(0.0, f64::max))
+    };
+    let (queue, stealing) = (Scheduler::CentralQueue, Scheduler::WorkStealing);
     Some(format!(
         "The thesis, measured on a Xeon Phi 3120 with its own tasks, found the sweeps of the central queue linear up to about \
          {THESIS_CENTRAL_QUEUE} threads and those of work stealing linear beyond {THESIS_WORK_STEALING}. Replayed on the model \
-         of that machine with this scene's tasks they are linear {} with the central queue and {} with work \
-         stealing.{hand_over}",
-        reach(Scheduler::CentralQueue),
-        reach(Scheduler::WorkStealing)
+         of that machine with this scene's tasks: handed out box by box they are linear {} with the central queue (at most {} \
+         times one thread) and {} with work stealing ({} times); in batches {} ({} times) and {} ({} times).",
+        reach(queue, Portion::Boxes),
+        most(queue, Portion::Boxes),
+        reach(stealing, Portion::Boxes),
+        most(stealing, Portion::Boxes),
+        reach(queue, Portion::Batches),
+        most(queue, Portion::Batches),
+        reach(stealing, Portion::Batches),
+        most(stealing, Portion::Batches),
     ))
 }

@@ -5,7 +5,7 @@ use super::costs::median;
 use crate::execution::{Execution, ExecutionError};
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
-use makadam::partition::{Layout, PairGroup, WallGroup};
+use makadam::partition::{Layout, PairGroup, Portion, WallGroup};
 use makadam::schedule::{Region, Scheduler, StepTrace};
 use std::time::Instant;
 
@@ -55,7 +55,7 @@ pub struct Traces {
     pub steps: Vec<StepTrace>,
     /// Sweeps of each step.
     pub sweeps: Vec<u32>,
-    /// Time of all tasks over that in the serial trace of the same round and instruction set; median over the rounds.
+    /// Time of all tasks over that in the serial trace of the same round, instruction set and portion; median over the rounds.
     pub task_time_ratio: f64,
 }
 
@@ -94,18 +94,17 @@ pub enum MeasureError {
 }
 
 impl Plan {
-    /// All configurations: for each instruction set serial first, then the parallel schedulers by number of threads.
+    /// All configurations: for each instruction set serial first, then the parallel schedulers by number of threads; in the end
+    /// the same once more for the widest, a box at a time.
     pub fn configurations(&self) -> Vec<Execution> {
+        let batches = self.instruction_sets.iter().map(|&set| (set, Portion::Batches));
+        let boxes = self.instruction_sets.last().map(|&set| (set, Portion::Boxes));
         let mut all = Vec::new();
-        for &instruction_set in &self.instruction_sets {
-            all.push(Execution { instruction_set, ..Execution::serial() });
+        for (instruction_set, portion) in batches.chain(boxes) {
+            let serial = Execution { instruction_set, portion, ..Execution::serial() };
+            all.push(serial);
             for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
-                all.extend(self.threads.iter().map(|&threads| Execution {
-                    instruction_set,
-                    scheduler,
-                    threads,
-                    ..Execution::serial()
-                }));
+                all.extend(self.threads.iter().map(|&threads| Execution { scheduler, threads, ..serial }));
             }
         }
         all
@@ -251,14 +250,12 @@ fn clock_seconds() -> f64 {
 /// What is typical of the traced runs of each configuration.
 fn typical(configurations: &[Execution], traced: &[Vec<TracedRun>]) -> Vec<Traces> {
     let clock = clock_seconds();
-    let serial = |set| {
-        let place = configurations
-            .iter()
-            .position(|other| other.instruction_set == set && other.scheduler == Scheduler::Serial);
+    let serial = |own: Execution| {
+        let place = configurations.iter().position(|other| other.is_serial_of(&own));
         place.map_or(&[][..], |place| &traced[place])
     };
     let all = configurations.iter().zip(traced).map(|(&configuration, runs)| {
-        let rounds = serial(configuration.instruction_set).iter().zip(runs);
+        let rounds = serial(configuration).iter().zip(runs);
         let task_time_ratio = median(rounds.map(|(serial, own)| own.seconds(clock) / serial.seconds(clock)));
         let sweeps = runs.first().map_or(Vec::new(), |run| run.sweeps.clone());
         Traces { configuration, steps: medians(runs, clock), sweeps, task_time_ratio }

@@ -1,12 +1,13 @@
 //! The page of a study: figures, tables and what they say, in one file that loads nothing.
 
-use super::findings::{LINEAR_SHARE, time};
+use super::findings::{LINEAR_SHARE, PARALLEL, time};
 use super::rows::{MeasuredRow, ReplayedRow, TaskRow};
 use super::study::Study;
 use crate::report::figure::Figure;
 use crate::report::numbers::{count, two_digits};
 use crate::report::page::{environment, style};
 use makadam::lanes::InstructionSet;
+use makadam::partition::Portion;
 use makadam::schedule::{Phase, Scheduler};
 use minijinja::{Value, context};
 
@@ -46,6 +47,7 @@ fn measured(row: &MeasuredRow) -> Value {
         first => row.scheduler == Scheduler::Serial,
         set => row.instruction_set.name(),
         scheduler => row.scheduler.name().replace('-', " "),
+        portion => row.portion.name(),
         threads => row.threads,
         step => time(row.step_seconds),
         range => format!("{} to {}", time(row.step_seconds_least), time(row.step_seconds_most)),
@@ -62,6 +64,7 @@ fn checks(study: &Study) -> Vec<Value> {
             first => check.scheduler == Scheduler::Serial,
             set => check.instruction_set.name(),
             scheduler => check.scheduler.name().replace('-', " "),
+            portion => check.portion.name(),
             threads => check.threads,
             measured => time(check.measured_seconds),
             replayed => time(check.replayed_seconds),
@@ -85,17 +88,21 @@ fn machines(study: &Study) -> Vec<Value> {
         let shown = |row: &&ReplayedRow| {
             row.machine == machine.name
                 && Some(row.instruction_set) == study.widest()
-                && row.scheduler == Scheduler::CentralQueue
+                && (row.scheduler, row.portion) == (Scheduler::CentralQueue, Portion::Batches)
                 && SHOWN.contains(&row.workers)
         };
         let lines: Vec<Value> = (study.replayed.iter().filter(shown))
             .map(|queue| {
-                let stealing = study.replayed.iter().find(|row| {
-                    row.scheduler == Scheduler::WorkStealing
-                        && row.machine == queue.machine
-                        && row.workers == queue.workers
-                        && row.instruction_set == queue.instruction_set
-                });
+                let other = |scheduler, portion| {
+                    study.replayed.iter().find(|row| {
+                        (row.scheduler, row.portion) == (scheduler, portion)
+                            && row.machine == queue.machine
+                            && row.workers == queue.workers
+                            && row.instruction_set == queue.instruction_set
+                    })
+                };
+                let stealing = other(Scheduler::WorkStealing, Portion::Batches);
+                let boxes = PARALLEL.map(|scheduler| other(scheduler, Portion::Boxes));
                 context! {
                     workers => queue.workers,
                     queue => time(queue.step_seconds),
@@ -103,6 +110,7 @@ fn machines(study: &Study) -> Vec<Value> {
                     waiting => format!("{:.0}%", 100.0 * queue.waiting_share),
                     stealing => stealing.map(|row| time(row.step_seconds)),
                     stealing_speedup => stealing.map(|row| two_digits(row.speedup)),
+                    boxes => boxes.map(|row| row.map(|row| (time(row.step_seconds), two_digits(row.speedup)))),
                 }
             })
             .collect();
@@ -129,6 +137,7 @@ fn task(row: &TaskRow) -> Value {
             None if row.most_tasks < 2 => format!("{}, serial", phase_name(row.phase)),
             None => phase_name(row.phase).into(),
         },
+        portion => row.portion.name(),
         regions => two_digits(row.regions),
         tasks => two_digits(row.tasks),
         share => format!("{:.1}%", 100.0 * row.share),

@@ -33,7 +33,7 @@ pub(super) fn curves(
         .collect();
     let rows = jobs.iter().zip(&replays).map(|(&(traces, scheduler, workers), own)| {
         let is_serial = |job: &&(&Traces, Scheduler, usize)| {
-            job.1 == Scheduler::Serial && job.0.configuration.instruction_set == traces.configuration.instruction_set
+            job.1 == Scheduler::Serial && job.0.configuration.is_serial_of(&traces.configuration)
         };
         let serial = jobs.iter().zip(&replays).find(|(job, _)| is_serial(job)).map_or(own, |(_, serial)| serial);
         ReplayedRow {
@@ -42,6 +42,7 @@ pub(super) fn curves(
             instruction_set: traces.configuration.instruction_set,
             scheduler,
             workers,
+            portion: traces.configuration.portion,
             step_seconds: own.seconds,
             sweep_seconds: own.sweep_seconds,
             speedup: serial.seconds / own.seconds,
@@ -96,6 +97,7 @@ pub(super) fn checks(plan: &Plan, measurement: &Measurement, here: &Machine, rep
                 && row.instruction_set == own.instruction_set
                 && row.scheduler == own.scheduler
                 && row.workers == own.threads
+                && row.portion == own.portion
         })?;
         let of_step =
             |step: usize| median(timing.repetitions.iter().filter_map(|times| times.steps.get(step)).copied());
@@ -106,6 +108,7 @@ pub(super) fn checks(plan: &Plan, measurement: &Measurement, here: &Machine, rep
             instruction_set: own.instruction_set,
             scheduler: own.scheduler,
             threads: own.threads,
+            portion: own.portion,
             measured_seconds,
             replayed_seconds: row.step_seconds,
             deviation_percent: deviation(row.step_seconds),

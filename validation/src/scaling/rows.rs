@@ -1,11 +1,12 @@
 //! The rows of a scaling study: what was measured, what was replayed, how far apart the two are, how long tasks take.
 
 use makadam::lanes::InstructionSet;
+use makadam::partition::Portion;
 use makadam::schedule::{Phase, Scheduler};
 use serde::Serialize;
 
 /// One measured configuration. Times are medians over the repetitions; speed-ups are medians of the ratios to the serial
-/// run of the same instruction set in the same round.
+/// run of the same instruction set and portion in the same round.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeasuredRow {
     /// Instruction set of the sweeps.
@@ -14,6 +15,8 @@ pub struct MeasuredRow {
     pub scheduler: Scheduler,
     /// Threads.
     pub threads: usize,
+    /// What a thread is given at a time.
+    pub portion: Portion,
     /// Wall time a step, s.
     pub step_seconds: f64,
     /// The fastest repetition, s.
@@ -45,6 +48,8 @@ pub struct ReplayedRow {
     pub scheduler: Scheduler,
     /// Workers.
     pub workers: usize,
+    /// What a worker is given at a time.
+    pub portion: Portion,
     /// Time a step, s.
     pub step_seconds: f64,
     /// Time of a step's sweeps, s.
@@ -66,13 +71,15 @@ pub struct Check {
     pub scheduler: Scheduler,
     /// Threads.
     pub threads: usize,
+    /// What a thread is given at a time.
+    pub portion: Portion,
     /// Measured wall time a step, s.
     pub measured_seconds: f64,
     /// Time a step, replayed from the serial trace, s.
     pub replayed_seconds: f64,
     /// Replayed over measured, less one, %.
     pub deviation_percent: f64,
-    /// Time of all tasks over that in the serial trace: what threads do to each other's caches and memory.
+    /// Time of all tasks over that in the serial trace of the same portion: what threads do to each other's caches and memory.
     pub task_time_ratio: f64,
     /// Time a step, replayed from tasks as long as they were in this configuration, s.
     pub replayed_from_own_tasks_seconds: f64,
@@ -85,6 +92,8 @@ pub struct Check {
 pub struct TaskRow {
     /// Instruction set of the trace.
     pub instruction_set: InstructionSet,
+    /// What a thread is given at a time; the table's tasks are these.
+    pub portion: Portion,
     /// Phase of the step.
     pub phase: Phase,
     /// Stage of a sweep, from 1; absent elsewhere.

@@ -93,9 +93,10 @@ impl Study {
             .par_iter()
             .enumerate()
             .flat_map(|(place, machine)| {
-                let traces = &serial_traces;
-                let chosen = if place == 0 { &traces[..] } else { &traces[traces.len().saturating_sub(1)..] };
-                curves(machine, chosen, measurement, &plan.threads)
+                let widest = plan.instruction_sets.last();
+                let chosen = |traces: &&&Traces| place == 0 || Some(&traces.configuration.instruction_set) == widest;
+                let traces: Vec<&Traces> = serial_traces.iter().filter(chosen).copied().collect();
+                curves(machine, &traces, measurement, &plan.threads)
             })
             .collect();
         let checks = setting.machines.first().map_or(Vec::new(), |here| checks(plan, measurement, here, &replayed));
@@ -148,7 +149,7 @@ fn differing(measurement: &Measurement) -> Vec<String> {
         .map(|timing| {
             let configuration = timing.configuration;
             let (set, scheduler) = (configuration.instruction_set.name(), configuration.scheduler.name());
-            format!("{set}, {scheduler}, threads: {}", configuration.threads)
+            format!("{set}, {scheduler}, threads: {}, {}", configuration.threads, configuration.portion.name())
         })
         .collect();
     if !measurement.traces_same_bits {
@@ -164,10 +165,7 @@ fn measured_rows(measurement: &Measurement) -> Vec<MeasuredRow> {
     let ratios = |serial: &[f64], own: &[f64]| median(serial.iter().zip(own).map(|(serial, own)| serial / own));
     let rows = measurement.timings.iter().map(|timing| {
         let configuration = timing.configuration;
-        let serial = measurement.timings.iter().find(|other| {
-            other.configuration.scheduler == Scheduler::Serial
-                && other.configuration.instruction_set == configuration.instruction_set
-        });
+        let serial = measurement.timings.iter().find(|other| other.configuration.is_serial_of(&configuration));
         let serial = serial.unwrap_or(timing);
         let (steps, sweeps) = (of(timing, false), of(timing, true));
         let sweep_seconds = median(sweeps.iter().copied());
@@ -175,6 +173,7 @@ fn measured_rows(measurement: &Measurement) -> Vec<MeasuredRow> {
             instruction_set: configuration.instruction_set,
             scheduler: configuration.scheduler,
             threads: configuration.threads,
+            portion: configuration.portion,
             step_seconds: median(steps.iter().copied()),
             step_seconds_least: steps.iter().copied().fold(f64::INFINITY, f64::min),
             step_seconds_most: steps.iter().copied().fold(0.0, f64::max),

@@ -40,6 +40,7 @@ pub(super) fn task_rows(traces: &Traces) -> Vec<TaskRow> {
         let quantile = |share: f64| tasks[((tasks.len() - 1) as f64 * share).round() as usize];
         TaskRow {
             instruction_set: traces.configuration.instruction_set,
+            portion: traces.configuration.portion,
             phase: kind.phase,
             stage: kind.stage,
             regions: kind.regions as f64 / traces.steps.len() as f64,

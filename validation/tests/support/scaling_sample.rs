@@ -2,7 +2,8 @@
 //! a little slower.
 
 use makadam::lanes::InstructionSet;
-use makadam::schedule::{Phase, Region, Scheduler, StepTrace};
+use makadam::partition::Portion;
+use makadam::schedule::{Phase, Region, StepTrace};
 use makadam_validation::execution::Execution;
 use makadam_validation::provenance::Provenance;
 use makadam_validation::scaling::{
@@ -20,6 +21,14 @@ const SETS: [(InstructionSet, f64); 2] = [(InstructionSet::Generic, 3.0), (Instr
 const COSTS: Costs =
     Costs { pop_alone: 15e-9, pop_contended: 90e-9, task_start: 30e-9, steal: 400e-9, region: 300e-9, met_share: 1.0 };
 const SWEEPS: u32 = 12;
+
+/// The same step box by box: each task of a sweep in six pieces.
+fn cut(mut step: StepTrace) -> StepTrace {
+    for region in step.regions.iter_mut().filter(|region| region.phase == Phase::Sweep) {
+        region.tasks = region.tasks.iter().flat_map(|&task| [task / 6.0; 6]).collect();
+    }
+    step
+}
 
 /// A step: detection and set-up in parts, sweeps of eight stages, integration.
 fn step(factor: f64) -> StepTrace {
@@ -66,27 +75,20 @@ pub fn parts() -> (Plan, Measurement, Setting) {
     };
     let here = Machine::here(COSTS, (300e9, 16), 32 << 20);
     let (mut timings, mut traces) = (Vec::new(), Vec::new());
-    for (instruction_set, factor) in SETS {
-        let mut add = |scheduler, threads| {
-            let seconds = SLOWER * replay(&step(factor).regions, scheduler, &here, None, threads).seconds;
-            let repetition =
-                |noise: f64| Times { steps: vec![noise * seconds; 2], sweeps: vec![0.7 * noise * seconds; 2] };
-            let configuration = Execution { instruction_set, scheduler, threads, ..Execution::serial() };
-            let task_time_ratio = if threads > 1 { LONGER } else { 1.0 };
-            let steps = vec![longer(step(factor), task_time_ratio); 2];
-            traces.push(Traces { configuration, steps, sweeps: vec![SWEEPS; 2], task_time_ratio });
-            timings.push(Timing {
-                configuration,
-                repetitions: [0.97, 1.0, 1.06].map(repetition).to_vec(),
-                hashes: vec![7; 3],
-            });
-        };
-        add(Scheduler::Serial, 1);
-        for scheduler in [Scheduler::CentralQueue, Scheduler::WorkStealing] {
-            for &threads in &plan.threads {
-                add(scheduler, threads);
-            }
-        }
+    for configuration in plan.configurations() {
+        let Execution { instruction_set, scheduler, threads, portion, .. } = configuration;
+        let factor = SETS.iter().find(|(set, _)| *set == instruction_set).map_or(1.0, |&(_, factor)| factor);
+        let step = if portion == Portion::Boxes { cut(step(factor)) } else { step(factor) };
+        let seconds = SLOWER * replay(&step.regions, scheduler, &here, None, threads).seconds;
+        let repetition = |noise: f64| Times { steps: vec![noise * seconds; 2], sweeps: vec![0.7 * noise * seconds; 2] };
+        let task_time_ratio = if threads > 1 { LONGER } else { 1.0 };
+        let steps = vec![longer(step, task_time_ratio); 2];
+        traces.push(Traces { configuration, steps, sweeps: vec![SWEEPS; 2], task_time_ratio });
+        timings.push(Timing {
+            configuration,
+            repetitions: [0.97, 1.0, 1.06].map(repetition).to_vec(),
+            hashes: vec![7; 3],
+        });
     }
     let measurement = Measurement {
         particles: 50_000,
