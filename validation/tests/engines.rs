@@ -185,3 +185,39 @@ fn runs_that_a_record_holds_are_not_made_again() {
     let head = std::fs::read_to_string(folder.path().join("rapier.csv")).unwrap();
     assert_eq!(head.lines().next().unwrap().matches("mean_overlap").count(), 1);
 }
+
+#[test]
+fn a_record_that_is_damaged_or_of_something_else_is_not_written_over() {
+    let (folder, scene) = (tempfile::tempdir().unwrap(), smoke());
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
+    let refused = |engine: &str| {
+        let runs = EngineRuns {
+            code: "Rapier",
+            engine,
+            common: "one thread",
+            stem: "rapier",
+            scene: &scene,
+            scene_file: &file,
+            seeds: 1,
+            further: &[],
+            folder: folder.path(),
+            command: "drive it",
+        };
+        let knobs = Knobs::Engine { step: 5e-4, setting: "any".into(), short_setting: "any".into() };
+        let settings: [(Knobs, Box<dyn Code>); 1] = [(knobs, Box::new(Makadam))];
+        runs.carry_out(&settings, |_| panic!("nothing is run")).unwrap_err().to_string()
+    };
+    record(&scene).save(folder.path(), "rapier", &["packing_fraction".into()]).unwrap();
+    let (origin, table) = (folder.path().join("rapier.json"), folder.path().join("rapier.csv"));
+    let kept = [&origin, &table].map(|file| std::fs::read(file).unwrap());
+    let told = refused("an engine 1.3");
+    for word in ["rapier.json", "an engine 1.2 (one thread)", "an engine 1.3 (one thread)", "move it away"] {
+        assert!(told.contains(word), "{told}");
+    }
+    assert_eq!([&origin, &table].map(|file| std::fs::read(file).unwrap()), kept);
+    std::fs::write(&table, &kept[1][..40]).unwrap();
+    assert!(refused("an engine 1.2").contains("rapier.csv"), "a table that is cut short");
+    std::fs::remove_file(&origin).unwrap();
+    assert!(refused("an engine 1.2").contains("rapier.json"), "a table without its origin");
+    assert_eq!(std::fs::read(&table).unwrap(), &kept[1][..40]);
+}

@@ -2,14 +2,14 @@
 
 use super::configuration::{Configuration, Knobs};
 use super::core_share::CoreClock;
-use super::engines::{EngineOrigin, EngineRecord};
+use super::engines::{EngineError, EngineOrigin, EngineRecord};
 use super::kept::KeptRun;
 use crate::compare::{Runs, Share, physics_hash};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError};
 use crate::provenance::{Build, utc};
 use makadam::scene::Scene;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 /// What is run of an engine.
@@ -45,6 +45,19 @@ pub enum EngineRunError {
     /// The record cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// There is a record that cannot be read.
+    #[error(transparent)]
+    Damaged(#[from] EngineError),
+    /// There is a record that these runs do not belong to; it would be lost.
+    #[error("{}: it holds runs of {there}, and these are of {here}; move it away, or write into another folder", file.display())]
+    Foreign {
+        /// The file.
+        file: PathBuf,
+        /// What it holds.
+        there: String,
+        /// What was asked for.
+        here: String,
+    },
 }
 
 impl EngineRuns<'_> {
@@ -65,7 +78,7 @@ impl EngineRuns<'_> {
                 observables.push((*name).into());
             }
         }
-        let mut record = self.record();
+        let mut record = self.record()?;
         let announce = |_: &str| -> Share { Box::new(|_| {}) };
         for (seed, (knobs, code)) in (1..=self.seeds).flat_map(|seed| settings.iter().map(move |one| (seed, one))) {
             let configuration = Configuration { code: self.code.into(), stiffness_factor: 1.0, knobs: knobs.clone() };
@@ -102,7 +115,7 @@ impl EngineRuns<'_> {
     }
 
     /// What the folder holds of this engine, scene and processor, to be gone on with; an empty record if it holds nothing.
-    fn record(&self) -> EngineRecord {
+    fn record(&self) -> Result<EngineRecord, EngineRunError> {
         let origin = EngineOrigin {
             code: self.code.into(),
             engine: self.engine.into(),
@@ -113,11 +126,19 @@ impl EngineRuns<'_> {
             command: self.command.into(),
             build: Build::here(),
         };
-        let fits = |there: &EngineOrigin| {
-            (&there.engine, &there.scene_hash, &there.common, &there.build.processor)
-                == (&origin.engine, &origin.scene_hash, &origin.common, &origin.build.processor)
+        let file = self.folder.join(format!("{}.json", self.stem));
+        if !file.exists() && !file.with_extension("csv").exists() {
+            return Ok(EngineRecord { runs: Vec::new(), origin });
+        }
+        let kept = EngineRecord::load(self.folder, self.stem)?;
+        let identity = |origin: &EngineOrigin| {
+            let EngineOrigin { engine, scene, scene_hash, common, build, .. } = origin;
+            format!("{engine} ({common}) on {scene} of hash {scene_hash}, {}", build.processor)
         };
-        let kept = EngineRecord::load(self.folder, self.stem).ok().filter(|record| fits(&record.origin));
-        EngineRecord { runs: kept.map_or(Vec::new(), |record| record.runs), origin }
+        let (there, here) = (identity(&kept.origin), identity(&origin));
+        if there != here {
+            return Err(EngineRunError::Foreign { file, there, here });
+        }
+        Ok(EngineRecord { runs: kept.runs, origin })
     }
 }
