@@ -11,9 +11,25 @@ pub fn record_folder(kind: &str, scene_file: &Path, processor: &str, set: Option
         Some("scene") | None => scene_file.with_file_name(kind),
         Some(stem) => scene_file.with_file_name(format!("{stem}-{kind}")),
     };
-    let processor = file_stem(processor).to_ascii_lowercase();
-    // Brackets and trade marks leave rows of dashes.
+    let trade_marks_left_out = ["(R)", "(TM)"].iter().fold(processor.to_string(), |name, mark| name.replace(mark, ""));
+    let processor = file_stem(&trade_marks_left_out).to_ascii_lowercase();
+    // Brackets and spaces leave rows of dashes.
     let parts: Vec<&str> = processor.split('-').filter(|part| !part.is_empty()).collect();
     let set = set.map_or("", InstructionSet::name);
     folder.join(format!("{}-{set}", parts.join("-")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_are_named_after_the_processor_in_plain_words() {
+        let folder = |file: &str, processor: &str| {
+            record_folder("scaling", Path::new(file), processor, Some(InstructionSet::Avx512))
+        };
+        assert_eq!(folder("drum/scene.toml", "AMD EPYC"), Path::new("drum/scaling/amd-epyc-avx512"));
+        let xeon = "Intel(R) Xeon(R) Processor";
+        assert_eq!(folder("drum/fast.toml", xeon), Path::new("drum/fast-scaling/intel-xeon-processor-avx512"));
+    }
 }
