@@ -1,0 +1,112 @@
+//! Slopes and flow, measured of beds whose numbers are known beforehand.
+
+#[path = "support/beds.rs"]
+mod beds;
+
+use approx::assert_abs_diff_eq;
+use beds::{Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum, value};
+use makadam::snapshot::{Contact, Partner};
+use makadam_validation::observables::{measure, series};
+use nalgebra::Vector3;
+
+#[test]
+fn tilt_of_a_drum_is_recovered_for_either_sense_of_rotation() {
+    // About +y the lowest point of the shell moves towards -x: the bed rises towards -x, so a slope along x is negative.
+    for (rate, sign) in [(1.0, -1.0), (-1.0, 1.0)] {
+        let scene = drum_scene(rate, r#"["dynamic-angle-of-repose"]"#);
+        for angle in [0.0, 12.0, 30.0, 41.0] {
+            for offset in [0.0, -0.02] {
+                let run = recording(tilted_drum(40, sign * angle, offset, 0.005));
+                let measurements = measure(&scene, &run);
+                let line = value(&measurements, "surface_line_angle");
+                let circle = value(&measurements, "dynamic_angle_of_repose");
+                assert_abs_diff_eq!(line, angle, epsilon = 0.3);
+                assert_abs_diff_eq!(circle, angle, epsilon = 0.7);
+            }
+        }
+    }
+}
+
+#[test]
+fn angle_over_time_has_a_point_a_frame() {
+    let scene = drum_scene(-1.0, r#"["dynamic-angle-of-repose"]"#);
+    let series = series(&scene, &recording(tilted_drum(12, 25.0, 0.0, 0.005)));
+    assert_eq!(series.len(), 1);
+    assert_eq!(series[0].observable, "dynamic_angle_of_repose");
+    assert_eq!(series[0].time.len(), 12);
+    for value in &series[0].value {
+        assert_abs_diff_eq!(*value, 25.0, epsilon = 6.0);
+    }
+}
+
+#[test]
+fn rigid_rotation_has_no_slip_and_no_flowing_layer() {
+    let scene = drum_scene(2.0, r#"["drum-flow"]"#);
+    let mut frames = tilted_drum(10, -20.0, 0.0, 0.005);
+    for grain in frames.iter_mut().flat_map(|frame| &mut frame.particles) {
+        grain.velocity = Vector3::new(0.0, 2.0, 0.0).cross(&Vector3::from(grain.position)).into();
+    }
+    // One grain pushes the shell at its lowest point, and is pulled along by 0.3 N in the shell's direction.
+    for frame in &mut frames {
+        frame.contacts.push(Contact {
+            first: 0,
+            second: Partner::Wall(0),
+            point: [0.0, 0.0, -0.1],
+            normal: [0.0, 0.0, -1.0],
+            normal_force: 1.0,
+            tangential_force: [0.3, 0.0, 0.0],
+        });
+    }
+    let measurements = measure(&scene, &recording(frames));
+    assert_abs_diff_eq!(value(&measurements, "shell_layer_speed_ratio"), 1.0, epsilon = 1e-12);
+    assert_abs_diff_eq!(value(&measurements, "wall_torque"), 0.03, epsilon = 1e-12);
+    assert!(!measurements.iter().any(|m| m.observable == "flowing_layer_thickness"));
+}
+
+#[test]
+fn flowing_layer_ends_where_the_velocity_turns() {
+    let scene = drum_scene(1.0, r#"["drum-flow"]"#);
+    let mut frames = tilted_drum(20, -25.0, 0.0, 0.005);
+    let (sine, cosine) = 25_f64.to_radians().sin_cos();
+    for grain in frames.iter_mut().flat_map(|frame| &mut frame.particles) {
+        // Down the slope, towards +x, at the surface; it turns 25 mm below it.
+        let [x, _, z] = grain.position;
+        let depth = -(z * cosine + x * sine);
+        let speed = 0.2 * (1.0 - depth / 0.025);
+        grain.velocity = [speed * cosine, 0.0, -speed * sine];
+    }
+    let measurements = measure(&scene, &recording(frames));
+    // The contour lies where half of the space is filled: at the highest centres, a radius below the highest points.
+    assert_abs_diff_eq!(value(&measurements, "flowing_layer_thickness"), 2.0, epsilon = 0.1);
+    assert_abs_diff_eq!(value(&measurements, "surface_speed"), 0.14, epsilon = 0.01);
+}
+
+#[test]
+fn slope_of_a_cone_is_recovered_despite_stray_grains() {
+    let walls = r#"
+[[wall]]
+name = "plate"
+material = "grain"
+shape = { kind = "plane", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
+[[wall]]
+name = "tube"
+material = "grain"
+shape = { kind = "cylinder", base = [0.01, 0.02, 0.0], axis = [0.0, 0.0, 1.0], radius = 0.2, length = 0.28 }
+motion = { kind = "translating", velocity = [0.0, 0.0, 0.5], start = 0.0 }
+"#;
+    let scene = scene(walls, r#"["static-angle-of-repose"]"#, "from = 0.0");
+    let mut random = Random(3);
+    for angle in [15.0_f64, 22.0, 30.0] {
+        let slope = angle.to_radians().tan();
+        let frames = (0..10).map(|index| {
+            let mut places: Vec<_> = (random_crystal(&mut random, 0.2).into_iter())
+                .filter(|p| p.z > 0.003 && p.z < slope * (0.15 - p.x.hypot(p.y)) - 0.003)
+                .collect();
+            places.extend((0..20).map(|n| Vector3::new(0.3 + 0.02 * f64::from(n), 0.1, 0.003)));
+            let offset = Vector3::new(0.01, 0.02, 0.0);
+            frame(index as f64 + 5.0, particles(places.into_iter().map(|p| p + offset), 0.003))
+        });
+        let measurements = measure(&scene, &recording(frames.collect()));
+        assert_abs_diff_eq!(value(&measurements, "static_angle_of_repose"), angle, epsilon = 0.5);
+    }
+}
