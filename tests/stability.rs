@@ -47,6 +47,12 @@ fn the_command_prints_a_study() {
     assert_eq!(study["cases"].as_array().unwrap().len(), 2);
     assert_eq!(study["cases"][0]["outcomes"][0]["verdict"], "as-stated");
     assert!(folder.path().join("results/stability/stability.json").is_file());
+    let tables = std::fs::read_to_string(folder.path().join("results/stability/stability.md")).unwrap();
+    assert!(
+        tables.contains("## Zero gravity\n\n| case | what is right | Makadam |\n| --- | --- | --- |\n| `drift` |"),
+        "{tables}"
+    );
+    assert!(tables.contains("| as stated: end of the run "), "{tables}");
     // The scenes are there to be run by hand.
     let scene = folder.path().join("results/stability/scenes/drift.toml");
     makadam(folder.path()).args(["run", scene.to_str().unwrap(), "-q"]).assert().success();

@@ -6,7 +6,7 @@ use super::{Console, Failure, OUTSIDE_TOLERANCE, json, use_threads};
 use crate::output::{JSON_VERSION, create_folder, write_whole};
 use crate::peers::Code;
 use crate::provenance::account;
-use crate::stability::{Case, CaseResult, StabilityError, Study, catalogue, table};
+use crate::stability::{Case, CaseResult, StabilityError, Study, catalogue, markdown, table};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -52,7 +52,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
         time_limit,
         provenance: account(rayon::current_num_threads(), &[]),
     };
-    let kept = Kept { file: folder.join("stability.json"), study: Mutex::new(empty) };
+    let kept = Kept { folder: folder.clone(), study: Mutex::new(empty) };
     run(&cases, &codes, &folder, &kept, console)?;
     let study = kept.study.into_inner().expect("nothing panics while it holds the lock");
     console.result(&if arguments.json { json(&study) } else { table(&study) })?;
@@ -61,7 +61,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
 
 /// A study that is written with each case that is finished.
 struct Kept {
-    file: PathBuf,
+    folder: PathBuf,
     study: Mutex<Study>,
 }
 
@@ -73,7 +73,8 @@ impl Kept {
         study.cases.push(result);
         study.cases.sort_by_key(|result| cases.iter().position(|case| case.name == result.name));
         study.as_stated = Study::all_as_stated(&study.cases);
-        Ok(write_whole(&self.file, json(&*study).as_bytes())?)
+        write_whole(&self.folder.join("stability.md"), markdown(&study).as_bytes())?;
+        Ok(write_whole(&self.folder.join("stability.json"), json(&*study).as_bytes())?)
     }
 
     /// What an interruption leaves, in words.
@@ -81,7 +82,7 @@ impl Kept {
         let study = self.study.lock().expect("nothing panics while it holds the lock");
         match study.cases.len() {
             0 => "nothing: no case was finished".into(),
-            count => format!("{count} finished cases in {}", self.file.display()),
+            count => format!("{count} finished cases in {}", self.folder.join("stability.json").display()),
         }
     }
 }

@@ -96,7 +96,7 @@ pub fn write(qualification: &Qualification, folder: &Path) -> Result<ReportPaths
     std::fs::create_dir_all(folder).map_err(|source| ReportError::Io { path: folder.to_path_buf(), source })?;
     let drafts: Vec<PathBuf> = contents.iter().map(|(path, _)| draft_of(path)).collect();
     let written = contents.iter().zip(&drafts).try_for_each(|((path, bytes), draft)| {
-        write_whole(draft, bytes).map_err(|source| ReportError::Io { path: path.to_path_buf(), source })
+        write_and_sync(draft, bytes).map_err(|source| ReportError::Io { path: path.to_path_buf(), source })
     });
     let renamed = written.and_then(|()| {
         contents.iter().zip(&drafts).try_for_each(|((path, _), draft)| {
@@ -119,7 +119,7 @@ fn draft_of(path: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+fn write_and_sync(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut file = std::fs::File::create(path)?;
     file.write_all(bytes)?;
     // Without this a full disk may show only after the rename.

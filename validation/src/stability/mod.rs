@@ -1,7 +1,7 @@
 //! Hard cases: a catalogue of scenes that break simulators, each with the right outcome, its source and a measured verdict.
 //!
 //! ```text
-//! catalogue -> Case -> run in a code -> Evidence (frames) -> judge -> Finding -> Verdict -> table, JSON
+//! catalogue -> Case -> run in a code -> Evidence (frames) -> judge -> Finding -> Verdict -> table, Markdown, JSON
 //! ```
 //!
 //! Every code is measured by the same figures from its frames. A run that fails is an outcome like any other.
@@ -10,6 +10,7 @@ mod carry_out;
 mod case;
 mod catalogue;
 mod evidence;
+mod markdown;
 mod outcome;
 mod sketch;
 mod table;
@@ -18,6 +19,7 @@ pub use carry_out::StabilityError;
 pub use case::{Case, Finding, Judge};
 pub use catalogue::catalogue;
 pub use evidence::Evidence;
+pub use markdown::markdown;
 pub use outcome::{CaseResult, Outcome, Study, Verdict};
 pub(crate) use sketch::{GRAVITY, Sketch};
 pub use table::table;

@@ -40,7 +40,7 @@ fn cell(outcome: &Outcome) -> String {
     }
 }
 
-fn figure(value: f64, unit: &str) -> String {
+pub(super) fn figure(value: f64, unit: &str) -> String {
     let size = value.abs();
     let number = match size == 0.0 || (1e-3..1e5).contains(&size) {
         true => format!("{value:.4}"),
