@@ -140,8 +140,8 @@ fn pair(name: &str, about: &str, machine: &Machine, series: &[Series], serial: O
     // Some room below for words.
     let (least, longest) = times.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), t| (a.min(t), b.max(t)));
 
-    let mut plot =
-        Plot::new(Axis::doublings("threads", 1.0, most), Axis::fine("time a step (ms)", 700.0 * least, 1e3 * longest));
+    let seconds = Axis::fine("time a step (ms)", 700.0 * least, 1e3 * longest);
+    let mut plot = plot_of(series, serial.is_some(), most, seconds);
     window(&mut plot, machine);
     ideal(&mut plot, most, |threads| serial.map(|serial| 1e3 * serial / threads));
     for (place, series) in series.iter().enumerate() {
@@ -152,7 +152,6 @@ fn pair(name: &str, about: &str, machine: &Machine, series: &[Series], serial: O
             plot.marker(series.style, point.threads, middle, size(place));
         }
     }
-    legend(&mut plot, series, serial.is_some());
     plot.remark(false, how);
     let time = Figure {
         name: format!("{name}-time"),
@@ -165,7 +164,7 @@ fn pair(name: &str, about: &str, machine: &Machine, series: &[Series], serial: O
         .flat_map(|series| series.line.iter().map(|p| p.speedup).chain(series.points.iter().map(|p| p.speedup)));
     // What is slower than one serial thread has its place too.
     let slowest = speedups.fold(1.0, f64::min).log2().floor().exp2();
-    let mut plot = Plot::new(Axis::doublings("threads", 1.0, most), Axis::doublings("speed-up", slowest, most));
+    let mut plot = plot_of(series, true, most, Axis::doublings("speed-up", slowest, most));
     window(&mut plot, machine);
     ideal(&mut plot, most, Some);
     for (place, series) in series.iter().enumerate() {
@@ -174,7 +173,6 @@ fn pair(name: &str, about: &str, machine: &Machine, series: &[Series], serial: O
             plot.marker(series.style, point.threads, point.speedup, size(place));
         }
     }
-    legend(&mut plot, series, true);
     plot.remark(true, how);
     let speedup = Figure {
         name: format!("{name}-speedup"),
@@ -201,7 +199,8 @@ fn ideal(plot: &mut Plot, most: f64, value: impl Fn(f64) -> Option<f64>) {
     plot.curve("ideal", ends);
 }
 
-fn legend(plot: &mut Plot, series: &[Series], ideal: bool) {
+/// A frame against numbers of threads, with a legend of the series above it.
+fn plot_of(series: &[Series], ideal: bool, most: f64, y: Axis) -> Plot {
     let classes: Vec<String> = series.iter().map(|series| format!("{} curve", series.style.class)).collect();
     let mut keys: Vec<Key<'_>> = series
         .iter()
@@ -214,7 +213,7 @@ fn legend(plot: &mut Plot, series: &[Series], ideal: bool) {
     if ideal {
         keys.push(Key::Line("ideal", "ideal"));
     }
-    plot.legend(&keys);
+    Plot::with_legend(Axis::doublings("threads", 1.0, most), y, &keys)
 }
 
 fn legend_words(measured: bool, bars: bool) -> String {
