@@ -34,32 +34,17 @@ struct Bar {
     speedup: f64,
 }
 
-const SCHEDULERS: [(Scheduler, Portion, &str, CodeStyle); 4] = [
-    (
-        Scheduler::CentralQueue,
-        Portion::Batches,
-        "queue, batches",
-        CodeStyle { class: "scheduler-central-queue", marker: Marker::Square },
-    ),
-    (
-        Scheduler::WorkStealing,
-        Portion::Batches,
-        "stealing, batches",
-        CodeStyle { class: "scheduler-work-stealing", marker: Marker::Circle },
-    ),
-    (
-        Scheduler::CentralQueue,
-        Portion::Boxes,
-        "queue, boxes",
-        CodeStyle { class: "scheduler-central-queue-boxes", marker: Marker::Square },
-    ),
-    (
-        Scheduler::WorkStealing,
-        Portion::Boxes,
-        "stealing, boxes",
-        CodeStyle { class: "scheduler-work-stealing-boxes", marker: Marker::Circle },
-    ),
+/// The ways to hand out work, each with its label and the class of its curve.
+const WAYS: [(Scheduler, Portion, &str, &str); 4] = [
+    (Scheduler::CentralQueue, Portion::Batches, "queue, batches", "scheduler-central-queue"),
+    (Scheduler::WorkStealing, Portion::Batches, "stealing, batches", "scheduler-work-stealing"),
+    (Scheduler::CentralQueue, Portion::Boxes, "queue, boxes", "scheduler-central-queue-boxes"),
+    (Scheduler::WorkStealing, Portion::Boxes, "stealing, boxes", "scheduler-work-stealing-boxes"),
 ];
+
+fn marker(scheduler: Scheduler) -> Marker {
+    if scheduler == Scheduler::CentralQueue { Marker::Square } else { Marker::Circle }
+}
 
 fn set_style(set: InstructionSet) -> CodeStyle {
     match set {
@@ -74,10 +59,10 @@ pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
     let Some(set) = study.widest() else { return Vec::new() };
     let mut all = Vec::new();
     for (number, machine) in study.machines.iter().enumerate() {
-        let series: Vec<Series> = SCHEDULERS
+        let series: Vec<Series> = WAYS
             .iter()
-            .map(|&(scheduler, portion, label, style)| Series {
-                style,
+            .map(|&(scheduler, portion, label, class)| Series {
+                style: CodeStyle { class, marker: marker(scheduler) },
                 label: label.into(),
                 line: line(study, machine, (scheduler, portion), set),
                 points: if number == 0 { points(study, (scheduler, portion), set) } else { Vec::new() },

@@ -74,10 +74,9 @@ fn measured(study: &Study) -> Option<String> {
     let set = study.widest()?;
     let most = study.measured.iter().map(|row| row.threads).max()?;
     let row = |scheduler| {
-        study
-            .measured
-            .iter()
-            .find(|row| (row.instruction_set, row.scheduler) == (set, scheduler) && row.threads == most)
+        study.measured.iter().find(|row| {
+            (row.instruction_set, row.scheduler, row.threads, row.portion) == (set, scheduler, most, Portion::Batches)
+        })
     };
     let one = |row: &MeasuredRow| {
         format!(

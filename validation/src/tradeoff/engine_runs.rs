@@ -127,7 +127,7 @@ impl EngineRuns<'_> {
             build: Build::here(),
         };
         let file = self.folder.join(format!("{}.json", self.stem));
-        if !file.exists() && !file.with_extension("csv").exists() {
+        if !self.folder.join(format!("{}.csv", self.stem)).exists() {
             return Ok(EngineRecord { runs: Vec::new(), origin });
         }
         let kept = EngineRecord::load(self.folder, self.stem)?;

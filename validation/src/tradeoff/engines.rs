@@ -82,8 +82,9 @@ impl EngineRecord {
         let origin = folder.join(format!("{name}.json"));
         let text = serde_json::to_vec_pretty(&self.origin).map_err(|error| WriteError::new(&origin, error.into()))?;
         let rows = self.rows(observables).map_err(|error| WriteError::new(&table, error.into()))?;
-        write_whole(&table, &rows)?;
-        write_whole(&origin, &text)
+        // The origin first: a table without it could not be gone on with, and an origin alone holds no run.
+        write_whole(&origin, &text)?;
+        write_whole(&table, &rows)
     }
 
     fn rows(&self, observables: &[String]) -> Result<Vec<u8>, csv::Error> {
