@@ -3,7 +3,8 @@
 //! The solid fraction is averaged over azimuth, in cells of one mean radius by one mean radius in (r, z) about the
 //! heap's axis (that of the tube it ran out of, else the median of the grains). The outline is the contour at half
 //! the heap's mean solid fraction; a grain that rolled away fills so little of its ring that it stays outside. The
-//! line is fitted by total least squares to the outline between 20% and 80% of the heap's height. The standard error
+//! line is fitted by total least squares to the outline between 20% and 80% of the heap's height. Flanks that stand
+//! upright or lean outwards are those of grains that a wall still holds, and have no angle of repose. The standard error
 //! is over six sectors of azimuth, measured one by one: unlike a flow, a heap at rest has no blocks of time.
 
 use super::contour::{self, Loop, Segment};
@@ -23,6 +24,9 @@ const HEIGHT: Quantity = Quantity::mean("heap_height", "m");
 
 /// Sectors of azimuth for the standard error.
 const SECTORS: usize = 6;
+
+/// A flank as steep as this stands at a wall, degrees.
+const UPRIGHT: f64 = 80.0;
 
 /// Points a diameter by which a grain's volume is spread over rings.
 const POINTS: usize = 8;
@@ -182,7 +186,7 @@ fn top(outline: &Loop) -> f64 {
     outline.iter().map(|point| point[1]).fold(0.0, f64::max)
 }
 
-/// Inclination of the flank, degrees; absent for a heap lower or narrower than two diameters.
+/// Inclination of the flank, degrees; absent for a heap lower or narrower than two diameters, and where a wall holds the grains.
 fn flank_angle(outline: &Loop, diameter: f64) -> Option<f64> {
     let height = top(outline);
     let width = outline.iter().map(|point| point[0]).fold(0.0, f64::max);
@@ -192,7 +196,8 @@ fn flank_angle(outline: &Loop, diameter: f64) -> Option<f64> {
     let right = contour::segments(outline).filter_map(|piece| clip(piece, |point| point[0], 0.0, f64::INFINITY));
     let flank: Vec<Segment> =
         right.filter_map(|piece| clip(piece, |point| point[1], 0.2 * height, 0.8 * height)).collect();
-    Some(-Line::fit(flank.into_iter())?.degrees())
+    let angle = -Line::fit(flank.into_iter())?.degrees();
+    (0.0..UPRIGHT).contains(&angle).then_some(angle)
 }
 
 #[cfg(test)]

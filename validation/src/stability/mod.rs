@@ -21,5 +21,5 @@ pub use catalogue::catalogue;
 pub use evidence::Evidence;
 pub use markdown::markdown;
 pub use outcome::{CaseResult, Outcome, Study, Verdict};
-pub(crate) use sketch::{GRAVITY, Sketch};
+pub(crate) use sketch::{DENSITY, GRAVITY, Sketch};
 pub use table::table;

@@ -13,7 +13,7 @@ pub const RADIUS: f64 = 0.005;
 pub const GRAVITY: f64 = 9.81;
 
 /// Density of a grain where a case says nothing else, kg/m3.
-pub const DENSITY: f64 = 2500.0;
+pub(crate) const DENSITY: f64 = 2500.0;
 
 /// Poisson's ratio of all materials.
 const POISSON_RATIO: f64 = 0.3;

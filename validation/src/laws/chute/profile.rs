@@ -1,0 +1,230 @@
+//! What a flowing layer is over its height: velocity, solid volume and stresses, in bins, summed over frames.
+//!
+//! Stresses are those of contacts, the force on one partner times the way to it from the other, and of the velocities about their
+//! mean (Irving & Kirkwood 1950; Goldhirsch, Granular Matter 12, 239, 2010), compression positive. A contact counts in the bin of its
+//! point. Grains here overlap by some ten thousandths, so the way is the sum of the radii.
+
+use super::super::fit::{least, line};
+use super::{DIAMETER, PERIOD};
+use crate::stability::DENSITY;
+use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use std::f64::consts::PI;
+
+/// Height of a bin, in diameters.
+const BIN: f64 = 0.5;
+/// The profile is fitted where the bed and the surface are at least so far away, in diameters.
+const MARGIN: f64 = 3.0;
+/// Components of a stress that are gathered: along the chute, across it, normal to it, and the shear.
+const COMPONENTS: [(usize, usize); 4] = [(0, 0), (1, 1), (2, 2), (0, 2)];
+
+/// Sums over the grains and the contacts of a bin.
+#[derive(Clone, Copy, Default)]
+struct Bin {
+    /// Solid volume, m3.
+    volume: f64,
+    /// Solid volume times velocity, m4/s.
+    flow: [f64; 3],
+    /// Solid volume times velocity squared, m5/s2, by component of the stress.
+    flux: [f64; 4],
+    /// Force times way, N m, by component of the stress.
+    virial: [f64; 4],
+}
+
+/// The bins of a layer.
+#[derive(Default)]
+pub(super) struct Profile {
+    bins: Vec<Bin>,
+    frames: usize,
+}
+
+/// What a profile says.
+pub(super) struct Fit {
+    pub(super) solid_fraction: f64,
+    /// Height of the layer at its mean solid fraction, m.
+    pub(super) depth: f64,
+    /// v_s, m/s, and A, m^(-1/2)/s, of Bagnold's profile.
+    pub(super) surface_speed: f64,
+    pub(super) bagnold: f64,
+    /// The exponent of the depth that fits best.
+    pub(super) exponent: f64,
+    /// Mean stress where the profile is fitted.
+    pub(super) stress: Stress,
+}
+
+/// Components of a stress, Pa, compression positive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stress {
+    pub(super) along: f64,
+    pub(super) across: f64,
+    pub(super) normal: f64,
+    pub(super) shear: f64,
+}
+
+impl Stress {
+    /// Mean of the normal stresses, Pa.
+    pub(super) fn pressure(&self) -> f64 {
+        (self.along + self.across + self.normal) / 3.0
+    }
+}
+
+impl Profile {
+    /// Adds a frame.
+    pub(super) fn add(&mut self, frame: &Snapshot) {
+        self.frames += 1;
+        for grain in &frame.particles {
+            let volume = 4.0 / 3.0 * PI * grain.radius.powi(3);
+            let (bin, velocity) = (self.bin(grain.position[2]), grain.velocity);
+            bin.volume += volume;
+            bin.flow.iter_mut().zip(velocity).for_each(|(sum, velocity)| *sum += volume * velocity);
+            for (sum, (i, j)) in bin.flux.iter_mut().zip(COMPONENTS) {
+                *sum += volume * velocity[i] * velocity[j];
+            }
+        }
+        for contact in &frame.contacts {
+            let Partner::Grain(second) = contact.second else { continue };
+            let [first, second] = [contact.first, second].map(|id| &frame.particles[id as usize]);
+            self.add_contact(contact, first, second);
+        }
+    }
+
+    fn add_contact(&mut self, contact: &Contact, first: &Particle, second: &Particle) {
+        let force: [f64; 3] =
+            std::array::from_fn(|axis| contact.normal_force * contact.normal[axis] + contact.tangential_force[axis]);
+        let way = contact.normal.map(|component| (first.radius + second.radius) * component);
+        let bin = self.bin(contact.point[2]);
+        for (sum, (i, j)) in bin.virial.iter_mut().zip(COMPONENTS) {
+            *sum += force[i] * way[j];
+        }
+    }
+
+    fn bin(&mut self, height: f64) -> &mut Bin {
+        let number = (height / (BIN * DIAMETER)).max(0.0) as usize;
+        if self.bins.len() <= number {
+            self.bins.resize(number + 1, Bin::default());
+        }
+        &mut self.bins[number]
+    }
+
+    /// Fits velocities over depths, and takes the mean of stresses there.
+    pub(super) fn fit(&self) -> Fit {
+        let room = BIN * DIAMETER * PERIOD[0] * PERIOD[1] * DIAMETER * DIAMETER * self.frames as f64;
+        let solid: Vec<f64> = self.bins.iter().map(|bin| bin.volume / room).collect();
+        // Solid above the middle of each bin, m.
+        let above: Vec<f64> = (0..solid.len())
+            .map(|bin| BIN * DIAMETER * (0.5 * solid[bin] + solid[bin + 1..].iter().sum::<f64>()))
+            .collect();
+        let inside = |&number: &usize| {
+            (number as f64 + 0.5) * BIN >= MARGIN
+                && above[number] >= 0.57 * MARGIN * DIAMETER
+                && self.bins[number].volume > 0.0
+        };
+        let fitted: Vec<usize> = (0..solid.len()).filter(inside).collect();
+        let solid_fraction = fitted.iter().map(|&number| solid[number]).sum::<f64>() / fitted.len() as f64;
+        let speed = |bin: &Bin| bin.flow[0] / bin.volume;
+        let points: Vec<[f64; 2]> =
+            fitted.iter().map(|&number| [above[number] / solid_fraction, speed(&self.bins[number])]).collect();
+        let raised =
+            |exponent: f64| points.iter().map(|&[depth, speed]| [depth.powf(exponent), speed]).collect::<Vec<_>>();
+        let misfit = |exponent: f64| {
+            let points = raised(exponent);
+            let (slope, start) = line(&points);
+            points.iter().map(|[x, y]| (y - start - slope * x).powi(2)).sum::<f64>()
+        };
+        let (slope, surface_speed) = line(&raised(1.5));
+        Fit {
+            solid_fraction,
+            depth: solid.iter().sum::<f64>() * BIN * DIAMETER / solid_fraction,
+            surface_speed,
+            bagnold: -slope,
+            exponent: least(misfit, 0.3, 4.0),
+            stress: stress(fitted.iter().map(|&number| &self.bins[number]), room),
+        }
+    }
+}
+
+/// Mean stress over bins, each of which had this volume times frames (m3).
+fn stress<'a>(bins: impl Iterator<Item = &'a Bin>, room: f64) -> Stress {
+    let (mut sum, mut count) = ([0.0; 4], 0);
+    for bin in bins {
+        count += 1;
+        for (number, (i, j)) in COMPONENTS.into_iter().enumerate() {
+            let about_the_mean = bin.flux[number] - bin.flow[i] * bin.flow[j] / bin.volume;
+            sum[number] += (bin.virial[number] + DENSITY * about_the_mean) / room;
+        }
+    }
+    let [along, across, normal, shear] = sum.map(|sum| sum / f64::from(count));
+    // What lies above drags what lies below it along the chute: the component is negative.
+    Stress { along, across, normal, shear: -shear }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn a_profile_of_known_exponent_is_found() {
+        for exponent in [1.0, 1.5, 2.2] {
+            // Layers of grains a tenth of a diameter apart, 20 diameters deep.
+            let layer = |number: usize| {
+                let height = (number as f64 + 0.5) * 0.1 * DIAMETER;
+                let depth = 20.0 * DIAMETER - height;
+                let speed = 2.0 - 3.0 * depth.powf(exponent);
+                Particle {
+                    id: number as u32,
+                    position: [0.0, 0.0, height],
+                    radius: 0.02,
+                    velocity: [speed, 0.0, 0.0],
+                    spin: [0.0; 3],
+                }
+            };
+            let frame = Snapshot { time: 0.0, particles: (0..200).map(layer).collect(), contacts: Vec::new() };
+            let mut profile = Profile::default();
+            profile.add(&frame);
+            let fit = profile.fit();
+            assert_relative_eq!(fit.exponent, exponent, max_relative = 5e-3);
+            assert_relative_eq!(fit.depth, 20.0 * DIAMETER, max_relative = 1e-9);
+            if exponent == 1.5 {
+                assert_relative_eq!(fit.bagnold, 3.0, max_relative = 1e-2);
+                assert_relative_eq!(fit.surface_speed, 2.0, max_relative = 1e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn the_stress_of_one_contact_and_of_moving_grains_is_known() {
+        let grain = |id, height: f64, velocity| Particle {
+            id,
+            position: [0.0, 0.0, height * DIAMETER],
+            radius: 0.5 * DIAMETER,
+            velocity,
+            spin: [0.0; 3],
+        };
+        // The upper grain presses on the lower one with 3 N and drags it along with 1 N.
+        let contact = Contact {
+            first: 0,
+            second: Partner::Grain(1),
+            point: [0.0, 0.0, 8.2 * DIAMETER],
+            normal: [0.0, 0.0, -1.0],
+            normal_force: 3.0,
+            tangential_force: [1.0, 0.0, 0.0],
+        };
+        let particles = vec![grain(0, 8.4, [1.0, 0.0, 0.0]), grain(1, 8.1, [1.0, 0.0, 0.0])];
+        let mut profile = Profile::default();
+        profile.add(&Snapshot { time: 0.0, particles, contacts: vec![contact] });
+        let found = stress([&profile.bins[16]].into_iter(), 2.0);
+        assert_relative_eq!(found.normal, 3.0 * DIAMETER / 2.0, max_relative = 1e-12);
+        assert_relative_eq!(found.shear, DIAMETER / 2.0, max_relative = 1e-12);
+        assert_relative_eq!(found.along, 0.0, epsilon = 1e-12);
+        assert_eq!(found.across, 0.0);
+        assert_relative_eq!(found.pressure(), DIAMETER / 2.0, max_relative = 1e-12);
+        // Two grains of a bin that part across the chute; that both move along it is no stress.
+        let particles = vec![grain(0, 8.2, [5.0, 2.0, 0.0]), grain(1, 8.3, [5.0, -2.0, 0.0])];
+        let mut profile = Profile::default();
+        profile.add(&Snapshot { time: 0.0, particles, contacts: Vec::new() });
+        let found = stress([&profile.bins[16]].into_iter(), 1.0);
+        let mass = DENSITY * PI / 6.0 * DIAMETER.powi(3);
+        assert_relative_eq!(found.across, 8.0 * mass, max_relative = 1e-12);
+        assert_relative_eq!(found.along, 0.0, epsilon = 1e-12);
+    }
+}
