@@ -92,8 +92,8 @@ fn what_changes_in_time_or_with_speed_is_told_by_its_line() {
 fn ablation_says_which_observables_need_an_effect() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["--settle", "0.1", "--look", "0.05", "--ablate", "--seeds", "2"];
-    let study = study(folder.path(), &smoke(), &arguments);
-    let rows = study["ablation"]["rows"].as_array().unwrap();
+    let first = study(folder.path(), &smoke(), &arguments);
+    let rows = first["ablation"]["rows"].as_array().unwrap();
     for effect in ["Coulomb friction", "restitution", "rolling resistance", "twisting resistance"] {
         let row = rows.iter().find(|row| row["effect"] == effect).unwrap_or_else(|| panic!("{effect}: {rows:#?}"));
         let known = ["needed", "not-needed", "undecided", "not-measurable"];
@@ -107,6 +107,19 @@ fn ablation_says_which_observables_need_an_effect() {
     };
     assert_ne!(need("Coulomb friction", "wall_force_over_weight"), "needed");
     assert_ne!(need("elastic compliance", "mean_overlap"), "not-needed");
+    let results = folder.path().join("results/effects/smoke");
+    let table = std::fs::read_to_string(results.join("ablation.md")).unwrap();
+    assert_eq!(table.lines().filter(|line| line.starts_with("| ")).count(), 2 + rows.len(), "{table}");
+
+    // A second start takes up what the first one kept, and makes again what is no longer there.
+    let lost = results.join("runs/Coulomb-friction-s2.json");
+    let (kept, whole) = (results.join("runs/as-it-is-s1.json"), std::fs::read(&lost).unwrap());
+    std::fs::write(&lost, &whole[..whole.len() / 2]).unwrap();
+    let before = std::fs::metadata(&kept).unwrap().modified().unwrap();
+    let second = study(folder.path(), &smoke(), &arguments);
+    assert_eq!(second["ablation"], first["ablation"]);
+    assert_eq!(std::fs::metadata(&kept).unwrap().modified().unwrap(), before);
+    serde_json::from_slice::<Value>(&std::fs::read(&lost).unwrap()).unwrap();
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::arguments::EffectsArguments;
 use super::{Console, Failure, announce, begin, json, load, settle, use_threads};
-use crate::effects::{Ablation, Costs, Look, Study, called, table, warnings};
+use crate::effects::{Ablation, Costs, Look, Plan, Study, called, markdown, table, warnings};
 use crate::execution::Execution;
 use crate::output::{JSON_VERSION, create_folder, write_whole};
 use crate::prepared::{Start, file_stem};
@@ -30,11 +30,23 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     console.detail("timing kernels");
     let costs = Costs::measure(&simulation);
     drop(simulation);
+    let folder = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("results").join("effects").join(file_stem(&scene.name)));
     let ablation = if arguments.ablate {
         use_threads(arguments.threads)?;
         let seeds: Vec<u64> = (seed..seed + u64::from(arguments.seeds)).collect();
-        let limit = Duration::from_secs_f64(arguments.time_limit);
-        Some(Ablation::run(&scene, &file, &seeds, limit, &announce(console))?)
+        let plan = Plan {
+            scene: &scene,
+            scene_file: &file,
+            seeds: &seeds,
+            time_limit: Duration::from_secs_f64(arguments.time_limit),
+            folder: &folder.join("runs"),
+            again: arguments.again,
+            announce: &announce(console),
+        };
+        Some(Ablation::run(&plan)?)
     } else {
         None
     };
@@ -49,13 +61,12 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
         ablation,
         provenance: Provenance::of_run(&scene, &file, seed, &execution),
     };
-    let folder = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("results").join("effects").join(file_stem(&scene.name)));
     create_folder(&folder)?;
     let document = json(&study);
     write_whole(&folder.join("effects.json"), document.as_bytes())?;
+    if study.ablation.is_some() {
+        write_whole(&folder.join("ablation.md"), markdown(&study).as_bytes())?;
+    }
     console.result(&if arguments.json { document } else { table(&study) })?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,7 @@
 //! Why a command failed, and the exit code that says so.
 
 use crate::compare::ReferenceError;
+use crate::effects::AblationError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
@@ -88,6 +89,18 @@ impl From<CodeError> for Failure {
             CodeError::Interrupted { .. } => Failure::Interrupted("not kept".into()),
             CodeError::Missing { .. } => Failure::MissingCode(error.to_string()),
             other => Failure::Running(other.to_string()),
+        }
+    }
+}
+
+impl From<AblationError> for Failure {
+    fn from(error: AblationError) -> Failure {
+        match error {
+            AblationError::Code(CodeError::Interrupted { .. }) => {
+                Failure::Interrupted("kept, run by run: the same command goes on from there".into())
+            }
+            AblationError::Code(error) => error.into(),
+            AblationError::Write(error) => error.into(),
         }
     }
 }

@@ -1,25 +1,55 @@
 //! Ablation: the scene with each effect off or on, over several seeds, judged by the equivalence test.
+//!
+//! Each run is kept as soon as it is measured, and taken up by the next start.
 
-use crate::compare::{Announce, CodeRuns, Outcome, Runs};
-use crate::peers::{CodeError, Makadam};
+use super::variations::{Variation, variations};
+use crate::compare::{Announce, MeasuredRun, Outcome, Runs};
+use crate::output::{WriteError, create_folder, write_whole};
+use crate::peers::{Code, CodeError, Makadam};
+use crate::prepared::file_stem;
+use crate::provenance::scene_hash;
 use crate::statistics::{Ensemble, Equivalence, equivalence};
-use makadam::scene::{Motion, NormalLaw, RadiusDistribution, Scene};
-use serde::Serialize;
-use std::path::Path;
+use makadam::scene::{Expectation, Scene};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Coefficient with which rolling and twisting resistance are tried where a scene has none.
-const TRIED: f64 = 0.1;
-
-/// A scene with one effect changed.
-#[derive(Clone, Debug)]
-pub struct Variation {
-    /// The effect.
-    pub effect: &'static str,
-    /// What was changed, in words.
-    pub change: String,
+/// What is to be run.
+pub struct Plan<'a> {
     /// The scene.
-    pub scene: Scene,
+    pub scene: &'a Scene,
+    /// Its file.
+    pub scene_file: &'a Path,
+    /// Seeds of each variation.
+    pub seeds: &'a [u64],
+    /// Wall time after which a run is stopped.
+    pub time_limit: Duration,
+    /// Folder of finished runs.
+    pub folder: &'a Path,
+    /// Whether runs that an earlier start has kept are made again.
+    pub again: bool,
+    /// Opens progress displays.
+    pub announce: Announce<'a>,
+}
+
+/// What is kept of a run.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    /// Hash of all that the changed scene says.
+    scene_hash: String,
+    run: MeasuredRun,
+}
+
+/// Why there is no ablation.
+#[derive(Debug, thiserror::Error)]
+pub enum AblationError {
+    /// The scene itself cannot be run, or the user asked to stop.
+    #[error(transparent)]
+    Code(#[from] CodeError),
+    /// A run cannot be kept.
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 /// Whether the scene needs an effect, as far as one observable tells.
@@ -34,6 +64,18 @@ pub enum Need {
     Undecided,
     /// The change leaves nothing to measure.
     NotMeasurable,
+}
+
+impl Need {
+    /// The verdict in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Need::Needed => "needed",
+            Need::NotNeeded => "not needed",
+            Need::Undecided => "undecided",
+            Need::NotMeasurable => "not measurable",
+        }
+    }
 }
 
 /// One observable under one variation.
@@ -66,142 +108,93 @@ pub struct Ablation {
     pub rows: Vec<Ablated>,
 }
 
-/// Every effect of the scene turned off, and resistance to turning turned on where there is none.
-pub fn variations(scene: &Scene) -> Vec<Variation> {
-    let mut all = Vec::new();
-    let mut add = |effect, change: String, adapt: &dyn Fn(&mut Scene)| {
-        let mut changed = scene.clone();
-        adapt(&mut changed);
-        // An accuracy would choose another step for another scene; here only the effect may differ.
-        changed.accuracy = None;
-        if changed.material != scene.material
-            || changed.pair != scene.pair
-            || changed.wall != scene.wall
-            || changed.population != scene.population
-            || changed.solver != scene.solver
-            || changed.gravity_changes != scene.gravity_changes
-        {
-            all.push(Variation { effect, change, scene: changed });
+impl Ablation {
+    /// Runs the scene and its variations over the seeds, as many at a time as the thread pool has threads, and judges each
+    /// observable that has a margin.
+    ///
+    /// # Errors
+    /// [`AblationError`] if the scene itself cannot be run; a variation that cannot is not measurable.
+    pub fn run(plan: &Plan<'_>) -> Result<Ablation, AblationError> {
+        create_folder(plan.folder)?;
+        let base = Variation { effect: "as it is", change: String::new(), scene: plan.scene.clone() };
+        let mut versions = vec![base];
+        versions.extend(variations(plan.scene));
+        let jobs: Vec<(&Variation, u64)> =
+            versions.iter().flat_map(|version| plan.seeds.iter().map(move |&seed| (version, seed))).collect();
+        let ended: Vec<_> = jobs.par_iter().with_max_len(1).map(|&(version, seed)| plan.one(version, seed)).collect();
+        let mut runs = Vec::new();
+        for (number, result) in ended.into_iter().enumerate() {
+            match result {
+                Ok(run) => runs.push(Some(run)),
+                Err(AblationError::Code(CodeError::Interrupted { code })) => {
+                    return Err(CodeError::Interrupted { code }.into());
+                }
+                Err(error @ AblationError::Write(_)) => return Err(error),
+                Err(error) if number < plan.seeds.len() => return Err(error),
+                Err(_) => runs.push(None),
+            }
         }
-    };
-    add("Coulomb friction", "off".into(), &|scene| {
-        for one in scene.material.values_mut() {
-            (one.friction, one.kinetic_friction) = (0.0, None);
-        }
-        for pair in &mut scene.pair {
-            (pair.friction, pair.kinetic_friction) = (None, None);
-        }
-    });
-    add("kinetic friction", "off".into(), &|scene| {
-        scene.material.values_mut().for_each(|one| one.kinetic_friction = None);
-        scene.pair.iter_mut().for_each(|pair| pair.kinetic_friction = None);
-    });
-    add("falling restitution", "off".into(), &|scene| {
-        scene.material.values_mut().for_each(|one| one.restitution_speed = None);
-        scene.pair.iter_mut().for_each(|pair| pair.restitution_speed = None);
-    });
-    add("restitution", "off".into(), &|scene| {
-        scene.material.values_mut().for_each(|one| one.restitution = 0.0);
-        scene.pair.iter_mut().for_each(|pair| pair.restitution = None);
-    });
-    add("elastic compliance", "off: rigid".into(), &|scene| scene.solver.normal_law = NormalLaw::Rigid);
-    add("size spread", "off: all of the mean radius".into(), &|scene| {
-        for group in &mut scene.population {
-            let value = mean_radius(&group.radius);
-            group.radius = RadiusDistribution::Fixed { value };
-        }
-    });
-    add("wall motion", "off".into(), &|scene| scene.wall.iter_mut().for_each(|wall| wall.motion = Motion::Fixed));
-    add("changing gravity", "off".into(), &|scene| scene.gravity_changes.clear());
-    add("cohesion", "off".into(), &|scene| {
-        scene.material.values_mut().for_each(|one| one.cohesion = None);
-        scene.pair.iter_mut().for_each(|pair| pair.cohesion = None);
-    });
-    let rolls = scene.material.values().any(|one| one.rolling_friction > 0.0);
-    add("rolling resistance", toggled(rolls), &|scene| {
-        let value = if rolls { 0.0 } else { TRIED };
-        scene.material.values_mut().for_each(|one| one.rolling_friction = value);
-        scene.pair.iter_mut().for_each(|pair| pair.rolling_friction = None);
-    });
-    let twists = scene.material.values().any(|one| one.twisting_friction > 0.0);
-    add("twisting resistance", toggled(twists), &|scene| {
-        let value = if twists { 0.0 } else { TRIED };
-        scene.material.values_mut().for_each(|one| one.twisting_friction = value);
-        scene.pair.iter_mut().for_each(|pair| pair.twisting_friction = None);
-    });
-    all
-}
-
-fn toggled(on: bool) -> String {
-    if on { "off".into() } else { format!("on: {TRIED}") }
-}
-
-fn mean_radius(radius: &RadiusDistribution) -> f64 {
-    match radius {
-        RadiusDistribution::Fixed { value } => *value,
-        RadiusDistribution::Uniform { mean, .. } | RadiusDistribution::Normal { mean, .. } => *mean,
-        RadiusDistribution::Discrete { radii, shares } => {
-            let sum: f64 = shares.iter().sum();
-            radii.iter().zip(shares).map(|(radius, share)| radius * share / sum).sum()
-        }
+        let mut of_versions = runs.chunks(plan.seeds.len());
+        let base = of_versions.next().unwrap_or_default();
+        let judged = versions[1..].iter().zip(of_versions).flat_map(|(version, runs)| plan.judged(version, base, runs));
+        Ok(Ablation { seeds: plan.seeds.to_vec(), rows: judged.collect() })
     }
 }
 
-impl Ablation {
-    /// Runs the scene and its variations over the seeds, and judges each observable that has a margin.
-    ///
-    /// # Errors
-    /// [`CodeError`] if the scene itself cannot be run; a variation that cannot is not measurable.
-    pub fn run(
-        scene: &Scene,
-        file: &Path,
-        seeds: &[u64],
-        time_limit: Duration,
-        announce: Announce<'_>,
-    ) -> Result<Ablation, CodeError> {
-        let runs = |scene: &Scene| {
-            let asked = Runs {
-                scene,
-                scene_file: file,
-                seeds: seeds.to_vec(),
-                rayleigh_fraction: 0.2,
-                stiffness_factor: 1.0,
-                time_limit,
-                recordings: None,
-                announce,
-            };
-            let simulated = asked.simulate(&Makadam);
-            (CodeRuns::live("Makadam", String::new(), simulated.harvests), simulated.failures)
+impl Plan<'_> {
+    /// One run: that of an earlier start if it is of the same scene, seed and version.
+    fn one(&self, version: &Variation, seed: u64) -> Result<MeasuredRun, AblationError> {
+        let (file, scene_hash) = (self.file(version, seed), format!("{:016x}", scene_hash(&version.scene)));
+        let kept = || {
+            let kept: Kept = serde_json::from_slice(&std::fs::read(&file).ok()?).ok()?;
+            let (run, installed) = (kept.run, Makadam.version());
+            (kept.scene_hash == scene_hash && run.seed == seed && Some(&run.version) == installed.as_ref())
+                .then_some(run)
         };
-        let (base, failures) = runs(scene);
-        if let Some((_, error)) = failures.into_iter().next() {
-            return Err(error);
+        if let Some(run) = (!self.again).then(kept).flatten() {
+            return Ok(run);
         }
-        let mut rows = Vec::new();
-        for variation in variations(scene) {
-            let (changed, failures) = runs(&variation.scene);
-            if let Some((_, error @ CodeError::Interrupted { .. })) = failures.into_iter().next() {
-                return Err(error);
-            }
-            for expectation in &scene.compare {
-                let Some(margin) = expectation.margin else { continue };
-                let observable = &expectation.observable;
-                let Some(own) = Ensemble::of(&base.values(observable)) else { continue };
-                let other = Ensemble::of(&changed.values(observable));
-                let test = other.as_ref().map(|other| equivalence(&own, other, Some(margin), 2));
-                rows.push(Ablated {
-                    effect: variation.effect,
-                    change: variation.change.clone(),
-                    observable: observable.clone(),
-                    mean: own.mean,
-                    changed_mean: other.map(|other| other.mean),
-                    interval90: test.as_ref().and_then(|test| test.interval90),
-                    margin,
-                    need: need(test.as_ref()),
-                });
-            }
-        }
-        Ok(Ablation { seeds: seeds.to_vec(), rows })
+        let runs = Runs {
+            scene: &version.scene,
+            scene_file: self.scene_file,
+            seeds: vec![seed],
+            rayleigh_fraction: 0.2,
+            stiffness_factor: 1.0,
+            time_limit: self.time_limit,
+            recordings: None,
+            announce: self.announce,
+        };
+        let kept = Kept { scene_hash, run: runs.one(&Makadam, &version.scene, seed)?.run };
+        let text = serde_json::to_vec_pretty(&kept).expect("a run is made of numbers and plain text");
+        write_whole(&file, &text)?;
+        Ok(kept.run)
+    }
+
+    fn file(&self, version: &Variation, seed: u64) -> PathBuf {
+        self.folder.join(format!("{}-s{seed}.json", file_stem(version.effect)))
+    }
+
+    /// The observables that have a margin, under one variation.
+    fn judged(&self, version: &Variation, base: &[Option<MeasuredRun>], runs: &[Option<MeasuredRun>]) -> Vec<Ablated> {
+        let ensemble = |runs: &[Option<MeasuredRun>], observable: &str| {
+            Ensemble::of(&runs.iter().flatten().filter_map(|run| run.value(observable)).collect::<Vec<_>>())
+        };
+        let row = |expectation: &Expectation| {
+            let (margin, observable) = (expectation.margin?, &expectation.observable);
+            let (own, other) = (ensemble(base, observable)?, ensemble(runs, observable));
+            let test = other.as_ref().map(|other| equivalence(&own, other, Some(margin), 2));
+            Some(Ablated {
+                effect: version.effect,
+                change: version.change.clone(),
+                observable: observable.clone(),
+                mean: own.mean,
+                changed_mean: other.map(|other| other.mean),
+                interval90: test.as_ref().and_then(|test| test.interval90),
+                margin,
+                need: need(test.as_ref()),
+            })
+        };
+        self.scene.compare.iter().filter_map(row).collect()
     }
 }
 

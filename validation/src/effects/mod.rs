@@ -10,12 +10,16 @@ mod ablation;
 mod called;
 mod cost;
 mod look;
+mod markdown;
 mod study;
 mod terminal;
+mod variations;
 
-pub use ablation::{Ablated, Ablation, Need, Variation, variations};
+pub use ablation::{Ablated, Ablation, AblationError, Need, Plan};
 pub use called::{Called, called};
 pub use cost::{Cost, Costs};
 pub use look::{Look, warnings};
+pub use markdown::markdown;
 pub use study::Study;
 pub use terminal::table;
+pub use variations::{Variation, variations};

@@ -1,6 +1,6 @@
 //! The study as text.
 
-use super::{Ablation, Costs, Look, Need, Study};
+use super::{Ablation, Costs, Look, Study};
 use std::fmt::Write;
 
 /// Tables of effects, costs, ablation, and the warnings.
@@ -58,18 +58,17 @@ fn kernels(costs: &Costs) -> String {
 fn verdicts(ablation: &Ablation) -> String {
     let mut text = format!("\nablation, {} seeds each\n", ablation.seeds.len());
     for row in &ablation.rows {
-        let verdict = match row.need {
-            Need::Needed => "needed",
-            Need::NotNeeded => "not needed",
-            Need::Undecided => "undecided",
-            Need::NotMeasurable => "not measurable",
-        };
         let changed = row.changed_mean.map_or("-".into(), |mean| format!("{mean:.4}"));
         let interval = row.interval90.map_or(String::new(), |[low, high]| format!(" [{low:+.4}, {high:+.4}]"));
         let _ = writeln!(
             text,
-            "{:<20} {:<28} {:<28} {:.4} -> {changed}{interval}, margin {}: {verdict}",
-            row.effect, row.change, row.observable, row.mean, row.margin
+            "{:<20} {:<28} {:<28} {:.4} -> {changed}{interval}, margin {}: {}",
+            row.effect,
+            row.change,
+            row.observable,
+            row.mean,
+            row.margin,
+            row.need.words()
         );
     }
     text

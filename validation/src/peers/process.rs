@@ -8,6 +8,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// Bytes of the log that an error quotes.
@@ -15,6 +16,38 @@ const TAIL: u64 = 600;
 
 /// Free bytes below which a failure is put down to a full disk.
 const FULL_DISK: u64 = 1 << 20;
+
+/// A peer's program, and its version once that was asked for.
+pub(super) struct Program {
+    path: OsString,
+    version: OnceLock<Option<String>>,
+}
+
+impl Program {
+    /// A program by its name or path.
+    pub fn new(path: impl Into<OsString>) -> Program {
+        Program { path: path.into(), version: OnceLock::new() }
+    }
+
+    /// The program that an environment variable names, else the one on PATH.
+    pub fn from_environment(variable: &str, name: &str) -> Program {
+        Program::new(std::env::var_os(variable).unwrap_or_else(|| name.into()))
+    }
+
+    /// Its name or path.
+    pub fn path(&self) -> &OsStr {
+        &self.path
+    }
+
+    /// Its version as `version_in` finds it in what it prints with these arguments, else "unknown"; none if it is not there.
+    pub fn version(&self, arguments: &[&str], version_in: impl Fn(&str) -> Option<&str>) -> Option<String> {
+        let ask = || {
+            let words = first_words(&self.path, arguments)?;
+            Some(version_in(&words).unwrap_or("unknown").to_string())
+        };
+        self.version.get_or_init(ask).clone()
+    }
+}
 
 /// One run of a program.
 pub(super) struct Run<'a> {
@@ -128,7 +161,7 @@ pub(super) fn locate(program: &OsStr) -> Option<PathBuf> {
 
 /// What a program prints when asked for its version; nothing if it is not there, empty if it cannot be started or does
 /// not answer in time. Why it cannot be started is told by the run that follows.
-pub(super) fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
+fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
     let program = locate(program)?;
     let mut command = Command::new(program);
     command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).process_group(0);

@@ -4,7 +4,7 @@ use super::assemble::{contact_from_force, measurable, merge_wall_contacts};
 use super::mesh::{Triangle, wall_mesh};
 use super::palette::Palette;
 use super::plan::{MotionPhase, Plan};
-use super::process::{self, Run, io};
+use super::process::{self, Program, Run, io};
 use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
@@ -14,7 +14,6 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::path::Path;
-use std::sync::OnceLock;
 
 const NAME: &str = "YADE";
 const DRIVER: &str = include_str!("../../../scripts/yade_driver.py");
@@ -29,20 +28,19 @@ const CONTACT_ROW: usize = 12;
 
 /// YADE, an explicit soft-sphere code.
 pub struct Yade {
-    program: OsString,
-    version: OnceLock<Option<String>>,
+    program: Program,
 }
 
 impl Default for Yade {
     fn default() -> Self {
-        Self::new(std::env::var_os("MAKADAM_YADE").unwrap_or_else(|| "yade".into()))
+        Self { program: Program::from_environment("MAKADAM_YADE", "yade") }
     }
 }
 
 impl Yade {
     /// YADE under another name or path.
     pub fn new(program: impl Into<OsString>) -> Self {
-        Self { program: program.into(), version: OnceLock::new() }
+        Self { program: Program::new(program) }
     }
 }
 
@@ -129,12 +127,7 @@ impl Code for Yade {
     }
 
     fn version(&self) -> Option<String> {
-        self.version
-            .get_or_init(|| {
-                let words = process::first_words(&self.program, &["--version"])?;
-                Some(version_in(&words).unwrap_or("unknown").to_string())
-            })
-            .clone()
+        self.program.version(&["--version"], version_in)
     }
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
@@ -164,7 +157,7 @@ impl Code for Yade {
         let progress_file = folder.join("progress.txt");
         Run {
             code: NAME,
-            program: &self.program,
+            program: self.program.path(),
             arguments: &["-j1", "-n", "-x", "yade_driver.py", "job.json"].map(OsString::from),
             folder,
             log: folder.join("yade.log"),

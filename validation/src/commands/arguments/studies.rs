@@ -185,10 +185,13 @@ pub struct EffectsArguments {
     /// Wall time after which a run of --ablate is stopped, s.
     #[arg(long, default_value_t = 3600.0, value_parser = positive)]
     pub time_limit: f64,
+    /// Make again the runs of --ablate that an earlier start has kept.
+    #[arg(long)]
+    pub again: bool,
     /// Runs of --ablate side by side; as many as there are cores, if absent.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Folder to write into; results/effects/SCENE, if absent.
+    /// Folder to write into, and to take finished runs of --ablate from; results/effects/SCENE, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the study as JSON.

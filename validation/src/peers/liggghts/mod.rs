@@ -8,7 +8,7 @@ pub use dump::{DumpFault, DumpFrame, read_dump};
 use super::assemble::{contact_from_force, measurable, merge_wall_contacts};
 use super::mesh::{Mesh, wall_mesh};
 use super::plan::Plan;
-use super::process::{self, Run, io};
+use super::process::{self, Program, Run, io};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
 use makadam::scene::{Grain, Scene, populate};
@@ -18,26 +18,24 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 const NAME: &str = "LIGGGHTS";
 
 /// LIGGGHTS, an explicit soft-sphere code.
 pub struct Liggghts {
-    program: OsString,
-    version: OnceLock<Option<String>>,
+    program: Program,
 }
 
 impl Default for Liggghts {
     fn default() -> Self {
-        Self::new(std::env::var_os("MAKADAM_LIGGGHTS").unwrap_or_else(|| "liggghts".into()))
+        Self { program: Program::from_environment("MAKADAM_LIGGGHTS", "liggghts") }
     }
 }
 
 impl Liggghts {
     /// LIGGGHTS under another name or path.
     pub fn new(program: impl Into<OsString>) -> Self {
-        Self { program: program.into(), version: OnceLock::new() }
+        Self { program: Program::new(program) }
     }
 }
 
@@ -47,13 +45,8 @@ impl Code for Liggghts {
     }
 
     fn version(&self) -> Option<String> {
-        self.version
-            .get_or_init(|| {
-                // Without a log, since it would leave one behind wherever it is asked.
-                let words = process::first_words(&self.program, &["-help", "-log", "none"])?;
-                Some(version_in(&words).unwrap_or("unknown").to_string())
-            })
-            .clone()
+        // Without a log, since it would leave one behind wherever it is asked.
+        self.program.version(&["-help", "-log", "none"], version_in)
     }
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
@@ -81,7 +74,7 @@ impl Code for Liggghts {
         let engine_log = folder.join("engine.log");
         Run {
             code: NAME,
-            program: &self.program,
+            program: self.program.path(),
             arguments: &["-in", "deck.in", "-log", "engine.log", "-nocite"].map(OsString::from),
             folder,
             log: log.clone(),
