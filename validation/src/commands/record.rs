@@ -296,7 +296,7 @@ mod tests {
         desk.record("--seeds 3", "1", &[]);
         assert_eq!(desk.record("--seeds 2 --rayleigh-fraction 0.2", "1", &[]), (vec![1, 2], true));
         assert_eq!(desk.seeds(1.0), [1, 2]);
-        desk.forget_raw_recordings();
+        // Raw recordings of the scene as it was are still there, and are none of this one.
         let text = std::fs::read_to_string(&desk.scene).unwrap();
         std::fs::write(&desk.scene, text.replacen("duration = 0.4", "duration = 0.5", 1)).unwrap();
         assert_eq!(desk.record("--seeds 3 --rayleigh-fraction 0.2", "1", &[]), (vec![1, 2, 3], true));

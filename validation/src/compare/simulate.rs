@@ -1,6 +1,6 @@
 //! Runs of one code over several seeds, side by side, measured as they end.
 
-use super::Harvest;
+use super::{Harvest, physics_hash};
 use crate::peers::{Code, CodeError, Job};
 use crate::prepared::{cache_folder, file_stem};
 use crate::provenance::utc;
@@ -30,8 +30,8 @@ pub struct Runs<'a> {
     pub stiffness_factor: f64,
     /// Wall time after which a run is stopped.
     pub time_limit: Duration,
-    /// Folder of raw recordings: what is there of the installed version is not run again, what is run is kept. Without
-    /// a folder nothing is kept.
+    /// Folder of raw recordings: what is there of this scene and the installed version is not run again, what is run is kept.
+    /// Without a folder nothing is kept.
     pub recordings: Option<PathBuf>,
     /// Opens progress displays.
     pub announce: Announce<'a>,
@@ -98,14 +98,15 @@ impl Runs<'_> {
         Ok(Harvest::of(scene, &recording, utc(SystemTime::now())))
     }
 
-    /// Name of a recording without its extension.
+    /// Name of a recording without its extension; the hash tells the scene from what it was before a change.
     fn file_stem(&self, code: &str, seed: u64) -> String {
         format!(
-            "{}-{}-s{seed}-f{}-e{}",
+            "{}-{}-s{seed}-f{}-e{}-{}",
             file_stem(&self.scene.name),
             code.to_lowercase(),
             self.rayleigh_fraction,
-            self.stiffness_factor
+            self.stiffness_factor,
+            physics_hash(self.scene)
         )
     }
 }

@@ -43,8 +43,7 @@ impl Reference {
 /// In what a recorded run differs from the wanted ones, seeds aside.
 fn made_otherwise(run: &MeasuredRun, wanted: &Wanted<'_>, version: &str) -> Option<String> {
     if run.scene_hash != wanted.scene_hash {
-        // Raw recordings bear no hash, so nothing else can tell those of the scene as it was.
-        return Some("the scene has changed since (remove raw recordings made before the change)".into());
+        return Some("the scene has changed since".into());
     }
     if run.version != version {
         return Some(format!("they are of version {}, not {version}", run.version));
