@@ -1,11 +1,17 @@
 //! `makadam compare`: the JSON contract, recorded references, live peers where they are installed.
 
+#[path = "support/changed.rs"]
+mod changed;
+#[path = "support/small_scene.rs"]
+mod small_scene;
 mod support;
 
+use changed::changed;
 use makadam_validation::peers::{Code, Liggghts, Yade};
 use serde_json::Value;
+use small_scene::smoke;
 use std::path::{Path, PathBuf};
-use support::{changed, makadam, smoke};
+use support::makadam;
 
 /// Writes references of the small scene by hand: two codes, three seeds, one observable.
 fn with_references(folder: &Path) -> PathBuf {

@@ -1,9 +1,15 @@
 //! `makadam convergence`: residuals fall, the JSON contract, what is written.
 
+#[path = "support/changed.rs"]
+mod changed;
+#[path = "support/small_scene.rs"]
+mod small_scene;
 mod support;
 
+use changed::changed;
 use serde_json::Value;
-use support::{changed, makadam, smoke};
+use small_scene::smoke;
+use support::makadam;
 
 /// Root mean square residual of a point over the three directions.
 fn residual(point: &Value) -> f64 {

@@ -1,9 +1,12 @@
 //! `makadam roofline`: the JSON contract, what is written.
 
+#[path = "support/small_scene.rs"]
+mod small_scene;
 mod support;
 
 use serde_json::Value;
-use support::{makadam, smoke};
+use small_scene::smoke;
+use support::makadam;
 
 #[test]
 fn sweeps_lie_below_their_roofs() {

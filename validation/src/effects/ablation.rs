@@ -126,10 +126,9 @@ impl Ablation {
         for (number, result) in ended.into_iter().enumerate() {
             match result {
                 Ok(run) => runs.push(Some(run)),
-                Err(AblationError::Code(CodeError::Interrupted { code })) => {
-                    return Err(CodeError::Interrupted { code }.into());
+                Err(error @ (AblationError::Write(_) | AblationError::Code(CodeError::Interrupted { .. }))) => {
+                    return Err(error);
                 }
-                Err(error @ AblationError::Write(_)) => return Err(error),
                 Err(error) if number < plan.seeds.len() => return Err(error),
                 Err(_) => runs.push(None),
             }

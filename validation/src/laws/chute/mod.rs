@@ -15,12 +15,14 @@ mod profile;
 use self::profile::Profile;
 use super::case::values;
 use super::{Case, Law, LawError, Mean, Run, Values, reported};
+use crate::observables::balances::force_on_partner;
 use crate::report::figure::Figure;
 use crate::report::names::{CodeStyle, Marker};
 use crate::report::plot::{Axis, Key, Plot};
 use crate::stability::{Finding, GRAVITY, Sketch};
 use makadam::scene::{Axis as Periodic, Motion, Population, RadiusDistribution, Region, Shape, Wall};
 use makadam::snapshot::{Partner, Snapshot};
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// Mean diameter of the grains, m.
@@ -228,13 +230,8 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
 
 /// Force on all walls, N.
 fn force_on_walls(frame: &Snapshot) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for contact in frame.contacts.iter().filter(|contact| matches!(contact.second, Partner::Wall(_))) {
-        for ((sum, normal), tangential) in sum.iter_mut().zip(contact.normal).zip(contact.tangential_force) {
-            *sum += contact.normal_force * normal + tangential;
-        }
-    }
-    sum
+    let on_walls = frame.contacts.iter().filter(|contact| matches!(contact.second, Partner::Wall(_)));
+    on_walls.map(force_on_partner).sum::<Vector3<f64>>().into()
 }
 
 /// Kinetic energy of translation over the density, m5/s2.

@@ -1,11 +1,12 @@
 //! What a flowing layer is over its height: velocity, solid volume and stresses, in bins, summed over frames.
 //!
-//! Stresses are those of contacts, the force on one partner times the way to it from the other, and of the velocities about their
+//! Stresses are those of contacts, the force on one partner times the branch vector to it from the other, and of the velocities about their
 //! mean (Irving & Kirkwood 1950; Goldhirsch, Granular Matter 12, 239, 2010), compression positive. A contact counts in the bin of its
-//! point. Grains here overlap by some ten thousandths, so the way is the sum of the radii.
+//! point. Grains here overlap by some ten thousandths, so the branch is as long as the radii together.
 
 use super::super::fit::{least, line};
 use super::{DIAMETER, PERIOD};
+use crate::observables::balances::force_on_partner;
 use crate::stability::DENSITY;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use std::f64::consts::PI;
@@ -26,7 +27,7 @@ struct Bin {
     flow: [f64; 3],
     /// Solid volume times velocity squared, m5/s2, by component of the stress.
     flux: [f64; 4],
-    /// Force times way, N m, by component of the stress.
+    /// Force times branch vector, N m, by component of the stress.
     virial: [f64; 4],
 }
 
@@ -88,12 +89,11 @@ impl Profile {
     }
 
     fn add_contact(&mut self, contact: &Contact, first: &Particle, second: &Particle) {
-        let force: [f64; 3] =
-            std::array::from_fn(|axis| contact.normal_force * contact.normal[axis] + contact.tangential_force[axis]);
-        let way = contact.normal.map(|component| (first.radius + second.radius) * component);
+        let force = force_on_partner(contact);
+        let branch = contact.normal.map(|component| (first.radius + second.radius) * component);
         let bin = self.bin(contact.point[2]);
         for (sum, (i, j)) in bin.virial.iter_mut().zip(COMPONENTS) {
-            *sum += force[i] * way[j];
+            *sum += force[i] * branch[j];
         }
     }
 

@@ -1,0 +1,9 @@
+//! Where a scene says what.
+
+use std::path::Path;
+
+/// Line of the changed scene that holds a piece of text.
+pub fn line_of(file: &Path, text: &str) -> usize {
+    let content = std::fs::read_to_string(file).unwrap();
+    1 + content.lines().position(|line| line.contains(text)).unwrap()
+}
