@@ -5,6 +5,7 @@ use crate::methods::{Problem, Solver};
 use crate::scene::SolverMethod;
 use crate::solve::{MEASURE_EVERY, residual_unit};
 use crate::sweep::Residuals;
+use crate::world::World;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -31,8 +32,8 @@ impl Simulation {
             let mut solver = Solver::new(method);
             let (method, workspace) = solver.parts();
             let Simulation { world, layout, relaxation, settings, .. } = &mut copy;
-            let mut problem =
-                Problem { bodies: &mut world.bodies, layout, relaxation, settings, team: &team, workspace };
+            let World { bodies, drives, .. } = world;
+            let mut problem = Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace };
             let mut points = Vec::with_capacity(iterations as usize + 1);
             points.push(ConvergencePoint { residuals: problem.measure().0, ..ConvergencePoint::default() });
             let mut seconds = 0.0;

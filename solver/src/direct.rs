@@ -73,6 +73,8 @@ pub struct DirectSolution {
     pub velocities: Vec<[f64; 3]>,
     /// Surface speeds (radius times angular velocity) at the end of the step, by grain id, m/s.
     pub surface_speeds: Vec<[f64; 3]>,
+    /// Rates of driven walls at the end of the step, in the order of the scene, m/s or rad/s.
+    pub wall_rates: Vec<f64>,
     /// Impulses on the second body or wall of each contact that may bear one, N s.
     pub impulses: Vec<[f64; 3]>,
     /// Certificate: largest natural-map residual `|change of lambda| D` of any contact, m/s.
@@ -109,6 +111,7 @@ impl Simulation {
         Ok(DirectSolution {
             velocities: places.iter().map(|place| grain(place, 0)).collect(),
             surface_speeds: places.iter().map(|place| grain(place, 3)).collect(),
+            wall_rates: bodies.iter().skip(6 * places.len()).copied().collect(),
             impulses: problem.contacts.iter().enumerate().map(world).collect(),
             residual,
             newton_steps,
@@ -127,6 +130,8 @@ struct DenseContact {
     friction: f64,
     impulse: Vector3<f64>,
     wall_velocity: Vector3<f64>,
+    /// Number of the drive that moves the wall, and how; absent where none does.
+    driven: Option<(usize, Vector3<f64>)>,
 }
 
 impl DenseContact {
@@ -145,11 +150,12 @@ impl DenseContact {
             friction: lanes.friction.0[lane],
             impulse: frame.transpose() * impulse,
             wall_velocity,
+            driven: None,
         }
     }
 }
 
-/// The problem as dense matrices, three rows a contact, six columns a body.
+/// The problem as dense matrices, three rows a contact, six columns a body and one a driven wall.
 struct Dense {
     contacts: Vec<DenseContact>,
     /// Velocities and surface speeds without impulses, m/s.
@@ -173,7 +179,7 @@ impl Dense {
         let world = &simulation.world;
         let mut contacts = contacts_of(simulation);
         contacts.retain(|contact| contact.bias > NEVER);
-        let (rows, columns) = (3 * contacts.len(), 6 * world.grains());
+        let (rows, columns) = (3 * contacts.len(), 6 * world.grains() + world.drives.len());
         // G: relative velocity v_b - v_a + n x (s_a + s_b), turned into the contact's frame.
         let mut gradient = DMatrix::zeros(rows, columns);
         let mut wall = DVector::zeros(rows);
@@ -186,6 +192,9 @@ impl Dense {
             if let Some(second) = contact.second {
                 gradient.view_mut((3 * index, 6 * second), (3, 3)).copy_from(&turn);
                 gradient.view_mut((3 * index, 6 * second + 3), (3, 3)).copy_from(&spin);
+            }
+            if let Some((drive, way)) = contact.driven {
+                gradient.view_mut((3 * index, 6 * world.grains() + drive), (3, 1)).copy_from(&(turn * way));
             }
             wall.rows_mut(3 * index, 3).copy_from(&(turn * contact.wall_velocity));
             impulses.rows_mut(3 * index, 3).copy_from(&contact.impulse);
@@ -202,9 +211,10 @@ impl Dense {
         for (index, contact) in contacts.iter().enumerate() {
             operator[(3 * index, 3 * index)] += contact.regularisation;
             offset[3 * index] -= contact.bias;
-            for row in 3 * index..3 * index + 3 {
-                diagonal[row] = operator[(row, row)];
-            }
+            diagonal[3 * index] = operator[(3 * index, 3 * index)];
+            // Sliding opposes the velocity only if both directions are scaled alike: a driven wall gives more way in one.
+            let [u, v] = [1, 2].map(|axis| operator[(3 * index + axis, 3 * index + axis)]);
+            diagonal.rows_mut(3 * index + 1, 2).fill(u.max(v));
         }
         let scale = if rows == 0 { 1.0 } else { offset.amax().max(free.amax()).max(f64::MIN_POSITIVE) };
         Dense { contacts, free, to_bodies, operator, offset, diagonal, impulses, scale }
@@ -347,6 +357,8 @@ fn project([normal, u, v]: [f64; 3], friction: f64) -> [f64; 3] {
 /// The contacts that are laid out.
 fn contacts_of(simulation: &Simulation) -> Vec<DenseContact> {
     let mut contacts = Vec::with_capacity(simulation.layout.contacts);
+    // They are listed in the order in which they come here.
+    let mut driven = simulation.layout.driven.iter();
     for (_, task) in simulation.layout.tasks() {
         for (group, sources) in task.pairs.iter().zip(&task.pair_sources) {
             for (lane, _) in sources.occupied() {
@@ -354,21 +366,29 @@ fn contacts_of(simulation: &Simulation) -> Vec<DenseContact> {
                 contacts.push(DenseContact::read(&group.contacts, lane, group.first[lane], second, Vector3::zeros()));
             }
         }
-        for (group, sources) in task.walls.iter().zip(&task.wall_sources) {
+        for (number, (group, sources)) in task.walls.iter().zip(&task.wall_sources).enumerate() {
             for (lane, _) in sources.occupied() {
                 let velocity = Vector3::from_fn(|axis, _| group.wall_velocity[axis].0[lane]);
-                contacts.push(DenseContact::read(&group.contacts, lane, group.body[lane], None, velocity));
+                let mut contact = DenseContact::read(&group.contacts, lane, group.body[lane], None, velocity);
+                if number >= task.prescribed_walls() {
+                    contact.wall_velocity = Vector3::zeros();
+                    contact.driven = driven.next().map(|one| (one.drive as usize, one.way.into()));
+                }
+                contacts.push(contact);
             }
         }
     }
     contacts
 }
 
-/// Velocities and surface speeds of the grains, and the inverse masses that go with them: 2.5/m for a solid sphere's
-/// surface speed.
+/// Velocities and surface speeds of the grains, then rates of driven walls, and the inverse masses that go with them: 2.5/m for a
+/// solid sphere's surface speed.
 fn bodies_of(world: &World) -> (DVector<f64>, Vec<f64>) {
     let grains = &world.bodies[..world.grains()];
     let present = grains.iter().flat_map(|body| body.velocity.into_iter().chain(body.surface_speed));
     let masses = grains.iter().flat_map(|body| [1.0, 1.0, 1.0, 2.5, 2.5, 2.5].map(|factor| factor * body.inverse_mass));
-    (DVector::from_iterator(6 * grains.len(), present), masses.collect())
+    let drives = &world.drives;
+    let present = present.chain(drives.iter().map(|drive| drive.rate));
+    let masses = masses.chain(drives.iter().map(|drive| drive.inverse_inertia));
+    (DVector::from_iterator(6 * grains.len() + drives.len(), present), masses.collect())
 }

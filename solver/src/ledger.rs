@@ -14,6 +14,7 @@
 //! printed: the ledger closes up to the turning of normals within a step.
 
 use crate::Simulation;
+use crate::detect::Candidates;
 use crate::effects::cohesion::Pull;
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::energy::Energy;
@@ -123,7 +124,7 @@ impl Ledger {
             }
         }
         for (_, task) in layout.tasks() {
-            self.torques(world, task);
+            self.torques(world, candidates, task);
             for (number, (group, sources)) in task.pairs.iter().zip(&task.pair_sources).enumerate() {
                 for (lane, _) in sources.occupied() {
                     let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
@@ -154,18 +155,24 @@ impl Ledger {
                     let material =
                         world.table.with_wall(world.materials[i], world.surfaces[wall.surface as usize].material);
                     let pose = &poses[wall.surface as usize];
-                    let approach = minus(minus(velocity, pose.gain().into()), grain.before);
+                    let distance = pose.distance(&sphere.centre);
+                    // A driven wall has another velocity before its impulses.
+                    let before: [f64; 3] = match world.drive_of(wall.surface) {
+                        Some(_) => pose.velocity_at(&(sphere.centre + Vector3::from(normal) * distance)).into(),
+                        None => velocity,
+                    };
+                    let approach = minus(minus(before, pose.gain().into()), grain.before);
                     let contact = normal_contact(
-                        (sphere.radius - pose.distance(&sphere.centre), dot(normal, approach)),
+                        (sphere.radius - distance, dot(normal, approach)),
                         sphere.radius,
                         grain.inverse_mass,
                         material,
                     );
-                    let passages = [minus(velocity, grain.before), minus(velocity, grain.after)];
+                    let passages = [minus(before, grain.before), minus(velocity, grain.after)];
                     let borne = Borne::of(&group.contacts, lane, task.wall_pulls.get(number));
                     let impulse = self.contact(&borne, contact, material.pull(sphere.radius), passages, scheme);
                     // The grain bears the opposite.
-                    self.entries.walls -= dot(impulse, velocity);
+                    self.entries.walls -= dot(impulse, times(plus(before, velocity), 0.5));
                     self.entries.wall_impulse = minus(self.entries.wall_impulse, impulse);
                 }
             }
@@ -173,7 +180,7 @@ impl Ledger {
     }
 
     /// Enters the work of a task's torques.
-    fn torques(&mut self, world: &World, task: &TaskGroups) {
+    fn torques(&mut self, world: &World, candidates: &Candidates, task: &TaskGroups) {
         // Mean angular velocity of a grain over the step.
         let mean = |place: u32| {
             let (before, body) = (self.surface_speeds[place as usize], &world.bodies[place as usize]);
@@ -187,8 +194,13 @@ impl Ledger {
             }
         }
         for ((group, sources), lanes) in task.walls.iter().zip(&task.wall_sources).zip(&task.wall_torques) {
-            for (lane, _) in sources.occupied() {
-                let wall_spin = std::array::from_fn(|axis| lanes.wall_spin[axis].0[lane]);
+            for (lane, source) in sources.occupied() {
+                let after = std::array::from_fn(|axis| lanes.wall_spin[axis].0[lane]);
+                let before = match world.drive_of(candidates.walls[source].surface) {
+                    Some(drive) => (world.drives[drive].turning() * world.drives[drive].rate_before).into(),
+                    None => after,
+                };
+                let wall_spin = times(plus(before, after), 0.5);
                 let impulse = lanes.torques.angular_impulse(lane);
                 lost -= dot(impulse, minus(wall_spin, mean(group.body[lane])));
                 driven -= dot(impulse, wall_spin);

@@ -8,6 +8,7 @@ use crate::effects::EffectSet;
 use crate::lanes::{Eight, InstructionSet, Kernel, Lanes};
 use crate::scene::Precision;
 use crate::solve::{Unknowns, sweep_all};
+use crate::sweep::start_driven;
 use std::hint::black_box;
 
 impl Simulation {
@@ -41,6 +42,7 @@ impl Simulation {
         team.enter(|| {
             self.apply_gravity(0.0, &team);
             self.constrain(&team);
+            start_driven(&self.layout, &mut self.world.drives);
         });
         self.layout.contacts
     }

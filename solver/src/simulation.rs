@@ -11,7 +11,7 @@ use crate::partition::{BoxGrid, Layout, Portion};
 use crate::scene::{Precision, Scene, SceneError, SolverMethod, SolverSettings, Stop, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
-use crate::sweep::Relaxation;
+use crate::sweep::{Relaxation, start_driven};
 use crate::world::{Body, Sphere, World, chunk, chunks};
 use nalgebra::Vector3;
 use rayon::ThreadPoolBuildError;
@@ -150,12 +150,15 @@ impl Simulation {
         let clock = clock.lap(&mut self.phases.integrate);
         // Which do, as constraints laid out in boxes, stages and lane groups; they start from their last impulses.
         self.constrain(team);
+        start_driven(&self.layout, &mut self.world.drives);
         clock.lap(&mut self.phases.constrain);
     }
 
     /// Keeps the velocities, and spins where they are asked for, at the start of a step of length `h` (s), then lets gravity act on the grains.
     pub(crate) fn apply_gravity(&mut self, h: f64, team: &Team) {
         let change = self.world.gravity * h;
+        let (time, gravity) = (self.world.time, self.world.gravity);
+        self.world.drives.iter_mut().for_each(|drive| drive.begin(time, h, &gravity));
         let spins = self.relaxation.effects.kinetic_friction();
         let (grains, count) = (self.world.grains(), self.world.bodies.len());
         let World { bodies, before, spins_before, .. } = &mut self.world;
@@ -215,6 +218,8 @@ impl Simulation {
                 sphere.centre += Vector3::from(body.velocity) * h;
             }
         });
+        self.world.drives.iter_mut().for_each(|drive| drive.advance(h));
+        self.world.place_driven_walls();
         self.steps += 1;
         let (time, gravity) = (self.world_time_after(self.steps), self.world.gravity);
         self.world.set_time(time);
@@ -294,7 +299,7 @@ impl Simulation {
         self.candidates.rebuilds
     }
 
-    /// Hash of the state (time, positions, velocities, spins, grain by grain): FNV-1a, 64 bits, over their bits.
+    /// Hash of the state (time, positions, velocities, spins, grain by grain, then driven walls): FNV-1a, 64 bits, over their bits.
     pub fn state_hash(&self) -> u64 {
         let mut bytes = self.world.time.to_bits().to_le_bytes().to_vec();
         for place in self.places_by_id() {
@@ -302,6 +307,8 @@ impl Simulation {
             let values = sphere.centre.iter().chain(&body.velocity).chain(&body.surface_speed);
             bytes.extend(values.flat_map(|value| value.to_bits().to_le_bytes()));
         }
+        let driven = self.world.drives.iter().flat_map(|drive| [drive.displacement, drive.rate]);
+        bytes.extend(driven.flat_map(|value| value.to_bits().to_le_bytes()));
         checksum(&bytes)
     }
 
@@ -352,10 +359,15 @@ impl Simulation {
         self.relaxation.scalar = scalar;
     }
 
+    /// Whether any method and precision can solve it: torques and driven walls go with Gauss-Seidel in double precision alone.
+    fn takes_any_method(&self) -> bool {
+        !self.relaxation.effects.torques() && self.world.drives.is_empty()
+    }
+
     /// Sweeps in another precision from the next step on; this changes the result. Methods other than Gauss-Seidel stay in
-    /// double precision, and so do scenes whose contacts bear torques.
+    /// double precision, and so do scenes whose contacts bear torques or whose walls are driven.
     pub fn use_precision(&mut self, precision: Precision) {
-        if !self.relaxation.effects.torques() {
+        if self.takes_any_method() {
             self.settings.precision = precision;
         }
     }
@@ -370,9 +382,10 @@ impl Simulation {
         self.layout.plan.set_portion(portion);
     }
 
-    /// Solves the steps to come with another method; scenes whose contacts bear torques stay with Gauss-Seidel.
+    /// Solves the steps to come with another method; scenes whose contacts bear torques or whose walls are driven stay with
+    /// Gauss-Seidel.
     pub fn use_method(&mut self, method: SolverMethod) {
-        if !self.relaxation.effects.torques() {
+        if self.takes_any_method() {
             self.settings.method = method;
             self.solver = Solver::new(method);
         }

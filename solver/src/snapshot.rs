@@ -1,6 +1,7 @@
 //! What leaves a simulation: two tables, particles and contacts. Every code delivers the same two.
 
 use crate::Simulation;
+use crate::effects::drive::Drive;
 use crate::lanes::Eight;
 use crate::partition::ContactLanes;
 use nalgebra::Vector3;
@@ -56,6 +57,19 @@ pub struct Snapshot {
     pub particles: Vec<Particle>,
     /// Contacts that bear a force.
     pub contacts: Vec<Contact>,
+    /// Walls that a force or a torque drives, in the order of the scene.
+    pub driven_walls: Vec<DrivenWall>,
+}
+
+/// State of a wall that a force or a torque drives.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DrivenWall {
+    /// Its place in the scene's list of walls.
+    pub wall: u32,
+    /// How far it is from where the scene placed it, along or about its axis, m or rad.
+    pub displacement: f64,
+    /// How fast it moves, m/s or rad/s.
+    pub rate: f64,
 }
 
 impl Simulation {
@@ -74,7 +88,11 @@ impl Simulation {
         };
         let particles = self.places_by_id().into_iter().enumerate().map(particle).collect();
         let contacts = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force != 0.0);
-        Snapshot { time: world.time, particles, contacts: contacts.collect() }
+        let driven = world.drives.iter().map(|drive| {
+            let Drive { wall, displacement, rate, .. } = *drive;
+            DrivenWall { wall, displacement, rate }
+        });
+        Snapshot { time: world.time, particles, contacts: contacts.collect(), driven_walls: driven.collect() }
     }
 
     fn pair_contacts(&self) -> impl Iterator<Item = Contact> + '_ {

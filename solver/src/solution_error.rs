@@ -4,6 +4,7 @@ use crate::Simulation;
 use crate::methods::Problem;
 use crate::solve::residual_unit;
 use crate::sweep::{Residual, Residuals};
+use crate::world::World;
 use serde::{Deserialize, Serialize};
 
 /// Errors of a solution. Velocities are in m/s and compare with [`SolutionError::unit`].
@@ -41,7 +42,8 @@ impl Simulation {
         let Simulation { world, layout, relaxation, settings, solver, .. } = self;
         let workspace = &mut solver.workspace;
         let unit = residual_unit(world, settings.step);
-        let mut problem = Problem { bodies: &mut world.bodies, layout, relaxation, settings, team: &team, workspace };
+        let World { bodies, drives, .. } = world;
+        let mut problem = Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace };
         let (residuals, cone) = team.enter(|| problem.measure());
         SolutionError { residuals, cone, largest_overlap: self.largest_overlap(), unit }
     }

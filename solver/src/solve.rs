@@ -4,7 +4,7 @@ use crate::methods::{Problem, Solver};
 use crate::partition::{Layout, Plan, STAGES, SingleBody, SingleCopy, SingleGroups, TaskGroups};
 use crate::scene::{SolverSettings, Stop};
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::sweep::{Relaxation, Residuals, TaskResidual};
+use crate::sweep::{Relaxation, Residuals, TaskResidual, tell_driven};
 use crate::world::{Body, World};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -64,7 +64,8 @@ pub(crate) fn solve(
     // A solve that may stop after any sweep must know the residual of each.
     let open_ended = !matches!(settings.stop, Stop::Sweeps { .. });
     let (method, workspace) = solver.parts();
-    let mut problem = Problem { bodies: &mut world.bodies, layout, relaxation, settings, team, workspace };
+    let World { bodies, drives, .. } = world;
+    let mut problem = Problem { bodies, drives, layout, relaxation, settings, team, workspace };
     method.begin(&mut problem);
     problem.enter_precision();
     report.reason = loop {
@@ -90,6 +91,7 @@ pub(crate) fn solve(
         }
     };
     problem.leave_precision();
+    tell_driven(layout, &world.drives);
     report
 }
 

@@ -37,7 +37,7 @@ fn a_smooth_packing_has_the_bits_that_it_had() {
 }
 
 /// Every effect that a build can be without, and a line that calls for it.
-const EFFECTS: [(bool, &str, &str); 9] = [
+const EFFECTS: [(bool, &str, &str); 10] = [
     (cfg!(feature = "friction"), "friction", "friction = 0.5"),
     (cfg!(feature = "rolling-resistance"), "rolling-resistance", "rolling_friction = 0.1"),
     (cfg!(feature = "twisting-resistance"), "twisting-resistance", "twisting_friction = 0.1"),
@@ -48,6 +48,11 @@ const EFFECTS: [(bool, &str, &str); 9] = [
         cfg!(feature = "vibration"),
         "vibration",
         "motion = { kind = 'vibrating', amplitude = [0, 0, 0.001], frequency = 10 }",
+    ),
+    (
+        cfg!(feature = "driven-walls"),
+        "driven-walls",
+        "motion = { kind = 'force-driven', axis = [0, 0, 1], force = 1, mass = 1 }",
     ),
     (cfg!(feature = "changing-gravity"), "changing-gravity", "gravity_changes = [{ time = 1, gravity = [0, 0, 0] }]"),
     (cfg!(feature = "periodic-axes"), "periodic-axes", "periodic = ['x']"),

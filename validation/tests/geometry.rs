@@ -2,6 +2,7 @@
 
 use approx::assert_abs_diff_eq;
 use makadam::scene::Scene;
+use makadam::snapshot::{DrivenWall, Snapshot};
 use makadam_validation::observables::contour::{area, contours, encloses, outline, segments, squared_distance};
 use makadam_validation::observables::field::Field;
 use makadam_validation::observables::line::{Line, clip};
@@ -114,9 +115,20 @@ name = "flap"
 material = "steel"
 shape = { kind = "plane", point = [0.5, 0.0, 0.0], normal = [-1.0, 0.0, 0.0] }
 motion = { kind = "rotating", point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], rate = 1.5707963267948966, start = 2.0 }
+[[wall]]
+name = "lid"
+material = "steel"
+shape = { kind = "plane", point = [0.0, 0.0, 9.0], normal = [0.0, 0.0, -1.0] }
+motion = { kind = "force-driven", axis = [0.0, 0.0, -2.0], force = 1.0, mass = 1.0 }
+[[wall]]
+name = "door"
+material = "steel"
+shape = { kind = "plane", point = [-9.0, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }
+motion = { kind = "torque-driven", point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], torque = 1.0, moment_of_inertia = 1.0 }
 "#;
     let scene = Scene::parse(text, Path::new("walls.toml")).expect("a valid scene");
-    let distance = |time: f64, point: [f64; 3]| PlacedWalls::at(&scene, time).distance(&Vector3::from(point));
+    let at = |time: f64| PlacedWalls::at(&scene, &Snapshot { time, ..Snapshot::default() });
+    let distance = |time: f64, point: [f64; 3]| at(time).distance(&Vector3::from(point));
     assert_abs_diff_eq!(distance(0.0, [0.07, 0.0, 0.05]), 0.03, epsilon = 1e-12);
     // Lifted by 0.2 m: the point lies 0.15 m below the rim and 0.03 m inside.
     assert_abs_diff_eq!(distance(5.0, [0.07, 0.0, 0.05]), 0.15_f64.hypot(0.03), epsilon = 1e-12);
@@ -124,5 +136,12 @@ motion = { kind = "rotating", point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], r
     // A quarter turn later the plane stands at y = 0.5.
     assert_abs_diff_eq!(distance(3.0, [0.0, 0.48, 0.1]), 0.02, epsilon = 1e-12);
     assert_abs_diff_eq!(distance(3.0, [0.0, 0.51, 0.1]), -0.01, epsilon = 1e-12);
-    assert_eq!(PlacedWalls::at(&scene, 0.0).within(&Vector3::new(0.07, 0.0, 0.05), 0.031), 1);
+    // Driven walls are where the frame says: the lid 4 m lower, the door a quarter turn on at y = -9.
+    let driven = |wall: u32, displacement: f64| DrivenWall { wall, displacement, rate: 0.0 };
+    let driven_walls = vec![driven(2, 4.0), driven(3, std::f64::consts::FRAC_PI_2)];
+    let frame = Snapshot { driven_walls, ..Snapshot::default() };
+    let distance = |point: [f64; 3]| PlacedWalls::at(&scene, &frame).distance(&Vector3::from(point));
+    assert_abs_diff_eq!(distance([0.0, 0.0, 4.9]), 0.1, epsilon = 1e-12);
+    assert_abs_diff_eq!(distance([0.0, -8.8, 0.0]), 0.2, epsilon = 1e-12);
+    assert_eq!(at(0.0).within(&Vector3::new(0.07, 0.0, 0.05), 0.031), 1);
 }

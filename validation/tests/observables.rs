@@ -115,7 +115,7 @@ fn exponential_forces() -> (Scene, Recording) {
             }
         })
         .collect();
-    (scene, recording(vec![Snapshot { time: 0.0, particles: grains, contacts }]))
+    (scene, recording(vec![Snapshot { particles: grains, contacts, ..Snapshot::default() }]))
 }
 
 #[test]
@@ -184,7 +184,7 @@ shape = { kind = "plane", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
     };
     let contacts =
         vec![contact(Partner::Wall(0), -1.0, 2.0 * mass * 9.81), contact(Partner::Grain(1), 1.0, mass * 9.81)];
-    let run = recording(vec![Snapshot { time: 0.0, particles: grains, contacts }]);
+    let run = recording(vec![Snapshot { particles: grains, contacts, ..Snapshot::default() }]);
     let measurements = measure(&scene, &run);
     assert_abs_diff_eq!(value(&measurements, "wall_force_over_weight"), 1.0, epsilon = 1e-12);
     assert_abs_diff_eq!(value(&measurements, "largest_overlap"), 0.02, epsilon = 1e-9);

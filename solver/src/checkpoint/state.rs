@@ -33,8 +33,21 @@ pub(super) struct State {
     /// Angular impulses of the same, N m s, where contacts bear torques; empty elsewhere.
     pair_torques: Vec<[f64; 3]>,
     wall_torques: Vec<[f64; 3]>,
+    /// In the order of the scene.
+    driven_walls: Vec<DriveState>,
     /// Where one is kept.
     ledger: Option<Ledger>,
+}
+
+/// State of a driven wall.
+#[derive(Serialize, Deserialize)]
+struct DriveState {
+    /// m or rad
+    displacement: f64,
+    /// m/s or rad/s
+    rate: f64,
+    /// Displacement when the candidate list was built, m or rad.
+    displacement_in_list: f64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -145,6 +158,13 @@ impl State {
             }),
             pairs: pairs_borne,
             walls: walls_borne,
+            driven_walls: (world.drives.iter())
+                .map(|drive| DriveState {
+                    displacement: drive.displacement,
+                    rate: drive.rate,
+                    displacement_in_list: world.displacement_in_list(drive),
+                })
+                .collect(),
             ledger: simulation.ledger.clone(),
         }
     }
@@ -155,6 +175,8 @@ impl State {
         let (state, rest) = postcard::take_from_bytes::<State>(body)
             .map_err(|error| format!("does not hold what a checkpoint holds ({error})"))?;
         let impulses = state.pairs.iter().chain(&state.walls).flat_map(|known| &known.impulse);
+        let drives =
+            state.driven_walls.iter().flat_map(|wall| [wall.displacement, wall.rate, wall.displacement_in_list]);
         let torques = state.pair_torques.iter().chain(&state.wall_torques).flatten();
         let sound = rest.is_empty()
             && state.step.is_finite()
@@ -163,6 +185,7 @@ impl State {
             && state.list.as_ref().is_none_or(|list| list.built_at.is_finite() && list.rebuilds < LARGEST_COUNT)
             && impulses.clone().all(|component| component.abs() < LARGEST)
             && torques.clone().all(|component| component.abs() < LARGEST)
+            && drives.into_iter().all(|number| number.abs() < LARGEST)
             && [(&state.pairs, &state.pair_torques), (&state.walls, &state.wall_torques)]
                 .iter()
                 .all(|(borne, torques)| torques.is_empty() || torques.len() == borne.len())
@@ -176,9 +199,15 @@ impl State {
             return Err(format!("has a time step of {:e} s where the scene has {:e} s", self.step, scene.solver.step));
         }
         let mut simulation = self.start(scene)?;
+        let drives = simulation.world.drives.len();
+        if self.driven_walls.len() != drives {
+            return Err(format!("has {} driven walls where the scene has {drives}", self.driven_walls.len()));
+        }
         if let Some(list) = &self.list {
+            self.put_driven_walls(&mut simulation.world, |wall| wall.displacement_in_list);
             self.rebuild(&mut simulation, list)?;
         }
+        self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
         simulation.steps = self.steps;
         simulation.contact_sweeps = self.contact_sweeps;
         simulation.ledger = self.ledger.clone();
@@ -255,6 +284,14 @@ impl State {
             });
         }
         Ok(world)
+    }
+
+    /// Puts driven walls where they were at some time.
+    fn put_driven_walls(&self, world: &mut World, displacement: impl Fn(&DriveState) -> f64) {
+        for (drive, state) in world.drives.iter_mut().zip(&self.driven_walls) {
+            (drive.displacement, drive.rate) = (displacement(state), state.rate);
+        }
+        world.place_driven_walls();
     }
 
     /// Builds the candidate list where it was built, and gives its candidates their impulses.

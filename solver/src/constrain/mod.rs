@@ -15,7 +15,7 @@ use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
 use crate::lanes::{InstructionSet, Lanes, Number};
-use crate::partition::{Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups};
+use crate::partition::{DrivenContact, Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups, WallGroup};
 use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{ContactMaterial, Pose, World};
@@ -150,7 +150,35 @@ impl Constrainer {
         }
         (candidates.pair_impulses, candidates.wall_impulses) = (pair_impulses, wall_impulses);
         (candidates.pair_torques, candidates.wall_torques) = (pair_torques, wall_torques);
+        if !world.drives.is_empty() {
+            team.alone(Phase::Constrain, || self.list_driven(world, candidates, layout));
+        }
         layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts).sum();
+    }
+
+    /// Lists the contacts with driven walls, task after task.
+    fn list_driven(&self, world: &World, candidates: &Candidates, layout: &mut Layout) {
+        layout.driven.clear();
+        for task in layout.plan.tasks() {
+            let groups = &layout.groups[task.number as usize];
+            for group in groups.prescribed_walls()..groups.walls.len() {
+                for (lane, candidate) in groups.wall_sources[group].occupied() {
+                    let surface = candidates.walls[candidate].surface;
+                    let Some(drive) = world.drive_of(surface) else { continue };
+                    let WallGroup { body, contacts, .. } = &groups.walls[group];
+                    let centre = &world.spheres[body[lane] as usize].centre;
+                    let normal = Vector3::from(contacts.normal(lane));
+                    let point = centre + normal * self.poses[surface as usize].distance(centre);
+                    layout.driven.push(DrivenContact {
+                        task: task.number,
+                        group: group as u32,
+                        lane: lane as u32,
+                        drive: drive as u32,
+                        way: world.drives[drive].way(&point).into(),
+                    });
+                }
+            }
+        }
     }
 
     /// Lays out contacts for other effects than the world's materials call for.
@@ -210,7 +238,15 @@ impl Given<'_> {
             set.run(PackPairs::<false> { given: self, task, dummies, packer, groups, impulses });
         }
         // SAFETY: the caller's promise; places come from the candidate list.
-        unsafe { self.pack_walls(task, dummies, Packer::new(taken, base + (1 << 32), 0), groups, &remembered.walls) };
+        unsafe {
+            self.pack_walls(task, dummies, false, Packer::new(taken, base + (1 << 32), 0), groups, &remembered.walls);
+            if !self.world.drives.is_empty() {
+                let prescribed = groups.wall_groups();
+                let packer = Packer::new(taken, base + (1 << 32) + (1 << 31), 0);
+                self.pack_walls(task, dummies, true, packer, groups, &remembered.walls);
+                groups.driven_walls = groups.wall_groups() - prescribed;
+            }
+        }
         groups.finish(self.effects);
         if periodic {
             set.run(FillPairs::<true> { given: self, groups, impulses });

@@ -104,7 +104,8 @@ fn forget(impulse: &mut Impulse) {
 }
 
 impl Given<'_> {
-    /// Packs the wall contacts of a task that touch.
+    /// Packs the contacts of a task that touch walls, those with driven walls or those with the others, behind the groups that are
+    /// there.
     ///
     /// # Safety
     /// No other task may use the task's bodies and candidates meanwhile.
@@ -112,19 +113,24 @@ impl Given<'_> {
         &self,
         task: &PlannedTask,
         dummies: u32,
+        driven: bool,
         mut packer: Packer<'_>,
         groups: &mut TaskGroups,
         impulses: &Disjoint<'_, Impulse>,
     ) {
+        let before = groups.wall_groups();
         for candidate in task.walls.start as usize..task.walls.end as usize {
             let wall = self.candidates.walls[candidate];
+            if !self.world.drives.is_empty() && self.world.drive_of(wall.surface).is_some() != driven {
+                continue;
+            }
             let sphere = &self.world.spheres[wall.body as usize];
             let distance = self.poses[wall.surface as usize].distance(&sphere.centre);
             // SAFETY: the caller's promise.
             unsafe {
                 if distance < sphere.radius + self.constants.reach || self.meets(&wall).is_some() {
-                    let place = packer.place([wall.body]);
-                    groups.put_wall(place, wall, candidate as u32, dummies);
+                    let (group, lane) = packer.place([wall.body]);
+                    groups.put_wall((before + group, lane), wall, candidate as u32, dummies);
                     groups.contacts += 1;
                 } else {
                     forget(impulses.at(candidate));

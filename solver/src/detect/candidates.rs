@@ -8,7 +8,7 @@ use super::search::{Found, PairSearch, WallReach};
 use crate::lanes::InstructionSet;
 use crate::partition::{BoxGrid, Plan, STAGES};
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{Pose, World};
+use crate::world::{Pose, Surface, World};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -169,6 +169,7 @@ impl Candidates {
             self.reference.clear();
             self.reference.extend(world.spheres[..world.grains()].iter().map(|sphere| sphere.centre));
         });
+        world.surfaces.iter_mut().for_each(Surface::enter_list);
         self.built_at = world.time;
         self.rebuilds += 1;
     }

@@ -5,6 +5,7 @@
 
 pub mod cohesion;
 pub mod compliance;
+pub mod drive;
 pub mod friction;
 pub mod gravity;
 pub mod period;

@@ -7,13 +7,14 @@
 use super::group::{Block, Visit, Visiting};
 use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
+use crate::effects::drive::Drive;
 use crate::effects::{Frictional, Frictionless};
 use crate::lanes::{Eight, LANES};
 use crate::partition::{Layout, STAGES, SingleCopy};
 use crate::scene::{Precision, SolverMethod, SolverSettings};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::solve::{Unknowns, sweep_all};
-use crate::sweep::{Relaxation, Residual, Residuals, TaskResidual};
+use crate::sweep::{Relaxation, Residual, Residuals, TaskResidual, tell_driven};
 use crate::world::Body;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -32,6 +33,7 @@ pub(crate) struct Tally {
 /// A step's contacts and bodies, who works on them, and memory that is reused from solve to solve.
 pub(crate) struct Problem<'a> {
     pub bodies: &'a mut [Body],
+    pub drives: &'a mut [Drive],
     pub layout: &'a mut Layout,
     pub relaxation: &'a Relaxation,
     pub settings: &'a SolverSettings,
@@ -127,7 +129,12 @@ impl Problem<'_> {
             Precision::Double => Unknowns::double(self.bodies, &mut self.layout.groups),
             Precision::Single => Unknowns::single(&mut self.workspace.single),
         };
-        let sums = sweep_all(&self.layout.plan, &unknowns, self.relaxation, factor, inner, residuals, self.team);
+        let mut sums = sweep_all(&self.layout.plan, &unknowns, self.relaxation, factor, inner, residuals, self.team);
+        if !self.drives.is_empty() {
+            let Problem { bodies, drives, layout, relaxation, team, .. } = self;
+            let driven = || relaxation.sweep_driven(bodies, layout, drives, factor, measure);
+            sums.merge(&team.alone(Phase::Sweep, driven));
+        }
         measure.then(|| sums.finish(self.layout.contacts))
     }
 
@@ -219,6 +226,7 @@ impl Problem<'_> {
 
     /// Natural-map residuals of the present state, and by how much impulses leave their cones, m/s.
     pub fn measure(&mut self) -> (Residuals, Residual) {
+        tell_driven(self.layout, self.drives);
         let tallies = &mut self.workspace.tallies;
         {
             let (bodies, tallies) = (&*self.bodies, Tally::of_tasks(tallies, self.layout));

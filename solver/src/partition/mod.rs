@@ -8,7 +8,8 @@
 //!       interior f_x f_y f_z e_xy e_yz e_zx corner
 //! ```
 //!
-//! Walls are fixed, so a wall contact belongs to the interior of its grain's box. Inside a task contacts are packed into
+//! No contact moves a wall, so a wall contact belongs to the interior of its grain's box; driven walls are the exception, whose
+//! contacts come behind all stages, one by one. Inside a task contacts are packed into
 //! lane groups of eight that share no body. All of this depends on the scene alone, never on threads or machine.
 
 mod boxes;
@@ -44,6 +45,8 @@ pub struct TaskGroups {
     pub pair_pulls: Vec<Eight>,
     /// The same of the contacts with walls.
     pub wall_pulls: Vec<Eight>,
+    /// Number of groups at the end of `walls` that are with driven walls: no sweep over lanes relaxes them.
+    pub driven_walls: usize,
     /// Number of contacts, padding lanes left out.
     pub contacts: usize,
     pairs_used: usize,
@@ -57,8 +60,33 @@ pub struct Layout {
     pub plan: Plan,
     /// Lane groups of every task that can be, by its number ([`BoxGrid::task`]).
     pub groups: Vec<TaskGroups>,
+    /// The contacts with driven walls, in the order in which they are relaxed.
+    pub driven: Vec<DrivenContact>,
     /// Number of contacts, padding lanes left out.
     pub contacts: usize,
+}
+
+/// Where a contact with a driven wall lies in the layout, and how it moves the wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrivenContact {
+    /// Number of its task.
+    pub task: u32,
+    /// Number of its group among the task's groups of wall contacts.
+    pub group: u32,
+    /// Its lane.
+    pub lane: u32,
+    /// Number of the drive.
+    pub drive: u32,
+    /// How its point of the wall moves when the drive's coordinate grows by one: no unit, or m.
+    pub way: [f64; 3],
+}
+
+impl TaskGroups {
+    /// Groups of contacts with walls that move as prescribed or not at all.
+    #[inline(always)]
+    pub fn prescribed_walls(&self) -> usize {
+        self.walls.len() - self.driven_walls
+    }
 }
 
 impl Layout {
@@ -89,6 +117,7 @@ impl Layout {
                 + task.wall_torques.capacity() * size_of::<WallTorqueLanes>()
                 + (task.pair_pulls.capacity() + task.wall_pulls.capacity()) * size_of::<Eight>()
         };
-        self.groups.iter().map(of_task).sum::<usize>() + self.plan.memory_bytes()
+        let driven = self.driven.capacity() * size_of::<DrivenContact>();
+        self.groups.iter().map(of_task).sum::<usize>() + self.plan.memory_bytes() + driven
     }
 }

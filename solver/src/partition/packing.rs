@@ -186,9 +186,14 @@ impl TaskGroups {
         self.wall_sources[group].set(lane, candidate);
     }
 
+    /// Number of groups of wall contacts so far.
+    pub(crate) fn wall_groups(&self) -> usize {
+        self.walls_used
+    }
+
     /// Starts to lay out a step anew.
     pub(crate) fn restart(&mut self) {
-        (self.pairs_used, self.walls_used, self.contacts) = (0, 0, 0);
+        (self.pairs_used, self.walls_used, self.driven_walls, self.contacts) = (0, 0, 0, 0);
     }
 
     /// Drops the groups that this step does not need, and gives each of the others room for what the scene calls for besides;

@@ -30,7 +30,9 @@ pub(super) fn check(scene: &Scene) -> Checked {
     }
     for (index, wall) in scene.wall.iter().enumerate() {
         let vibrates = matches!(wall.motion, Motion::Vibrating { .. });
-        needs(cfg!(feature = "vibration"), vibrates, &root.key("wall").index(index).key("motion"), "vibration")?;
+        let (motion, driven) = (root.key("wall").index(index).key("motion"), wall.motion.is_driven());
+        needs(cfg!(feature = "vibration"), vibrates, &motion, "vibration")?;
+        needs(cfg!(feature = "driven-walls"), driven, &motion, "driven-walls")?;
     }
     let (changes, periodic) = (!scene.gravity_changes.is_empty(), !scene.domain.periodic.is_empty());
     needs(cfg!(feature = "changing-gravity"), changes, &root.key("gravity_changes"), "changing-gravity")?;

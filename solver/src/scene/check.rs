@@ -184,6 +184,19 @@ fn walls(scene: &Scene) -> Checked {
                 motion.key("frequency").range(*frequency, 0.0, 1e6, "Hz")?;
                 interval(&motion, *start, *stop)?;
             }
+            Motion::ForceDriven { axis, force, mass, start } => {
+                motion.key("axis").direction(axis)?;
+                motion.key("force").range(*force, -1e12, 1e12, "N")?;
+                motion.key("mass").range(*mass, 1e-12, 1e12, "kg")?;
+                interval(&motion, *start, None)?;
+            }
+            Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
+                motion.key("point").finite(point)?;
+                motion.key("axis").direction(axis)?;
+                motion.key("torque").range(*torque, -1e12, 1e12, "N m")?;
+                motion.key("moment_of_inertia").range(*moment_of_inertia, 1e-15, 1e15, "kg m2")?;
+                interval(&motion, *start, None)?;
+            }
         }
     }
     Ok(())
@@ -332,13 +345,16 @@ pub(super) fn solver(scene: &Scene) -> Checked {
         return Err(at.key("precision").fault(problem, "single precision goes with gauss-seidel alone; leave one out"));
     }
     let plain = settings.precision == Precision::Double && settings.method == SolverMethod::GaussSeidel;
-    if let (false, Some(effect)) = (plain, resistance(scene)) {
+    let resists = resistance(scene).map(|effect| (format!("a material has {effect}"), "torques go"));
+    let driven = scene.wall.iter().find(|wall| wall.motion.is_driven());
+    let drives = driven.map(|wall| (format!("wall '{}' is driven", wall.name), "driven walls go"));
+    if let (false, Some((effect, it_goes))) = (plain, resists.or(drives)) {
         let (key, problem) = match settings.precision {
-            Precision::Single => ("precision", format!("single, where a material has {effect}")),
-            Precision::Double => ("method", format!("{}, where a material has {effect}", settings.method.name())),
+            Precision::Single => ("precision", format!("single, where {effect}")),
+            Precision::Double => ("method", format!("{}, where {effect}", settings.method.name())),
         };
-        let remedy = "torques go with gauss-seidel in double precision alone; leave one out";
-        return Err(at.key(key).fault(problem, remedy));
+        let remedy = format!("{it_goes} with gauss-seidel in double precision alone; leave one out");
+        return Err(at.key(key).fault(problem, &remedy));
     }
     let stop = at.key("stop");
     match settings.stop {

@@ -1,5 +1,6 @@
 //! Errors of scene files: which file, which line, what is wrong, what would be right.
 
+use super::Scene;
 use std::path::{Path, PathBuf};
 
 /// Why a scene was refused.
@@ -39,17 +40,34 @@ impl SceneError {
     pub(super) fn from_toml(file: &Path, text: &str, error: &toml::de::Error) -> SceneError {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         let problem = error.message().replace('\n', " ");
+        let kinds = || error.span().and_then(|span| kinds_at(text, span.start));
         let remedy = if problem.starts_with("unknown field") || problem.starts_with("unknown variant") {
-            "use one of the names listed"
+            "use one of the names listed".into()
+        } else if let Some(kinds) = problem.starts_with("missing field `kind`").then(kinds).flatten() {
+            format!("add that key to the table: {kinds}")
         } else if problem.starts_with("missing field") {
-            "add that key to the table"
+            "add that key to the table".into()
         } else if problem.contains("expected f64") {
-            "write a plain number in SI units, such as radius = 0.005 for 5 mm"
+            "write a plain number in SI units, such as radius = 0.005 for 5 mm".into()
         } else {
-            "see the scenes under reference-scenes/ for the form"
+            "see the scenes under reference-scenes/ for the form".into()
         };
-        SceneError::Invalid { file: file.to_path_buf(), line, problem, remedy: remedy.to_string() }
+        SceneError::Invalid { file: file.to_path_buf(), line, problem, remedy }
     }
+}
+
+/// The kinds that a table may have which names none, in the words of its reader: what it says of one that is not there.
+fn kinds_at(text: &str, table: usize) -> Option<String> {
+    const NONE: &str = "?";
+    let (head, rest) = text.split_at_checked(table)?;
+    let (opening, key) = match rest.starts_with('{') {
+        true => (1, format!("kind = \"{NONE}\", ")),
+        false => (rest.find('\n')?, format!("\nkind = \"{NONE}\"")),
+    };
+    let (opening, body) = rest.split_at_checked(opening)?;
+    let error = toml::from_str::<Scene>(&[head, opening, &key, body].concat()).err()?;
+    let listed = error.message().strip_prefix(&format!("unknown variant `{NONE}`, expected "))?;
+    Some(listed.to_string())
 }
 
 /// A value that is wrong: where in the document, what, and what would be right.

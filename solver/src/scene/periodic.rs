@@ -71,12 +71,19 @@ fn breaks(wall: &Wall, axis: Axis, ends: [f64; 2]) -> Option<&'static str> {
         Shape::Spheres { .. } => None,
     };
     face.or_else(|| match (&wall.motion, &wall.shape) {
-        (Motion::Rotating { axis: turning, .. }, Shape::Plane { normal, .. }) => {
+        (
+            Motion::Rotating { axis: turning, .. } | Motion::TorqueDriven { axis: turning, .. },
+            Shape::Plane { normal, .. },
+        ) => {
             let own = Vector3::from(*normal).cross(&Vector3::from(*turning)).norm() < PARALLEL;
             (!own && !parallel(turning)).then_some("it turns about another axis")
         }
-        (Motion::Rotating { .. }, Shape::Spheres { .. }) => Some("spheres that turn about an axis"),
-        (Motion::Rotating { axis: turning, .. }, _) => (!parallel(turning)).then_some("it turns about another axis"),
+        (Motion::Rotating { .. } | Motion::TorqueDriven { .. }, Shape::Spheres { .. }) => {
+            Some("spheres that turn about an axis")
+        }
+        (Motion::Rotating { axis: turning, .. } | Motion::TorqueDriven { axis: turning, .. }, _) => {
+            (!parallel(turning)).then_some("it turns about another axis")
+        }
         _ => None,
     })
 }

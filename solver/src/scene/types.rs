@@ -203,7 +203,7 @@ pub enum Shape {
     },
 }
 
-/// Prescribed motion of a wall.
+/// Motion of a wall: prescribed, or driven by a force or a torque.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Motion {
@@ -249,6 +249,32 @@ pub enum Motion {
         /// Time at which it ends, s, and the wall stays where it is; never, if absent.
         stop: Option<f64>,
     },
+    /// Along an axis, as a force, its weight and the grains will have it: see [`drive`](crate::effects::drive).
+    ForceDriven {
+        /// Direction in which it can move; need not be of unit length.
+        axis: [f64; 3],
+        /// Force along the axis, besides its weight and what the grains bear, N.
+        force: f64,
+        /// Mass, kg; gravity acts on it.
+        mass: f64,
+        /// Time at which it is let go, s; until then it is held.
+        #[serde(default)]
+        start: f64,
+    },
+    /// About an axis, as a torque and the grains will have it: see [`drive`](crate::effects::drive).
+    TorqueDriven {
+        /// A point of the axis, metres.
+        point: [f64; 3],
+        /// Direction of the axis; need not be of unit length.
+        axis: [f64; 3],
+        /// Torque about the axis by the right-hand rule, besides what the grains exert, N m.
+        torque: f64,
+        /// Moment of inertia about the axis, kg m2.
+        moment_of_inertia: f64,
+        /// Time at which it is let go, s; until then it is held.
+        #[serde(default)]
+        start: f64,
+    },
 }
 
 impl Motion {
@@ -261,6 +287,11 @@ impl Motion {
             }
             _ => None,
         }
+    }
+
+    /// Whether a force or a torque drives it.
+    pub fn is_driven(&self) -> bool {
+        matches!(self, Motion::ForceDriven { .. } | Motion::TorqueDriven { .. })
     }
 }
 

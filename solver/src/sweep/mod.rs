@@ -1,6 +1,7 @@
 //! One relaxation of a task's lane groups, in the same arithmetic on every instruction set.
 
 mod count;
+mod driven;
 pub(crate) mod kernel;
 mod residual;
 mod scalar;
@@ -8,6 +9,7 @@ mod single;
 mod torques;
 
 pub use count::Operations;
+pub(crate) use driven::{start_driven, tell_driven};
 pub(crate) use residual::{LaneResidual, TaskResidual};
 pub use residual::{Residual, Residuals};
 
@@ -191,7 +193,8 @@ impl<E: Effects, const MEASURE: bool> Kernel for Sweep<'_, E, MEASURE> {
                 contact.write::<E, _>(&mut group.contacts, L::store);
             }
         }
-        for (number, group) in self.groups.walls.iter_mut().enumerate() {
+        let prescribed = self.groups.prescribed_walls();
+        for (number, group) in self.groups.walls[..prescribed].iter_mut().enumerate() {
             // SAFETY: as above.
             unsafe {
                 let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);

@@ -42,7 +42,8 @@ pub(super) unsafe fn sweep<E: Effects, const MEASURE: bool>(
             }
         }
     }
-    for (number, group) in groups.walls.iter_mut().enumerate() {
+    let prescribed = groups.prescribed_walls();
+    for (number, group) in groups.walls[..prescribed].iter_mut().enumerate() {
         for lane in 0..LANES {
             let place = group.body[lane];
             let mut grain = Bodies::of(at(place));
@@ -68,7 +69,7 @@ pub(super) unsafe fn sweep<E: Effects, const MEASURE: bool>(
 }
 
 #[inline(always)]
-fn put<E: Effects>(body: &mut Body, new: &Bodies<f64>) {
+pub(super) fn put<E: Effects>(body: &mut Body, new: &Bodies<f64>) {
     body.velocity = new.velocity;
     if E::FRICTION {
         body.surface_speed = new.surface_speed;

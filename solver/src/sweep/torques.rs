@@ -21,7 +21,7 @@ pub(crate) struct Torque<N> {
 impl<N: Number> Bodies<N> {
     /// Angular velocity, rad/s.
     #[inline(always)]
-    fn spin(&self) -> [N; 3] {
+    pub(super) fn spin(&self) -> [N; 3] {
         times(self.surface_speed, self.inverse_radius)
     }
 
@@ -34,7 +34,7 @@ impl<N: Number> Bodies<N> {
 
     /// One over the moment of inertia, 1/(kg m2).
     #[inline(always)]
-    fn inverse_inertia(&self) -> N {
+    pub(super) fn inverse_inertia(&self) -> N {
         self.inverse_mass * self.inverse_radius * self.inverse_radius * N::splat(INVERSE_INERTIA)
     }
 }
@@ -60,7 +60,7 @@ impl<N: Number> Torque<N> {
 
     /// The one-contact solution: updates the impulse and returns the change. Residuals are surface velocities, m/s.
     #[inline(always)]
-    fn relax<E: Effects, const MEASURE: bool>(
+    pub(super) fn relax<E: Effects, const MEASURE: bool>(
         &mut self,
         (normal, normal_impulse): ([N; 3], N),
         spin: [N; 3],

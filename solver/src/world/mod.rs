@@ -7,6 +7,7 @@ pub use materials::{ContactMaterial, MaterialTable};
 pub use surface::{Pose, Surface};
 
 use crate::effects::compliance::NormalContact;
+use crate::effects::drive::Drive;
 use crate::effects::gravity::Field;
 use crate::effects::period::Period;
 use crate::lanes::{LANES, Quad};
@@ -79,6 +80,8 @@ pub struct World {
     pub(crate) spins_before: Vec<Quad>,
     /// Faces of the scene's walls.
     pub surfaces: Vec<Surface>,
+    /// Walls among them that a force or a torque drives.
+    pub drives: Vec<Drive>,
     /// Pair properties.
     pub table: MaterialTable,
     /// Acceleration of gravity at the present time, m/s2.
@@ -122,6 +125,7 @@ impl World {
                     Surface::of_wall(wall, &scene.domain, index as u32, table.number(&wall.material))
                 })
                 .collect(),
+            drives: (0..).zip(&scene.wall).filter_map(|(index, wall)| Drive::of(wall, index)).collect(),
             table,
             gravity: Vector3::from(scene.gravity),
             field: scene.gravity_field(),
@@ -175,6 +179,26 @@ impl World {
         if self.field.changes() {
             self.gravity = self.field.at(time);
         }
+    }
+
+    /// Puts the faces of driven walls where their drives have moved them.
+    pub(crate) fn place_driven_walls(&mut self) {
+        for drive in &self.drives {
+            let faces = self.surfaces.iter_mut().filter(|surface| surface.wall == drive.wall);
+            faces.for_each(|surface| surface.put(drive.displacement, drive.rate));
+        }
+    }
+
+    /// Displacement of a driven wall when the candidate list was built, m or rad.
+    pub(crate) fn displacement_in_list(&self, drive: &Drive) -> f64 {
+        let face = self.surfaces.iter().find(|surface| surface.wall == drive.wall);
+        face.map_or(0.0, Surface::displacement_in_list)
+    }
+
+    /// Number of the drive of a surface, if it has one.
+    pub(crate) fn drive_of(&self, surface: u32) -> Option<usize> {
+        let wall = self.surfaces[surface as usize].wall;
+        self.drives.iter().position(|drive| drive.wall == wall)
     }
 
     /// Number of grains.

@@ -18,6 +18,11 @@ pub struct Surface {
     motion: Motion,
     /// Whether its motion maps the face onto itself, so that only velocities change.
     in_place: bool,
+    /// How far a drive has moved it, m or rad, now and when the candidate list was built; zero where nothing drives it.
+    displacement: f64,
+    displacement_in_list: f64,
+    /// How fast a drive moves it, m/s or rad/s.
+    rate: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -110,11 +115,29 @@ impl Surface {
             in_place: keeps_in_place(&shape, &wall.motion),
             shape,
             motion: wall.motion.clone(),
+            displacement: 0.0,
+            displacement_in_list: 0.0,
+            rate: 0.0,
         };
         faces.into_iter().map(surface).collect()
     }
 
-    /// The face at a time, with its velocity there.
+    /// Where a drive has moved it, m or rad, and how fast it moves it, m/s or rad/s. Faces that nothing drives take no notice.
+    pub fn put(&mut self, displacement: f64, rate: f64) {
+        (self.displacement, self.rate) = (displacement, rate);
+    }
+
+    /// Keeps in mind where a drive has it while the candidate list is built.
+    pub(crate) fn enter_list(&mut self) {
+        self.displacement_in_list = self.displacement;
+    }
+
+    /// Where a drive had it then, m or rad.
+    pub(crate) fn displacement_in_list(&self) -> f64 {
+        self.displacement_in_list
+    }
+
+    /// The face at a time, with its velocity there; a driven one as it was last put.
     pub fn at(&self, time: f64) -> Pose {
         let zero = Vector::zeros();
         let mut pose = Pose { shape: self.shape, velocity: zero, gain: zero, spin: zero, centre: zero };
@@ -146,6 +169,18 @@ impl Surface {
                     pose.velocity = vibration.velocity(time).into();
                 }
             }
+            Motion::ForceDriven { axis, .. } => {
+                let axis = Vector::from(*axis).normalize();
+                pose.shape = self.shape.moved(axis * self.displacement);
+                pose.velocity = axis * self.rate;
+            }
+            Motion::TorqueDriven { point, axis, .. } => {
+                let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
+                if !self.in_place {
+                    pose.shape = self.shape.turned(centre, axis, self.displacement);
+                }
+                (pose.spin, pose.centre) = (axis * self.rate, centre);
+            }
         }
         pose
     }
@@ -168,7 +203,8 @@ impl Surface {
         !matches!(self.motion, Motion::Fixed)
     }
 
-    /// Upper bound of how far a point of the face within `reach` of the motion's centre moves between two times, m.
+    /// Upper bound of how far a point of the face within `reach` of the motion's centre moves between two times, m; of a driven one
+    /// since it entered the list.
     pub fn largest_shift(&self, from: f64, to: f64, reach: f64) -> f64 {
         match &self.motion {
             _ if self.in_place => 0.0,
@@ -182,6 +218,8 @@ impl Surface {
             Motion::Rotating { rate, start, stop, .. } => {
                 rate.abs() * reach * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
             }
+            Motion::ForceDriven { .. } => (self.displacement - self.displacement_in_list).abs(),
+            Motion::TorqueDriven { .. } => (self.displacement - self.displacement_in_list).abs() * reach,
         }
     }
 }
@@ -196,7 +234,7 @@ fn is_active(time: f64, start: f64, stop: Option<f64>) -> bool {
 }
 
 fn keeps_in_place(shape: &Face, motion: &Motion) -> bool {
-    let Motion::Rotating { point, axis, .. } = motion else {
+    let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = motion else {
         return matches!(motion, Motion::Fixed);
     };
     let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());

@@ -115,7 +115,12 @@ impl Image {
             tangential_force: polar(contact.tangential_force),
             ..*contact
         };
-        Snapshot { time: snapshot.time, particles, contacts: snapshot.contacts.iter().map(contact).collect() }
+        Snapshot {
+            time: snapshot.time,
+            particles,
+            contacts: snapshot.contacts.iter().map(contact).collect(),
+            driven_walls: snapshot.driven_walls.clone(),
+        }
     }
 }
 

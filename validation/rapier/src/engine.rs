@@ -317,5 +317,5 @@ fn snapshot(world: &PhysicsWorld, grains: &[Grain], time: f64, step: f64) -> Sna
             }
         }
     }
-    Snapshot { time, particles, contacts }
+    Snapshot { time, particles, contacts, ..Snapshot::default() }
 }

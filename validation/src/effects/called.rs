@@ -94,6 +94,8 @@ fn wall_motion(scene: &Scene, text: &str) -> Called {
         Motion::Translating { .. } => Some("translates"),
         Motion::Rotating { .. } => Some("rotates"),
         Motion::Vibrating { .. } => Some("vibrates"),
+        Motion::ForceDriven { .. } => Some("is driven by a force"),
+        Motion::TorqueDriven { .. } => Some("is driven by a torque"),
     };
     let mut walls = scene.wall.iter().enumerate();
     match walls.find_map(|(index, wall)| Some((index, wall, moving(&wall.motion)?))) {

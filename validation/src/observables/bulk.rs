@@ -56,7 +56,7 @@ impl Bulk {
     }
 
     fn grains(&self, setting: &Setting<'_>, frame: &Snapshot) -> usize {
-        let walls = PlacedWalls::at(setting.scene, frame.time);
+        let walls = PlacedWalls::at(setting.scene, frame);
         frame.particles.iter().filter(|grain| self.contains(&walls, &grain.position.into())).count()
     }
 

@@ -28,7 +28,7 @@ pub struct View<'a> {
 impl<'a> View<'a> {
     /// A view of a frame.
     pub fn new(setting: &'a Setting<'a>, bulk: &'a Bulk, frame: &'a Snapshot) -> Self {
-        let walls = PlacedWalls::at(setting.scene, frame.time);
+        let walls = PlacedWalls::at(setting.scene, frame);
         Self { setting, bulk, frame, walls, pairs: OnceCell::new(), in_bulk: OnceCell::new() }
     }
 

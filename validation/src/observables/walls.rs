@@ -2,6 +2,7 @@
 
 use makadam::effects::period::Period;
 use makadam::scene::{Domain, Motion, Scene, Shape, Wall};
+use makadam::snapshot::Snapshot;
 use nalgebra::{Rotation3, Unit, Vector3};
 
 /// The walls of a scene at one time, as flat and round primitives.
@@ -22,11 +23,17 @@ enum Primitive {
 }
 
 impl PlacedWalls {
-    /// The walls of a scene at `time` (s).
+    /// The walls of a scene at the time of a frame.
     ///
     /// The ends of a periodic axis count as walls: a frame does not have the neighbours that grains there have beyond.
-    pub fn at(scene: &Scene, time: f64) -> Self {
-        let walls = scene.wall.iter().flat_map(|wall| place(wall, &scene.domain.period(), time));
+    pub fn at(scene: &Scene, frame: &Snapshot) -> Self {
+        let displacement = |index: u32| {
+            let driven = frame.driven_walls.iter().find(|driven| driven.wall == index);
+            driven.map_or(0.0, |driven| driven.displacement)
+        };
+        let walls = (0..).zip(&scene.wall);
+        let walls =
+            walls.flat_map(|(index, wall)| place(wall, &scene.domain.period(), frame.time, displacement(index)));
         Self(walls.chain(ends(&scene.domain)).collect())
     }
 
@@ -52,7 +59,8 @@ fn ends(domain: &Domain) -> impl Iterator<Item = Placed> + '_ {
     faces.map(|primitive| Placed { primitive, shift: Vector3::zeros(), turn: None })
 }
 
-fn place(wall: &Wall, period: &Period, time: f64) -> Vec<Placed> {
+/// A wall at a time (s), `driven` (m or rad) from where the scene placed it if a force or a torque drives it.
+fn place(wall: &Wall, period: &Period, time: f64, driven: f64) -> Vec<Placed> {
     let elapsed = |start: f64, stop: Option<f64>| (time.min(stop.unwrap_or(f64::INFINITY)) - start).max(0.0);
     let (mut shift, mut turn) = (Vector3::zeros(), None);
     match &wall.motion {
@@ -67,6 +75,11 @@ fn place(wall: &Wall, period: &Period, time: f64) -> Vec<Placed> {
         Motion::Vibrating { amplitude, frequency, start, stop } => {
             let phase = std::f64::consts::TAU * frequency * elapsed(*start, *stop);
             shift = Vector3::from(*amplitude) * phase.sin();
+        }
+        Motion::ForceDriven { axis, .. } => shift = Vector3::from(*axis).normalize() * driven,
+        Motion::TorqueDriven { point, axis, .. } => {
+            let axis = Unit::new_normalize(Vector3::from(*axis));
+            turn = Some((Vector3::from(*point), Rotation3::from_axis_angle(&axis, -driven)));
         }
     }
     primitives(&wall.shape, period).into_iter().map(|primitive| Placed { primitive, shift, turn }).collect()

@@ -58,7 +58,8 @@ impl Plan {
     /// The phases of a wall's motion within the run, in their order.
     pub fn phases(&self, motion: &Motion) -> Vec<MotionPhase> {
         let (start, stop, reverse) = match motion {
-            Motion::Fixed => return Vec::new(),
+            // No peer is asked for a driven wall.
+            Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return Vec::new(),
             Motion::Translating { start, stop, .. } | Motion::Vibrating { start, stop, .. } => (*start, *stop, None),
             Motion::Rotating { start, stop, reverse, .. } => (*start, *stop, *reverse),
         };

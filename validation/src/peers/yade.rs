@@ -276,7 +276,7 @@ fn job_file<'a>(
 fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<MotionEntry> {
     let size = |vector: &[f64; 3]| Vector3::from(*vector).norm();
     let (kind, point, direction, rate, frequency) = match motion {
-        Motion::Fixed => return None,
+        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return None,
         Motion::Translating { velocity, .. } => ("translating", [0.0; 3], *velocity, size(velocity), 0.0),
         Motion::Rotating { point, axis, rate, .. } => ("rotating", *point, *axis, *rate, 0.0),
         Motion::Vibrating { amplitude, frequency, .. } => {
@@ -337,7 +337,8 @@ pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snap
             let force = Vector3::new(r[9], r[10], r[11]);
             list.extend(contact_from_force(r[0] as u32, partner, [r[3], r[4], r[5]], normal, force));
         }
-        frames.push(measurable(Snapshot { time, particles, contacts: merge_wall_contacts(list) })?);
+        let contacts = merge_wall_contacts(list);
+        frames.push(measurable(Snapshot { time, particles, contacts, ..Snapshot::default() })?);
         left -= HEADER + GRAIN_ROW * radii.len() + CONTACT_ROW * count;
     }
     Ok(frames)

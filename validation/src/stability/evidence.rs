@@ -140,7 +140,7 @@ impl<'a> Evidence<'a> {
             let effective_radius = a * b / (a + b);
             stored(-pair.gap, effective_radius, [material(pair.first), material(pair.second)])
         });
-        let walls = self.surfaces(frame.time).into_iter().flat_map(|(wall, pose)| {
+        let walls = self.surfaces(frame).into_iter().flat_map(|(wall, pose)| {
             let wall = &self.scene.material[&self.scene.wall[wall].material];
             grains.iter().enumerate().map(move |(id, grain)| {
                 stored(grain.radius - pose.distance(&grain.position.into()), grain.radius, [material(id), wall])
@@ -158,7 +158,7 @@ impl<'a> Evidence<'a> {
                 .into_iter()
                 .map(|pair| -pair.gap / grains[pair.first].radius.min(grains[pair.second].radius))
                 .fold(0.0, f64::max);
-            let surfaces = self.surfaces(frame.time);
+            let surfaces = self.surfaces(frame);
             let walls = surfaces.iter().flat_map(|(_, pose)| {
                 grains.iter().map(|grain| 1.0 - pose.distance(&grain.position.into()) / grain.radius)
             });
@@ -176,11 +176,17 @@ impl<'a> Evidence<'a> {
         self.last().particles.iter().filter(outside).count() as f64
     }
 
-    /// Faces of the walls at a time, with the wall's place in the scene.
-    fn surfaces(&self, time: f64) -> Vec<(usize, Pose)> {
+    /// Faces of the walls in a frame, with the wall's place in the scene.
+    fn surfaces(&self, frame: &Snapshot) -> Vec<(usize, Pose)> {
         let walls = self.scene.wall.iter().enumerate();
         let faces = walls.flat_map(|(place, wall)| Surface::of_wall(wall, &self.scene.domain, place as u32, 0));
-        faces.map(|face| (face.wall as usize, face.at(time))).collect()
+        let placed = faces.map(|mut face| {
+            if let Some(driven) = frame.driven_walls.iter().find(|driven| driven.wall == face.wall) {
+                face.put(driven.displacement, driven.rate);
+            }
+            (face.wall as usize, face.at(frame.time))
+        });
+        placed.collect()
     }
 }
 

@@ -101,7 +101,7 @@ pub fn particles(places: impl IntoIterator<Item = Vector3<f64>>, radius: f64) ->
 
 /// A frame without contacts.
 pub fn frame(time: f64, particles: Vec<Particle>) -> Snapshot {
-    Snapshot { time, particles, contacts: Vec::new() }
+    Snapshot { time, particles, ..Snapshot::default() }
 }
 
 /// The value of an observable that must be there.

@@ -282,7 +282,11 @@ impl<'a> Session<'a> {
         ];
         let known = COLUMNS.iter().map(ToString::to_string).zip(values).filter(|(_, value)| value.is_finite());
         let measured = instant(self.scene, &frame).into_iter().filter(|(name, _)| !COLUMNS.contains(&name.as_str()));
-        let row: Vec<(String, f64)> = known.chain(measured).collect();
+        let driven = frame.driven_walls.iter().flat_map(|driven| {
+            let name = &self.scene.wall[driven.wall as usize].name;
+            [(format!("{name}_displacement"), driven.displacement), (format!("{name}_rate"), driven.rate)]
+        });
+        let row: Vec<(String, f64)> = known.chain(measured).chain(driven).collect();
         self.table.push(row)?;
         let measured = self.scene.measure.from.is_some_and(|from| frame.time - self.progress.started >= from - 1e-9);
         if !measured {

@@ -178,7 +178,7 @@ mod tests {
                     spin: [0.0; 3],
                 }
             };
-            let frame = Snapshot { time: 0.0, particles: (0..200).map(layer).collect(), contacts: Vec::new() };
+            let frame = Snapshot { particles: (0..200).map(layer).collect(), ..Snapshot::default() };
             let mut profile = Profile::default();
             profile.add(&frame);
             let fit = profile.fit();
@@ -211,7 +211,7 @@ mod tests {
         };
         let particles = vec![grain(0, 8.4, [1.0, 0.0, 0.0]), grain(1, 8.1, [1.0, 0.0, 0.0])];
         let mut profile = Profile::default();
-        profile.add(&Snapshot { time: 0.0, particles, contacts: vec![contact] });
+        profile.add(&Snapshot { particles, contacts: vec![contact], ..Snapshot::default() });
         let found = stress([&profile.bins[16]].into_iter(), 2.0);
         assert_relative_eq!(found.normal, 3.0 * DIAMETER / 2.0, max_relative = 1e-12);
         assert_relative_eq!(found.shear, DIAMETER / 2.0, max_relative = 1e-12);
@@ -221,7 +221,7 @@ mod tests {
         // Two grains of a bin that part across the chute; that both move along it is no stress.
         let particles = vec![grain(0, 8.2, [5.0, 2.0, 0.0]), grain(1, 8.3, [5.0, -2.0, 0.0])];
         let mut profile = Profile::default();
-        profile.add(&Snapshot { time: 0.0, particles, contacts: Vec::new() });
+        profile.add(&Snapshot { particles, ..Snapshot::default() });
         let found = stress([&profile.bins[16]].into_iter(), 1.0);
         let mass = DENSITY * PI / 6.0 * DIAMETER.powi(3);
         assert_relative_eq!(found.across, 8.0 * mass, max_relative = 1e-12);

@@ -230,7 +230,7 @@ fn pieces(text: &mut String, scene: &Scene, meshes: &[(usize, Mesh)], plan: &Pla
 
 fn start_motion(text: &mut String, wall: usize, motion: &Motion, direction: f64) {
     let _ = match motion {
-        Motion::Fixed => Ok(()),
+        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => Ok(()),
         Motion::Translating { velocity: [x, y, z], .. } => {
             writeln!(text, "fix move{wall} all move/mesh mesh wall{wall} linear {x:.17e} {y:.17e} {z:.17e}")
         }

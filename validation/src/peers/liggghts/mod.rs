@@ -211,7 +211,8 @@ pub fn read_frames<R: BufRead>(
             let normal = point - Vector3::from(a.position);
             contacts.extend(contact(a, Partner::Wall(wall as u32), point.into(), normal, &r[9..]));
         }
-        let frame = Snapshot { time, particles, contacts: merge_wall_contacts(contacts) };
+        let contacts = merge_wall_contacts(contacts);
+        let frame = Snapshot { time, particles, contacts, ..Snapshot::default() };
         frames.push(measurable(frame).map_err(|problem| fault(&dumps[1], pairs[index].line, problem))?);
     }
     Ok(frames)

@@ -244,7 +244,7 @@ fn frame(time: f64) -> Snapshot {
         tangential_force: [0.0, 0.1, 0.0],
     };
     let contacts = vec![contact(0, Partner::Grain(1)), contact(1, Partner::Grain(2)), contact(2, Partner::Wall(0))];
-    Snapshot { time, particles: particles.collect(), contacts }
+    Snapshot { time, particles: particles.collect(), contacts, ..Snapshot::default() }
 }
 
 /// Recordings of the walled scene.

@@ -1,0 +1,96 @@
+//! Driven walls: walls that move as a force or a torque, their weight and the grains will have it.
+//!
+//! A driven wall has one freedom, along an axis a or about it, with the coordinate s (m or rad) and the rate V = ds/dt. With the
+//! way w that a point x of the wall goes when s grows by one, the impulses P that grains exert on it, and their angular impulses L,
+//!
+//! ```text
+//! along the axis   w = a             M (V' - V) = h (F + M g.a) + sum P.w
+//! about the axis   w = a x (x - c)   I (V' - V) = h T           + sum P.w + sum L.a
+//! ```
+//!
+//! F is a force (N) on a mass M (kg), T a torque (N m) on a moment of inertia I (kg m2) about the axis, which goes through the
+//! centre of mass: gravity exerts no torque. Position follows by `s' = s + h V'`, as that of grains does (semi-implicit Euler).
+//!
+//! A driven wall is one body that may touch thousands of grains, so its contacts cannot share a lane group, and their impulses
+//! depend on each other through V at once. They are relaxed one after another behind every sweep, each with the rate that the last
+//! one left: Gauss-Seidel as elsewhere, and the operator of a contact with unit normal n gets the wall's share,
+//!
+//! ```text
+//! S_n = 1/m + (w.n)^2 / M      S_t = 3.5/m + |w - (w.n) n|^2 / M
+//! ```
+//!
+//! the second a bound of a matrix of two rows, which keeps the relaxation convergent. A wall lighter than the grains that it
+//! touches makes it slow: of a difference between two contacts a sweep takes about M/(M + m).
+
+use crate::scene::{Motion, Wall};
+use nalgebra::Vector3;
+
+/// A driven wall: what drives it, and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Number of the wall in the scene.
+    pub wall: u32,
+    axis: Vector3<f64>,
+    /// A point of the axis, where it turns.
+    pivot: Option<Vector3<f64>>,
+    /// Force, N, or torque, N m.
+    effort: f64,
+    /// Mass, kg, or moment of inertia, kg m2.
+    inertia: f64,
+    /// Time at which it is let go, s.
+    start: f64,
+    /// How far it is from where the scene placed it, m or rad.
+    pub displacement: f64,
+    /// How fast it moves, m/s or rad/s.
+    pub rate: f64,
+    /// The same at the start of the step.
+    pub rate_before: f64,
+    /// One over the inertia, 1/kg or 1/(kg m2); zero while it is held.
+    pub inverse_inertia: f64,
+}
+
+impl Drive {
+    /// The drive of a wall that has one; `wall` is its number in the scene.
+    pub fn of(description: &Wall, wall: u32) -> Option<Drive> {
+        let (axis, pivot, effort, inertia, start) = match description.motion {
+            _ if !cfg!(feature = "driven-walls") => return None,
+            Motion::ForceDriven { axis, force, mass, start } => (axis, None, force, mass, start),
+            Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
+                (axis, Some(Vector3::from(point)), torque, moment_of_inertia, start)
+            }
+            _ => return None,
+        };
+        let axis = Vector3::from(axis).normalize();
+        let [displacement, rate, rate_before, inverse_inertia] = [0.0; 4];
+        Some(Drive { wall, axis, pivot, effort, inertia, start, displacement, rate, rate_before, inverse_inertia })
+    }
+
+    /// Begins a step of length `h` (s) at `time` (s): the force or torque acts, and gravity (m/s2).
+    pub(crate) fn begin(&mut self, time: f64, h: f64, gravity: &Vector3<f64>) {
+        let weight = if self.pivot.is_none() { self.inertia * gravity.dot(&self.axis) } else { 0.0 };
+        self.inverse_inertia = if time >= self.start { 1.0 / self.inertia } else { 0.0 };
+        self.rate_before = self.rate;
+        self.rate += self.inverse_inertia * (h * (self.effort + weight));
+    }
+
+    /// Moves it for a step of length `h` (s).
+    pub(crate) fn advance(&mut self, h: f64) {
+        self.displacement += h * self.rate;
+    }
+
+    /// How a point (m) of the wall moves when the coordinate grows by one: no unit, or m.
+    pub fn way(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.pivot.map_or(self.axis, |pivot| self.axis.cross(&(point - pivot)))
+    }
+
+    /// The axis about which it turns; zero if it does not.
+    pub(crate) fn turning(&self) -> Vector3<f64> {
+        self.pivot.map_or_else(Vector3::zeros, |_| self.axis)
+    }
+
+    /// Takes an effort times time: an impulse along the way, N s, or an angular one about the axis, N m s.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, impulse: f64) {
+        self.rate += self.inverse_inertia * impulse;
+    }
+}

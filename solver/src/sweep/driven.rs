@@ -1,0 +1,137 @@
+//! Relaxation of contacts with driven walls, one after another: see [`drive`](crate::effects::drive).
+
+use super::kernel::{Bodies, Contact, INVERSE_INERTIA};
+use super::residual::{LaneResidual, TaskResidual};
+use super::torques::Torque;
+use super::{Relaxation, scalar};
+use crate::effects::drive::Drive;
+use crate::effects::friction::disc_shrinkage;
+use crate::effects::{Effects, with_effects};
+use crate::lanes::{Eight, cross, dot, minus, plus, times};
+use crate::partition::{DrivenContact, Layout, TaskGroups, WallGroup};
+use crate::world::Body;
+
+impl Relaxation {
+    /// Relaxes every contact with a driven wall once; its residuals count if `measure`.
+    pub(crate) fn sweep_driven(
+        &self,
+        bodies: &mut [Body],
+        layout: &mut Layout,
+        drives: &mut [Drive],
+        factor: f64,
+        measure: bool,
+    ) -> TaskResidual {
+        with_effects!(self.effects, E => match measure {
+            true => sweep::<E, true>(bodies, layout, drives, factor),
+            false => sweep::<E, false>(bodies, layout, drives, factor),
+        })
+    }
+}
+
+fn sweep<E: Effects, const MEASURE: bool>(
+    bodies: &mut [Body],
+    layout: &mut Layout,
+    drives: &mut [Drive],
+    factor: f64,
+) -> TaskResidual {
+    let mut residual = TaskResidual::default();
+    for one in &layout.driven {
+        let (task, drive) = (&mut layout.groups[one.task as usize], &mut drives[one.drive as usize]);
+        let own = relax::<E, MEASURE>(one, task, bodies, drive, factor);
+        if MEASURE {
+            residual.add_lane(one.lane as usize, own);
+        }
+    }
+    residual
+}
+
+/// The one-contact solution, the wall's inertia included.
+#[inline(always)]
+fn relax<E: Effects, const MEASURE: bool>(
+    one: &DrivenContact,
+    task: &mut TaskGroups,
+    bodies: &mut [Body],
+    drive: &mut Drive,
+    factor: f64,
+) -> LaneResidual<f64> {
+    let (number, lane) = (one.group as usize, one.lane as usize);
+    let group = &mut task.walls[number];
+    let body = &mut bodies[group.body[lane] as usize];
+    let (mut grain, mut residual) = (Bodies::of(body), LaneResidual::zero());
+    let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
+    let along = dot(contact.normal, one.way);
+    // Normal impulse, projected onto repulsion.
+    let velocity = contact.velocity_at_wall::<E>(&grain, times(one.way, drive.rate));
+    let operator = grain.inverse_mass + drive.inverse_inertia * along * along + contact.regularisation;
+    let violation = contact.bias - dot(contact.normal, velocity) - contact.regularisation * contact.impulse_normal;
+    let updated = (contact.impulse_normal + factor * violation / operator).max(0.0);
+    let change = updated - contact.impulse_normal;
+    contact.impulse_normal = updated;
+    grain.push::<E>(-1.0, times(contact.normal, change), [0.0; 3]);
+    drive.push(along * change);
+    if MEASURE {
+        residual.add_normal(change * operator);
+    }
+    if E::FRICTION {
+        // Tangential impulse, projected onto the Coulomb disc, at the velocity that the normal impulse has left.
+        let velocity = contact.velocity_at_wall::<E>(&grain, times(one.way, drive.rate));
+        let tangential = minus(velocity, times(contact.normal, dot(contact.normal, velocity)));
+        let across = (dot(one.way, one.way) - along * along).max(0.0);
+        let operator = grain.inverse_mass * (1.0 + INVERSE_INERTIA) + drive.inverse_inertia * across;
+        let target = minus(contact.impulse_tangential, times(tangential, factor / operator));
+        let projected = times(target, disc_shrinkage(target, contact.friction * updated));
+        let change = minus(projected, contact.impulse_tangential);
+        contact.impulse_tangential = projected;
+        grain.push::<E>(-1.0, change, cross(contact.normal, change));
+        drive.push(dot(one.way, change));
+        if MEASURE {
+            residual.add_tangential(contact.normal, times(change, operator));
+        }
+    }
+    if E::TORQUES {
+        let axis: [f64; 3] = drive.turning().into();
+        let torques = &mut task.wall_torques[number].torques;
+        let mut torque = Torque::read(torques, |eight| eight.0[lane]);
+        let spin = minus(times(axis, drive.rate), grain.spin());
+        let operator = grain.inverse_inertia() + drive.inverse_inertia * dot(axis, axis);
+        let bearing = (contact.normal, contact.impulse_normal);
+        let change = torque.relax::<E, MEASURE>(bearing, spin, operator, grain.inverse_radius, factor, &mut residual);
+        grain.turn(-1.0, change);
+        drive.push(dot(axis, change));
+        torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
+    }
+    scalar::put::<E>(body, &grain);
+    contact.write::<E, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
+    residual
+}
+
+/// Gives driven walls the impulses that their contacts start from.
+pub(crate) fn start_driven(layout: &Layout, drives: &mut [Drive]) {
+    for one in &layout.driven {
+        let (task, drive) = (&layout.groups[one.task as usize], &mut drives[one.drive as usize]);
+        let (number, lane) = (one.group as usize, one.lane as usize);
+        let WallGroup { contacts, .. } = &task.walls[number];
+        let pull = task.wall_pulls.get(number).map_or(0.0, |pulls| pulls.0[lane]);
+        let along = times(contacts.normal(lane), contacts.normal_impulse(lane) - pull);
+        drive.push(dot(one.way, plus(along, contacts.tangential_impulse(lane))));
+        if let Some(lanes) = task.wall_torques.get(number) {
+            drive.push(dot(drive.turning().into(), lanes.torques.angular_impulse(lane)));
+        }
+    }
+}
+
+/// Tells the contacts with driven walls how fast these are now.
+pub(crate) fn tell_driven(layout: &mut Layout, drives: &[Drive]) {
+    let Layout { groups, driven, .. } = layout;
+    for one in &*driven {
+        let (task, drive) = (&mut groups[one.task as usize], &drives[one.drive as usize]);
+        let (number, lane) = (one.group as usize, one.lane as usize);
+        let (velocity, spin) = (times(one.way, drive.rate), drive.turning() * drive.rate);
+        for axis in 0..3 {
+            task.walls[number].wall_velocity[axis].0[lane] = velocity[axis];
+            if let Some(lanes) = task.wall_torques.get_mut(number) {
+                lanes.wall_spin[axis].0[lane] = spin[axis];
+            }
+        }
+    }
+}
