@@ -5,6 +5,7 @@ Started by the `makadam` command as `yade -j1 -n -x yade_driver.py job.json`.
 A frame is: time, number of grains, number of contacts; then for each grain
 x y z vx vy vz wx wy wz; then for each contact: id of the first grain, 0 or 1 for a grain or a wall, id of the
 partner, point (3), normal from the first grain to the partner (3), force on the first grain (3). Little-endian.
+Beside the frames stands displacement and speed of each driven wall, frame after frame.
 """
 
 import json
@@ -43,6 +44,7 @@ grain_count = len(job["grains"])
 
 wall_of = {}
 motions = []
+drives = []
 for index, wall in enumerate(job["walls"]):
     ids = [
         O.bodies.append(facet([Vector3(*corner) for corner in triangle], material=materials[wall["material"]]))
@@ -76,6 +78,22 @@ for index, wall in enumerate(job["walls"]):
                 dead=True,
             )
         motions.append((engine, motion["first"], motion["last"], ids))
+    if wall["drive"]:
+        drives.append(dict(wall["drive"], axis=Vector3(*wall["drive"]["axis"]), ids=ids, displacement=0.0, rate=0.0))
+
+
+def drive_walls():
+    """Moves driven walls as Newton's law and the forces of their contacts have it."""
+    for drive in drives:
+        if O.iter < drive["first"]:
+            continue
+        push = sum((O.forces.f(id) for id in drive["ids"]), Vector3.Zero)
+        force = drive["force"] + (push + Vector3(*job["gravity"]) * drive["mass"]).dot(drive["axis"])
+        drive["rate"] += O.dt * force / drive["mass"]
+        drive["displacement"] += O.dt * drive["rate"]
+        for id in drive["ids"]:
+            O.bodies[id].state.vel = drive["axis"] * drive["rate"]
+
 
 O.engines = (
     [
@@ -101,6 +119,7 @@ O.engines = (
         ),
     ]
     + [engine for engine, _, _, _ in motions]
+    + ([PyRunner(command="drive_walls()", iterPeriod=1)] if drives else [])
     # YADE's hidden damping is 0.2 unless told otherwise.
     + [NewtonIntegrator(damping=0.0, gravity=Vector3(*job["gravity"]))]
 )
@@ -117,6 +136,13 @@ def switch_motions(step):
     for engine, first, _, _ in motions:
         if step == first:
             engine.dead = False
+
+
+def write_driven_walls(output):
+    table = array("d", [number for drive in drives for number in (drive["displacement"], drive["rate"])])
+    if sys.byteorder == "big":
+        table.byteswap()
+    table.tofile(output)
 
 
 def write_frame(output, step):
@@ -168,11 +194,12 @@ def run():
     stops = sorted(stops)
     parent = os.getppid()
     seconds = 0.0
-    with open("frames.bin", "wb") as output:
+    with open("frames.bin", "wb") as output, open("driven.bin", "wb") as driven:
         for here, there in zip(stops, stops[1:] + [None]):
             switch_motions(here)
             if here in frames:
                 write_frame(output, here)
+                write_driven_walls(driven)
             write_text("progress.txt", "%.6f" % (here / steps))
             if there is None:
                 break

@@ -102,6 +102,11 @@ fn check_frame(frame: &Snapshot) -> Result<(), String> {
             return Err(format!("grain {place} has a value that is not a number, or no radius"));
         }
     }
+    for wall in &frame.driven_walls {
+        if !finite(&[wall.displacement, wall.rate, 0.0]) {
+            return Err(format!("driven wall {} has a value that is not a number", wall.wall));
+        }
+    }
     for contact in &frame.contacts {
         let grains = [Some(contact.first), if let Partner::Grain(id) = contact.second { Some(id) } else { None }];
         if let Some(id) = grains.into_iter().flatten().find(|&id| id as usize >= frame.particles.len()) {

@@ -279,6 +279,46 @@ fn a_grain_follows_a_plate_that_vibrates_below_g() {
     });
 }
 
+#[test]
+fn a_lid_that_a_force_drives_falls_freely_and_then_presses() {
+    let (force, lid_mass, start) = (0.2, 0.1, 0.05);
+    let lid = format!("kind = 'force-driven', axis = [0, 0, -1], force = {force}, mass = {lid_mass}, start = {start}");
+    let drop = 0.004;
+    let top = 2.0 * RADIUS + drop;
+    // Off the seams of the planes' facets.
+    let body = wall("grain", "kind = 'plane', point = [0, 0, 0], normal = [0, 0, 1]", FIXED)
+        + &wall("grain", &format!("kind = 'plane', point = [0, 0, {top}], normal = [0, 0, -1]"), &lid)
+        + &grain([0.017, 0.011, RADIUS], [0.0; 3]);
+    let acceleration = GRAVITY + force / lid_mass;
+    in_these(&[&Yade::default()], &scene(GRAVITY, 0.8, 0.005, &body), 0.1, |code, recording| {
+        for frame in recording.frames.iter().filter(|frame| frame.time < start + 0.02) {
+            let fall = 0.5 * acceleration * (frame.time - start).max(0.0).powi(2);
+            close(code, &format!("fall at {} s", frame.time), frame.driven_walls[0].displacement, fall, 0.01 * drop);
+        }
+        // At rest the grain bears both, and sinks in on both sides.
+        let last = recording.frames.last().unwrap();
+        let stiffness = 4.0 / 3.0 * 1e7 / (2.0 * (1.0 - 0.09)) * RADIUS.sqrt();
+        let pressed = lid_mass * GRAVITY + force;
+        let sunk = |force: f64| (force / stiffness).powf(2.0 / 3.0);
+        let displacement = drop + sunk(pressed) + sunk(pressed + mass() * GRAVITY);
+        close(code, "displacement", last.driven_walls[0].displacement, displacement, 0.01 * drop);
+        let on_lid: f64 = last.contacts.iter().filter(|c| c.second == Partner::Wall(1)).map(|c| c.normal_force).sum();
+        close(code, "force on the lid", on_lid, pressed, 0.01 * pressed);
+    });
+    let refused = Liggghts::default().simulate(&Job {
+        scene: &scene(GRAVITY, 0.1, 0.1, &body),
+        scene_file: Path::new("live.toml"),
+        seed: 1,
+        stiffness_factor: 1.0,
+        rayleigh_fraction: 0.1,
+        work_folder: tempfile::tempdir().unwrap().path(),
+        time_limit: Duration::from_secs(300),
+        progress: &|_| {},
+    });
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("driven") || refused.contains("not installed"), "{refused}");
+}
+
 /// A scene with a coefficient of rolling friction, and three quarters of it on walls: what YADE can express.
 fn rolling(scene: &Scene, coefficient: f64) -> Scene {
     let mut scene = scene.clone();

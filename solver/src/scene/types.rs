@@ -449,6 +449,8 @@ pub enum Observable {
     DrumFlow,
     /// How well small and large grains are mixed.
     SizeMixing,
+    /// How far the first driven wall has moved.
+    DrivenWall,
 }
 
 /// An observable that is compared, and how far two codes may differ.

@@ -22,6 +22,7 @@
 //! | `wall_force_over_weight`, `largest_overlap`, ... | [`balances`] |
 //! | `shell_layer_speed_ratio`, `wall_torque`, ... | [`drum_flow`] |
 //! | `size_mixing_index`, ... | [`mixing`] |
+//! | `driven_wall_displacement` | [`driven_wall`] |
 
 pub mod balances;
 pub mod bed_surface;
@@ -29,6 +30,7 @@ pub mod bulk;
 pub mod contact_forces;
 pub mod contour;
 pub mod coordination;
+pub mod driven_wall;
 pub mod drum;
 pub mod drum_flow;
 pub mod dynamic_angle;
@@ -115,6 +117,9 @@ pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
         }
         if asks(Observable::SizeMixing) {
             mixing::read(&view, &mut readings);
+        }
+        if asks(Observable::DrivenWall) {
+            driven_wall::read(&view, &mut readings);
         }
         if asks(Observable::Balances) {
             balances::read(&view, &mut readings);

@@ -147,9 +147,6 @@ fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::sc
     if scene.wall.iter().any(|wall| matches!(wall.shape, Shape::Spheres { .. })) {
         return refuse("a wall is made of spheres");
     }
-    if scene.wall.iter().any(|wall| wall.motion.is_driven()) {
-        return refuse("a wall is driven by a force or a torque");
-    }
     if !scene.gravity_changes.is_empty() {
         return refuse("its gravity changes in time");
     }

@@ -55,15 +55,19 @@ impl Plan {
         coarse.chain(fine).chain([self.steps]).collect()
     }
 
-    /// The phases of a wall's motion within the run, in their order.
+    /// The step of the run that begins nearest to a time (s).
+    pub fn step_at(&self, time: f64) -> u64 {
+        ((time / self.time_step).round() as u64).min(self.steps)
+    }
+
+    /// The phases of a wall's motion within the run, in their order; a driven wall has none.
     pub fn phases(&self, motion: &Motion) -> Vec<MotionPhase> {
         let (start, stop, reverse) = match motion {
-            // No peer is asked for a driven wall.
             Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => return Vec::new(),
             Motion::Translating { start, stop, .. } | Motion::Vibrating { start, stop, .. } => (*start, *stop, None),
             Motion::Rotating { start, stop, reverse, .. } => (*start, *stop, *reverse),
         };
-        let step_at = |time: f64| ((time / self.time_step).round() as u64).min(self.steps);
+        let step_at = |time: f64| self.step_at(time);
         let (first, last) = (step_at(start), stop.map_or(self.steps, step_at));
         let turn = reverse.map_or(last, step_at).clamp(first, last.max(first));
         let forth = MotionPhase { first, last: turn, direction: 1.0 };

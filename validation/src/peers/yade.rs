@@ -9,7 +9,7 @@ use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
 use makadam::scene::{Cohesion, Grain, Motion, populate};
-use makadam::snapshot::{Particle, Partner, Snapshot};
+use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
@@ -25,6 +25,9 @@ const VERLET_DISTANCE: f64 = 0.2;
 const HEADER: usize = 3;
 const GRAIN_ROW: usize = 9;
 const CONTACT_ROW: usize = 12;
+
+/// Doubles that tell of a driven wall in a frame.
+const DRIVEN_ROW: usize = 2;
 
 /// YADE, an explicit soft-sphere code.
 pub struct Yade {
@@ -83,6 +86,20 @@ struct WallEntry {
     material: usize,
     triangles: Vec<Triangle>,
     motions: Vec<MotionEntry>,
+    /// Absent where no force drives it.
+    drive: Option<DriveEntry>,
+}
+
+#[derive(Serialize)]
+struct DriveEntry {
+    /// Unit vector of the axis.
+    axis: [f64; 3],
+    /// Force along it, N.
+    force: f64,
+    /// Mass, kg.
+    mass: f64,
+    /// Step at which it is let go.
+    first: u64,
 }
 
 #[derive(Serialize)]
@@ -135,6 +152,9 @@ impl Code for Yade {
         let scene = job.scene;
         let grains = populate(scene, job.seed, job.scene_file)?;
         super::refuse_unsupported(NAME, scene, &grains)?;
+        if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
+            return Err(CodeError::Unsupported { code: NAME, reason: "a wall is driven by a torque".into() });
+        }
         let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
 
         let folder = job.work_folder;
@@ -143,7 +163,7 @@ impl Code for Yade {
             let path = folder.join(name);
             std::fs::write(&path, text).map_err(|source| io(&path, source))
         };
-        for stale in ["frames.bin", "result.json", "progress.txt"] {
+        for stale in ["frames.bin", "driven.bin", "result.json", "progress.txt"] {
             let _ = std::fs::remove_file(folder.join(stale));
         }
         let palette = Palette::new(scene, &grains);
@@ -181,11 +201,16 @@ impl Code for Yade {
         let frames_path = folder.join("frames.bin");
         let bytes = std::fs::read(&frames_path).map_err(|source| io(&frames_path, source))?;
         let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
-        let frames = read_frames(&bytes, &radii, scene.wall.len()).map_err(|what| problem(&frames_path, what))?;
+        let mut frames = read_frames(&bytes, &radii, scene.wall.len()).map_err(|what| problem(&frames_path, what))?;
         if result.steps != plan.steps || frames.len() != plan.frames().len() {
             return Err(problem(&frames_path, format!("{} frames after {} steps", frames.len(), result.steps)));
         }
-        let _ = std::fs::remove_file(&frames_path);
+        let driven_path = folder.join("driven.bin");
+        let bytes = std::fs::read(&driven_path).map_err(|source| io(&driven_path, source))?;
+        let driven: Vec<u32> =
+            (0..).zip(&scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(index, _)| index).collect();
+        read_driven_walls(&bytes, &driven, &mut frames).map_err(|what| problem(&driven_path, what))?;
+        let _ = (std::fs::remove_file(&frames_path), std::fs::remove_file(&driven_path));
         (job.progress)(1.0);
         Ok(Recording {
             scene: scene.name.clone(),
@@ -268,9 +293,16 @@ fn job_file<'a>(
                     .iter()
                     .filter_map(|phase| motion_entry(&wall.motion, phase))
                     .collect(),
+                drive: drive_entry(&wall.motion, plan),
             })
             .collect(),
     }
+}
+
+fn drive_entry(motion: &Motion, plan: &Plan) -> Option<DriveEntry> {
+    let Motion::ForceDriven { axis, force, mass, start } = *motion else { return None };
+    let axis = Vector3::from(axis).normalize().into();
+    Some(DriveEntry { axis, force, mass, first: plan.step_at(start) })
 }
 
 fn motion_entry(motion: &Motion, phase: &MotionPhase) -> Option<MotionEntry> {
@@ -342,4 +374,26 @@ pub fn read_frames(bytes: &[u8], radii: &[f64], walls: usize) -> Result<Vec<Snap
         left -= HEADER + GRAIN_ROW * radii.len() + CONTACT_ROW * count;
     }
     Ok(frames)
+}
+
+/// Reads where driven walls are in each frame: displacement and speed of each, frame after frame.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn read_driven_walls(bytes: &[u8], walls: &[u32], frames: &mut [Snapshot]) -> Result<(), String> {
+    let row = 8 * DRIVEN_ROW * walls.len();
+    if bytes.len() != row * frames.len() {
+        return Err(format!("it holds {} bytes for {} frames of {} walls", bytes.len(), frames.len(), walls.len()));
+    }
+    let mut numbers = bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap_or_default()));
+    for frame in frames {
+        for &wall in walls {
+            let [displacement, rate] = [(); DRIVEN_ROW].map(|()| numbers.next().unwrap_or(f64::NAN));
+            if !displacement.is_finite() || !rate.is_finite() {
+                return Err("a number is not finite: the run has blown up".into());
+            }
+            frame.driven_walls.push(DrivenWall { wall, displacement, rate });
+        }
+    }
+    Ok(())
 }

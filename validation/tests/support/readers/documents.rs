@@ -2,7 +2,7 @@
 
 use makadam::Simulation;
 use makadam::scene::Scene;
-use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use makadam::snapshot::{Contact, DrivenWall, Particle, Partner, Snapshot};
 use makadam_validation::compare::MeasuredRun;
 use makadam_validation::observables::Measurement;
 use makadam_validation::provenance::Build;
@@ -41,6 +41,12 @@ friction = 0.4
 name = "floor"
 material = "wall"
 shape = { kind = "plane", point = [0.0, 0.0, 0.0], normal = [0.0, 0.1, 1.0] }
+
+[[wall]]
+name = "lid"
+material = "wall"
+shape = { kind = "plane", point = [0.0, 0.0, 0.02], normal = [0.0, 0.0, -1.0] }
+motion = { kind = "force-driven", axis = [0.0, 0.0, 1.0], force = -0.01, mass = 0.002 }
 
 [[grain]]
 material = "grain"
@@ -179,6 +185,12 @@ material = "wall"
 shape = { kind = "plane", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
 motion = { kind = "vibrating", amplitude = [0.0, 1e-4, 1e-3], frequency = 20.0, start = 0.05, stop = 0.15 }
 
+[[wall]]
+name = "door"
+material = "wall"
+shape = { kind = "disc", centre = [0.01, 0.0, 0.0], normal = [-1.0, 0.0, 0.0], radius = 0.02 }
+motion = { kind = "torque-driven", point = [0.01, 0.02, 0.0], axis = [0.0, 0.0, 1.0], torque = 1e-5, moment_of_inertia = 1e-6, start = 0.0005 }
+
 [[grain]]
 material = "grain"
 radius = 0.005
@@ -244,7 +256,8 @@ fn frame(time: f64) -> Snapshot {
         tangential_force: [0.0, 0.1, 0.0],
     };
     let contacts = vec![contact(0, Partner::Grain(1)), contact(1, Partner::Grain(2)), contact(2, Partner::Wall(0))];
-    Snapshot { time, particles: particles.collect(), contacts, ..Snapshot::default() }
+    let driven_walls = vec![DrivenWall { wall: 1, displacement: 0.01 * time, rate: 0.01 }];
+    Snapshot { time, particles: particles.collect(), contacts, driven_walls }
 }
 
 /// Recordings of the walled scene.
@@ -283,6 +296,12 @@ pub fn yade_frames() -> Vec<Vec<u8>> {
         }
     }
     vec![numbers.iter().flat_map(|number| number.to_le_bytes()).collect()]
+}
+
+/// Two driven walls in two frames of YADE.
+pub fn yade_driven_walls() -> Vec<Vec<u8>> {
+    let numbers = [0.0, 0.0, 0.1, 0.2, -0.001, -0.05, 0.2, 0.0];
+    vec![numbers.iter().flat_map(|number: &f64| number.to_le_bytes()).collect()]
 }
 
 /// What YADE's driver tells of a run.

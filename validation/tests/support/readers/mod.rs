@@ -8,6 +8,7 @@ use documents::{BED_SCENE, HEAP_SCENE, SMALL_SCENE, WALLED_SCENE};
 use makadam::Simulation;
 use makadam::checkpoint::seal;
 use makadam::scene::{Grain, Region, Scene, Stop, populate};
+use makadam::snapshot::Snapshot;
 use makadam_validation::compare::{Reference, physics_hash};
 use makadam_validation::observables::{force_distribution, measure, series};
 use makadam_validation::peers::liggghts::{self, loop_seconds, read_dump};
@@ -29,11 +30,12 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 9] = [
+pub const READERS: [Reader; 10] = [
     Reader { name: "scene", documents: documents::scenes, read: scene },
     Reader { name: "checkpoint", documents: documents::checkpoints, read: checkpoint },
     Reader { name: "recording", documents: documents::recordings, read: recording },
     Reader { name: "yade_frames", documents: documents::yade_frames, read: yade_frames },
+    Reader { name: "yade_driven_walls", documents: documents::yade_driven_walls, read: yade_driven_walls },
     Reader { name: "yade_result", documents: documents::yade_results, read: yade_result },
     Reader { name: "liggghts_frames", documents: documents::liggghts_dumps, read: liggghts_frames },
     Reader { name: "liggghts_log", documents: documents::liggghts_logs, read: liggghts_log },
@@ -162,6 +164,20 @@ fn yade_frames(bytes: &[u8]) -> bool {
     match yade::read_frames(bytes, &documents::RADII, 2) {
         Ok(frames) => {
             frames.iter().for_each(documents::check_contacts);
+            true
+        }
+        Err(problem) => refused(&problem),
+    }
+}
+
+/// Two walls in two frames.
+fn yade_driven_walls(bytes: &[u8]) -> bool {
+    let mut frames = [Snapshot::default(), Snapshot::default()];
+    match yade::read_driven_walls(bytes, &[1, 3], &mut frames) {
+        Ok(()) => {
+            let walls = frames.iter().flat_map(|frame| &frame.driven_walls);
+            assert!(walls.clone().all(|wall| wall.displacement.is_finite() && wall.rate.is_finite()));
+            assert_eq!(walls.map(|wall| wall.wall).collect::<Vec<_>>(), [1, 3, 1, 3]);
             true
         }
         Err(problem) => refused(&problem),
