@@ -7,6 +7,9 @@ use common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run
 use makadam::Simulation;
 use makadam::scene::Scene;
 use makadam::snapshot::{Particle, Partner, Snapshot};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -253,5 +256,76 @@ fn what_cannot_be_driven_is_refused_with_a_remedy() {
         let wrong = text.replace("[solver]\n", &format!("[solver]\n{line}\n"));
         let message = Scene::parse(&wrong, Path::new("test.toml")).unwrap_err().to_string();
         assert!(message.contains(key) && message.contains("lid"), "{message}");
+    }
+}
+
+/// A number between two others, even on a logarithmic scale.
+fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    (low.ln()..high.ln()).prop_map(f64::exp)
+}
+
+fn components() -> impl Strategy<Value = Vector3<f64>> {
+    [-1.0..1.0, -1.0..1.0, -1.0..1.0_f64].prop_map(Vector3::from)
+}
+
+fn direction() -> impl Strategy<Value = Vector3<f64>> {
+    components().prop_filter_map("a direction", |vector| vector.try_normalize(0.1))
+}
+
+/// Kinetic energy of driven walls, J, and momentum of grains and walls along an axis, kg m/s.
+fn energy_and_momentum(frame: &Snapshot, inertias: [f64; 2], axis: &Vector3<f64>) -> (f64, f64) {
+    let of_grain =
+        |grain: &Particle| DENSITY * 4.0 / 3.0 * PI * grain.radius.powi(3) * Vector3::from(grain.velocity).dot(axis);
+    let grains: f64 = frame.particles.iter().map(of_grain).sum();
+    let walls = frame.driven_walls.iter().zip(inertias);
+    walls.fold((0.0, grains), |(energy, momentum), (wall, inertia)| {
+        (energy + 0.5 * inertia * wall.rate * wall.rate, momentum + inertia * wall.rate)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::with_cases(64) })]
+
+    #[test]
+    fn free_walls_have_the_energy_and_momentum_that_grains_gave_them(
+        normal in direction(), axis in direction(), point in components(), turns in any::<bool>(),
+        masses in [log_uniform(0.01, 100.0), log_uniform(0.01, 100.0)], friction in 0.0..1.0, restitution in 0.0..1.0,
+        velocities in prop::collection::vec(components(), 1..6),
+    ) {
+        // A row of grains between two walls that only its impulses move, each along or about its axis.
+        let inertias = masses.map(|mass| mass * MASS * if turns { 1e-2_f64.powi(2) } else { 1.0 });
+        let motion = |inertia: f64| match turns {
+            true => format!(
+                "kind = 'torque-driven', point = {:?}, axis = {:?}, torque = 0.0, moment_of_inertia = {inertia:?}",
+                (point * 0.02).as_slice(), axis.as_slice()
+            ),
+            false => format!("kind = 'force-driven', axis = {:?}, force = 0.0, mass = {inertia:?}", axis.as_slice()),
+        };
+        let length = 2.002 * RADIUS * velocities.len() as f64;
+        let wall = |number: usize, along: f64, inward: f64| format!(
+            "[[wall]]\nname = 'wall {number}'\nmaterial = 'wall'\nshape = {{ kind = 'plane', point = {:?}, normal = {:?} }}\nmotion = {{ {} }}\n",
+            (normal * along).as_slice(), (normal * inward).as_slice(), motion(inertias[number])
+        );
+        let grains = (0..).zip(&velocities).map(|(number, velocity)| {
+            let along = 2.002 * RADIUS * (f64::from(number) + 0.5);
+            grain(RADIUS, (normal * along).into(), (*velocity).into())
+        });
+        let body = wall(0, 0.0, 1.0) + &wall(1, length, -1.0) + &grains.collect::<String>();
+        let setup = Setup { gravity: [0.0; 3], friction, wall_friction: friction, restitution, body, ..Setup::default() };
+        let mut simulation = setup.start();
+        let (_, momentum) = energy_and_momentum(&simulation.snapshot(), inertias, &axis);
+        simulation.open_ledger();
+        for _ in 0..200 {
+            simulation.step();
+            let (of_walls, present) = energy_and_momentum(&simulation.snapshot(), inertias, &axis);
+            let balance = simulation.balance().unwrap();
+            let scale = balance.start.total();
+            // What walls have, grains gave.
+            prop_assert!((of_walls + balance.walls).abs() < 1e-9 * scale, "walls {of_walls} J, {balance:?}");
+            prop_assert!(balance.closure.abs() < 1e-9 * scale, "{balance:?}");
+            if !turns {
+                prop_assert!((present - momentum).abs() < 1e-9 * (scale * MASS).sqrt(), "{momentum}, then {present}");
+            }
+        }
     }
 }
