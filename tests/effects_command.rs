@@ -76,6 +76,7 @@ fn what_changes_in_time_or_with_speed_is_told_by_its_line() {
         ("falling restitution", "restitution_speed"),
         ("changing gravity", "gravity_changes"),
         ("wall motion", "vibrating"),
+        ("driven walls", "force-driven"),
     ];
     let plain = study(folder.path(), &smoke(), &["--settle", "0.05", "--look", "0.05"]);
     assert!(effects.iter().all(|(name, _)| effect(&plain, name)["on"] == false), "{plain}");
@@ -83,7 +84,10 @@ fn what_changes_in_time_or_with_speed_is_told_by_its_line() {
     let scene = changed(folder.path(), "friction = 0.5\n", coefficients);
     let text = std::fs::read_to_string(&scene).unwrap();
     let motion = "motion = { kind = 'vibrating', amplitude = [0.0, 0.0, 0.0001], frequency = 10.0 }";
-    let text = text.replacen("[[population]]", &format!("{motion}\n\n[[population]]"), 1);
+    let lid = "[[wall]]\nname = 'lid'\nmaterial = 'grain'\n\
+               shape = { kind = 'plane', point = [0.0, 0.0, 0.5], normal = [0.0, 0.0, -1.0] }\n\
+               motion = { kind = 'force-driven', axis = [0, 0, 1], force = 0.1, mass = 0.1 }";
+    let text = text.replacen("[[population]]", &format!("{motion}\n\n{lid}\n\n[[population]]"), 1);
     let changes = "gravity_changes = [{ time = 0.05, gravity = [0.0, 0.0, -12.0] }]";
     std::fs::write(&scene, format!("{changes}\n{text}")).unwrap();
     let study = study(folder.path(), &scene, &["--settle", "0.05", "--look", "0.05"]);

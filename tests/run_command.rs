@@ -170,6 +170,31 @@ fn observables_are_a_table_over_time() {
 }
 
 #[test]
+fn a_driven_wall_has_its_place_and_rate_in_the_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let lid = "[[wall]]\nname = 'lid'\nmaterial = 'wall'\n\
+               shape = { kind = 'plane', point = [0.0, 0.0, 0.25], normal = [0.0, 0.0, -1.0] }\n\
+               motion = { kind = 'force-driven', axis = [0, 0, -1], force = 0.2, mass = 0.1 }\n\n[[population]]";
+    let scene = changed(folder.path(), "[[population]]", lid);
+    makadam(folder.path()).arg("run").arg(&scene).args(["--steps", "40", "--output", "out"]).assert().success();
+    let mut table = csv::Reader::from_path(folder.path().join("out/observables.csv")).unwrap();
+    let columns = table.headers().unwrap().clone();
+    let place = |name: &str| columns.iter().position(|column| column == name).unwrap_or_else(|| panic!("{columns:?}"));
+    let last = table.records().last().unwrap().unwrap();
+    let value = |name: &str| last[place(name)].parse::<f64>().unwrap();
+    // Nothing holds it up yet: v = a t, and the sum of the steps' velocities.
+    let (acceleration, step) = (9.81 + 0.2 / 0.1, value("time") / value("step"));
+    let expected = acceleration * value("time");
+    assert!((value("lid_rate") / expected - 1.0).abs() < 1e-9, "{} m/s, not {expected}", value("lid_rate"));
+    let expected = 0.5 * acceleration * value("time") * (value("time") + step);
+    assert!(
+        (value("lid_displacement") / expected - 1.0).abs() < 1e-9,
+        "{} m, not {expected}",
+        value("lid_displacement")
+    );
+}
+
+#[test]
 fn a_prepared_flow_is_made_once() {
     let folder = tempfile::tempdir().unwrap();
     let scene = changed(folder.path(), "[measure]", "[prepare]\nduration = 0.05\nstep = 1e-3\n\n[measure]");

@@ -22,6 +22,7 @@ pub fn called(scene: &Scene, text: &str) -> Vec<Called> {
         gravity(scene, text),
         changing_gravity(scene, text),
         wall_motion(scene, text),
+        driven_walls(scene, text),
         size_spread(scene, text),
         periodic_axes(scene, text),
         compliance(scene, text),
@@ -90,12 +91,10 @@ fn changing_gravity(scene: &Scene, text: &str) -> Called {
 
 fn wall_motion(scene: &Scene, text: &str) -> Called {
     let moving = |motion: &Motion| match motion {
-        Motion::Fixed => None,
+        Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => None,
         Motion::Translating { .. } => Some("translates"),
         Motion::Rotating { .. } => Some("rotates"),
         Motion::Vibrating { .. } => Some("vibrates"),
-        Motion::ForceDriven { .. } => Some("is driven by a force"),
-        Motion::TorqueDriven { .. } => Some("is driven by a torque"),
     };
     let mut walls = scene.wall.iter().enumerate();
     match walls.find_map(|(index, wall)| Some((index, wall, moving(&wall.motion)?))) {
@@ -104,7 +103,19 @@ fn wall_motion(scene: &Scene, text: &str) -> Called {
             format!("wall '{}' {moves}", wall.name),
             line_of(text, &["wall", &index.to_string(), "motion"]),
         ),
-        None => off("wall motion", "no wall moves"),
+        None => off("wall motion", "no wall moves as prescribed"),
+    }
+}
+
+fn driven_walls(scene: &Scene, text: &str) -> Called {
+    let driven = (scene.wall.iter().enumerate()).find(|(_, wall)| wall.motion.is_driven());
+    match driven.map(|(index, wall)| (index, wall, matches!(wall.motion, Motion::ForceDriven { .. }))) {
+        Some((index, wall, by_force)) => on(
+            "driven walls",
+            format!("a {} drives wall '{}'", if by_force { "force" } else { "torque" }, wall.name),
+            line_of(text, &["wall", &index.to_string(), "motion"]),
+        ),
+        None => off("driven walls", "no force or torque drives a wall"),
     }
 }
 

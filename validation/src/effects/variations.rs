@@ -30,6 +30,7 @@ pub fn variations(scene: &Scene) -> Vec<Variation> {
             || changed.population != scene.population
             || changed.solver != scene.solver
             || changed.gravity_changes != scene.gravity_changes
+            || changed.domain != scene.domain
         {
             all.push(Variation { effect, change, scene: changed });
         }
@@ -61,7 +62,13 @@ pub fn variations(scene: &Scene) -> Vec<Variation> {
             group.radius = RadiusDistribution::Fixed { value };
         }
     });
-    add("wall motion", "off".into(), &|scene| scene.wall.iter_mut().for_each(|wall| wall.motion = Motion::Fixed));
+    let stop = |scene: &mut Scene, driven: bool| {
+        let walls = scene.wall.iter_mut().filter(|wall| wall.motion.is_driven() == driven);
+        walls.for_each(|wall| wall.motion = Motion::Fixed);
+    };
+    add("wall motion", "off".into(), &|scene| stop(scene, false));
+    add("driven walls", "off: fixed".into(), &|scene| stop(scene, true));
+    add("periodic axes", "off".into(), &|scene| scene.domain.periodic.clear());
     add("changing gravity", "off".into(), &|scene| scene.gravity_changes.clear());
     add("cohesion", "off".into(), &|scene| {
         scene.material.values_mut().for_each(|one| one.cohesion = None);

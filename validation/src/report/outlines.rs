@@ -9,9 +9,9 @@ use nalgebra::Vector3;
 /// From metres on the picture's plane to the drawing.
 pub(super) type Place<'a> = &'a dyn Fn([f64; 2]) -> [f64; 2];
 
-/// Draws all walls as they stand at a time.
+/// Draws all walls as they stand at a time, but those that a force or a torque drives: states do not tell where these are.
 pub(super) fn walls(drawing: &mut Drawing, scene: &Scene, view: &View, time: f64, scale: f64, place: Place<'_>) {
-    for wall in &scene.wall {
+    for wall in scene.wall.iter().filter(|wall| !wall.motion.is_driven()) {
         let shift = displacement(&wall.motion, time);
         let at = |point: &[f64; 3]| Vector3::from(*point) + shift;
         match &wall.shape {
