@@ -212,6 +212,28 @@ fn a_drum_that_a_torque_turns_has_the_same_bits_everywhere_and_hangs_askew() {
 }
 
 #[test]
+fn a_run_that_starts_from_a_state_finds_its_driven_walls_there() {
+    let scene = pressed(10.0, FEW_SWEEPS);
+    let mut simulation = Simulation::new(&scene, 1, Path::new("test.toml")).unwrap();
+    run_until(&mut simulation, 0.3);
+    let file = Path::new("a.checkpoint");
+    let mut started = Simulation::start_from(&scene, &simulation.checkpoint(), file).unwrap();
+    let (last, first) = (simulation.snapshot(), started.snapshot());
+    assert_eq!((first.time, &first.driven_walls), (0.0, &last.driven_walls));
+    simulation.step();
+    started.step();
+    let [gone_on, started] = [simulation, started].map(|simulation| simulation.snapshot().driven_walls[1].rate);
+    assert_relative_eq!(gone_on, started, epsilon = 1e-3);
+    // Other walls: the grains alone.
+    let mut other = scene.clone();
+    other.wall[1].motion = Default::default();
+    let other = Simulation::start_from(&other, &Simulation::new(&scene, 1, file).unwrap().checkpoint(), file).unwrap();
+    assert_eq!(other.snapshot().driven_walls[0].displacement, 0.0);
+    let refused = Simulation::resume(&scene, &other.checkpoint(), file).unwrap_err().to_string();
+    assert!(refused.contains("driven walls"), "{refused}");
+}
+
+#[test]
 fn a_lid_presses_with_its_weight_and_force_whatever_its_mass() {
     for masses in [0.01, 1.0, 100.0] {
         let mut simulation = Simulation::new(&pressed(masses, FEW_SWEEPS), 1, Path::new("test.toml")).unwrap();

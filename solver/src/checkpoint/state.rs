@@ -218,6 +218,10 @@ impl State {
     /// A simulation of the scene at time zero with these grains, in the order of their ids, and the impulses of their contacts.
     pub fn start(&self, scene: &Scene) -> Result<Simulation, String> {
         let mut simulation = Simulation::of_world(scene, self.world(scene)?);
+        // A scene that drives other walls than the one that the grains come from begins with its walls where it places them.
+        if self.driven_walls.len() == simulation.world.drives.len() {
+            self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
+        }
         let scale = scene.solver.step / self.step;
         let (grains, surfaces) = (self.grains.len() as u32, simulation.world.surfaces.len() as u32);
         let candidates = &mut simulation.candidates;

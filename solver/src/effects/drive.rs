@@ -68,7 +68,8 @@ impl Drive {
     /// Begins a step of length `h` (s) at `time` (s): the force or torque acts, and gravity (m/s2).
     pub(crate) fn begin(&mut self, time: f64, h: f64, gravity: &Vector3<f64>) {
         let weight = if self.pivot.is_none() { self.inertia * gravity.dot(&self.axis) } else { 0.0 };
-        self.inverse_inertia = if time >= self.start { 1.0 / self.inertia } else { 0.0 };
+        let free = time >= self.start;
+        (self.inverse_inertia, self.rate) = if free { (1.0 / self.inertia, self.rate) } else { (0.0, 0.0) };
         self.rate_before = self.rate;
         self.rate += self.inverse_inertia * (h * (self.effort + weight));
     }
