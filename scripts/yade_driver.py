@@ -138,11 +138,14 @@ def switch_motions(step):
             engine.dead = False
 
 
-def write_driven_walls(output):
-    table = array("d", [number for drive in drives for number in (drive["displacement"], drive["rate"])])
+def write_table(output, table):
     if sys.byteorder == "big":
         table.byteswap()
     table.tofile(output)
+
+
+def write_driven_walls(output):
+    write_table(output, array("d", [number for drive in drives for number in (drive["displacement"], drive["rate"])]))
 
 
 def write_frame(output, step):
@@ -173,9 +176,7 @@ def write_frame(output, step):
         count += 1
     header = array("d", (step * job["time_step"], grain_count, count))
     for table in (header, grains, contacts):
-        if sys.byteorder == "big":
-            table.byteswap()
-        table.tofile(output)
+        write_table(output, table)
 
 
 def write_text(name, text):

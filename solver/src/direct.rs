@@ -130,7 +130,7 @@ struct DenseContact {
     friction: f64,
     impulse: Vector3<f64>,
     wall_velocity: Vector3<f64>,
-    /// Number of the drive that moves the wall, and how; absent where none does.
+    /// Number of the drive that moves the wall, and the Jacobian there; absent where none does.
     driven: Option<(usize, Vector3<f64>)>,
 }
 
@@ -193,8 +193,8 @@ impl Dense {
                 gradient.view_mut((3 * index, 6 * second), (3, 3)).copy_from(&turn);
                 gradient.view_mut((3 * index, 6 * second + 3), (3, 3)).copy_from(&spin);
             }
-            if let Some((drive, way)) = contact.driven {
-                gradient.view_mut((3 * index, 6 * world.grains() + drive), (3, 1)).copy_from(&(turn * way));
+            if let Some((drive, jacobian)) = contact.driven {
+                gradient.view_mut((3 * index, 6 * world.grains() + drive), (3, 1)).copy_from(&(turn * jacobian));
             }
             wall.rows_mut(3 * index, 3).copy_from(&(turn * contact.wall_velocity));
             impulses.rows_mut(3 * index, 3).copy_from(&contact.impulse);
@@ -372,7 +372,7 @@ fn contacts_of(simulation: &Simulation) -> Vec<DenseContact> {
                 let mut contact = DenseContact::read(&group.contacts, lane, group.body[lane], None, velocity);
                 if number >= task.prescribed_walls() {
                     contact.wall_velocity = Vector3::zeros();
-                    contact.driven = driven.next().map(|one| (one.drive as usize, one.way.into()));
+                    contact.driven = driven.next().map(|one| (one.drive as usize, one.jacobian.into()));
                 }
                 contacts.push(contact);
             }

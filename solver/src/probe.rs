@@ -65,17 +65,20 @@ impl Simulation {
     pub fn sweep_times(&mut self, sweeps: u32) -> u64 {
         let team = self.team.clone();
         let Simulation { world, layout, solver, relaxation, settings, .. } = self;
+        let single = &mut solver.workspace.single;
         team.enter(|| {
-            let unknowns = match settings.precision {
-                Precision::Double => Unknowns::double(&mut world.bodies, &mut layout.groups),
-                Precision::Single => {
-                    let single = &mut solver.workspace.single;
-                    single.take(&world.bodies, layout, relaxation.instruction_set, &team);
-                    Unknowns::single(single)
-                }
-            };
+            if settings.precision == Precision::Single {
+                single.take(&world.bodies, layout, relaxation.instruction_set, &team);
+            }
             for _ in 0..sweeps {
+                let unknowns = match settings.precision {
+                    Precision::Double => Unknowns::double(&mut world.bodies, &mut layout.groups),
+                    Precision::Single => Unknowns::single(single),
+                };
                 sweep_all(&layout.plan, &unknowns, relaxation, 1.0, 1, None, &team);
+                if !world.drives.is_empty() {
+                    relaxation.sweep_driven(&mut world.bodies, layout, &mut world.drives, 1.0, false);
+                }
             }
         });
         u64::from(sweeps) * self.layout.contacts as u64

@@ -154,7 +154,8 @@ impl Simulation {
         clock.lap(&mut self.phases.constrain);
     }
 
-    /// Keeps the velocities, and spins where they are asked for, at the start of a step of length `h` (s), then lets gravity act on the grains.
+    /// Keeps the velocities, and spins where they are asked for, at the start of a step of length `h` (s), then lets gravity
+    /// act on the grains, and on driven walls what drives them.
     pub(crate) fn apply_gravity(&mut self, h: f64, team: &Team) {
         let change = self.world.gravity * h;
         let (time, gravity) = (self.world.time, self.world.gravity);

@@ -174,7 +174,7 @@ impl Constrainer {
                         group: group as u32,
                         lane: lane as u32,
                         drive: drive as u32,
-                        way: world.drives[drive].way(&point).into(),
+                        jacobian: world.drives[drive].jacobian(&point).into(),
                     });
                 }
             }

@@ -1,11 +1,11 @@
 //! Driven walls: walls that move as a force or a torque, their weight and the grains will have it.
 //!
 //! A driven wall has one freedom, along an axis a or about it, with the coordinate s (m or rad) and the rate V = ds/dt. With the
-//! way w that a point x of the wall goes when s grows by one, the impulses P that grains exert on it, and their angular impulses L,
+//! Jacobian J = dx/ds of a point x of the wall, the impulses P that grains exert on it, and their angular impulses L,
 //!
 //! ```text
-//! along the axis   w = a             M (V' - V) = h (F + M g.a) + sum P.w
-//! about the axis   w = a x (x - c)   I (V' - V) = h T           + sum P.w + sum L.a
+//! along the axis   J = a             M (V' - V) = h (F + M g.a) + sum P.J
+//! about the axis   J = a x (x - c)   I (V' - V) = h T           + sum P.J + sum L.a
 //! ```
 //!
 //! F is a force (N) on a mass M (kg), T a torque (N m) on a moment of inertia I (kg m2) about the axis, which goes through the
@@ -16,7 +16,7 @@
 //! one left: Gauss-Seidel as elsewhere, and the operator of a contact with unit normal n gets the wall's share,
 //!
 //! ```text
-//! S_n = 1/m + (w.n)^2 / M      S_t = 3.5/m + |w - (w.n) n|^2 / M
+//! S_n = 1/m + (J.n)^2 / M      S_t = 3.5/m + |J - (J.n) n|^2 / M
 //! ```
 //!
 //! the second a bound of a matrix of two rows, which keeps the relaxation convergent. A wall lighter than the grains that it
@@ -79,8 +79,8 @@ impl Drive {
         self.displacement += h * self.rate;
     }
 
-    /// How a point (m) of the wall moves when the coordinate grows by one: no unit, or m.
-    pub fn way(&self, point: &Vector3<f64>) -> Vector3<f64> {
+    /// Jacobian of a point (m) of the wall, its velocity over the rate: no unit, or m.
+    pub fn jacobian(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.pivot.map_or(self.axis, |pivot| self.axis.cross(&(point - pivot)))
     }
 
@@ -89,7 +89,7 @@ impl Drive {
         self.pivot.map_or_else(Vector3::zeros, |_| self.axis)
     }
 
-    /// Takes an effort times time: an impulse along the way, N s, or an angular one about the axis, N m s.
+    /// Takes an effort times time: an impulse times the Jacobian, N s, or an angular one about the axis, N m s.
     #[inline(always)]
     pub(crate) fn push(&mut self, impulse: f64) {
         self.rate += self.inverse_inertia * impulse;

@@ -77,8 +77,8 @@ pub struct DrivenContact {
     pub lane: u32,
     /// Number of the drive.
     pub drive: u32,
-    /// How its point of the wall moves when the drive's coordinate grows by one: no unit, or m.
-    pub way: [f64; 3],
+    /// Jacobian of its point of the wall, the point's velocity over the drive's rate: no unit, or m.
+    pub jacobian: [f64; 3],
 }
 
 impl TaskGroups {

@@ -59,9 +59,9 @@ fn relax<E: Effects, const MEASURE: bool>(
     let body = &mut bodies[group.body[lane] as usize];
     let (mut grain, mut residual) = (Bodies::of(body), LaneResidual::zero());
     let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
-    let along = dot(contact.normal, one.way);
+    let along = dot(contact.normal, one.jacobian);
     // Normal impulse, projected onto repulsion.
-    let velocity = contact.velocity_at_wall::<E>(&grain, times(one.way, drive.rate));
+    let velocity = contact.velocity_at_wall::<E>(&grain, times(one.jacobian, drive.rate));
     let operator = grain.inverse_mass + drive.inverse_inertia * along * along + contact.regularisation;
     let violation = contact.bias - dot(contact.normal, velocity) - contact.regularisation * contact.impulse_normal;
     let updated = (contact.impulse_normal + factor * violation / operator).max(0.0);
@@ -74,16 +74,16 @@ fn relax<E: Effects, const MEASURE: bool>(
     }
     if E::FRICTION {
         // Tangential impulse, projected onto the Coulomb disc, at the velocity that the normal impulse has left.
-        let velocity = contact.velocity_at_wall::<E>(&grain, times(one.way, drive.rate));
+        let velocity = contact.velocity_at_wall::<E>(&grain, times(one.jacobian, drive.rate));
         let tangential = minus(velocity, times(contact.normal, dot(contact.normal, velocity)));
-        let across = (dot(one.way, one.way) - along * along).max(0.0);
+        let across = (dot(one.jacobian, one.jacobian) - along * along).max(0.0);
         let operator = grain.inverse_mass * (1.0 + INVERSE_INERTIA) + drive.inverse_inertia * across;
         let target = minus(contact.impulse_tangential, times(tangential, factor / operator));
         let projected = times(target, disc_shrinkage(target, contact.friction * updated));
         let change = minus(projected, contact.impulse_tangential);
         contact.impulse_tangential = projected;
         grain.push::<E>(-1.0, change, cross(contact.normal, change));
-        drive.push(dot(one.way, change));
+        drive.push(dot(one.jacobian, change));
         if MEASURE {
             residual.add_tangential(contact.normal, times(change, operator));
         }
@@ -113,7 +113,7 @@ pub(crate) fn start_driven(layout: &Layout, drives: &mut [Drive]) {
         let WallGroup { contacts, .. } = &task.walls[number];
         let pull = task.wall_pulls.get(number).map_or(0.0, |pulls| pulls.0[lane]);
         let along = times(contacts.normal(lane), contacts.normal_impulse(lane) - pull);
-        drive.push(dot(one.way, plus(along, contacts.tangential_impulse(lane))));
+        drive.push(dot(one.jacobian, plus(along, contacts.tangential_impulse(lane))));
         if let Some(lanes) = task.wall_torques.get(number) {
             drive.push(dot(drive.turning().into(), lanes.torques.angular_impulse(lane)));
         }
@@ -126,7 +126,7 @@ pub(crate) fn tell_driven(layout: &mut Layout, drives: &[Drive]) {
     for one in &*driven {
         let (task, drive) = (&mut groups[one.task as usize], &drives[one.drive as usize]);
         let (number, lane) = (one.group as usize, one.lane as usize);
-        let (velocity, spin) = (times(one.way, drive.rate), drive.turning() * drive.rate);
+        let (velocity, spin) = (times(one.jacobian, drive.rate), drive.turning() * drive.rate);
         for axis in 0..3 {
             task.walls[number].wall_velocity[axis].0[lane] = velocity[axis];
             if let Some(lanes) = task.wall_torques.get_mut(number) {

@@ -43,17 +43,19 @@ impl TimeTable {
             row[column] = Some(value);
         }
         self.rows.push(row);
-        write_whole(&self.path, self.text().as_bytes())
+        write_whole(&self.path, &self.text())
     }
 
-    fn text(&self) -> String {
-        let mut text = self.columns.join(",") + "\n";
+    /// Names of walls may hold commas, so that columns may need quotes.
+    fn text(&self) -> Vec<u8> {
+        const MEMORY: &str = "memory takes any number of bytes";
+        let mut text = csv::Writer::from_writer(Vec::new());
+        text.write_record(&self.columns).expect(MEMORY);
         for row in &self.rows {
             let cell = |column| row.get(column).copied().flatten().map_or(String::new(), |value| format!("{value:?}"));
-            text += &(0..self.columns.len()).map(cell).collect::<Vec<_>>().join(",");
-            text.push('\n');
+            text.write_record((0..self.columns.len()).map(cell)).expect(MEMORY);
         }
-        text
+        text.into_inner().expect(MEMORY)
     }
 }
 
@@ -69,5 +71,14 @@ mod tests {
         table.push([("time".to_string(), 0.0)]).unwrap();
         table.push([("time".to_string(), 0.5), ("angle".to_string(), 31.0)]).unwrap();
         assert_eq!(std::fs::read_to_string(path).unwrap(), "time,angle\n0.0,\n0.5,31.0\n");
+    }
+
+    #[test]
+    fn a_name_with_a_comma_is_one_column() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.csv");
+        let mut table = TimeTable::new(&path, &["time"]);
+        table.push([("time".to_string(), 0.0), ("lid, upper_rate".to_string(), 1.5)]).unwrap();
+        assert_eq!(std::fs::read_to_string(path).unwrap(), "time,\"lid, upper_rate\"\n0.0,1.5\n");
     }
 }

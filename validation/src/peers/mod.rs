@@ -16,7 +16,7 @@ pub use makadam::{Makadam, frame_is_due};
 pub use yade::Yade;
 
 use crate::recording::Recording;
-use ::makadam::scene::{ContactCoefficients, Scene, Shape};
+use ::makadam::scene::{ContactCoefficients, Motion, Scene, Shape};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -146,6 +146,9 @@ fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::sc
     }
     if scene.wall.iter().any(|wall| matches!(wall.shape, Shape::Spheres { .. })) {
         return refuse("a wall is made of spheres");
+    }
+    if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
+        return refuse("a wall is driven by a torque");
     }
     if !scene.gravity_changes.is_empty() {
         return refuse("its gravity changes in time");

@@ -152,9 +152,6 @@ impl Code for Yade {
         let scene = job.scene;
         let grains = populate(scene, job.seed, job.scene_file)?;
         super::refuse_unsupported(NAME, scene, &grains)?;
-        if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
-            return Err(CodeError::Unsupported { code: NAME, reason: "a wall is driven by a torque".into() });
-        }
         let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
 
         let folder = job.work_folder;
@@ -388,7 +385,8 @@ pub fn read_driven_walls(bytes: &[u8], walls: &[u32], frames: &mut [Snapshot]) -
     let mut numbers = bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap_or_default()));
     for frame in frames {
         for &wall in walls {
-            let [displacement, rate] = [(); DRIVEN_ROW].map(|()| numbers.next().unwrap_or(f64::NAN));
+            let mut number = || numbers.next().unwrap_or(f64::NAN);
+            let (displacement, rate) = (number(), number());
             if !displacement.is_finite() || !rate.is_finite() {
                 return Err("a number is not finite: the run has blown up".into());
             }

@@ -1,8 +1,8 @@
 //! What a flowing layer is over its height: velocity, solid volume and stresses, in bins, summed over frames.
 //!
-//! Stresses are those of contacts, the force on one partner times the branch vector to it from the other, and of the velocities about their
-//! mean (Irving & Kirkwood 1950; Goldhirsch, Granular Matter 12, 239, 2010), compression positive. A contact counts in the bin of its
-//! point. Grains here overlap by some ten thousandths, so the branch is as long as the radii together.
+//! Stresses are those of contacts, the force on one partner times the branch vector to it from the other, and of the velocities
+//! about their mean (Irving & Kirkwood 1950; Goldhirsch, Granular Matter 12, 239, 2010), compression positive. A contact counts in
+//! the bin of its point. Grains here overlap by some ten thousandths, so the branch is as long as the radii together.
 
 use super::super::fit::{least, line};
 use super::{DIAMETER, PERIOD};

@@ -55,7 +55,7 @@ impl Code for Liggghts {
         let grains = populate(scene, job.seed, job.scene_file)?;
         super::refuse_unsupported(NAME, scene, &grains)?;
         if scene.wall.iter().any(|wall| wall.motion.is_driven()) {
-            let reason = "a wall is driven by a force or a torque".into();
+            let reason = "a wall is driven by a force".into();
             return Err(CodeError::Unsupported { code: NAME, reason });
         }
         let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
