@@ -1,6 +1,6 @@
 //! Lanes in two 256-bit registers.
 
-use super::{Eight, LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
+use super::{Eight, LANES, Lanes, Line, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
@@ -196,6 +196,53 @@ impl Lanes for Avx2 {
                 let rows = transposed([x[half], y[half], z[half], w[half]]);
                 for (lane, row) in rows.into_iter().enumerate() {
                     _mm256_store_pd(base.add(STRIDE * indices[4 * half + lane] as usize).cast(), row);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Avx2; 4]; 2] {
+        // SAFETY: the caller's promise; the halves of a line are aligned to 32 bytes.
+        unsafe {
+            let against = _mm256_setr_pd(-0.0, -0.0, -0.0, 0.0);
+            let mut out = [[Avx2([_mm256_setzero_pd(); 2]); 4]; 2];
+            for side in 0..2 {
+                let (mut motion, mut turning) = ([_mm256_setzero_pd(); 4], [_mm256_setzero_pd(); 4]);
+                for row in 0..4 {
+                    let lane = 4 * side + row;
+                    let (a, b): (*const f64, *const f64) =
+                        (base.add(first[lane] as usize).cast(), base.add(second[lane] as usize).cast());
+                    let turned = _mm256_xor_pd(_mm256_load_pd(a), against);
+                    motion[row] = _mm256_add_pd(turned, _mm256_load_pd(b));
+                    turning[row] = _mm256_add_pd(_mm256_load_pd(a.add(4)), _mm256_load_pd(b.add(4)));
+                }
+                let (motion, turning) = (transposed(motion), transposed(turning));
+                for part in 0..4 {
+                    out[0][part].0[side] = motion[part];
+                    out[1][part].0[side] = turning[part];
+                }
+            }
+            out
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn add_shares(base: *mut Line, indices: &[u32; LANES], halves: [[Avx2; 3]; 2], factors: [f64; 2]) {
+        // SAFETY: the caller's promise; the halves of a line are aligned to 32 bytes.
+        unsafe {
+            for side in 0..2 {
+                let zero = _mm256_setzero_pd();
+                let [[x, y, z], [u, v, w]] = halves;
+                let motion = transposed([x.0[side], y.0[side], z.0[side], zero]);
+                let turning = transposed([u.0[side], v.0[side], w.0[side], zero]);
+                for row in 0..4 {
+                    let line: *mut f64 = base.add(indices[4 * side + row] as usize).cast();
+                    let own = _mm256_broadcast_sd(&*line.add(3));
+                    let scale = _mm256_mul_pd(own, _mm256_set1_pd(factors[0]));
+                    _mm256_store_pd(line, _mm256_add_pd(_mm256_load_pd(line), _mm256_mul_pd(motion[row], scale)));
+                    let (line, scale) = (line.add(4), _mm256_mul_pd(own, _mm256_set1_pd(factors[1])));
+                    _mm256_store_pd(line, _mm256_add_pd(_mm256_load_pd(line), _mm256_mul_pd(turning[row], scale)));
                 }
             }
         }

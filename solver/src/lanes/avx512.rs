@@ -1,6 +1,6 @@
 //! Lanes in one 512-bit register. Only AVX-512F is used, which the Xeon Phi x200 has too.
 
-use super::{Eight, LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
+use super::{Eight, LANES, Lanes, Line, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
@@ -188,9 +188,7 @@ impl Lanes for Avx512 {
             let row = |lane: usize| base.add(STRIDE * indices[lane] as usize);
             let (a, b) = (join(row(0), row(4)), join(row(1), row(5)));
             let (c, d) = (join(row(2), row(6)), join(row(3), row(7)));
-            let (first, third) = interleave_pairs(_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
-            let (second, fourth) = interleave_pairs(_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d));
-            [Avx512(first), Avx512(second), Avx512(third), Avx512(fourth)]
+            columns([a, b, c, d])
         }
     }
 
@@ -204,14 +202,84 @@ impl Lanes for Avx512 {
                 _mm256_store_pd(low.cast(), _mm512_castpd512_pd256(rows));
                 _mm256_store_pd(high.cast(), _mm512_extractf64x4_pd::<1>(rows));
             };
-            let [x, y, z, w] = quads.map(|part| part.0);
-            let (a, c) = interleave_pairs(_mm512_unpacklo_pd(x, y), _mm512_unpacklo_pd(z, w));
-            let (b, d) = interleave_pairs(_mm512_unpackhi_pd(x, y), _mm512_unpackhi_pd(z, w));
+            let [x, y, z, w] = quads;
+            let [a, b, c, d] = rows([x.0, y.0, z.0, w.0]);
             put(0, a);
             put(1, b);
             put(2, c);
             put(3, d);
         }
+    }
+
+    #[inline(always)]
+    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Avx512; 4]; 2] {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let sign = i64::MIN;
+            let against = _mm512_setr_epi64(sign, sign, sign, 0, 0, 0, 0, 0);
+            let mut lines = [_mm512_setzero_pd(); LANES];
+            for lane in 0..LANES {
+                let a = _mm512_load_si512(base.add(first[lane] as usize).cast());
+                let b = _mm512_load_pd(base.add(second[lane] as usize).cast());
+                lines[lane] = _mm512_add_pd(_mm512_castsi512_pd(_mm512_xor_si512(a, against)), b);
+            }
+            let (mut motion, mut turning) = ([_mm512_setzero_pd(); 4], [_mm512_setzero_pd(); 4]);
+            for row in 0..4 {
+                motion[row] = _mm512_shuffle_f64x2::<0b01_00_01_00>(lines[row], lines[row + 4]);
+                turning[row] = _mm512_shuffle_f64x2::<0b11_10_11_10>(lines[row], lines[row + 4]);
+            }
+            [columns(motion), columns(turning)]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn add_shares(base: *mut Line, indices: &[u32; LANES], halves: [[Avx512; 3]; 2], factors: [f64; 2]) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let zero = _mm512_setzero_pd();
+            let [[x, y, z], [u, v, w]] = halves;
+            let (motion, turning) = (rows([x.0, y.0, z.0, zero]), rows([u.0, v.0, w.0, zero]));
+            let factors = _mm512_insertf64x4::<1>(_mm512_set1_pd(factors[0]), _mm256_set1_pd(factors[1]));
+            for row in 0..4 {
+                let low = _mm512_shuffle_f64x2::<0b01_00_01_00>(motion[row], turning[row]);
+                let high = _mm512_shuffle_f64x2::<0b11_10_11_10>(motion[row], turning[row]);
+                for (lane, share) in [(row, low), (row + 4, high)] {
+                    let line: *mut f64 = base.add(indices[lane] as usize).cast();
+                    let scale = _mm512_mul_pd(_mm512_set1_pd(*line.add(3)), factors);
+                    _mm512_store_pd(line, _mm512_add_pd(_mm512_load_pd(line), _mm512_mul_pd(share, scale)));
+                }
+            }
+        }
+    }
+}
+
+/// Transposes rows of four numbers each, row `i + 4` in the upper half of row `i`.
+///
+/// # Safety
+/// AVX-512F.
+#[inline(always)]
+unsafe fn columns(rows: [__m512d; 4]) -> [Avx512; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let [a, b, c, d] = rows;
+        let (first, third) = interleave_pairs(_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
+        let (second, fourth) = interleave_pairs(_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d));
+        [Avx512(first), Avx512(second), Avx512(third), Avx512(fourth)]
+    }
+}
+
+/// The way back: row `i` in the lower half, row `i + 4` in the upper half.
+///
+/// # Safety
+/// AVX-512F.
+#[inline(always)]
+unsafe fn rows(columns: [__m512d; 4]) -> [__m512d; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let [x, y, z, w] = columns;
+        let (a, c) = interleave_pairs(_mm512_unpacklo_pd(x, y), _mm512_unpacklo_pd(z, w));
+        let (b, d) = interleave_pairs(_mm512_unpackhi_pd(x, y), _mm512_unpackhi_pd(z, w));
+        [a, b, c, d]
     }
 }
 

@@ -3,7 +3,7 @@
 // One index runs over several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::{Eight, LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
+use super::{Eight, LANES, Lanes, Line, Number, Octet, Quad, SINGLE_LANES, SingleLanes, Sixteen};
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
 /// `N` numbers as an array.
@@ -214,6 +214,36 @@ impl Lanes for Portable<f64, LANES> {
             let quad = Quad(std::array::from_fn(|part| quads[part].0[lane]));
             // SAFETY: the caller's promise.
             unsafe { *base.add(STRIDE * indices[lane] as usize) = quad };
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Self; 4]; 2] {
+        let mut out = [[Portable([0.0; LANES]); 4]; 2];
+        for lane in 0..LANES {
+            // SAFETY: the caller's promise.
+            let (a, b) = unsafe { (&(*base.add(first[lane] as usize)).0, &(*base.add(second[lane] as usize)).0) };
+            for part in 0..4 {
+                let (mine, theirs) = (a[0].0[part], b[0].0[part]);
+                out[0][part].0[lane] = if part < 3 { theirs - mine } else { theirs + mine };
+                out[1][part].0[lane] = b[1].0[part] + a[1].0[part];
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    unsafe fn add_shares(base: *mut Line, indices: &[u32; LANES], halves: [[Self; 3]; 2], factors: [f64; 2]) {
+        for lane in 0..LANES {
+            // SAFETY: the caller's promise.
+            let line = unsafe { &mut (*base.add(indices[lane] as usize)).0 };
+            let own = line[0].0[3];
+            for half in 0..2 {
+                let scale = own * factors[half];
+                for part in 0..3 {
+                    line[half].0[part] += halves[half][part].0[lane] * scale;
+                }
+            }
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, cross, dot, minus, prefetch_places, times};
 use crate::partition::{ContactLanes, PairGroup, TaskGroups, WallGroup};
-use crate::sweep::kernel::{Bodies, Contact};
+use crate::sweep::kernel::{Bodies, Contact, Pair};
 use crate::world::Body;
 use std::marker::PhantomData;
 
@@ -83,7 +83,8 @@ impl Group for PairGroup {
         // SAFETY: the caller's promise.
         let (first, second) =
             unsafe { (Bodies::<L>::load::<E>(bodies, &self.first), Bodies::<L>::load::<E>(bodies, &self.second)) };
-        (contact.velocity_of_pair::<E>(&first, &second), first.inverse_mass + second.inverse_mass)
+        let pair = Pair::of(&first, &second);
+        (contact.velocity_of_pair::<E>(&pair), pair.inverse_mass)
     }
 
     #[inline(always)]

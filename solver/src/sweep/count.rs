@@ -1,6 +1,6 @@
 //! How much arithmetic a contact sweep is, counted by running the kernel's own source over numbers that count.
 
-use super::kernel::{Bodies, Contact};
+use super::kernel::{Bodies, Contact, Pair};
 use super::residual::LaneResidual;
 use crate::effects::Frictional;
 use crate::lanes::Number;
@@ -29,7 +29,11 @@ impl Operations {
     pub fn of_pair() -> Operations {
         counted(|contact| {
             let (mut first, mut second) = (Bodies::at_rest(), Bodies::at_rest());
-            contact.relax_pair::<Frictional, false>(&mut first, &mut second, Counted(1.0), &mut LaneResidual::zero());
+            let pair = Pair::of(&first, &second);
+            let nowhere = &mut LaneResidual::zero();
+            let [impulse, lever] = contact.relax_pair::<Frictional, false>(&pair, Counted(1.0), nowhere);
+            first.push::<Frictional>(-1.0, impulse, lever);
+            second.push::<Frictional>(1.0, impulse, lever);
         })
     }
 

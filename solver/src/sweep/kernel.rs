@@ -17,7 +17,7 @@ use super::residual::LaneResidual;
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::lanes::{LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, cross, dot, minus, plus, times};
-use crate::partition::{ContactLanes, SingleBody};
+use crate::partition::{ContactLanes, PairGroup, SingleBody};
 use crate::world::Body;
 
 /// Inverse of `I/(m r^2)` for a solid sphere.
@@ -118,6 +118,56 @@ impl<N: Number> Bodies<N> {
     }
 }
 
+/// What a contact asks of its two bodies together.
+#[derive(Clone, Copy)]
+pub(crate) struct Pair<N> {
+    /// Velocity of the second less that of the first.
+    pub velocity: [N; 3],
+    /// Sum of their inverse masses.
+    pub inverse_mass: N,
+    /// Sum of their surface speeds.
+    pub surface_speed: [N; 3],
+}
+
+impl<N: Number> Pair<N> {
+    /// Of these two.
+    #[inline(always)]
+    pub fn of(first: &Bodies<N>, second: &Bodies<N>) -> Self {
+        Self {
+            velocity: minus(second.velocity, first.velocity),
+            inverse_mass: first.inverse_mass + second.inverse_mass,
+            surface_speed: plus(first.surface_speed, second.surface_speed),
+        }
+    }
+}
+
+impl<L: Lanes> Pair<L> {
+    /// Loads eight of them.
+    ///
+    /// # Safety
+    /// As for [`Bodies::load`].
+    #[inline(always)]
+    pub unsafe fn load(bodies: *const Body, group: &PairGroup) -> Self {
+        // SAFETY: the caller's promise; a body is a line.
+        let [[x, y, z, inverse_mass], [along_x, along_y, along_z, _]] =
+            unsafe { L::load_pairs(bodies.cast(), &group.first, &group.second) };
+        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z] }
+    }
+
+    /// Gives the bodies of eight contacts their impulses; `lever` is n x P.
+    ///
+    /// # Safety
+    /// As for [`Bodies::load`].
+    #[inline(always)]
+    pub unsafe fn push(bodies: *mut Body, group: &PairGroup, [impulse, lever]: [[L; 3]; 2]) {
+        // SAFETY: the caller's promise; a body is a line, whose fourth number is its inverse mass.
+        unsafe {
+            L::add_shares(bodies.cast(), &group.first, [impulse, lever], [-1.0, -INVERSE_INERTIA]);
+            L::add_shares(bodies.cast(), &group.second, [impulse, lever], [1.0, -INVERSE_INERTIA]);
+        }
+    }
+}
+
 /// Constraint data and impulses of one contact, or of eight.
 #[derive(Clone, Copy)]
 pub(crate) struct Contact<N> {
@@ -200,12 +250,11 @@ impl<N: Number> Contact<N> {
 
     /// Relative velocity of two grains at their contact.
     #[inline(always)]
-    pub fn velocity_of_pair<E: Effects>(&self, first: &Bodies<N>, second: &Bodies<N>) -> [N; 3] {
-        let velocity = minus(second.velocity, first.velocity);
+    pub fn velocity_of_pair<E: Effects>(&self, pair: &Pair<N>) -> [N; 3] {
         if !E::FRICTION {
-            return velocity;
+            return pair.velocity;
         }
-        minus(velocity, cross(plus(first.surface_speed, second.surface_speed), self.normal))
+        minus(pair.velocity, cross(pair.surface_speed, self.normal))
     }
 
     /// Relative velocity of a grain and a wall that moves with `wall_velocity` at their contact.
@@ -218,22 +267,17 @@ impl<N: Number> Contact<N> {
         minus(velocity, cross(grain.surface_speed, self.normal))
     }
 
-    /// Relaxes a contact of two grains.
+    /// Relaxes a contact of two grains: the impulse P for the second one, and its lever n x P.
     #[inline(always)]
     pub fn relax_pair<E: Effects, const MEASURE: bool>(
         &mut self,
-        first: &mut Bodies<N>,
-        second: &mut Bodies<N>,
+        pair: &Pair<N>,
         relaxation: N,
         residual: &mut LaneResidual<N>,
-    ) {
-        let velocity = self.velocity_of_pair::<E>(first, second);
-        let inverse_mass = first.inverse_mass + second.inverse_mass;
-        let impulse = self.relax::<E, MEASURE>(velocity, inverse_mass, relaxation, residual);
-        // Both bodies take the impulse; their spins change alike.
-        let lever = cross(self.normal, impulse);
-        first.push::<E>(-1.0, impulse, lever);
-        second.push::<E>(1.0, impulse, lever);
+    ) -> [[N; 3]; 2] {
+        let velocity = self.velocity_of_pair::<E>(pair);
+        let impulse = self.relax::<E, MEASURE>(velocity, pair.inverse_mass, relaxation, residual);
+        [impulse, cross(self.normal, impulse)]
     }
 
     /// Relaxes a contact of a grain with a wall that moves with `wall_velocity` there.

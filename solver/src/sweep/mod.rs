@@ -19,7 +19,7 @@ use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, prefetch_lines
 use crate::partition::{TaskGroups, WallTorqueLanes};
 use crate::schedule::Disjoint;
 use crate::world::Body;
-use kernel::{Bodies, Contact};
+use kernel::{Bodies, Contact, Pair};
 use std::marker::PhantomData;
 use torques::Torque;
 
@@ -177,10 +177,20 @@ impl<E: Effects, const MEASURE: bool> Kernel for Sweep<'_, E, MEASURE> {
             let group = &mut pairs[number];
             // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
             unsafe {
+                let mut contact = Contact::read(&group.contacts, L::load);
+                if E::FRICTION && !E::TORQUES {
+                    let pair = Pair::<L>::load(self.bodies, group);
+                    let push = contact.relax_pair::<E, MEASURE>(&pair, factor, &mut residual);
+                    Pair::push(self.bodies, group, push);
+                    contact.write::<E, _>(&mut group.contacts, L::store);
+                    continue;
+                }
                 let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
                 let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
-                let mut contact = Contact::read(&group.contacts, L::load);
-                contact.relax_pair::<E, MEASURE>(&mut first, &mut second, factor, &mut residual);
+                let pair = Pair::of(&first, &second);
+                let [impulse, lever] = contact.relax_pair::<E, MEASURE>(&pair, factor, &mut residual);
+                first.push::<E>(-1.0, impulse, lever);
+                second.push::<E>(1.0, impulse, lever);
                 if E::TORQUES {
                     let torques = &mut self.groups.pair_torques[number];
                     let mut torque = Torque::read(torques, L::load);

@@ -1,6 +1,6 @@
 //! The same relaxation one contact at a time: the baseline of the benches, and a witness for the lanes.
 
-use super::kernel::{Bodies, Contact};
+use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{LaneResidual, TaskResidual};
 use super::torques::Torque;
 use crate::effects::Effects;
@@ -26,7 +26,10 @@ pub(super) unsafe fn sweep<E: Effects, const MEASURE: bool>(
             let (mut first, mut second) = (Bodies::of(at(a)), Bodies::of(at(b)));
             let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
             let mut own = LaneResidual::zero();
-            contact.relax_pair::<E, MEASURE>(&mut first, &mut second, relaxation, &mut own);
+            let pair = Pair::of(&first, &second);
+            let [impulse, lever] = contact.relax_pair::<E, MEASURE>(&pair, relaxation, &mut own);
+            first.push::<E>(-1.0, impulse, lever);
+            second.push::<E>(1.0, impulse, lever);
             if E::TORQUES {
                 let torques = &mut groups.pair_torques[number];
                 let mut torque = Torque::read(torques, |eight| eight.0[lane]);

@@ -1,7 +1,7 @@
 //! The sweep in single precision: the same relaxation, sixteen contacts at a time.
 
 use super::Relaxation;
-use super::kernel::{Bodies, Contact};
+use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{LaneResidual, TaskResidual};
 use crate::effects::{Effects, Frictional, Frictionless};
 use crate::lanes::{Kernel, Lanes, Number, SingleLanes, prefetch_lines, prefetch_places};
@@ -76,7 +76,10 @@ impl<E: Effects, const MEASURE: bool> Kernel for SingleSweep<'_, E, MEASURE> {
                 let mut first = Bodies::<L::Single>::load_single(self.bodies, &group.first);
                 let mut second = Bodies::<L::Single>::load_single(self.bodies, &group.second);
                 let mut contact = Contact::read(&group.contacts, L::Single::load);
-                contact.relax_pair::<E, MEASURE>(&mut first, &mut second, factor, &mut residual);
+                let pair = Pair::of(&first, &second);
+                let [impulse, lever] = contact.relax_pair::<E, MEASURE>(&pair, factor, &mut residual);
+                first.push::<E>(-1.0, impulse, lever);
+                second.push::<E>(1.0, impulse, lever);
                 first.store_single(self.bodies, &group.first);
                 second.store_single(self.bodies, &group.second);
                 contact.write::<E, _>(&mut group.contacts, L::Single::store);
