@@ -3,7 +3,7 @@
 use crate::Simulation;
 use crate::methods::{Problem, Solver};
 use crate::scene::SolverMethod;
-use crate::solve::{MEASURE_EVERY, residual_unit};
+use crate::solve::{gauge, residual_unit};
 use crate::sweep::Residuals;
 use crate::world::World;
 use serde::{Deserialize, Serialize};
@@ -44,7 +44,7 @@ impl Simulation {
                     problem.enter_precision();
                 }
                 // Over-relaxation needs to know whether the residual grows, as often as in a solve of many sweeps.
-                method.iterate(&mut problem, number == 1 || number.is_multiple_of(MEASURE_EVERY));
+                method.iterate(&mut problem, gauge(number, false));
                 seconds += clock.elapsed().as_secs_f64();
                 // Sweeps in single precision work on a copy, and go on from it.
                 problem.leave_precision();

@@ -8,7 +8,7 @@ use crate::effects::EffectSet;
 use crate::lanes::{Eight, InstructionSet, Kernel, Lanes};
 use crate::scene::Precision;
 use crate::solve::{Unknowns, sweep_all};
-use crate::sweep::start_driven;
+use crate::sweep::{Gauge, start_driven};
 use std::hint::black_box;
 
 impl Simulation {
@@ -65,7 +65,7 @@ impl Simulation {
     pub fn sweep_times(&mut self, sweeps: u32) -> u64 {
         let team = self.team.clone();
         let Simulation { world, layout, solver, relaxation, settings, .. } = self;
-        let single = &mut solver.workspace.single;
+        let (single, mut nowhere) = (&mut solver.workspace.single, Vec::new());
         team.enter(|| {
             if settings.precision == Precision::Single {
                 single.take(&world.bodies, layout, relaxation.instruction_set, &team);
@@ -75,9 +75,9 @@ impl Simulation {
                     Precision::Double => Unknowns::double(&mut world.bodies, &mut layout.groups),
                     Precision::Single => Unknowns::single(single),
                 };
-                sweep_all(&layout.plan, &unknowns, relaxation, 1.0, 1, None, &team);
+                sweep_all(&layout.plan, &unknowns, relaxation, 1.0, 1, (Gauge::Off, &mut nowhere), &team);
                 if !world.drives.is_empty() {
-                    relaxation.sweep_driven(&mut world.bodies, layout, &mut world.drives, 1.0, false);
+                    relaxation.sweep_driven(&mut world.bodies, layout, &mut world.drives, 1.0, Gauge::Off);
                 }
             }
         });

@@ -4,7 +4,7 @@ use crate::methods::{Problem, Solver};
 use crate::partition::{Layout, Plan, STAGES, SingleBody, SingleCopy, SingleGroups, TaskGroups};
 use crate::scene::{SolverSettings, Stop};
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::sweep::{Relaxation, Residuals, TaskResidual, tell_driven};
+use crate::sweep::{Gauge, Relaxation, Residuals, TaskResidual, tell_driven};
 use crate::world::{Body, World};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -39,8 +39,9 @@ pub struct SolveReport {
     pub fell_back: bool,
 }
 
-/// Where the number of sweeps is fixed, the first, the last and every sweep whose number this divides are measured.
-pub(crate) const MEASURE_EVERY: u32 = 4;
+/// Where the number of sweeps is fixed, the last one is measured, and of the first and every one whose number this divides the
+/// total residual is, which over-relaxation watches.
+const MEASURE_EVERY: u32 = 4;
 
 /// Iterates on the contacts of a step until the settings say stop.
 pub(crate) fn solve(
@@ -70,8 +71,7 @@ pub(crate) fn solve(
     problem.enter_precision();
     report.reason = loop {
         let sweep = report.sweeps + 1;
-        let measure = sweep == 1 || sweep == limit || sweep % MEASURE_EVERY == 0 || open_ended;
-        let residuals = method.iterate(&mut problem, measure);
+        let residuals = method.iterate(&mut problem, gauge(sweep, open_ended || sweep == limit));
         report.sweeps = sweep;
         if let Some(residuals) = residuals {
             report.residuals = residuals;
@@ -93,6 +93,16 @@ pub(crate) fn solve(
     problem.leave_precision();
     tell_driven(layout, &world.drives);
     report
+}
+
+/// How closely an iteration is watched, counted from 1, which may be the last.
+pub(crate) fn gauge(iteration: u32, last: bool) -> Gauge {
+    match iteration {
+        _ if last => Gauge::Directions,
+        1 => Gauge::Total,
+        _ if iteration.is_multiple_of(MEASURE_EVERY) => Gauge::Total,
+        _ => Gauge::Off,
+    }
 }
 
 /// What sweeps read and write, in one of the precisions.
@@ -119,39 +129,37 @@ impl<'a> Unknowns<'a> {
         relaxation: &Relaxation,
         task: usize,
         factor: f64,
-        measure: bool,
+        gauge: Gauge,
         residual: &mut TaskResidual,
     ) {
         // SAFETY: the caller's promise.
         unsafe {
             match self {
                 Unknowns::Double { bodies, groups } => {
-                    relaxation.sweep(bodies.as_ptr(), groups.at(task), factor, measure, residual);
+                    relaxation.sweep(bodies.as_ptr(), groups.at(task), factor, gauge, residual);
                 }
                 Unknowns::Single { bodies, groups } => {
-                    relaxation.sweep_single(bodies.as_ptr(), groups.at(task), factor, measure, residual);
+                    relaxation.sweep_single(bodies.as_ptr(), groups.at(task), factor, gauge, residual);
                 }
             }
         }
     }
 }
 
-/// Relaxes every task `inner` times, stage after stage; returns the summed residuals of the last time if there is room
-/// for them.
+/// Relaxes every task `inner` times, stage after stage; returns the summed residuals of the last time as the gauge says, with
+/// `residuals` for room.
 pub(crate) fn sweep_all(
     plan: &Plan,
     unknowns: &Unknowns<'_>,
     relaxation: &Relaxation,
     factor: f64,
     inner: u32,
-    residuals: Option<&mut Vec<TaskResidual>>,
+    (gauge, residuals): (Gauge, &mut Vec<TaskResidual>),
     team: &Team,
 ) -> TaskResidual {
-    let measure = residuals.is_some();
-    let mut nowhere = Vec::new();
-    let residuals = residuals.unwrap_or(&mut nowhere);
+    let measured = gauge != Gauge::Off;
     residuals.clear();
-    residuals.resize(if measure { plan.tasks().len() } else { 0 }, TaskResidual::default());
+    residuals.resize(if measured { plan.tasks().len() } else { 0 }, TaskResidual::default());
     let parts = Disjoint::new(residuals);
     for stage in 0..STAGES {
         let batches = plan.batches(stage);
@@ -162,9 +170,9 @@ pub(crate) fn sweep_all(
                     let task = plan.tasks()[place].number as usize;
                     let mut unused = TaskResidual::default();
                     for time in 1..=inner {
-                        let last = measure && time == inner;
-                        let residual = if last { parts.at(place) } else { &mut unused };
-                        unknowns.sweep(relaxation, task, factor, last, residual);
+                        let last = measured && time == inner;
+                        let (gauge, residual) = if last { (gauge, parts.at(place)) } else { (Gauge::Off, &mut unused) };
+                        unknowns.sweep(relaxation, task, factor, gauge, residual);
                     }
                 }
             }

@@ -6,7 +6,7 @@
 
 use super::problem::State;
 use super::{Method, Problem};
-use crate::sweep::Residuals;
+use crate::sweep::{Gauge, Residuals};
 
 /// Damped Jacobi.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ impl Method for Jacobi {
         self.last.fit(problem);
     }
 
-    fn iterate(&mut self, problem: &mut Problem<'_>, _: bool) -> Option<Residuals> {
+    fn iterate(&mut self, problem: &mut Problem<'_>, _: Gauge) -> Option<Residuals> {
         problem.keep(&mut self.last);
         Some(problem.projected_step(&self.last, &self.last.impulses, self.damping).residuals)
     }

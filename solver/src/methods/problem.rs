@@ -14,7 +14,7 @@ use crate::partition::{Layout, STAGES, SingleCopy};
 use crate::scene::{Precision, SolverMethod, SolverSettings};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::solve::{Unknowns, sweep_all};
-use crate::sweep::{Relaxation, Residual, Residuals, TaskResidual, tell_driven};
+use crate::sweep::{Gauge, Relaxation, Residual, Residuals, TaskResidual, tell_driven};
 use crate::world::Body;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -121,10 +121,10 @@ impl Problem<'_> {
         starts.push(next);
     }
 
-    /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, if they are asked for.
-    pub fn sweep(&mut self, factor: f64, measure: bool) -> Option<Residuals> {
+    /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, as far as they are asked for.
+    pub fn sweep(&mut self, factor: f64, gauge: Gauge) -> Option<Residuals> {
         let (inner, precision) = (self.settings.inner_sweeps.max(1), self.precision());
-        let residuals = measure.then_some(&mut self.workspace.residuals);
+        let residuals = (gauge, &mut self.workspace.residuals);
         let unknowns = match precision {
             Precision::Double => Unknowns::double(self.bodies, &mut self.layout.groups),
             Precision::Single => Unknowns::single(&mut self.workspace.single),
@@ -132,10 +132,10 @@ impl Problem<'_> {
         let mut sums = sweep_all(&self.layout.plan, &unknowns, self.relaxation, factor, inner, residuals, self.team);
         if !self.drives.is_empty() {
             let Problem { bodies, drives, layout, relaxation, team, .. } = self;
-            let driven = || relaxation.sweep_driven(bodies, layout, drives, factor, measure);
+            let driven = || relaxation.sweep_driven(bodies, layout, drives, factor, gauge);
             sums.merge(&team.alone(Phase::Sweep, driven));
         }
-        measure.then(|| sums.finish(self.layout.contacts))
+        (gauge != Gauge::Off).then(|| sums.finish(self.layout.contacts))
     }
 
     /// Precision of the sweeps. Methods that combine states need them as they are.

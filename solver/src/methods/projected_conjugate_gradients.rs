@@ -22,8 +22,8 @@ use super::{Method, Problem};
 use crate::effects::Effects;
 use crate::lanes::{Lanes, dot, minus, plus, times};
 use crate::schedule::Disjoint;
-use crate::sweep::Residuals;
 use crate::sweep::kernel::Contact;
+use crate::sweep::{Gauge, Residuals};
 use crate::world::Body;
 
 /// Share of the Coulomb disc's radius from which a contact counts as sliding.
@@ -113,7 +113,7 @@ impl Method for ProjectedConjugateGradients {
         self.turn(problem, 0.0);
     }
 
-    fn iterate(&mut self, problem: &mut Problem<'_>, _: bool) -> Option<Residuals> {
+    fn iterate(&mut self, problem: &mut Problem<'_>, _: Gauge) -> Option<Residuals> {
         let curvature = self.aim(problem);
         if curvature > 0.0 {
             self.advance(problem, self.descent / curvature);

@@ -5,8 +5,8 @@ use super::problem::Tally;
 use super::velocities::{Coefficients, MOST, combined};
 use crate::effects::Effects;
 use crate::lanes::{Lanes, dot, minus, times};
-use crate::sweep::LaneResidual;
 use crate::sweep::kernel::Contact;
+use crate::sweep::{Directions, LaneResidual, Off};
 use crate::world::Body;
 
 /// Tangential operator over inverse mass: `S_t = 3.5 S_n` for solid spheres.
@@ -118,7 +118,7 @@ impl Visit for Step<'_> {
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
         let mut unused = LaneResidual::zero();
         let step = L::splat(self.step);
-        let change = contact.relax::<E, false>(velocity, inverse_mass, step, &mut unused);
+        let change = contact.relax::<E, Off>(velocity, inverse_mass, step, &mut unused);
         // SAFETY: as above.
         unsafe { group.push::<L, E>(self.bodies, normal, change) };
         contact.write::<E, _>(group.contacts_mut(), L::store);
@@ -151,7 +151,7 @@ pub(crate) fn natural_map<L: Lanes, E: Effects>(
     tally: &mut Tally,
 ) {
     let mut residual = LaneResidual::<L>::read(&tally.residual);
-    contact.relax::<E, true>(velocity, inverse_mass, L::splat(1.0), &mut residual);
+    contact.relax::<E, Directions>(velocity, inverse_mass, L::splat(1.0), &mut residual);
     residual.write(&mut tally.residual);
 }
 
@@ -183,7 +183,7 @@ impl Visit for Measure<'_> {
             excess = excess.larger(beyond * L::splat(TANGENTIAL) * inverse_mass);
         }
         let mut cone = LaneResidual::<L>::read(&self.tally.cone);
-        cone.add_normal(excess.larger(L::zero()));
+        cone.add_normal::<Directions>(excess.larger(L::zero()));
         cone.write(&mut self.tally.cone);
     }
 }

@@ -1,7 +1,7 @@
 //! How much arithmetic a contact sweep is, counted by running the kernel's own source over numbers that count.
 
 use super::kernel::{Bodies, Contact, Pair};
-use super::residual::LaneResidual;
+use super::residual::{LaneResidual, Off};
 use crate::effects::Frictional;
 use crate::lanes::Number;
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,7 @@ impl Operations {
             let (mut first, mut second) = (Bodies::at_rest(), Bodies::at_rest());
             let pair = Pair::of(&first, &second);
             let nowhere = &mut LaneResidual::zero();
-            let [impulse, lever] = contact.relax_pair::<Frictional, false>(&pair, Counted(1.0), nowhere);
+            let [impulse, lever] = contact.relax_pair::<Frictional, Off>(&pair, Counted(1.0), nowhere);
             first.push::<Frictional>(-1.0, impulse, lever);
             second.push::<Frictional>(1.0, impulse, lever);
         })
@@ -41,7 +41,7 @@ impl Operations {
     pub fn of_wall() -> Operations {
         let still = [Counted(0.0); 3];
         counted(|contact| {
-            contact.relax_wall::<Frictional, false>(
+            contact.relax_wall::<Frictional, Off>(
                 &mut Bodies::at_rest(),
                 still,
                 Counted(1.0),

@@ -1,7 +1,7 @@
 //! Relaxation of contacts with driven walls, one after another: see [`drive`](crate::effects::drive).
 
 use super::kernel::{Bodies, Contact, INVERSE_INERTIA};
-use super::residual::{LaneResidual, TaskResidual};
+use super::residual::{Gauge, Gauged, LaneResidual, TaskResidual, with_gauge};
 use super::torques::Torque;
 use super::{Relaxation, scalar};
 use crate::effects::drive::Drive;
@@ -12,23 +12,20 @@ use crate::partition::{DrivenContact, Layout, TaskGroups, WallGroup};
 use crate::world::Body;
 
 impl Relaxation {
-    /// Relaxes every contact with a driven wall once; its residuals count if `measure`.
+    /// Relaxes every contact with a driven wall once; its residuals count as the gauge says.
     pub(crate) fn sweep_driven(
         &self,
         bodies: &mut [Body],
         layout: &mut Layout,
         drives: &mut [Drive],
         factor: f64,
-        measure: bool,
+        gauge: Gauge,
     ) -> TaskResidual {
-        with_effects!(self.effects, E => match measure {
-            true => sweep::<E, true>(bodies, layout, drives, factor),
-            false => sweep::<E, false>(bodies, layout, drives, factor),
-        })
+        with_effects!(self.effects, E => with_gauge!(gauge, G => sweep::<E, G>(bodies, layout, drives, factor)))
     }
 }
 
-fn sweep<E: Effects, const MEASURE: bool>(
+fn sweep<E: Effects, G: Gauged>(
     bodies: &mut [Body],
     layout: &mut Layout,
     drives: &mut [Drive],
@@ -37,8 +34,8 @@ fn sweep<E: Effects, const MEASURE: bool>(
     let mut residual = TaskResidual::default();
     for one in &layout.driven {
         let (task, drive) = (&mut layout.groups[one.task as usize], &mut drives[one.drive as usize]);
-        let own = relax::<E, MEASURE>(one, task, bodies, drive, factor);
-        if MEASURE {
+        let own = relax::<E, G>(one, task, bodies, drive, factor);
+        if G::ANY {
             residual.add_lane(one.lane as usize, own);
         }
     }
@@ -47,7 +44,7 @@ fn sweep<E: Effects, const MEASURE: bool>(
 
 /// The one-contact solution, the wall's inertia included.
 #[inline(always)]
-fn relax<E: Effects, const MEASURE: bool>(
+fn relax<E: Effects, G: Gauged>(
     one: &DrivenContact,
     task: &mut TaskGroups,
     bodies: &mut [Body],
@@ -69,8 +66,8 @@ fn relax<E: Effects, const MEASURE: bool>(
     contact.impulse_normal = updated;
     grain.push::<E>(-1.0, times(contact.normal, change), [0.0; 3]);
     drive.push(along * change);
-    if MEASURE {
-        residual.add_normal(change * operator);
+    if G::ANY {
+        residual.add_normal::<G>(change * operator);
     }
     if E::FRICTION {
         // Tangential impulse, projected onto the Coulomb disc, at the velocity that the normal impulse has left.
@@ -84,8 +81,8 @@ fn relax<E: Effects, const MEASURE: bool>(
         contact.impulse_tangential = projected;
         grain.push::<E>(-1.0, change, cross(contact.normal, change));
         drive.push(dot(one.jacobian, change));
-        if MEASURE {
-            residual.add_tangential(contact.normal, times(change, operator));
+        if G::ANY {
+            residual.add_tangential::<G>(contact.normal, times(change, operator));
         }
     }
     if E::TORQUES {
@@ -95,7 +92,7 @@ fn relax<E: Effects, const MEASURE: bool>(
         let spin = minus(times(axis, drive.rate), grain.spin());
         let operator = grain.inverse_inertia() + drive.inverse_inertia * dot(axis, axis);
         let bearing = (contact.normal, contact.impulse_normal);
-        let change = torque.relax::<E, MEASURE>(bearing, spin, operator, grain.inverse_radius, factor, &mut residual);
+        let change = torque.relax::<E, G>(bearing, spin, operator, grain.inverse_radius, factor, &mut residual);
         grain.turn(-1.0, change);
         drive.push(dot(axis, change));
         torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);

@@ -13,7 +13,7 @@
 //! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once. Where grains resist rolling
 //! or twisting, the contact's angular impulse follows (`torques`).
 
-use super::residual::LaneResidual;
+use super::residual::{Gauged, LaneResidual};
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::lanes::{LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, cross, dot, minus, plus, times};
@@ -212,7 +212,7 @@ impl<N: Number> Contact<N> {
 
     /// The one-contact solution: updates the impulses and returns the change.
     #[inline(always)]
-    pub fn relax<E: Effects, const MEASURE: bool>(
+    pub fn relax<E: Effects, G: Gauged>(
         &mut self,
         velocity: [N; 3],
         inverse_mass: N,
@@ -227,8 +227,8 @@ impl<N: Number> Contact<N> {
         let updated = (self.impulse_normal + relaxation * violation / operator).larger(N::zero());
         let change = updated - self.impulse_normal;
         self.impulse_normal = updated;
-        if MEASURE {
-            residual.add_normal(change * operator);
+        if G::ANY {
+            residual.add_normal::<G>(change * operator);
         }
         let mut impulse = times(normal, change);
         if E::FRICTION {
@@ -241,8 +241,8 @@ impl<N: Number> Contact<N> {
             let change = minus(projected, self.impulse_tangential);
             self.impulse_tangential = projected;
             impulse = plus(impulse, change);
-            if MEASURE {
-                residual.add_tangential(normal, times(change, operator));
+            if G::ANY {
+                residual.add_tangential::<G>(normal, times(change, operator));
             }
         }
         impulse
@@ -269,20 +269,20 @@ impl<N: Number> Contact<N> {
 
     /// Relaxes a contact of two grains: the impulse P for the second one, and its lever n x P.
     #[inline(always)]
-    pub fn relax_pair<E: Effects, const MEASURE: bool>(
+    pub fn relax_pair<E: Effects, G: Gauged>(
         &mut self,
         pair: &Pair<N>,
         relaxation: N,
         residual: &mut LaneResidual<N>,
     ) -> [[N; 3]; 2] {
         let velocity = self.velocity_of_pair::<E>(pair);
-        let impulse = self.relax::<E, MEASURE>(velocity, pair.inverse_mass, relaxation, residual);
+        let impulse = self.relax::<E, G>(velocity, pair.inverse_mass, relaxation, residual);
         [impulse, cross(self.normal, impulse)]
     }
 
     /// Relaxes a contact of a grain with a wall that moves with `wall_velocity` there.
     #[inline(always)]
-    pub fn relax_wall<E: Effects, const MEASURE: bool>(
+    pub fn relax_wall<E: Effects, G: Gauged>(
         &mut self,
         grain: &mut Bodies<N>,
         wall_velocity: [N; 3],
@@ -290,7 +290,7 @@ impl<N: Number> Contact<N> {
         residual: &mut LaneResidual<N>,
     ) {
         let velocity = self.velocity_at_wall::<E>(grain, wall_velocity);
-        let impulse = self.relax::<E, MEASURE>(velocity, grain.inverse_mass, relaxation, residual);
+        let impulse = self.relax::<E, G>(velocity, grain.inverse_mass, relaxation, residual);
         grain.push::<E>(-1.0, impulse, cross(self.normal, impulse));
     }
 }

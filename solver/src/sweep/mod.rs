@@ -10,7 +10,8 @@ mod torques;
 
 pub use count::Operations;
 pub(crate) use driven::{start_driven, tell_driven};
-pub(crate) use residual::{LaneResidual, TaskResidual};
+pub(crate) use residual::{Directions, Gauge, LaneResidual, Off, TaskResidual};
+use residual::{Gauged, with_gauge};
 pub use residual::{Residual, Residuals};
 
 use crate::detect::{AngularImpulse, Impulse};
@@ -37,13 +38,13 @@ pub struct Relaxation {
 }
 
 /// One sweep over a task.
-struct Sweep<'a, E: Effects, const MEASURE: bool> {
+struct Sweep<'a, E: Effects, G: Gauged> {
     bodies: *mut Body,
     groups: &'a mut TaskGroups,
     factor: f64,
     prefetch: usize,
     residual: &'a mut TaskResidual,
-    effects: PhantomData<E>,
+    compiled: PhantomData<(E, G)>,
 }
 
 /// Gives bodies the impulses that a task's contacts start from.
@@ -74,7 +75,7 @@ struct RememberTorques<'a> {
 }
 
 impl Relaxation {
-    /// Relaxes every group of a task once, pairs first; adds to `residual` only if `measure`.
+    /// Relaxes every group of a task once, pairs first; adds to `residual` what the gauge says.
     ///
     /// # Safety
     /// The groups name bodies behind `bodies`, and no other task uses these meanwhile.
@@ -83,19 +84,18 @@ impl Relaxation {
         bodies: *mut Body,
         groups: &mut TaskGroups,
         factor: f64,
-        measure: bool,
+        gauge: Gauge,
         residual: &mut TaskResidual,
     ) {
         // SAFETY: the caller's promise.
         unsafe {
-            with_effects!(self.effects, E => match measure {
-                true => self.dispatch::<E, true>(bodies, groups, factor, residual),
-                false => self.dispatch::<E, false>(bodies, groups, factor, residual),
+            with_effects!(self.effects, E => {
+                with_gauge!(gauge, G => self.dispatch::<E, G>(bodies, groups, factor, residual))
             })
         }
     }
 
-    unsafe fn dispatch<E: Effects, const MEASURE: bool>(
+    unsafe fn dispatch<E: Effects, G: Gauged>(
         &self,
         bodies: *mut Body,
         groups: &mut TaskGroups,
@@ -104,11 +104,11 @@ impl Relaxation {
     ) {
         if self.scalar {
             // SAFETY: the promise of `sweep`.
-            unsafe { scalar::sweep::<E, MEASURE>(bodies, groups, factor, residual) };
+            unsafe { scalar::sweep::<E, G>(bodies, groups, factor, residual) };
         } else {
             let prefetch = self.prefetch;
-            let effects = PhantomData;
-            self.instruction_set.run(Sweep::<E, MEASURE> { bodies, groups, factor, prefetch, residual, effects });
+            let compiled = PhantomData;
+            self.instruction_set.run(Sweep::<E, G> { bodies, groups, factor, prefetch, residual, compiled });
         }
     }
 
@@ -157,7 +157,7 @@ impl Relaxation {
     }
 }
 
-impl<E: Effects, const MEASURE: bool> Kernel for Sweep<'_, E, MEASURE> {
+impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
     type Output = ();
 
     #[inline(always)]
@@ -180,7 +180,7 @@ impl<E: Effects, const MEASURE: bool> Kernel for Sweep<'_, E, MEASURE> {
                 let mut contact = Contact::read(&group.contacts, L::load);
                 if E::FRICTION && !E::TORQUES {
                     let pair = Pair::<L>::load(self.bodies, group);
-                    let push = contact.relax_pair::<E, MEASURE>(&pair, factor, &mut residual);
+                    let push = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
                     Pair::push(self.bodies, group, push);
                     contact.write::<E, _>(&mut group.contacts, L::store);
                     continue;
@@ -188,14 +188,14 @@ impl<E: Effects, const MEASURE: bool> Kernel for Sweep<'_, E, MEASURE> {
                 let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
                 let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
                 let pair = Pair::of(&first, &second);
-                let [impulse, lever] = contact.relax_pair::<E, MEASURE>(&pair, factor, &mut residual);
+                let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
                 first.push::<E>(-1.0, impulse, lever);
                 second.push::<E>(1.0, impulse, lever);
                 if E::TORQUES {
                     let torques = &mut self.groups.pair_torques[number];
                     let mut torque = Torque::read(torques, L::load);
                     let bearing = (contact.normal, contact.impulse_normal);
-                    torque.relax_pair::<E, MEASURE>(bearing, &mut first, &mut second, factor, &mut residual);
+                    torque.relax_pair::<E, G>(bearing, &mut first, &mut second, factor, &mut residual);
                     torque.write(torques, L::store);
                 }
                 first.store::<E>(self.bodies, &group.first);
@@ -210,20 +210,20 @@ impl<E: Effects, const MEASURE: bool> Kernel for Sweep<'_, E, MEASURE> {
                 let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
                 let mut contact = Contact::read(&group.contacts, L::load);
                 let wall_velocity = group.wall_velocity.each_ref().map(L::load);
-                contact.relax_wall::<E, MEASURE>(&mut grain, wall_velocity, factor, &mut residual);
+                contact.relax_wall::<E, G>(&mut grain, wall_velocity, factor, &mut residual);
                 if E::TORQUES {
                     let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
                     let mut torque = Torque::read(torques, L::load);
                     let bearing = (contact.normal, contact.impulse_normal);
                     let wall_spin = wall_spin.each_ref().map(L::load);
-                    torque.relax_wall::<E, MEASURE>(bearing, &mut grain, wall_spin, factor, &mut residual);
+                    torque.relax_wall::<E, G>(bearing, &mut grain, wall_spin, factor, &mut residual);
                     torque.write(torques, L::store);
                 }
                 grain.store::<E>(self.bodies, &group.body);
                 contact.write::<E, _>(&mut group.contacts, L::store);
             }
         }
-        if MEASURE {
+        if G::ANY {
             residual.write(self.residual);
         }
     }

@@ -38,6 +38,69 @@ impl Residuals {
     }
 }
 
+/// What a sweep tells of its residuals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Gauge {
+    /// Nothing.
+    Off,
+    /// Root mean squares along the normal and across it; the latter stands in the first tangential direction. Nearly free.
+    Total,
+    /// Root mean squares and maxima in every direction, at more than half the cost of a sweep.
+    Directions,
+}
+
+/// A gauge that kernels are compiled with.
+pub(crate) trait Gauged {
+    /// Whether it tells anything.
+    const ANY: bool;
+    /// Whether it tells directions apart, and maxima.
+    const DIRECTIONS: bool;
+}
+
+/// [`Gauge::Off`].
+pub(crate) struct Off;
+/// [`Gauge::Total`].
+pub(crate) struct Total;
+/// [`Gauge::Directions`].
+pub(crate) struct Directions;
+
+impl Gauged for Off {
+    const ANY: bool = false;
+    const DIRECTIONS: bool = false;
+}
+
+impl Gauged for Total {
+    const ANY: bool = true;
+    const DIRECTIONS: bool = false;
+}
+
+impl Gauged for Directions {
+    const ANY: bool = true;
+    const DIRECTIONS: bool = true;
+}
+
+/// Evaluates an expression for the gauge that a value names.
+macro_rules! with_gauge {
+    ($gauge:expr, $compiled:ident => $body:expr) => {{
+        use $crate::sweep::residual::{Directions, Gauge, Off, Total};
+        match $gauge {
+            Gauge::Off => {
+                type $compiled = Off;
+                $body
+            }
+            Gauge::Total => {
+                type $compiled = Total;
+                $body
+            }
+            Gauge::Directions => {
+                type $compiled = Directions;
+                $body
+            }
+        }
+    }};
+}
+pub(super) use with_gauge;
+
 /// Sums over lane groups while they are relaxed, still lane by lane, so that their order is fixed.
 #[derive(Clone, Copy)]
 pub(crate) struct LaneResidual<N> {
@@ -59,17 +122,31 @@ impl<N: Number> LaneResidual<N> {
         self.largest[direction] = self.largest[direction].larger(value.abs());
     }
 
-    /// Adds the normal residuals of a group.
+    /// Adds a square to a sum, and looks for no maximum.
     #[inline(always)]
-    pub fn add_normal(&mut self, value: N) {
-        self.add(0, value);
+    fn add_square(&mut self, direction: usize, square: N) {
+        self.squares[direction] = self.squares[direction] + square;
     }
 
-    /// Splits the tangential residual vectors of a group along two directions perpendicular to the normal.
+    /// Adds the normal residuals of a group.
+    #[inline(always)]
+    pub fn add_normal<G: Gauged>(&mut self, value: N) {
+        if G::DIRECTIONS {
+            self.add(0, value);
+        } else {
+            self.add_square(0, value * value);
+        }
+    }
+
+    /// Splits the tangential residual vectors of a group along two directions perpendicular to the normal, if these are told
+    /// apart.
     ///
     /// The basis needs no branch and is continuous but for one seam (Duff et al., J. Comput. Graph. Tech. 6(1), 2017).
     #[inline(always)]
-    pub fn add_tangential(&mut self, normal: [N; 3], value: [N; 3]) {
+    pub fn add_tangential<G: Gauged>(&mut self, normal: [N; 3], value: [N; 3]) {
+        if !G::DIRECTIONS {
+            return self.add_square(1, dot(value, value));
+        }
         let one = N::splat(1.0);
         let sign = N::select(N::zero().at_most(normal[2]), one, -one);
         let a = -(one / (sign + normal[2]));
@@ -82,8 +159,13 @@ impl<N: Number> LaneResidual<N> {
 
     /// Adds the surface velocities by which torques still turned a group.
     #[inline(always)]
-    pub fn add_turning(&mut self, value: [N; 3]) {
-        self.add(3, dot(value, value).sqrt());
+    pub fn add_turning<G: Gauged>(&mut self, value: [N; 3]) {
+        let square = dot(value, value);
+        if G::DIRECTIONS {
+            self.add(3, square.sqrt());
+        } else {
+            self.add_square(3, square);
+        }
     }
 
     /// Nothing summed yet.

@@ -1,7 +1,7 @@
 //! The same relaxation one contact at a time: the baseline of the benches, and a witness for the lanes.
 
 use super::kernel::{Bodies, Contact, Pair};
-use super::residual::{LaneResidual, TaskResidual};
+use super::residual::{Gauged, LaneResidual, TaskResidual};
 use super::torques::Torque;
 use crate::effects::Effects;
 use crate::lanes::{Eight, LANES};
@@ -12,7 +12,7 @@ use crate::world::Body;
 ///
 /// # Safety
 /// The groups name bodies behind `bodies`, and no other task uses these.
-pub(super) unsafe fn sweep<E: Effects, const MEASURE: bool>(
+pub(super) unsafe fn sweep<E: Effects, G: Gauged>(
     bodies: *mut Body,
     groups: &mut TaskGroups,
     relaxation: f64,
@@ -27,20 +27,20 @@ pub(super) unsafe fn sweep<E: Effects, const MEASURE: bool>(
             let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
             let mut own = LaneResidual::zero();
             let pair = Pair::of(&first, &second);
-            let [impulse, lever] = contact.relax_pair::<E, MEASURE>(&pair, relaxation, &mut own);
+            let [impulse, lever] = contact.relax_pair::<E, G>(&pair, relaxation, &mut own);
             first.push::<E>(-1.0, impulse, lever);
             second.push::<E>(1.0, impulse, lever);
             if E::TORQUES {
                 let torques = &mut groups.pair_torques[number];
                 let mut torque = Torque::read(torques, |eight| eight.0[lane]);
                 let bearing = (contact.normal, contact.impulse_normal);
-                torque.relax_pair::<E, MEASURE>(bearing, &mut first, &mut second, relaxation, &mut own);
+                torque.relax_pair::<E, G>(bearing, &mut first, &mut second, relaxation, &mut own);
                 torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
             }
             put::<E>(at(a), &first);
             put::<E>(at(b), &second);
             contact.write::<E, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
-            if MEASURE {
+            if G::ANY {
                 residual.add_lane(lane, own);
             }
         }
@@ -53,18 +53,18 @@ pub(super) unsafe fn sweep<E: Effects, const MEASURE: bool>(
             let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
             let wall_velocity = group.wall_velocity.each_ref().map(|eight| eight.0[lane]);
             let mut own = LaneResidual::zero();
-            contact.relax_wall::<E, MEASURE>(&mut grain, wall_velocity, relaxation, &mut own);
+            contact.relax_wall::<E, G>(&mut grain, wall_velocity, relaxation, &mut own);
             if E::TORQUES {
                 let WallTorqueLanes { wall_spin, torques } = &mut groups.wall_torques[number];
                 let mut torque = Torque::read(torques, |eight| eight.0[lane]);
                 let bearing = (contact.normal, contact.impulse_normal);
                 let wall_spin = wall_spin.each_ref().map(|eight| eight.0[lane]);
-                torque.relax_wall::<E, MEASURE>(bearing, &mut grain, wall_spin, relaxation, &mut own);
+                torque.relax_wall::<E, G>(bearing, &mut grain, wall_spin, relaxation, &mut own);
                 torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
             }
             put::<E>(at(place), &grain);
             contact.write::<E, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
-            if MEASURE {
+            if G::ANY {
                 residual.add_lane(lane, own);
             }
         }

@@ -2,20 +2,20 @@
 
 use super::Relaxation;
 use super::kernel::{Bodies, Contact, Pair};
-use super::residual::{LaneResidual, TaskResidual};
+use super::residual::{Gauge, Gauged, LaneResidual, TaskResidual, with_gauge};
 use crate::effects::{Effects, Frictional, Frictionless};
 use crate::lanes::{Kernel, Lanes, Number, SingleLanes, prefetch_lines, prefetch_places};
 use crate::partition::{SingleBody, SingleGroups};
 use std::marker::PhantomData;
 
 /// One sweep over a task.
-pub(super) struct SingleSweep<'a, E: Effects, const MEASURE: bool> {
+pub(super) struct SingleSweep<'a, E: Effects, G: Gauged> {
     bodies: *mut SingleBody,
     groups: &'a mut SingleGroups,
     factor: f64,
     prefetch: usize,
     residual: &'a mut TaskResidual,
-    effects: PhantomData<E>,
+    compiled: PhantomData<(E, G)>,
 }
 
 impl Relaxation {
@@ -28,19 +28,17 @@ impl Relaxation {
         bodies: *mut SingleBody,
         groups: &mut SingleGroups,
         factor: f64,
-        measure: bool,
+        gauge: Gauge,
         residual: &mut TaskResidual,
     ) {
         // Scenes with torques are refused single precision when they are read.
-        match (self.effects.friction(), measure) {
-            (true, true) => self.run_single::<Frictional, true>(bodies, groups, factor, residual),
-            (true, false) => self.run_single::<Frictional, false>(bodies, groups, factor, residual),
-            (false, true) => self.run_single::<Frictionless, true>(bodies, groups, factor, residual),
-            (false, false) => self.run_single::<Frictionless, false>(bodies, groups, factor, residual),
-        }
+        with_gauge!(gauge, G => match self.effects.friction() {
+            true => self.run_single::<Frictional, G>(bodies, groups, factor, residual),
+            false => self.run_single::<Frictionless, G>(bodies, groups, factor, residual),
+        });
     }
 
-    fn run_single<E: Effects, const MEASURE: bool>(
+    fn run_single<E: Effects, G: Gauged>(
         &self,
         bodies: *mut SingleBody,
         groups: &mut SingleGroups,
@@ -48,12 +46,12 @@ impl Relaxation {
         residual: &mut TaskResidual,
     ) {
         let prefetch = self.prefetch.div_ceil(2);
-        let effects = PhantomData;
-        self.instruction_set.run(SingleSweep::<E, MEASURE> { bodies, groups, factor, prefetch, residual, effects });
+        let compiled = PhantomData;
+        self.instruction_set.run(SingleSweep::<E, G> { bodies, groups, factor, prefetch, residual, compiled });
     }
 }
 
-impl<E: Effects, const MEASURE: bool> Kernel for SingleSweep<'_, E, MEASURE> {
+impl<E: Effects, G: Gauged> Kernel for SingleSweep<'_, E, G> {
     type Output = ();
 
     #[inline(always)]
@@ -77,7 +75,7 @@ impl<E: Effects, const MEASURE: bool> Kernel for SingleSweep<'_, E, MEASURE> {
                 let mut second = Bodies::<L::Single>::load_single(self.bodies, &group.second);
                 let mut contact = Contact::read(&group.contacts, L::Single::load);
                 let pair = Pair::of(&first, &second);
-                let [impulse, lever] = contact.relax_pair::<E, MEASURE>(&pair, factor, &mut residual);
+                let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
                 first.push::<E>(-1.0, impulse, lever);
                 second.push::<E>(1.0, impulse, lever);
                 first.store_single(self.bodies, &group.first);
@@ -91,12 +89,12 @@ impl<E: Effects, const MEASURE: bool> Kernel for SingleSweep<'_, E, MEASURE> {
                 let mut grain = Bodies::<L::Single>::load_single(self.bodies, &group.body);
                 let mut contact = Contact::read(&group.contacts, L::Single::load);
                 let wall_velocity = group.wall_velocity.each_ref().map(L::Single::load);
-                contact.relax_wall::<E, MEASURE>(&mut grain, wall_velocity, factor, &mut residual);
+                contact.relax_wall::<E, G>(&mut grain, wall_velocity, factor, &mut residual);
                 grain.store_single(self.bodies, &group.body);
                 contact.write::<E, _>(&mut group.contacts, L::Single::store);
             }
         }
-        if MEASURE {
+        if G::ANY {
             residual.add_to(self.residual);
         }
     }

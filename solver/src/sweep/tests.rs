@@ -1,5 +1,6 @@
 //! The page on the sweep's instructions says what there is.
 
+use super::residual::Total;
 use super::single::SingleSweep;
 use super::*;
 use crate::effects::{Frictional, Frictionless, Rolling, RollingTwisting, Twisting};
@@ -23,18 +24,23 @@ fn columns() -> [BTreeSet<&'static str>; 2] {
 #[test]
 fn the_page_lists_every_instruction_of_the_sweep() {
     let addresses = [
-        address_of::<Sweep<'static, Frictionless, false>>(),
-        address_of::<Sweep<'static, Frictionless, true>>(),
-        address_of::<Sweep<'static, Frictional, false>>(),
-        address_of::<Sweep<'static, Frictional, true>>(),
-        address_of::<Sweep<'static, Rolling, false>>(),
-        address_of::<Sweep<'static, Twisting, false>>(),
-        address_of::<Sweep<'static, RollingTwisting, false>>(),
-        address_of::<Sweep<'static, RollingTwisting, true>>(),
-        address_of::<SingleSweep<'static, Frictionless, false>>(),
-        address_of::<SingleSweep<'static, Frictionless, true>>(),
-        address_of::<SingleSweep<'static, Frictional, false>>(),
-        address_of::<SingleSweep<'static, Frictional, true>>(),
+        address_of::<Sweep<'static, Frictionless, Off>>(),
+        address_of::<Sweep<'static, Frictionless, Total>>(),
+        address_of::<Sweep<'static, Frictionless, Directions>>(),
+        address_of::<Sweep<'static, Frictional, Off>>(),
+        address_of::<Sweep<'static, Frictional, Total>>(),
+        address_of::<Sweep<'static, Frictional, Directions>>(),
+        address_of::<Sweep<'static, Rolling, Off>>(),
+        address_of::<Sweep<'static, Twisting, Off>>(),
+        address_of::<Sweep<'static, RollingTwisting, Off>>(),
+        address_of::<Sweep<'static, RollingTwisting, Total>>(),
+        address_of::<Sweep<'static, RollingTwisting, Directions>>(),
+        address_of::<SingleSweep<'static, Frictionless, Off>>(),
+        address_of::<SingleSweep<'static, Frictionless, Total>>(),
+        address_of::<SingleSweep<'static, Frictionless, Directions>>(),
+        address_of::<SingleSweep<'static, Frictional, Off>>(),
+        address_of::<SingleSweep<'static, Frictional, Total>>(),
+        address_of::<SingleSweep<'static, Frictional, Directions>>(),
     ];
     let kernels = kernels_at(&addresses);
     assert_eq!(kernels.len(), addresses.len(), "kernels of the sweep found by address");

@@ -1,7 +1,7 @@
 //! Relaxation of the angular impulse of a contact: see [`resistance`](crate::effects::resistance).
 
 use super::kernel::{Bodies, INVERSE_INERTIA};
-use super::residual::LaneResidual;
+use super::residual::{Gauged, LaneResidual};
 use crate::effects::Effects;
 use crate::effects::resistance::bearable;
 use crate::lanes::{Number, minus, plus, times};
@@ -60,7 +60,7 @@ impl<N: Number> Torque<N> {
 
     /// The one-contact solution: updates the impulse and returns the change. Residuals are surface velocities, m/s.
     #[inline(always)]
-    pub(super) fn relax<E: Effects, const MEASURE: bool>(
+    pub(super) fn relax<E: Effects, G: Gauged>(
         &mut self,
         (normal, normal_impulse): ([N; 3], N),
         spin: [N; 3],
@@ -74,15 +74,15 @@ impl<N: Number> Torque<N> {
         let borne = bearable::<E, N>(target, normal, rolling_cap, twisting_cap);
         let change = minus(borne, self.impulse);
         self.impulse = borne;
-        if MEASURE {
-            residual.add_turning(times(change, operator / inverse_radius));
+        if G::ANY {
+            residual.add_turning::<G>(times(change, operator / inverse_radius));
         }
         change
     }
 
     /// Relaxes the torque of a contact of two grains; `contact` is its normal and normal impulse.
     #[inline(always)]
-    pub fn relax_pair<E: Effects, const MEASURE: bool>(
+    pub fn relax_pair<E: Effects, G: Gauged>(
         &mut self,
         contact: ([N; 3], N),
         first: &mut Bodies<N>,
@@ -93,14 +93,14 @@ impl<N: Number> Torque<N> {
         let spin = minus(second.spin(), first.spin());
         let operator = first.inverse_inertia() + second.inverse_inertia();
         let inverse_radius = first.inverse_radius.larger(second.inverse_radius);
-        let change = self.relax::<E, MEASURE>(contact, spin, operator, inverse_radius, relaxation, residual);
+        let change = self.relax::<E, G>(contact, spin, operator, inverse_radius, relaxation, residual);
         first.turn(-1.0, change);
         second.turn(1.0, change);
     }
 
     /// Relaxes the torque of a contact of a grain with a wall that turns with `wall_spin` (rad/s).
     #[inline(always)]
-    pub fn relax_wall<E: Effects, const MEASURE: bool>(
+    pub fn relax_wall<E: Effects, G: Gauged>(
         &mut self,
         contact: ([N; 3], N),
         grain: &mut Bodies<N>,
@@ -110,7 +110,7 @@ impl<N: Number> Torque<N> {
     ) {
         let spin = minus(wall_spin, grain.spin());
         let operator = grain.inverse_inertia();
-        let change = self.relax::<E, MEASURE>(contact, spin, operator, grain.inverse_radius, relaxation, residual);
+        let change = self.relax::<E, G>(contact, spin, operator, grain.inverse_radius, relaxation, residual);
         grain.turn(-1.0, change);
     }
 }
