@@ -176,29 +176,44 @@ impl CellGrid {
         (self.per_box * self.per_box * self.per_box) as usize
     }
 
-    /// The grains of a cell of a box, and the runs of grains in the cells around it that come after it. Grains of one cell
-    /// are neighbours too.
-    pub fn neighbourhood(&self, number: usize, cell: usize) -> Neighbourhood {
-        let home_box = self.boxes.at(number).map(|place| place as i32);
-        let (per_box, counts) = (self.per_box as i32, self.counts());
-        let inside = cell as i32;
-        let inside = [inside % per_box, inside / per_box % per_box, inside / (per_box * per_box)];
-        let at: [i32; 3] = std::array::from_fn(|axis| home_box[axis] * per_box + inside[axis]);
-        let home = self.grains(number * self.cells_of_box() + cell);
-        let mut found = Neighbourhood { home, runs: std::array::from_fn(|_| (0..0, 0)), count: 0 };
+    /// The boxes around a box.
+    pub fn surroundings(&self, number: usize) -> Surroundings {
+        let home = self.boxes.at(number).map(|place| place as i32);
+        let counts = self.boxes.counts().map(|count| count as i32);
+        Surroundings(std::array::from_fn(|direction| {
+            let towards = [direction % 3, direction / 3 % 3, direction / 9];
+            let at = std::array::from_fn(|axis| home[axis] + towards[axis] as i32 - 1);
+            let image = around(at, counts, self.boxes.period())?;
+            Some(self.boxes.number(image.map(|place| place as u32)) * self.cells_of_box())
+        }))
+    }
+
+    /// Fills in the grains of a cell of a box, and the runs of grains in the cells around it that come after it. Grains of one
+    /// cell are neighbours too.
+    pub fn neighbourhood(&self, surroundings: &Surroundings, cell: usize, found: &mut Neighbourhood) {
+        let Some(home) = surroundings.0[SAME_BOX] else { return };
+        (found.home, found.count) = (self.grains(home + cell), 0);
         if found.home.is_empty() {
-            return found;
+            return;
         }
+        let per_box = self.per_box as usize;
+        let inside = [cell % per_box, cell / per_box % per_box, cell / (per_box * per_box)];
         for step in FORWARD {
-            let next = [at[0] + step[0], at[1] + step[1], at[2] + step[2]];
-            let Some(image) = around(next, counts, self.boxes.period()) else { continue };
-            let there = self.boxes.number(image.map(|place| (place / per_box) as u32)) * self.cells_of_box()
-                + self.inside(image.map(|place| (place % per_box) as u32));
-            let [dx, dy, dz] =
-                std::array::from_fn(|axis| (next[axis].div_euclid(per_box) - home_box[axis] + 1) as usize);
-            found.add(self.grains(there), dx + 3 * dy + 9 * dz);
+            let (mut direction, mut place) = (0, 0);
+            for axis in (0..3).rev() {
+                // One cell further may be the first or last one of the next box.
+                let (towards, next) = match (step[axis], inside[axis]) {
+                    (-1, 0) => (0, per_box - 1),
+                    (1, last) if last + 1 == per_box => (2, 0),
+                    (step, at) => (1, at.wrapping_add_signed(step as isize)),
+                };
+                direction = 3 * direction + towards;
+                place = per_box * place + next;
+            }
+            if let Some(first) = surroundings.0[direction] {
+                found.add(self.grains(first + place), direction);
+            }
         }
-        found
     }
 
     /// Task of the pairs of a box in a direction of a neighbourhood.
@@ -223,7 +238,12 @@ pub(super) fn around(at: [i32; 3], counts: [i32; 3], period: &Period) -> Option<
     Some(image)
 }
 
+/// Numbers of the first cells of a box and of those around it, by direction as in [`Neighbourhood::runs`]; none where the domain
+/// ends.
+pub struct Surroundings([Option<usize>; DIRECTIONS]);
+
 /// A cell's grains and those that may touch them, by place.
+#[derive(Default)]
 pub struct Neighbourhood {
     /// Grains of the cell.
     pub home: Range<usize>,

@@ -1,6 +1,6 @@
 //! The search of one box: pairs of grains and grains at walls that are within reach.
 
-use super::grid::{CellGrid, DIRECTIONS, SAME_BOX};
+use super::grid::{CellGrid, DIRECTIONS, Neighbourhood, SAME_BOX};
 use super::{PairCandidate, WallCandidate};
 use crate::lanes::{Kernel, LANES, Lanes, Quad, dot, minus};
 use crate::world::{Pose, World};
@@ -99,8 +99,10 @@ impl<const PERIODIC: bool> Kernel for PairSearch<'_, PERIODIC> {
         pairs.clear();
         *counts = [0; DIRECTIONS];
         let base: *const Quad = spheres.as_ptr().cast();
+        let surroundings = self.grid.surroundings(self.number);
+        let mut neighbourhood = Neighbourhood::default();
         for cell in 0..self.grid.cells_of_box() {
-            let neighbourhood = self.grid.neighbourhood(self.number, cell);
+            self.grid.neighbourhood(&surroundings, cell, &mut neighbourhood);
             for grain in neighbourhood.home.clone() {
                 let own = &spheres[grain];
                 let centre = [own.centre.x, own.centre.y, own.centre.z].map(L::splat);
