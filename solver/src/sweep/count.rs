@@ -41,12 +41,10 @@ impl Operations {
     pub fn of_wall() -> Operations {
         let still = [Counted(0.0); 3];
         counted(|contact| {
-            contact.relax_wall::<Frictional, Off>(
-                &mut Bodies::at_rest(),
-                still,
-                Counted(1.0),
-                &mut LaneResidual::zero(),
-            );
+            let mut grain = Bodies::at_rest();
+            let nowhere = &mut LaneResidual::zero();
+            let [impulse, lever] = contact.relax_wall::<Frictional, Off>(&grain, still, Counted(1.0), nowhere);
+            grain.push::<Frictional>(-1.0, impulse, lever);
         })
     }
 

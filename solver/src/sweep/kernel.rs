@@ -154,18 +154,28 @@ impl<L: Lanes> Pair<L> {
         Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z] }
     }
 
-    /// Gives the bodies of eight contacts their impulses; `lever` is n x P.
+    /// Gives the bodies of eight contacts their impulses: P, and its lever n x P.
     ///
     /// # Safety
     /// As for [`Bodies::load`].
     #[inline(always)]
-    pub unsafe fn push(bodies: *mut Body, group: &PairGroup, [impulse, lever]: [[L; 3]; 2]) {
-        // SAFETY: the caller's promise; a body is a line, whose fourth number is its inverse mass.
+    pub unsafe fn push(bodies: *mut Body, group: &PairGroup, push: [[L; 3]; 2]) {
+        // SAFETY: the caller's promise.
         unsafe {
-            L::add_shares(bodies.cast(), &group.first, [impulse, lever], [-1.0, -INVERSE_INERTIA]);
-            L::add_shares(bodies.cast(), &group.second, [impulse, lever], [1.0, -INVERSE_INERTIA]);
+            push_each(bodies, &group.first, -1.0, push);
+            push_each(bodies, &group.second, 1.0, push);
         }
     }
+}
+
+/// Gives eight bodies in memory `sign` times an impulse: what [`Bodies::push`] does, without loading them first.
+///
+/// # Safety
+/// As for [`Bodies::load`].
+#[inline(always)]
+pub(super) unsafe fn push_each<L: Lanes>(bodies: *mut Body, places: &[u32; LANES], sign: f64, push: [[L; 3]; 2]) {
+    // SAFETY: the caller's promise; a body is a line, whose fourth number is its inverse mass.
+    unsafe { L::add_shares(bodies.cast(), places, push, [sign, -INVERSE_INERTIA]) };
 }
 
 /// Constraint data and impulses of one contact, or of eight.
@@ -280,17 +290,17 @@ impl<N: Number> Contact<N> {
         [impulse, cross(self.normal, impulse)]
     }
 
-    /// Relaxes a contact of a grain with a wall that moves with `wall_velocity` there.
+    /// Relaxes a contact of a grain with a wall that moves with `wall_velocity` there: the impulse P for the wall, and n x P.
     #[inline(always)]
     pub fn relax_wall<E: Effects, G: Gauged>(
         &mut self,
-        grain: &mut Bodies<N>,
+        grain: &Bodies<N>,
         wall_velocity: [N; 3],
         relaxation: N,
         residual: &mut LaneResidual<N>,
-    ) {
+    ) -> [[N; 3]; 2] {
         let velocity = self.velocity_at_wall::<E>(grain, wall_velocity);
         let impulse = self.relax::<E, G>(velocity, grain.inverse_mass, relaxation, residual);
-        grain.push::<E>(-1.0, impulse, cross(self.normal, impulse));
+        [impulse, cross(self.normal, impulse)]
     }
 }

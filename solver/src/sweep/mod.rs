@@ -16,11 +16,11 @@ pub use residual::{Residual, Residuals};
 
 use crate::detect::{AngularImpulse, Impulse};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
-use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, prefetch_lines, prefetch_places, times};
+use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_lines, prefetch_places, times};
 use crate::partition::{TaskGroups, WallTorqueLanes};
 use crate::schedule::Disjoint;
 use crate::world::Body;
-use kernel::{Bodies, Contact, Pair};
+use kernel::{Bodies, Contact, Pair, push_each};
 use std::marker::PhantomData;
 use torques::Torque;
 
@@ -178,6 +178,7 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
             // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
             unsafe {
                 let mut contact = Contact::read(&group.contacts, L::load);
+                // Torques need both bodies' spins; elsewhere what they do together is enough, and bodies stay in memory.
                 if E::FRICTION && !E::TORQUES {
                     let pair = Pair::<L>::load(self.bodies, group);
                     let push = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
@@ -210,7 +211,13 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
                 let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
                 let mut contact = Contact::read(&group.contacts, L::load);
                 let wall_velocity = group.wall_velocity.each_ref().map(L::load);
-                contact.relax_wall::<E, G>(&mut grain, wall_velocity, factor, &mut residual);
+                let push = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
+                contact.write::<E, _>(&mut group.contacts, L::store);
+                if E::FRICTION && !E::TORQUES {
+                    push_each(self.bodies, &group.body, -1.0, push);
+                    continue;
+                }
+                grain.push::<E>(-1.0, push[0], push[1]);
                 if E::TORQUES {
                     let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
                     let mut torque = Torque::read(torques, L::load);
@@ -220,7 +227,6 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
                     torque.write(torques, L::store);
                 }
                 grain.store::<E>(self.bodies, &group.body);
-                contact.write::<E, _>(&mut group.contacts, L::store);
             }
         }
         if G::ANY {
@@ -241,11 +247,15 @@ impl<E: Effects> Kernel for Start<'_, E> {
             }
             // SAFETY: the promise of `Relaxation::start`; the sixteen bodies of a group are different ones.
             unsafe {
-                let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
-                let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
                 let contact = Contact::read(&group.contacts, L::load);
                 let impulse = contact.impulse();
-                let lever = crate::lanes::cross(contact.normal, impulse);
+                let lever = cross(contact.normal, impulse);
+                if E::FRICTION && !E::TORQUES {
+                    Pair::push(self.bodies, group, [impulse, lever]);
+                    continue;
+                }
+                let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
+                let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
                 first.push::<E>(-1.0, impulse, lever);
                 second.push::<E>(1.0, impulse, lever);
                 if E::TORQUES {
@@ -260,10 +270,15 @@ impl<E: Effects> Kernel for Start<'_, E> {
         for (number, group) in self.groups.walls.iter().enumerate() {
             // SAFETY: as above.
             unsafe {
-                let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
                 let contact = Contact::read(&group.contacts, L::load);
                 let impulse = contact.impulse();
-                grain.push::<E>(-1.0, impulse, crate::lanes::cross(contact.normal, impulse));
+                let lever = cross(contact.normal, impulse);
+                if E::FRICTION && !E::TORQUES {
+                    push_each(self.bodies, &group.body, -1.0, [impulse, lever]);
+                    continue;
+                }
+                let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
+                grain.push::<E>(-1.0, impulse, lever);
                 if E::TORQUES {
                     grain.turn(-1.0, Torque::read(&self.groups.wall_torques[number].torques, L::load).impulse);
                 }

@@ -53,7 +53,8 @@ pub(super) unsafe fn sweep<E: Effects, G: Gauged>(
             let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
             let wall_velocity = group.wall_velocity.each_ref().map(|eight| eight.0[lane]);
             let mut own = LaneResidual::zero();
-            contact.relax_wall::<E, G>(&mut grain, wall_velocity, relaxation, &mut own);
+            let [impulse, lever] = contact.relax_wall::<E, G>(&grain, wall_velocity, relaxation, &mut own);
+            grain.push::<E>(-1.0, impulse, lever);
             if E::TORQUES {
                 let WallTorqueLanes { wall_spin, torques } = &mut groups.wall_torques[number];
                 let mut torque = Torque::read(torques, |eight| eight.0[lane]);

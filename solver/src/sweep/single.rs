@@ -89,7 +89,8 @@ impl<E: Effects, G: Gauged> Kernel for SingleSweep<'_, E, G> {
                 let mut grain = Bodies::<L::Single>::load_single(self.bodies, &group.body);
                 let mut contact = Contact::read(&group.contacts, L::Single::load);
                 let wall_velocity = group.wall_velocity.each_ref().map(L::Single::load);
-                contact.relax_wall::<E, G>(&mut grain, wall_velocity, factor, &mut residual);
+                let [impulse, lever] = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
+                grain.push::<E>(-1.0, impulse, lever);
                 grain.store_single(self.bodies, &group.body);
                 contact.write::<E, _>(&mut group.contacts, L::Single::store);
             }
