@@ -202,7 +202,11 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Avx2; 4]; 2] {
+    unsafe fn load_pairs<const WHOLE: bool>(
+        base: *const Line,
+        first: &[u32; LANES],
+        second: &[u32; LANES],
+    ) -> [[Avx2; 4]; 2] {
         // SAFETY: the caller's promise; the halves of a line are aligned to 32 bytes.
         unsafe {
             let against = _mm256_setr_pd(-0.0, -0.0, -0.0, 0.0);
@@ -215,7 +219,9 @@ impl Lanes for Avx2 {
                         (base.add(first[lane] as usize).cast(), base.add(second[lane] as usize).cast());
                     let turned = _mm256_xor_pd(_mm256_load_pd(a), against);
                     motion[row] = _mm256_add_pd(turned, _mm256_load_pd(b));
-                    turning[row] = _mm256_add_pd(_mm256_load_pd(a.add(4)), _mm256_load_pd(b.add(4)));
+                    if WHOLE {
+                        turning[row] = _mm256_add_pd(_mm256_load_pd(a.add(4)), _mm256_load_pd(b.add(4)));
+                    }
                 }
                 let (motion, turning) = (transposed(motion), transposed(turning));
                 for part in 0..4 {
@@ -228,7 +234,12 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn add_shares(base: *mut Line, indices: &[u32; LANES], halves: [[Avx2; 3]; 2], factors: [f64; 2]) {
+    unsafe fn add_shares<const WHOLE: bool>(
+        base: *mut Line,
+        indices: &[u32; LANES],
+        halves: [[Avx2; 3]; 2],
+        factors: [f64; 2],
+    ) {
         // SAFETY: the caller's promise; the halves of a line are aligned to 32 bytes.
         unsafe {
             for side in 0..2 {
@@ -241,8 +252,10 @@ impl Lanes for Avx2 {
                     let own = _mm256_broadcast_sd(&*line.add(3));
                     let scale = _mm256_mul_pd(own, _mm256_set1_pd(factors[0]));
                     _mm256_store_pd(line, _mm256_add_pd(_mm256_load_pd(line), _mm256_mul_pd(motion[row], scale)));
-                    let (line, scale) = (line.add(4), _mm256_mul_pd(own, _mm256_set1_pd(factors[1])));
-                    _mm256_store_pd(line, _mm256_add_pd(_mm256_load_pd(line), _mm256_mul_pd(turning[row], scale)));
+                    if WHOLE {
+                        let (line, scale) = (line.add(4), _mm256_mul_pd(own, _mm256_set1_pd(factors[1])));
+                        _mm256_store_pd(line, _mm256_add_pd(_mm256_load_pd(line), _mm256_mul_pd(turning[row], scale)));
+                    }
                 }
             }
         }

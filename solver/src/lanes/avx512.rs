@@ -212,10 +212,26 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Avx512; 4]; 2] {
+    unsafe fn load_pairs<const WHOLE: bool>(
+        base: *const Line,
+        first: &[u32; LANES],
+        second: &[u32; LANES],
+    ) -> [[Avx512; 4]; 2] {
         // SAFETY: the caller's promise.
         unsafe {
             let sign = i64::MIN;
+            if !WHOLE {
+                let against = _mm512_setr_epi64(sign, sign, sign, 0, sign, sign, sign, 0);
+                let base: *const Quad = base.cast();
+                let mut motion = [_mm512_setzero_pd(); 4];
+                for row in 0..4 {
+                    let a = join(base.add(2 * first[row] as usize), base.add(2 * first[row + 4] as usize));
+                    let b = join(base.add(2 * second[row] as usize), base.add(2 * second[row + 4] as usize));
+                    let turned = _mm512_xor_si512(_mm512_castpd_si512(a), against);
+                    motion[row] = _mm512_add_pd(_mm512_castsi512_pd(turned), b);
+                }
+                return [columns(motion), [Avx512(_mm512_setzero_pd()); 4]];
+            }
             let against = _mm512_setr_epi64(sign, sign, sign, 0, 0, 0, 0, 0);
             let mut lines = [_mm512_setzero_pd(); LANES];
             for lane in 0..LANES {
@@ -233,12 +249,28 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn add_shares(base: *mut Line, indices: &[u32; LANES], halves: [[Avx512; 3]; 2], factors: [f64; 2]) {
+    unsafe fn add_shares<const WHOLE: bool>(
+        base: *mut Line,
+        indices: &[u32; LANES],
+        halves: [[Avx512; 3]; 2],
+        factors: [f64; 2],
+    ) {
         // SAFETY: the caller's promise.
         unsafe {
             let zero = _mm512_setzero_pd();
             let [[x, y, z], [u, v, w]] = halves;
             let (motion, turning) = (rows([x.0, y.0, z.0, zero]), rows([u.0, v.0, w.0, zero]));
+            if !WHOLE {
+                for (row, &both) in motion.iter().enumerate() {
+                    let halves = [_mm512_castpd512_pd256(both), _mm512_extractf64x4_pd::<1>(both)];
+                    for (lane, share) in [(row, halves[0]), (row + 4, halves[1])] {
+                        let line: *mut f64 = base.add(indices[lane] as usize).cast();
+                        let scale = _mm256_mul_pd(_mm256_set1_pd(*line.add(3)), _mm256_set1_pd(factors[0]));
+                        _mm256_store_pd(line, _mm256_add_pd(_mm256_load_pd(line), _mm256_mul_pd(share, scale)));
+                    }
+                }
+                return;
+            }
             let factors = _mm512_insertf64x4::<1>(_mm512_set1_pd(factors[0]), _mm256_set1_pd(factors[1]));
             for row in 0..4 {
                 let low = _mm512_shuffle_f64x2::<0b01_00_01_00>(motion[row], turning[row]);

@@ -101,18 +101,28 @@ pub trait Lanes: Number {
     unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Self; 4]);
 
     /// Reads the lines `base + first[lane]` and `base + second[lane]` and transposes what the second has less the first in
-    /// the first three numbers, and their sums in the others. Half the transposing of both, and fewer registers.
+    /// the first three numbers, and their sums in the others; unless `WHOLE`, of their first halves alone, and zeros. Half the
+    /// transposing of both, and fewer registers.
     ///
     /// # Safety
     /// Each of these lines must lie in memory that may be read.
-    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Self; 4]; 2];
+    unsafe fn load_pairs<const WHOLE: bool>(
+        base: *const Line,
+        first: &[u32; LANES],
+        second: &[u32; LANES],
+    ) -> [[Self; 4]; 2];
 
     /// Adds to the lines `base + indices[lane]` the transposed `halves`, of three numbers and a zero each, times the line's
-    /// own fourth number times a factor for each half.
+    /// own fourth number times a factor for each half; unless `WHOLE`, to their first halves alone.
     ///
     /// # Safety
     /// Each of these lines must lie in memory that may be written, and nothing else may use it meanwhile.
-    unsafe fn add_shares(base: *mut Line, indices: &[u32; LANES], halves: [[Self; 3]; 2], factors: [f64; 2]);
+    unsafe fn add_shares<const WHOLE: bool>(
+        base: *mut Line,
+        indices: &[u32; LANES],
+        halves: [[Self; 3]; 2],
+        factors: [f64; 2],
+    );
 }
 
 /// Sixteen lanes of single precision. A body is one [`Octet`] there.

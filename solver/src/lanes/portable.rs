@@ -218,7 +218,11 @@ impl Lanes for Portable<f64, LANES> {
     }
 
     #[inline(always)]
-    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Self; 4]; 2] {
+    unsafe fn load_pairs<const WHOLE: bool>(
+        base: *const Line,
+        first: &[u32; LANES],
+        second: &[u32; LANES],
+    ) -> [[Self; 4]; 2] {
         let mut out = [[Portable([0.0; LANES]); 4]; 2];
         for lane in 0..LANES {
             // SAFETY: the caller's promise.
@@ -226,19 +230,26 @@ impl Lanes for Portable<f64, LANES> {
             for part in 0..4 {
                 let (mine, theirs) = (a[0].0[part], b[0].0[part]);
                 out[0][part].0[lane] = if part < 3 { theirs - mine } else { theirs + mine };
-                out[1][part].0[lane] = b[1].0[part] + a[1].0[part];
+                if WHOLE {
+                    out[1][part].0[lane] = b[1].0[part] + a[1].0[part];
+                }
             }
         }
         out
     }
 
     #[inline(always)]
-    unsafe fn add_shares(base: *mut Line, indices: &[u32; LANES], halves: [[Self; 3]; 2], factors: [f64; 2]) {
+    unsafe fn add_shares<const WHOLE: bool>(
+        base: *mut Line,
+        indices: &[u32; LANES],
+        halves: [[Self; 3]; 2],
+        factors: [f64; 2],
+    ) {
         for lane in 0..LANES {
             // SAFETY: the caller's promise.
             let line = unsafe { &mut (*base.add(indices[lane] as usize)).0 };
             let own = line[0].0[3];
-            for half in 0..2 {
+            for half in 0..if WHOLE { 2 } else { 1 } {
                 let scale = own * factors[half];
                 for part in 0..3 {
                     line[half].0[part] += halves[half][part].0[lane] * scale;

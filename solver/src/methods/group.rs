@@ -81,32 +81,14 @@ impl Group for PairGroup {
     #[inline(always)]
     unsafe fn velocity<L: Lanes, E: Effects>(&self, bodies: *const Body, contact: &Contact<L>, _: f64) -> ([L; 3], L) {
         // SAFETY: the caller's promise.
-        let pair = unsafe {
-            if E::FRICTION {
-                Pair::load(bodies, self)
-            } else {
-                let first = Bodies::<L>::load::<E>(bodies, &self.first);
-                Pair::of(&first, &Bodies::load::<E>(bodies, &self.second))
-            }
-        };
+        let pair = unsafe { Pair::load::<E>(bodies, self) };
         (contact.velocity_of_pair::<E>(&pair), pair.inverse_mass)
     }
 
     #[inline(always)]
     unsafe fn push<L: Lanes, E: Effects>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
         // SAFETY: the caller's promise; the sixteen bodies of a group are different ones.
-        unsafe {
-            let lever = cross(normal, impulse);
-            if E::FRICTION {
-                return Pair::push(bodies, self, [impulse, lever]);
-            }
-            let mut first = Bodies::<L>::load::<E>(bodies, &self.first);
-            let mut second = Bodies::<L>::load::<E>(bodies, &self.second);
-            first.push::<E>(-1.0, impulse, lever);
-            second.push::<E>(1.0, impulse, lever);
-            first.store::<E>(bodies, &self.first);
-            second.store::<E>(bodies, &self.second);
-        }
+        unsafe { Pair::push::<E>(bodies, self, [impulse, cross(normal, impulse)]) };
     }
 }
 

@@ -147,10 +147,16 @@ impl<L: Lanes> Pair<L> {
     /// # Safety
     /// As for [`Bodies::load`].
     #[inline(always)]
-    pub unsafe fn load(bodies: *const Body, group: &PairGroup) -> Self {
+    pub unsafe fn load<E: Effects>(bodies: *const Body, group: &PairGroup) -> Self {
+        let (bodies, first, second) = (bodies.cast(), &group.first, &group.second);
         // SAFETY: the caller's promise; a body is a line.
-        let [[x, y, z, inverse_mass], [along_x, along_y, along_z, _]] =
-            unsafe { L::load_pairs(bodies.cast(), &group.first, &group.second) };
+        let [[x, y, z, inverse_mass], [along_x, along_y, along_z, _]] = unsafe {
+            if E::FRICTION {
+                L::load_pairs::<true>(bodies, first, second)
+            } else {
+                L::load_pairs::<false>(bodies, first, second)
+            }
+        };
         Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z] }
     }
 
@@ -159,11 +165,11 @@ impl<L: Lanes> Pair<L> {
     /// # Safety
     /// As for [`Bodies::load`].
     #[inline(always)]
-    pub unsafe fn push(bodies: *mut Body, group: &PairGroup, push: [[L; 3]; 2]) {
+    pub unsafe fn push<E: Effects>(bodies: *mut Body, group: &PairGroup, push: [[L; 3]; 2]) {
         // SAFETY: the caller's promise.
         unsafe {
-            push_each(bodies, &group.first, -1.0, push);
-            push_each(bodies, &group.second, 1.0, push);
+            push_each::<L, E>(bodies, &group.first, -1.0, push);
+            push_each::<L, E>(bodies, &group.second, 1.0, push);
         }
     }
 }
@@ -173,9 +179,21 @@ impl<L: Lanes> Pair<L> {
 /// # Safety
 /// As for [`Bodies::load`].
 #[inline(always)]
-pub(super) unsafe fn push_each<L: Lanes>(bodies: *mut Body, places: &[u32; LANES], sign: f64, push: [[L; 3]; 2]) {
+pub(super) unsafe fn push_each<L: Lanes, E: Effects>(
+    bodies: *mut Body,
+    places: &[u32; LANES],
+    sign: f64,
+    push: [[L; 3]; 2],
+) {
+    let (bodies, factors) = (bodies.cast(), [sign, -INVERSE_INERTIA]);
     // SAFETY: the caller's promise; a body is a line, whose fourth number is its inverse mass.
-    unsafe { L::add_shares(bodies.cast(), places, push, [sign, -INVERSE_INERTIA]) };
+    unsafe {
+        if E::FRICTION {
+            L::add_shares::<true>(bodies, places, push, factors);
+        } else {
+            L::add_shares::<false>(bodies, places, push, factors);
+        }
+    }
 }
 
 /// Constraint data and impulses of one contact, or of eight.

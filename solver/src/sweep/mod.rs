@@ -179,10 +179,10 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
             unsafe {
                 let mut contact = Contact::read(&group.contacts, L::load);
                 // Torques need both bodies' spins; elsewhere what they do together is enough, and bodies stay in memory.
-                if E::FRICTION && !E::TORQUES {
-                    let pair = Pair::<L>::load(self.bodies, group);
+                if !E::TORQUES {
+                    let pair = Pair::<L>::load::<E>(self.bodies, group);
                     let push = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
-                    Pair::push(self.bodies, group, push);
+                    Pair::push::<E>(self.bodies, group, push);
                     contact.write::<E, _>(&mut group.contacts, L::store);
                     continue;
                 }
@@ -213,8 +213,8 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
                 let wall_velocity = group.wall_velocity.each_ref().map(L::load);
                 let push = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
                 contact.write::<E, _>(&mut group.contacts, L::store);
-                if E::FRICTION && !E::TORQUES {
-                    push_each(self.bodies, &group.body, -1.0, push);
+                if !E::TORQUES {
+                    push_each::<L, E>(self.bodies, &group.body, -1.0, push);
                     continue;
                 }
                 grain.push::<E>(-1.0, push[0], push[1]);
@@ -250,8 +250,8 @@ impl<E: Effects> Kernel for Start<'_, E> {
                 let contact = Contact::read(&group.contacts, L::load);
                 let impulse = contact.impulse();
                 let lever = cross(contact.normal, impulse);
-                if E::FRICTION && !E::TORQUES {
-                    Pair::push(self.bodies, group, [impulse, lever]);
+                if !E::TORQUES {
+                    Pair::push::<E>(self.bodies, group, [impulse, lever]);
                     continue;
                 }
                 let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
@@ -273,8 +273,8 @@ impl<E: Effects> Kernel for Start<'_, E> {
                 let contact = Contact::read(&group.contacts, L::load);
                 let impulse = contact.impulse();
                 let lever = cross(contact.normal, impulse);
-                if E::FRICTION && !E::TORQUES {
-                    push_each(self.bodies, &group.body, -1.0, [impulse, lever]);
+                if !E::TORQUES {
+                    push_each::<L, E>(self.bodies, &group.body, -1.0, [impulse, lever]);
                     continue;
                 }
                 let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
