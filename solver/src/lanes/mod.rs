@@ -112,8 +112,8 @@ pub trait Lanes: Number {
         second: &[u32; LANES],
     ) -> [[Self; 4]; 2];
 
-    /// Adds to the lines `base + indices[lane]` the transposed `halves`, of three numbers and a zero each, times the line's
-    /// own fourth number times a factor for each half; unless `WHOLE`, to their first halves alone.
+    /// Adds the transposed `halves` to the first three numbers of each half of the lines `base + indices[lane]`, times the
+    /// line's own fourth number and a factor for each half; unless `WHOLE`, to their first halves alone.
     ///
     /// # Safety
     /// Each of these lines must lie in memory that may be written, and nothing else may use it meanwhile.

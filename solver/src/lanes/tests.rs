@@ -43,6 +43,33 @@ fn single_operations<S: SingleLanes>(results: &mut Vec<Sixteen>) {
     }
 }
 
+/// What lanes do to records of two bodies each.
+#[inline(always)]
+fn line_operations<L: Lanes>(results: &mut Vec<Eight>) {
+    let line =
+        |i: usize| Line([0, 1].map(|half| Quad(std::array::from_fn(|part| (8 * i + 4 * half + part) as f64 + 0.1))));
+    let mut lines: Vec<Line> = (0..24).map(line).collect();
+    let (first, second) = ([3, 0, 17, 12, 5, 6, 19, 1], [22, 2, 16, 9, 7, 11, 23, 20]);
+    let mut put = |value: L| {
+        let mut out = Eight::default();
+        value.store(&mut out);
+        results.push(out);
+    };
+    // SAFETY: all indices are below 24, and the vector is this function's own.
+    unsafe {
+        let [motion, turning] = L::load_pairs::<true>(lines.as_ptr(), &first, &second);
+        let [half, nothing] = L::load_pairs::<false>(lines.as_ptr(), &first, &second);
+        motion.into_iter().chain(turning).chain(half).chain(nothing).for_each(&mut put);
+        let [shares, others] = [motion, turning].map(|[x, y, z, _]| [x, y, z]);
+        L::add_shares::<true>(lines.as_mut_ptr(), &first, [shares, others], [-1.0, -2.5]);
+        L::add_shares::<false>(lines.as_mut_ptr(), &second, [shares, others], [1.0, -2.5]);
+    }
+    for Line([motion, turning]) in lines {
+        let both: Vec<f64> = motion.0.into_iter().chain(turning.0).collect();
+        results.push(Eight(both.try_into().expect("a line is eight numbers")));
+    }
+}
+
 impl Kernel for Operations<'_> {
     type Output = ();
 
@@ -75,6 +102,7 @@ impl Kernel for Operations<'_> {
             let both: Vec<f64> = pair.iter().flat_map(|quad| quad.0).collect();
             self.results.push(Eight(both.try_into().expect("two quads are eight numbers")));
         }
+        line_operations::<L>(self.results);
         single_operations::<L::Single>(self.singles);
     }
 }
@@ -92,6 +120,18 @@ fn instruction_sets_agree_on_every_operation() {
     let generic = run(InstructionSet::Generic);
     assert_eq!(generic.1[0], 0b0001_0000, "only 1e-310 is below its partner");
     assert_eq!(generic.0[13][2], 136_f64.to_bits(), "first number of quad 2 * 17");
+    // Behind 37 results of other operations: four of each half of both kinds, then the lines.
+    let (pairs, lines) = (&generic.0[37..53], &generic.0[53..77]);
+    assert_eq!(pairs[0][0], ((8.0 * 22.0 + 0.1) - (8.0 * 3.0 + 0.1_f64)).to_bits(), "first numbers: second less first");
+    assert_eq!(pairs[3][1], ((8.0 * 2.0 + 3.0 + 0.1) + (3.0 + 0.1_f64)).to_bits(), "fourth numbers: both");
+    assert_eq!((pairs[8..12].to_vec(), pairs[12]), (pairs[..4].to_vec(), [0; 8]), "halves alone");
+    let (own, turning) = (8.0 * 3.0 + 3.0 + 0.1_f64, (8.0 * 22.0 + 4.0 + 0.1) + (8.0 * 3.0 + 4.0 + 0.1_f64));
+    assert_eq!(
+        lines[3][4],
+        ((8.0 * 3.0 + 4.0 + 0.1) + turning * (own * -2.5)).to_bits(),
+        "a share by the line's own fourth number"
+    );
+    assert_eq!(lines[22][4], (8.0 * 22.0 + 4.0 + 0.1_f64).to_bits(), "a half that is left as it was");
     assert_eq!(generic.2[13][2], 136_f64.to_bits(), "first number of octet 17");
     assert_eq!(generic.2[20][15], (8.0 * 8.0 + 7.0_f64).to_bits(), "last number of octet 8");
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
