@@ -188,7 +188,7 @@ impl Lanes for Avx512 {
             let row = |lane: usize| base.add(STRIDE * indices[lane] as usize);
             let (a, b) = (join(row(0), row(4)), join(row(1), row(5)));
             let (c, d) = (join(row(2), row(6)), join(row(3), row(7)));
-            columns([a, b, c, d])
+            parts([a, b, c, d])
         }
     }
 
@@ -203,7 +203,7 @@ impl Lanes for Avx512 {
                 _mm256_store_pd(high.cast(), _mm512_extractf64x4_pd::<1>(rows));
             };
             let [x, y, z, w] = quads;
-            let [a, b, c, d] = rows([x.0, y.0, z.0, w.0]);
+            let [a, b, c, d] = transposed_halves([x.0, y.0, z.0, w.0]);
             put(0, a);
             put(1, b);
             put(2, c);
@@ -230,7 +230,7 @@ impl Lanes for Avx512 {
                     let turned = _mm512_xor_si512(_mm512_castpd_si512(a), against);
                     motion[row] = _mm512_add_pd(_mm512_castsi512_pd(turned), b);
                 }
-                return [columns(motion), [Avx512(_mm512_setzero_pd()); 4]];
+                return [parts(motion), [Avx512(_mm512_setzero_pd()); 4]];
             }
             let against = _mm512_setr_epi64(sign, sign, sign, 0, 0, 0, 0, 0);
             let mut lines = [_mm512_setzero_pd(); LANES];
@@ -244,7 +244,7 @@ impl Lanes for Avx512 {
                 motion[row] = _mm512_shuffle_f64x2::<0b01_00_01_00>(lines[row], lines[row + 4]);
                 turning[row] = _mm512_shuffle_f64x2::<0b11_10_11_10>(lines[row], lines[row + 4]);
             }
-            [columns(motion), columns(turning)]
+            [parts(motion), parts(turning)]
         }
     }
 
@@ -259,7 +259,8 @@ impl Lanes for Avx512 {
         unsafe {
             let zero = _mm512_setzero_pd();
             let [[x, y, z], [u, v, w]] = halves;
-            let (motion, turning) = (rows([x.0, y.0, z.0, zero]), rows([u.0, v.0, w.0, zero]));
+            let (motion, turning) =
+                (transposed_halves([x.0, y.0, z.0, zero]), transposed_halves([u.0, v.0, w.0, zero]));
             if !WHOLE {
                 for (row, &both) in motion.iter().enumerate() {
                     let halves = [_mm512_castpd512_pd256(both), _mm512_extractf64x4_pd::<1>(both)];
@@ -285,34 +286,30 @@ impl Lanes for Avx512 {
     }
 }
 
-/// Transposes rows of four numbers each, row `i + 4` in the upper half of row `i`.
+/// Two matrices of four rows of four, transposed, one in each half: eight quads into their parts, and back.
 ///
 /// # Safety
 /// AVX-512F.
 #[inline(always)]
-unsafe fn columns(rows: [__m512d; 4]) -> [Avx512; 4] {
+unsafe fn transposed_halves(rows: [__m512d; 4]) -> [__m512d; 4] {
     // SAFETY: the caller's promise.
     unsafe {
         let [a, b, c, d] = rows;
         let (first, third) = interleave_pairs(_mm512_unpacklo_pd(a, b), _mm512_unpacklo_pd(c, d));
         let (second, fourth) = interleave_pairs(_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d));
-        [Avx512(first), Avx512(second), Avx512(third), Avx512(fourth)]
+        [first, second, third, fourth]
     }
 }
 
-/// The way back: row `i` in the lower half, row `i + 4` in the upper half.
+/// Eight lanes each of the four parts of quads: quad `i` in the lower half of row `i`, quad `i + 4` in the upper half.
 ///
 /// # Safety
 /// AVX-512F.
 #[inline(always)]
-unsafe fn rows(columns: [__m512d; 4]) -> [__m512d; 4] {
+unsafe fn parts(rows: [__m512d; 4]) -> [Avx512; 4] {
     // SAFETY: the caller's promise.
-    unsafe {
-        let [x, y, z, w] = columns;
-        let (a, c) = interleave_pairs(_mm512_unpacklo_pd(x, y), _mm512_unpacklo_pd(z, w));
-        let (b, d) = interleave_pairs(_mm512_unpackhi_pd(x, y), _mm512_unpackhi_pd(z, w));
-        [a, b, c, d]
-    }
+    let [first, second, third, fourth] = unsafe { transposed_halves(rows) };
+    [Avx512(first), Avx512(second), Avx512(third), Avx512(fourth)]
 }
 
 /// Matrices of four rows of four, transposed, one in each 128 bits.

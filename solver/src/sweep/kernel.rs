@@ -121,11 +121,11 @@ impl<N: Number> Bodies<N> {
 /// What a contact asks of its two bodies together.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair<N> {
-    /// Velocity of the second less that of the first.
+    /// Velocity of the second less that of the first, m/s.
     pub velocity: [N; 3],
-    /// Sum of their inverse masses.
+    /// Sum of their inverse masses, 1/kg.
     pub inverse_mass: N,
-    /// Sum of their surface speeds.
+    /// Sum of their surface speeds, m/s.
     pub surface_speed: [N; 3],
 }
 
