@@ -36,12 +36,11 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
             }
             let group = &mut groups[number];
             // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.
-            let ([x, y, z, radius], [to_x, to_y, to_z, to_radius], a, b, remembered) = unsafe {
+            let ([x, y, z, radius], [to_x, to_y, to_z, to_radius], [u, v, w, inverse_mass], remembered) = unsafe {
                 (
                     L::load_quads::<1>(spheres, &group.first),
                     L::load_quads::<1>(spheres, &group.second),
-                    L::load_quads::<1>(before, &group.first),
-                    L::load_quads::<1>(before, &group.second),
+                    L::load_differences::<1>(before, &group.first, &group.second),
                     L::load_quads::<1>(impulses, &sources.or(nothing)),
                 )
             };
@@ -60,7 +59,7 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
                     world.table.between_grains(number(group.first[lane]), number(group.second[lane]))
                 }),
             };
-            let velocity = minus([b[0], b[1], b[2]], [a[0], a[1], a[2]]);
+            let velocity = [u, v, w];
             if self.given.effects.falling_restitution() {
                 material.at_speed(self.given, group, dot(normal, velocity));
             }
@@ -74,7 +73,7 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
                 velocity: dot(normal, velocity),
                 effective_modulus: material.effective_modulus,
                 effective_radius: radius * to_radius / (radius + to_radius),
-                inverse_mass: a[3] + b[3],
+                inverse_mass,
                 damping_ratio: material.damping_ratio,
             };
             write_contacts(&mut group.contacts, normal, geometry, &material, remembered, &self.given.constants);

@@ -2,7 +2,7 @@
 
 use super::Given;
 use crate::detect::Impulse;
-use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, minus, prefetch};
+use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, prefetch};
 use crate::partition::{Packer, PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
 
@@ -26,17 +26,22 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
         let (start, end) = (self.task.pairs.start as usize, self.task.pairs.end as usize);
         for batch in (start..end).step_by(BATCH * LANES) {
             let blocks = (end - batch).div_ceil(LANES).min(BATCH);
-            // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
-            let mut masks = [0_u8; BATCH];
-            for (number, mask) in masks[..blocks].iter_mut().enumerate() {
-                self.fetch(batch + (number + PREFETCH) * LANES, end);
-                *mask = self.touching::<L>(batch + number * LANES, end) as u8;
-            }
-            for (number, &mask) in masks[..blocks].iter().enumerate() {
+            // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome. Which
+            // candidates touch follows no pattern, so they are listed without a branch.
+            let (mut touching, mut apart) = ([0; BATCH * LANES], [0; BATCH * LANES]);
+            let (mut touches, mut others) = (0, 0);
+            for number in 0..blocks {
                 let block = batch + number * LANES;
-                let all = (1 << (end - block).min(LANES)) - 1;
-                self.pack(block, u32::from(mask) & all, !u32::from(mask) & all);
+                self.fetch(block + PREFETCH * LANES, end);
+                let mask = self.touching::<L>(block, end) as usize;
+                for lane in 0..(end - block).min(LANES) {
+                    (touching[touches], apart[others]) = ((block + lane) as u32, (block + lane) as u32);
+                    touches += mask >> lane & 1;
+                    others += !mask >> lane & 1;
+                }
             }
+            self.pack(&touching[..touches]);
+            self.forget(&apart[..others]);
         }
     }
 }
@@ -66,31 +71,30 @@ impl<const PERIODIC: bool> PackPairs<'_, PERIODIC> {
         let first = std::array::from_fn(|lane| pair(lane).first);
         let second = std::array::from_fn(|lane| pair(lane).second);
         // SAFETY: candidates name grains.
-        let ([x, y, z, radius], [to_x, to_y, to_z, to_radius]) =
-            unsafe { (L::load_quads::<1>(spheres, &first), L::load_quads::<1>(spheres, &second)) };
-        let arm = minus([to_x, to_y, to_z], [x, y, z]);
-        let arm = if PERIODIC { self.given.world.period.shortest(arm) } else { arm };
-        let touch = radius + to_radius + L::splat(self.given.constants.reach);
+        let [x, y, z, radii] = unsafe { L::load_differences::<1>(spheres, &first, &second) };
+        let arm = if PERIODIC { self.given.world.period.shortest([x, y, z]) } else { [x, y, z] };
+        let touch = radii + L::splat(self.given.constants.reach);
         L::bits(dot(arm, arm).below(touch * touch))
     }
 
-    /// Finds lanes for those of the candidates from `block` on that touch.
+    /// Finds lanes for candidates that touch.
     #[inline(always)]
-    fn pack(&mut self, block: usize, mut touching: u32, mut apart: u32) {
-        while touching != 0 {
-            let candidate = block + touching.trailing_zeros() as usize;
-            touching &= touching - 1;
-            let pair = self.given.candidates.pairs[candidate];
+    fn pack(&mut self, touching: &[u32]) {
+        for &candidate in touching {
+            let pair = self.given.candidates.pairs[candidate as usize];
             // SAFETY: the promise of whoever made this.
             let place = unsafe { self.packer.place([pair.first, pair.second]) };
-            self.groups.put_pair(place, pair, candidate as u32, self.dummies);
-            self.groups.contacts += 1;
+            self.groups.put_pair(place, pair, candidate, self.dummies);
         }
-        while apart != 0 {
-            let candidate = block + apart.trailing_zeros() as usize;
-            apart &= apart - 1;
-            // SAFETY: as above.
-            forget(unsafe { self.impulses.at(candidate) });
+        self.groups.contacts += touching.len();
+    }
+
+    /// Forgets what candidates bore that are apart.
+    #[inline(always)]
+    fn forget(&self, apart: &[u32]) {
+        for &candidate in apart {
+            // SAFETY: the promise of whoever made this.
+            forget(unsafe { self.impulses.at(candidate as usize) });
         }
     }
 }

@@ -202,30 +202,46 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn load_pairs<const WHOLE: bool>(
-        base: *const Line,
+    unsafe fn load_differences<const STRIDE: usize>(
+        base: *const Quad,
         first: &[u32; LANES],
         second: &[u32; LANES],
-    ) -> [[Avx2; 4]; 2] {
-        // SAFETY: the caller's promise; the halves of a line are aligned to 32 bytes.
+    ) -> [Avx2; 4] {
+        // SAFETY: the caller's promise; quads are aligned to 32 bytes.
         unsafe {
             let against = _mm256_setr_pd(-0.0, -0.0, -0.0, 0.0);
-            let mut out = [[Avx2([_mm256_setzero_pd(); 2]); 4]; 2];
+            let quad = |place: u32| _mm256_load_pd(base.add(STRIDE * place as usize).cast());
+            let mut out = [Avx2([_mm256_setzero_pd(); 2]); 4];
             for side in 0..2 {
-                let (mut motion, mut turning) = ([_mm256_setzero_pd(); 4], [_mm256_setzero_pd(); 4]);
-                for row in 0..4 {
+                let mut differences = [_mm256_setzero_pd(); 4];
+                for (row, difference) in differences.iter_mut().enumerate() {
                     let lane = 4 * side + row;
-                    let (a, b): (*const f64, *const f64) =
-                        (base.add(first[lane] as usize).cast(), base.add(second[lane] as usize).cast());
-                    let turned = _mm256_xor_pd(_mm256_load_pd(a), against);
-                    motion[row] = _mm256_add_pd(turned, _mm256_load_pd(b));
-                    if WHOLE {
-                        turning[row] = _mm256_add_pd(_mm256_load_pd(a.add(4)), _mm256_load_pd(b.add(4)));
-                    }
+                    *difference = _mm256_add_pd(_mm256_xor_pd(quad(first[lane]), against), quad(second[lane]));
                 }
-                let (motion, turning) = (transposed(motion), transposed(turning));
+                let differences = transposed(differences);
                 for part in 0..4 {
-                    out[0][part].0[side] = motion[part];
+                    out[part].0[side] = differences[part];
+                }
+            }
+            out
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Avx2; 4]; 2] {
+        // SAFETY: the caller's promise; the halves of a line are aligned to 32 bytes.
+        unsafe {
+            let mut out =
+                [Avx2::load_differences::<2>(base.cast(), first, second), [Avx2([_mm256_setzero_pd(); 2]); 4]];
+            for side in 0..2 {
+                let mut turning = [_mm256_setzero_pd(); 4];
+                for (row, sum) in turning.iter_mut().enumerate() {
+                    let lane = 4 * side + row;
+                    let half = |place: u32| _mm256_load_pd(base.add(place as usize).cast::<f64>().add(4));
+                    *sum = _mm256_add_pd(half(first[lane]), half(second[lane]));
+                }
+                let turning = transposed(turning);
+                for part in 0..4 {
                     out[1][part].0[side] = turning[part];
                 }
             }

@@ -212,26 +212,32 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn load_pairs<const WHOLE: bool>(
-        base: *const Line,
+    unsafe fn load_differences<const STRIDE: usize>(
+        base: *const Quad,
         first: &[u32; LANES],
         second: &[u32; LANES],
-    ) -> [[Avx512; 4]; 2] {
+    ) -> [Avx512; 4] {
         // SAFETY: the caller's promise.
         unsafe {
             let sign = i64::MIN;
-            if !WHOLE {
-                let against = _mm512_setr_epi64(sign, sign, sign, 0, sign, sign, sign, 0);
-                let base: *const Quad = base.cast();
-                let mut motion = [_mm512_setzero_pd(); 4];
-                for row in 0..4 {
-                    let a = join(base.add(2 * first[row] as usize), base.add(2 * first[row + 4] as usize));
-                    let b = join(base.add(2 * second[row] as usize), base.add(2 * second[row + 4] as usize));
-                    let turned = _mm512_xor_si512(_mm512_castpd_si512(a), against);
-                    motion[row] = _mm512_add_pd(_mm512_castsi512_pd(turned), b);
-                }
-                return [parts(motion), [Avx512(_mm512_setzero_pd()); 4]];
+            let against = _mm512_setr_epi64(sign, sign, sign, 0, sign, sign, sign, 0);
+            let quad = |place: u32| base.add(STRIDE * place as usize);
+            let mut differences = [_mm512_setzero_pd(); 4];
+            for row in 0..4 {
+                let a = join(quad(first[row]), quad(first[row + 4]));
+                let b = join(quad(second[row]), quad(second[row + 4]));
+                let turned = _mm512_xor_si512(_mm512_castpd_si512(a), against);
+                differences[row] = _mm512_add_pd(_mm512_castsi512_pd(turned), b);
             }
+            parts(differences)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Avx512; 4]; 2] {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let sign = i64::MIN;
             let against = _mm512_setr_epi64(sign, sign, sign, 0, 0, 0, 0, 0);
             let mut lines = [_mm512_setzero_pd(); LANES];
             for lane in 0..LANES {

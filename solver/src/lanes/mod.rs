@@ -100,17 +100,22 @@ pub trait Lanes: Number {
     /// Each of these quads must lie in memory that may be written, and nothing else may use it meanwhile.
     unsafe fn store_quads<const STRIDE: usize>(base: *mut Quad, indices: &[u32; LANES], quads: [Self; 4]);
 
-    /// Reads the lines `base + first[lane]` and `base + second[lane]` and transposes what the second has less the first in
-    /// the first three numbers, and their sums in the others; unless `WHOLE`, of their first halves alone, and zeros. Half the
-    /// transposing of both, and fewer registers.
+    /// Reads the quads `base + STRIDE first[lane]` and `base + STRIDE second[lane]` and transposes what the second has less the
+    /// first in the first three numbers, and their sum in the fourth. Half the transposing of both, and fewer registers.
+    ///
+    /// # Safety
+    /// As for [`load_quads`](Lanes::load_quads).
+    unsafe fn load_differences<const STRIDE: usize>(
+        base: *const Quad,
+        first: &[u32; LANES],
+        second: &[u32; LANES],
+    ) -> [Self; 4];
+
+    /// The same of the first halves of the lines `base + first[lane]` and `base + second[lane]`, and sums of their second halves.
     ///
     /// # Safety
     /// Each of these lines must lie in memory that may be read.
-    unsafe fn load_pairs<const WHOLE: bool>(
-        base: *const Line,
-        first: &[u32; LANES],
-        second: &[u32; LANES],
-    ) -> [[Self; 4]; 2];
+    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Self; 4]; 2];
 
     /// Adds the transposed `halves` to the first three numbers of each half of the lines `base + indices[lane]`, times the
     /// line's own fourth number and a factor for each half; unless `WHOLE`, to their first halves alone.
@@ -282,11 +287,11 @@ pub(crate) fn prefetch_places<T>(records: *const T, places: &[u32]) {
     }
 }
 
-/// Asks for every line of a record that begins with one.
+/// Asks for the first so many bytes of a record that begins with a cache line.
 #[inline(always)]
-pub(crate) fn prefetch_lines<T>(record: *const T) {
+pub(crate) fn prefetch_lines<T>(record: *const T, bytes: usize) {
     let lines: *const Eight = record.cast();
-    for line in 0..size_of::<T>() / size_of::<Eight>() {
+    for line in 0..bytes.div_ceil(size_of::<Eight>()) {
         prefetch(lines.wrapping_add(line).cast());
     }
 }

@@ -14,164 +14,98 @@ pub struct Portable<T, const N: usize>([T; N]);
 #[derive(Clone, Copy)]
 pub struct PortableMask<const N: usize>([bool; N]);
 
-/// A precision: `f64` or `f32`.
-pub trait Real:
-    Copy
-    + PartialOrd
-    + Default
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
-    /// The nearest number of this precision.
-    fn nearest(value: f64) -> Self;
-    /// Correctly rounded square root.
-    fn root(self) -> Self;
-    /// Magnitude.
-    fn magnitude(self) -> Self;
-}
+/// Arithmetic with every lane written out: unrolling loops over them takes the compiler a quarter of its time for the crate.
+macro_rules! arithmetic {
+    ($real:ty, $count:expr, $($lane:literal)*) => {
+        operator!($real, $count, Add, add, +, $($lane)*);
+        operator!($real, $count, Sub, sub, -, $($lane)*);
+        operator!($real, $count, Mul, mul, *, $($lane)*);
+        operator!($real, $count, Div, div, /, $($lane)*);
 
-macro_rules! real {
-    ($real:ty) => {
-        impl Real for $real {
+        impl Neg for Portable<$real, $count> {
+            type Output = Self;
             #[inline(always)]
-            fn nearest(value: f64) -> $real {
-                value as $real
+            fn neg(self) -> Self {
+                Portable([$(-self.0[$lane]),*])
+            }
+        }
+
+        impl BitAnd for PortableMask<$count> {
+            type Output = Self;
+            #[inline(always)]
+            fn bitand(self, other: Self) -> Self {
+                PortableMask([$(self.0[$lane] & other.0[$lane]),*])
+            }
+        }
+
+        impl Not for PortableMask<$count> {
+            type Output = Self;
+            #[inline(always)]
+            fn not(self) -> Self {
+                PortableMask([$(!self.0[$lane]),*])
+            }
+        }
+
+        impl Number for Portable<$real, $count> {
+            type Mask = PortableMask<$count>;
+
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                Portable([value as $real; $count])
             }
 
             #[inline(always)]
-            fn root(self) -> $real {
-                self.sqrt()
+            fn sqrt(self) -> Self {
+                Portable([$(self.0[$lane].sqrt()),*])
             }
 
             #[inline(always)]
-            fn magnitude(self) -> $real {
-                self.abs()
+            fn abs(self) -> Self {
+                Portable([$(self.0[$lane].abs()),*])
+            }
+
+            #[inline(always)]
+            fn larger(self, other: Self) -> Self {
+                Portable([$(if self.0[$lane] > other.0[$lane] { self.0[$lane] } else { other.0[$lane] }),*])
+            }
+
+            #[inline(always)]
+            fn smaller(self, other: Self) -> Self {
+                Portable([$(if self.0[$lane] < other.0[$lane] { self.0[$lane] } else { other.0[$lane] }),*])
+            }
+
+            #[inline(always)]
+            fn below(self, other: Self) -> PortableMask<$count> {
+                PortableMask([$(self.0[$lane] < other.0[$lane]),*])
+            }
+
+            #[inline(always)]
+            fn at_most(self, other: Self) -> PortableMask<$count> {
+                PortableMask([$(self.0[$lane] <= other.0[$lane]),*])
+            }
+
+            #[inline(always)]
+            fn select(mask: PortableMask<$count>, yes: Self, no: Self) -> Self {
+                Portable([$(if mask.0[$lane] { yes.0[$lane] } else { no.0[$lane] }),*])
             }
         }
     };
-}
-real!(f64);
-real!(f32);
-
-impl<T: Real, const N: usize> Portable<T, N> {
-    #[inline(always)]
-    fn map(self, f: impl Fn(T) -> T) -> Self {
-        let mut out = [T::default(); N];
-        for lane in 0..N {
-            out[lane] = f(self.0[lane]);
-        }
-        Portable(out)
-    }
-
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
-        let mut out = [T::default(); N];
-        for lane in 0..N {
-            out[lane] = f(self.0[lane], other.0[lane]);
-        }
-        Portable(out)
-    }
-
-    #[inline(always)]
-    fn test(self, other: Self, f: impl Fn(&T, &T) -> bool) -> PortableMask<N> {
-        let mut out = [false; N];
-        for lane in 0..N {
-            out[lane] = f(&self.0[lane], &other.0[lane]);
-        }
-        PortableMask(out)
-    }
 }
 
 macro_rules! operator {
-    ($operator:ident, $method:ident, $symbol:tt) => {
-        impl<T: Real, const N: usize> $operator for Portable<T, N> {
+    ($real:ty, $count:expr, $operator:ident, $method:ident, $symbol:tt, $($lane:literal)*) => {
+        impl $operator for Portable<$real, $count> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.zip(other, |a, b| a $symbol b)
+                Portable([$(self.0[$lane] $symbol other.0[$lane]),*])
             }
         }
     };
 }
-operator!(Add, add, +);
-operator!(Sub, sub, -);
-operator!(Mul, mul, *);
-operator!(Div, div, /);
 
-impl<T: Real, const N: usize> Neg for Portable<T, N> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.map(|value| -value)
-    }
-}
-
-impl<const N: usize> BitAnd for PortableMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        PortableMask(std::array::from_fn(|lane| self.0[lane] & other.0[lane]))
-    }
-}
-
-impl<const N: usize> Not for PortableMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        PortableMask(self.0.map(|truth| !truth))
-    }
-}
-
-impl<T: Real, const N: usize> Number for Portable<T, N> {
-    type Mask = PortableMask<N>;
-
-    #[inline(always)]
-    fn splat(value: f64) -> Self {
-        Portable([T::nearest(value); N])
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.map(T::root)
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.map(T::magnitude)
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a > b { a } else { b })
-    }
-
-    #[inline(always)]
-    fn smaller(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a < b { a } else { b })
-    }
-
-    #[inline(always)]
-    fn below(self, other: Self) -> PortableMask<N> {
-        self.test(other, T::lt)
-    }
-
-    #[inline(always)]
-    fn at_most(self, other: Self) -> PortableMask<N> {
-        self.test(other, T::le)
-    }
-
-    #[inline(always)]
-    fn select(mask: PortableMask<N>, yes: Self, no: Self) -> Self {
-        let mut out = [T::default(); N];
-        for lane in 0..N {
-            out[lane] = if mask.0[lane] { yes.0[lane] } else { no.0[lane] };
-        }
-        Portable(out)
-    }
-}
+arithmetic!(f64, LANES, 0 1 2 3 4 5 6 7);
+arithmetic!(f32, SINGLE_LANES, 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
 
 impl Lanes for Portable<f64, LANES> {
     type Single = Portable<f32, SINGLE_LANES>;
@@ -218,24 +152,35 @@ impl Lanes for Portable<f64, LANES> {
     }
 
     #[inline(always)]
-    unsafe fn load_pairs<const WHOLE: bool>(
-        base: *const Line,
+    unsafe fn load_differences<const STRIDE: usize>(
+        base: *const Quad,
         first: &[u32; LANES],
         second: &[u32; LANES],
-    ) -> [[Self; 4]; 2] {
-        let mut out = [[Portable([0.0; LANES]); 4]; 2];
+    ) -> [Self; 4] {
+        let mut out = [Portable([0.0; LANES]); 4];
         for lane in 0..LANES {
             // SAFETY: the caller's promise.
-            let (a, b) = unsafe { (&(*base.add(first[lane] as usize)).0, &(*base.add(second[lane] as usize)).0) };
+            let [a, b] = [first[lane], second[lane]].map(|place| unsafe { &(*base.add(STRIDE * place as usize)).0 });
             for part in 0..4 {
-                let (mine, theirs) = (a[0].0[part], b[0].0[part]);
-                out[0][part].0[lane] = if part < 3 { theirs - mine } else { theirs + mine };
-                if WHOLE {
-                    out[1][part].0[lane] = b[1].0[part] + a[1].0[part];
-                }
+                out[part].0[lane] = if part < 3 { b[part] - a[part] } else { b[part] + a[part] };
             }
         }
         out
+    }
+
+    #[inline(always)]
+    unsafe fn load_pairs(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> [[Self; 4]; 2] {
+        // SAFETY: the caller's promise; a line is two quads.
+        let motion = unsafe { Self::load_differences::<2>(base.cast(), first, second) };
+        let mut turning = [Portable([0.0; LANES]); 4];
+        for lane in 0..LANES {
+            // SAFETY: the caller's promise.
+            let [a, b] = [first[lane], second[lane]].map(|place| unsafe { &(*base.add(place as usize)).0[1].0 });
+            for part in 0..4 {
+                turning[part].0[lane] = b[part] + a[part];
+            }
+        }
+        [motion, turning]
     }
 
     #[inline(always)]

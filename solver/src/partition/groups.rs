@@ -1,6 +1,8 @@
 //! Lane groups: eight contacts that share no body.
 
+use crate::effects::Effects;
 use crate::lanes::{Eight, LANES};
+use std::mem::offset_of;
 
 /// Marks a lane that holds no contact.
 const NO_SOURCE: u32 = u32::MAX;
@@ -15,10 +17,10 @@ pub struct ContactLanes<Several = Eight> {
     pub bias: Several,
     /// Regularisations Sigma', 1/kg.
     pub regularisation: Several,
-    /// Friction coefficients.
-    pub friction: Several,
     /// Normal impulses, N s.
     pub impulse_normal: Several,
+    /// Friction coefficients.
+    pub friction: Several,
     /// Tangential impulses on the second body, or on the wall, N s.
     pub impulse_tangential: [Several; 3],
 }
@@ -73,6 +75,13 @@ pub struct WallGroup {
 #[derive(Clone, Copy, Debug)]
 pub struct Sources([u32; LANES]);
 
+impl<Several> ContactLanes<Several> {
+    /// How much of it a sweep with these effects reads, in bytes: what friction needs comes last.
+    pub(super) const fn used<E: Effects>() -> usize {
+        if E::FRICTION { size_of::<Self>() } else { offset_of!(Self, friction) }
+    }
+}
+
 impl ContactLanes {
     /// Normal impulse of the contact in a lane, N s.
     pub fn normal_impulse(&self, lane: usize) -> f64 {
@@ -102,6 +111,11 @@ impl PairGroup {
     pub(super) fn padding(dummies: u32) -> PairGroup {
         let [first, second] = PairGroup::padding_places(dummies);
         PairGroup { first, second, contacts: ContactLanes::default() }
+    }
+
+    /// How much of a group a sweep with these effects reads, in bytes.
+    pub(crate) const fn used<E: Effects>() -> usize {
+        offset_of!(PairGroup, contacts) + ContactLanes::<Eight>::used::<E>()
     }
 
     pub(super) fn padding_places(dummies: u32) -> [[u32; LANES]; 2] {

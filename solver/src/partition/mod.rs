@@ -22,7 +22,7 @@ pub use boxes::{BoxGrid, STAGES};
 pub use groups::{ContactLanes, PairGroup, Sources, TorqueLanes, WallGroup, WallTorqueLanes};
 pub(crate) use packing::{Packer, Taken};
 pub use plan::{Plan, PlannedTask, Portion};
-pub(crate) use single::{SingleBody, SingleCopy, SingleGroups};
+pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
 
 use crate::lanes::Eight;
 

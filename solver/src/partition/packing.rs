@@ -61,7 +61,8 @@ impl<'a> Packer<'a> {
             // SAFETY: the caller's promise.
             let taken = unsafe { self.taken.at(body as usize) };
             let age = self.start - taken.since;
-            if age < WINDOW { taken.mask >> age } else { 0 }
+            // Whether a body was met lately follows no pattern, so this must not branch.
+            (taken.mask >> (age % WINDOW)) & u64::from(age < WINDOW).wrapping_neg()
         })
     }
 
@@ -91,9 +92,7 @@ impl<'a> Packer<'a> {
         let filled = &mut self.filled[((self.start + place) % WINDOW) as usize];
         let lane = *filled as usize;
         *filled += 1;
-        if lane + 1 == LANES {
-            self.open &= !(1 << place);
-        }
+        self.open &= !(u64::from(lane + 1 == LANES) << place);
         ((self.start - self.base + place) as usize, lane)
     }
 

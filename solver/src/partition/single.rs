@@ -5,9 +5,11 @@
 //! receives the change of its velocity, so that what no contact touches is not rounded.
 
 use super::{ContactLanes, Layout, PairGroup, STAGES, TaskGroups, WallGroup};
+use crate::effects::Effects;
 use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, DUMMIES, chunk, chunks};
+use std::mem::offset_of;
 
 /// Dynamic state of a grain in single precision: half a cache line, laid out as [`Body`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,6 +54,13 @@ pub(crate) struct SingleCopy {
     pub bodies: Vec<SingleBody>,
     /// By the number of the task, as in [`Layout`].
     pub groups: Vec<SingleGroups>,
+}
+
+impl SinglePairGroup {
+    /// As [`PairGroup::used`].
+    pub(crate) const fn used<E: Effects>() -> usize {
+        offset_of!(SinglePairGroup, contacts) + ContactLanes::<Sixteen>::used::<E>()
+    }
 }
 
 impl SingleBody {

@@ -148,13 +148,13 @@ impl<L: Lanes> Pair<L> {
     /// As for [`Bodies::load`].
     #[inline(always)]
     pub unsafe fn load<E: Effects>(bodies: *const Body, group: &PairGroup) -> Self {
-        let (bodies, first, second) = (bodies.cast(), &group.first, &group.second);
-        // SAFETY: the caller's promise; a body is a line.
+        let (first, second) = (&group.first, &group.second);
+        // SAFETY: the caller's promise; a body is a line, which is two quads.
         let [[x, y, z, inverse_mass], [along_x, along_y, along_z, _]] = unsafe {
             if E::FRICTION {
-                L::load_pairs::<true>(bodies, first, second)
+                L::load_pairs(bodies.cast(), first, second)
             } else {
-                L::load_pairs::<false>(bodies, first, second)
+                [L::load_differences::<2>(bodies.cast(), first, second), [L::zero(); 4]]
             }
         };
         Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z] }

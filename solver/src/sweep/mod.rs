@@ -17,7 +17,7 @@ pub use residual::{Residual, Residuals};
 use crate::detect::{AngularImpulse, Impulse};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
 use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_lines, prefetch_places, times};
-use crate::partition::{TaskGroups, WallTorqueLanes};
+use crate::partition::{PairGroup, TaskGroups, WallTorqueLanes};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact, Pair, push_each};
@@ -168,7 +168,7 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
         for number in 0..pairs.len() {
             if self.prefetch > 0 {
                 // The group itself is fetched before the bodies that it names.
-                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch));
+                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch), PairGroup::used::<E>());
                 if let Some(ahead) = pairs.get(number + self.prefetch) {
                     prefetch_places(self.bodies, &ahead.first);
                     prefetch_places(self.bodies, &ahead.second);

@@ -5,7 +5,7 @@ use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{Gauge, Gauged, LaneResidual, TaskResidual, with_gauge};
 use crate::effects::{Effects, Frictional, Frictionless};
 use crate::lanes::{Kernel, Lanes, Number, SingleLanes, prefetch_lines, prefetch_places};
-use crate::partition::{SingleBody, SingleGroups};
+use crate::partition::{SingleBody, SingleGroups, SinglePairGroup};
 use std::marker::PhantomData;
 
 /// One sweep over a task.
@@ -62,7 +62,7 @@ impl<E: Effects, G: Gauged> Kernel for SingleSweep<'_, E, G> {
         for number in 0..pairs.len() {
             if self.prefetch > 0 {
                 // The group itself is fetched before the bodies that it names.
-                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch));
+                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch), SinglePairGroup::used::<E>());
                 if let Some(ahead) = pairs.get(number + self.prefetch) {
                     prefetch_places(self.bodies, &ahead.first);
                     prefetch_places(self.bodies, &ahead.second);
