@@ -26,6 +26,8 @@ pub struct Simulation {
     pub(crate) settings: SolverSettings,
     pub(crate) candidates: Candidates,
     pub(crate) relaxation: Relaxation,
+    /// Lane groups ahead of a sweep to fetch, where that was said; elsewhere it goes by the size of the step.
+    prefetch: Option<usize>,
     pub(crate) constrainer: Constrainer,
     pub(crate) layout: Layout,
     pub(crate) solver: Solver,
@@ -84,6 +86,7 @@ impl Simulation {
                 effects,
                 prefetch: PREFETCH,
             },
+            prefetch: None,
             candidates: Candidates::new(&boxes, &world, skin, scene.solver.step, effects.torques()),
             constrainer: Constrainer::new(&world, &scene.solver),
             world,
@@ -205,6 +208,7 @@ impl Simulation {
             }
         });
         world.bodies = bodies;
+        relaxation.prefetch = self.prefetch.unwrap_or_else(|| layout.prefetch(world.bodies.len()));
     }
 
     fn move_bodies(&mut self, team: &Team) {
@@ -373,9 +377,11 @@ impl Simulation {
         }
     }
 
-    /// Fetches bodies into the cache so many lane groups before a sweep needs them; 0 leaves it to the processor.
-    pub fn use_prefetch(&mut self, groups: usize) {
-        self.relaxation.prefetch = groups;
+    /// Fetches bodies into the cache so many lane groups before a sweep needs them; 0 leaves it to the processor. Absent, as many
+    /// as pay: none where a step fits into the cache.
+    pub fn use_prefetch(&mut self, groups: Option<usize>) {
+        self.prefetch = groups;
+        self.relaxation.prefetch = groups.unwrap_or(PREFETCH);
     }
 
     /// Gives threads tasks in other portions, with the same bits.

@@ -2,7 +2,7 @@
 //! lane groups, sweeps of every kind, checkpoints. `scripts/miri` runs it there, where the lanes are those of plain Rust.
 
 use makadam::Simulation;
-use makadam::lanes::InstructionSet;
+use makadam::lanes::{InstructionSet, PREFETCH};
 use makadam::scene::{Precision, Scene, SolverMethod};
 use makadam::schedule::Scheduler;
 use std::path::Path;
@@ -54,12 +54,14 @@ fn one_thread_and_several_give_the_same_bits() {
 }
 
 #[test]
-fn scalar_sweeps_and_no_prefetching_give_the_same_bits() {
+fn scalar_sweeps_and_prefetching_give_the_same_bits() {
     let scene = scene();
     let usual = hash_after(start(&scene));
     let mut simulation = start(&scene);
     simulation.use_scalar_sweeps(true);
-    simulation.use_prefetch(0);
+    assert_eq!(hash_after(simulation), usual);
+    let mut simulation = start(&scene);
+    simulation.use_prefetch(Some(PREFETCH));
     assert_eq!(hash_after(simulation), usual);
 }
 

@@ -1,7 +1,7 @@
 //! How a simulation is carried out: threads, scheduler, instruction set. Its result depends on none of them.
 
 use makadam::Simulation;
-use makadam::lanes::{InstructionSet, PREFETCH};
+use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
 use makadam::schedule::Scheduler;
 
@@ -14,8 +14,8 @@ pub struct Execution {
     pub threads: usize,
     /// Instruction set of the kernels.
     pub instruction_set: InstructionSet,
-    /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor.
-    pub prefetch: usize,
+    /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor. Absent, as many as pay.
+    pub prefetch: Option<usize>,
     /// What a thread is given at a time.
     pub portion: Portion,
 }
@@ -38,7 +38,7 @@ impl Execution {
             scheduler: Scheduler::Serial,
             threads: 1,
             instruction_set: InstructionSet::detect(),
-            prefetch: PREFETCH,
+            prefetch: None,
             portion: Portion::Batches,
         }
     }

@@ -24,7 +24,8 @@ pub(crate) use packing::{Packer, Taken};
 pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
 
-use crate::lanes::Eight;
+use crate::lanes::{Eight, LANES, PREFETCH};
+use crate::world::Body;
 
 /// Lane groups of one task; what sweeps read and write besides bodies.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +53,9 @@ pub struct TaskGroups {
     pairs_used: usize,
     walls_used: usize,
 }
+
+/// Bytes that stay in a core's own cache from sweep to sweep: the second level of processors that have AVX-512.
+const CACHE: usize = 1 << 20;
 
 /// All contacts of a step, laid out for relaxation.
 #[derive(Clone, Debug, Default)]
@@ -104,7 +108,13 @@ impl Layout {
     /// Share of lanes that hold a contact, 0 to 1.
     pub fn lane_occupancy(&self) -> f64 {
         let groups: usize = self.tasks().map(|(_, task)| task.pairs.len() + task.walls.len()).sum();
-        self.contacts as f64 / (crate::lanes::LANES * groups).max(1) as f64
+        self.contacts as f64 / (LANES * groups).max(1) as f64
+    }
+
+    /// Lane groups ahead of which a sweep over so many bodies should fetch: none where it finds everything in the cache.
+    pub(crate) fn prefetch(&self, bodies: usize) -> usize {
+        let bytes = self.contacts * size_of::<PairGroup>() / LANES + bodies * size_of::<Body>();
+        if bytes < CACHE { 0 } else { PREFETCH }
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {

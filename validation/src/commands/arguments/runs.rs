@@ -4,7 +4,6 @@ use super::values::{
     CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, positive, rayleigh_fraction, seconds,
 };
 use clap::{Args, ValueEnum};
-use makadam::lanes::PREFETCH;
 use makadam::scene::Accuracy;
 use std::path::PathBuf;
 
@@ -25,9 +24,10 @@ pub struct RunArguments {
     /// Instruction set of the kernels; the widest that this processor has, if absent. The result does not depend on it.
     #[arg(long, value_enum)]
     pub isa: Option<InstructionSetName>,
-    /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor.
-    #[arg(long, default_value_t = PREFETCH as u16, value_parser = clap::value_parser!(u16).range(..=1024))]
-    pub prefetch: u16,
+    /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor. If absent, none in
+    /// scenes that fit into the cache, and 4 in others.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(..=1024))]
+    pub prefetch: Option<u16>,
     /// Accuracy in place of the scene's step and sweeps: a share such as 1%, or deviations such as
     /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (degrees, none, mean radii).
     #[arg(long, value_parser = accuracy)]

@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         scheduler: arguments.scheduler.into(),
         threads: arguments.threads.map_or_else(cores, usize::from),
         instruction_set: arguments.isa.map_or_else(InstructionSet::detect, InstructionSet::from),
-        prefetch: usize::from(arguments.prefetch),
+        prefetch: arguments.prefetch.map(usize::from),
         ..Execution::serial()
     };
     let interval = Duration::from_secs_f64(arguments.checkpoint_interval);
