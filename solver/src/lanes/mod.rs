@@ -24,7 +24,8 @@ use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 pub const LANES: usize = 8;
 
 /// Lane groups ahead of the one at work whose bodies are fetched into the cache, where nothing else is said and a step is too
-/// large for it; the groups of a sweep are fetched twice as far ahead. Two to eight are about as good: `docs/memory.md` tells what was measured.
+/// large for it; the groups of a sweep are fetched twice as far ahead. Two to eight are about as good: `docs/memory.md` tells what
+/// was measured.
 pub const PREFETCH: usize = 4;
 
 /// Number of contacts in a lane group in single precision: two groups side by side.
