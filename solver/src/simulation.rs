@@ -208,7 +208,13 @@ impl Simulation {
             }
         });
         world.bodies = bodies;
-        relaxation.prefetch = self.prefetch.unwrap_or_else(|| layout.prefetch(world.bodies.len()));
+        self.choose_prefetch();
+    }
+
+    /// Fetches as far ahead as was said, or as pays for what is laid out.
+    fn choose_prefetch(&mut self) {
+        let pays = self.layout.prefetch(self.world.bodies.len());
+        self.relaxation.prefetch = self.prefetch.unwrap_or(pays);
     }
 
     fn move_bodies(&mut self, team: &Team) {
@@ -381,7 +387,7 @@ impl Simulation {
     /// as pay: none where a step fits into the cache.
     pub fn use_prefetch(&mut self, groups: Option<usize>) {
         self.prefetch = groups;
-        self.relaxation.prefetch = groups.unwrap_or(PREFETCH);
+        self.choose_prefetch();
     }
 
     /// Gives threads tasks in other portions, with the same bits.
