@@ -15,7 +15,7 @@ use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
 use crate::lanes::{InstructionSet, Lanes, Number};
-use crate::partition::{DrivenContact, Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups, WallGroup};
+use crate::partition::{DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups, WallGroup};
 use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{ContactMaterial, Pose, World};
@@ -248,6 +248,10 @@ impl Given<'_> {
             }
         }
         groups.finish(self.effects);
+        if self.effects.friction() && !self.effects.torques() {
+            // Other sweeps relax one group after another.
+            set.run(FindWaits { groups, grains: self.world.grains() as u32 });
+        }
         if periodic {
             set.run(FillPairs::<true> { given: self, groups, impulses });
         } else {

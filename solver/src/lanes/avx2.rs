@@ -155,6 +155,8 @@ unsafe fn transposed(rows: [__m256d; 4]) -> [__m256d; 4] {
 impl Lanes for Avx2 {
     type Single = Avx2Single;
 
+    const OVERLAPPED: bool = false;
+
     #[inline(always)]
     fn load(from: &Eight) -> Avx2 {
         // SAFETY: see the type; `Eight` is aligned to 64 bytes.

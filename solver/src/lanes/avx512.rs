@@ -164,6 +164,8 @@ unsafe fn interleave_pairs(a: __m512d, b: __m512d) -> (__m512d, __m512d) {
 impl Lanes for Avx512 {
     type Single = Avx512Single;
 
+    const OVERLAPPED: bool = true;
+
     #[inline(always)]
     fn load(from: &Eight) -> Avx512 {
         // SAFETY: see the type; `Eight` is aligned to 64 bytes.
@@ -179,6 +181,23 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn bits(mask: Avx512Mask) -> u32 {
         u32::from(mask.0)
+    }
+
+    #[inline(always)]
+    fn meet(some: [&[u32; LANES]; 2], others: [&[u32; LANES]; 2], end: u32) -> bool {
+        // SAFETY: see the type; eight places fill half a register.
+        unsafe {
+            let half = _mm512_castsi256_si512(_mm256_loadu_si256(others[0].as_ptr().cast()));
+            let others = _mm512_inserti64x4::<1>(half, _mm256_loadu_si256(others[1].as_ptr().cast()));
+            let known = _mm512_cmplt_epu32_mask(others, _mm512_set1_epi32(end as i32));
+            let mut met = 0;
+            for places in some {
+                for &place in places {
+                    met |= _mm512_mask_cmpeq_epi32_mask(known, others, _mm512_set1_epi32(place as i32));
+                }
+            }
+            met != 0
+        }
     }
 
     #[inline(always)]

@@ -80,6 +80,9 @@ pub trait Lanes: Number {
     /// Sixteen lanes of single precision in the same registers.
     type Single: SingleLanes;
 
+    /// Whether sweeps gain from having several lane groups on their way at a time: there are registers enough for it.
+    const OVERLAPPED: bool;
+
     /// Reads eight numbers.
     fn load(from: &Eight) -> Self;
 
@@ -88,6 +91,13 @@ pub trait Lanes: Number {
 
     /// The lanes of a mask as bits, lane 0 lowest.
     fn bits(mask: Self::Mask) -> u32;
+
+    /// Whether a place below `end` is among both.
+    #[inline(always)]
+    fn meet(some: [&[u32; LANES]; 2], others: [&[u32; LANES]; 2], end: u32) -> bool {
+        let among_others = |place| others.into_iter().flatten().any(|other| other == place);
+        some.into_iter().flatten().any(|place| *place < end && among_others(place))
+    }
 
     /// Reads the quads `base + STRIDE indices[lane]` and transposes them.
     ///

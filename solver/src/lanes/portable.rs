@@ -110,6 +110,8 @@ arithmetic!(f32, SINGLE_LANES, 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
 impl Lanes for Portable<f64, LANES> {
     type Single = Portable<f32, SINGLE_LANES>;
 
+    const OVERLAPPED: bool = false;
+
     #[inline(always)]
     fn load(from: &Eight) -> Self {
         Portable(from.0)

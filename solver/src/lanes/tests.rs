@@ -102,6 +102,9 @@ impl Kernel for Operations<'_> {
             let both: Vec<f64> = pair.iter().flat_map(|quad| quad.0).collect();
             self.results.push(Eight(both.try_into().expect("two quads are eight numbers")));
         }
+        let (some, others) = ([&[1, 2, 3, 4, 5, 6, 7, 8], &[9; 8]], [&[11, 12, 13, 14, 15, 16, 17, 18], &[8; 8]]);
+        let (far, met) = ([&[20; 8], &[21, 22, 23, 24, 25, 26, 27, 28]], L::meet(some, others, 9));
+        self.bits.extend([met, L::meet(others, some, 8), L::meet(some, far, 30), L::meet(far, far, 21)].map(u32::from));
         line_operations::<L>(self.results);
         single_operations::<L::Single>(self.singles);
     }
@@ -119,6 +122,7 @@ fn instruction_sets_agree_on_every_operation() {
     };
     let generic = run(InstructionSet::Generic);
     assert_eq!(generic.1[0], 0b0001_0000, "only 1e-310 is below its partner");
+    assert_eq!(generic.1[4..], [1, 0, 0, 1], "8 is in both, but not below 8; 20 is in both and below 21");
     assert_eq!(generic.0[13][2], 136_f64.to_bits(), "first number of quad 2 * 17");
     // Behind 37 results of other operations: four of each half, four of first halves alone, then the lines.
     let (pairs, lines) = (&generic.0[37..49], &generic.0[49..73]);

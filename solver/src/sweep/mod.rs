@@ -3,6 +3,7 @@
 mod count;
 mod driven;
 pub(crate) mod kernel;
+mod pairs;
 mod residual;
 mod scalar;
 mod single;
@@ -16,8 +17,8 @@ pub use residual::{Residual, Residuals};
 
 use crate::detect::{AngularImpulse, Impulse};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
-use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_lines, prefetch_places, times};
-use crate::partition::{PairGroup, TaskGroups, WallTorqueLanes};
+use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_places, times};
+use crate::partition::{TaskGroups, WallTorqueLanes};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact, Pair, push_each};
@@ -161,48 +162,13 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(mut self) {
         let factor = L::splat(self.factor);
         let mut residual = LaneResidual::<L>::read(self.residual);
-        let pairs = &mut self.groups.pairs;
-        for number in 0..pairs.len() {
-            if self.prefetch > 0 {
-                // The group itself is fetched before the bodies that it names.
-                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch), PairGroup::used::<E>());
-                if let Some(ahead) = pairs.get(number + self.prefetch) {
-                    prefetch_places(self.bodies, &ahead.first);
-                    prefetch_places(self.bodies, &ahead.second);
-                }
-            }
-            let group = &mut pairs[number];
-            // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
-            unsafe {
-                let mut contact = Contact::read(&group.contacts, L::load);
-                // Torques need both bodies' spins; elsewhere what they do together is enough, and bodies stay in memory.
-                if !E::TORQUES {
-                    let pair = Pair::<L>::load::<E>(self.bodies, group);
-                    let push = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
-                    Pair::push::<E>(self.bodies, group, push);
-                    contact.write::<E, _>(&mut group.contacts, L::store);
-                    continue;
-                }
-                let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
-                let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
-                let pair = Pair::of(&first, &second);
-                let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
-                first.push::<E>(-1.0, impulse, lever);
-                second.push::<E>(1.0, impulse, lever);
-                if E::TORQUES {
-                    let torques = &mut self.groups.pair_torques[number];
-                    let mut torque = Torque::read(torques, L::load);
-                    let bearing = (contact.normal, contact.impulse_normal);
-                    torque.relax_pair::<E, G>(bearing, &mut first, &mut second, factor, &mut residual);
-                    torque.write(torques, L::store);
-                }
-                first.store::<E>(self.bodies, &group.first);
-                second.store::<E>(self.bodies, &group.second);
-                contact.write::<E, _>(&mut group.contacts, L::store);
-            }
+        if L::OVERLAPPED && E::FRICTION && !E::TORQUES {
+            self.relax_overlapped::<L>(factor, &mut residual);
+        } else {
+            self.relax_in_turn::<L>(factor, &mut residual);
         }
         let prescribed = self.groups.prescribed_walls();
         for (number, group) in self.groups.walls[..prescribed].iter_mut().enumerate() {

@@ -1,0 +1,101 @@
+//! The pairs of a task, group after group.
+
+use super::Sweep;
+use super::kernel::{Bodies, Contact, Pair};
+use super::residual::{Gauged, LaneResidual};
+use super::torques::Torque;
+use crate::effects::Effects;
+use crate::lanes::{Lanes, prefetch_lines, prefetch_places};
+use crate::partition::{PairGroup, TaskGroups};
+
+impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
+    /// Relaxes the pairs, one group after another.
+    #[inline(always)]
+    pub(super) fn relax_in_turn<L: Lanes>(&mut self, factor: L, residual: &mut LaneResidual<L>) {
+        let TaskGroups { pairs, pair_torques, .. } = &mut *self.groups;
+        for number in 0..pairs.len() {
+            fetch::<E, _>(self.bodies, pairs, number, self.prefetch);
+            let group = &mut pairs[number];
+            // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
+            unsafe {
+                let mut contact = Contact::read(&group.contacts, L::load);
+                // Torques need both bodies' spins; elsewhere what they do together is enough, and bodies stay in memory.
+                if !E::TORQUES {
+                    let pair = Pair::<L>::load::<E>(self.bodies, group);
+                    let push = contact.relax_pair::<E, G>(&pair, factor, residual);
+                    Pair::push::<E>(self.bodies, group, push);
+                    contact.write::<E, _>(&mut group.contacts, L::store);
+                    continue;
+                }
+                let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
+                let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
+                let pair = Pair::of(&first, &second);
+                let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, residual);
+                first.push::<E>(-1.0, impulse, lever);
+                second.push::<E>(1.0, impulse, lever);
+                let torques = &mut pair_torques[number];
+                let mut torque = Torque::read(torques, L::load);
+                let bearing = (contact.normal, contact.impulse_normal);
+                torque.relax_pair::<E, G>(bearing, &mut first, &mut second, factor, residual);
+                torque.write(torques, L::store);
+                first.store::<E>(self.bodies, &group.first);
+                second.store::<E>(self.bodies, &group.second);
+                contact.write::<E, _>(&mut group.contacts, L::store);
+            }
+        }
+    }
+
+    /// Relaxes the pairs with three groups on their way at a time, to the same bits. Not for contacts that bear torques; and without
+    /// friction the chain is too short to gain.
+    ///
+    /// A group is one long chain of operations: its bodies, a division, a root, another division, its bodies again. What waits for
+    /// the chain's end fills the processor's queues, so that it does not see the next group. Here, behind each group that is relaxed,
+    /// the bodies of the group before it get their impulses and those of the group after it are read, which nothing holds up:
+    ///
+    /// ```text
+    /// relax 4 · push 3 · read 5 · relax 5 · push 4 · read 6 ...
+    /// ```
+    ///
+    /// A group that shares a body with the one before it is read only when that one has pushed.
+    #[inline(always)]
+    pub(super) fn relax_overlapped<L: Lanes>(&mut self, factor: L, residual: &mut LaneResidual<L>) {
+        let TaskGroups { pairs, waits, .. } = &mut *self.groups;
+        let (mut next, mut read, mut relaxed): (usize, Option<usize>, Option<usize>) = (0, None, None);
+        let (mut pair, mut push) = (Pair::<L>::at_rest(), [[L::zero(); 3]; 2]);
+        while next < pairs.len() || read.is_some() || relaxed.is_some() {
+            // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
+            unsafe {
+                let push_before = push;
+                if let Some(number) = read {
+                    let contacts = &mut pairs[number].contacts;
+                    let mut contact = Contact::read(contacts, L::load);
+                    push = contact.relax_pair::<E, G>(&pair, factor, residual);
+                    contact.write::<E, _>(contacts, L::store);
+                }
+                if let Some(number) = relaxed {
+                    Pair::push::<E>(self.bodies, &pairs[number], push_before);
+                }
+                (relaxed, read) = (read, None);
+                if next < pairs.len() && (relaxed.is_none() || waits.get(next) == Some(&false)) {
+                    fetch::<E, _>(self.bodies, pairs, next, self.prefetch);
+                    pair = Pair::load::<E>(self.bodies, &pairs[next]);
+                    read = Some(next);
+                    next += 1;
+                }
+            }
+        }
+    }
+}
+
+/// Asks for the bodies of the group that is so far ahead, and for the group that is twice as far; for nothing if that is 0.
+#[inline(always)]
+fn fetch<E: Effects, B>(bodies: *const B, pairs: &[PairGroup], number: usize, distance: usize) {
+    if distance > 0 {
+        // The group itself is fetched before the bodies that it names.
+        prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * distance), PairGroup::used::<E>());
+        if let Some(ahead) = pairs.get(number + distance) {
+            prefetch_places(bodies, &ahead.first);
+            prefetch_places(bodies, &ahead.second);
+        }
+    }
+}
