@@ -26,7 +26,7 @@ pub struct Machine {
     pub memory_bytes_per_second: f64,
     /// Threads that share this memory; more of them bring as much more.
     pub threads_a_memory: usize,
-    /// Last-level cache, bytes; a simulation that fits is not held up by memory.
+    /// Last-level cache, bytes; sweeps that find all that they touch in it are not held up by memory.
     pub cache_bytes: u64,
 }
 

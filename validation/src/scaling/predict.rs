@@ -72,10 +72,11 @@ fn mean_replay(
     Replayed { seconds: sum.seconds / steps, sweep_seconds: sum.sweep_seconds / steps, waiting: sum.waiting / steps }
 }
 
-/// The traffic of a running sweep: its bytes over its traced time. None where the simulation fits into its last-level cache.
+/// The traffic of a running sweep: its bytes over its traced time. None where all that a sweep touches fits into the last-level cache:
+/// then the next sweep finds it there.
 fn traffic(machine: &Machine, traces: &Traces, measurement: &Measurement, workers: usize) -> Option<Traffic> {
     let ceiling = machine.ceiling(workers);
-    if measurement.simulation_bytes as u64 <= machine.cache_bytes {
+    if measurement.swept_bytes <= machine.cache_bytes as f64 {
         return None;
     }
     let sweeping = |region: &&Region| region.phase == Phase::Sweep;

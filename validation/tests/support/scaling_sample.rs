@@ -73,7 +73,7 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         traced_steps: 2,
         repetitions: 3,
     };
-    let here = Machine::here(COSTS, (300e9, 16), 32 << 20);
+    let here = Machine::here(COSTS, (300e9, 16), 8 << 20);
     let (mut timings, mut traces) = (Vec::new(), Vec::new());
     for configuration in plan.configurations() {
         let Execution { instruction_set, scheduler, threads, portion, .. } = configuration;
@@ -96,6 +96,7 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         contact_sweeps: 130_000.0 * f64::from(SWEEPS),
         simulation_bytes: 48 << 20,
         bytes_per_sweep: 110.0 * 130_000.0,
+        swept_bytes: 96.0 * 130_000.0,
         timings,
         traces,
         traces_same_bits: true,
