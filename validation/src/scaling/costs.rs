@@ -258,15 +258,20 @@ pub fn cache_bytes() -> u64 {
     (0..8).filter_map(size).max().unwrap_or(0)
 }
 
-/// Clock where the system does not tell, Hz.
-const USUAL_CLOCK: f64 = 3e9;
+/// Multiplications of one trial of the clock, and cycles of each where it waits for the one before: those of 64-bit integers on
+/// Intel's processors since Nehalem and on AMD's since Zen (A. Fog, *Instruction tables*).
+const MULTIPLICATIONS: u32 = 100_000;
+const MULTIPLICATION_CYCLES: f64 = 3.0;
 
-/// Clock of this machine's cores as the system tells it, Hz.
+/// Clock at which this machine's cores work, Hz, by a chain of multiplications. What the system tells is the clock of its time stamps on
+/// many virtual machines.
 pub fn clock() -> f64 {
-    let information = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let clocks =
-        information.lines().filter_map(|line| line.strip_prefix("cpu MHz")?.split(':').nth(1)?.trim().parse().ok());
-    clocks
-        .fold(None, |most: Option<f64>, megahertz: f64| Some(most.map_or(megahertz, |m| m.max(megahertz))))
-        .map_or(USUAL_CLOCK, |megahertz| 1e6 * megahertz)
+    let seconds = fastest(|| {
+        let mut number = black_box(3_u64);
+        for _ in 0..MULTIPLICATIONS {
+            number = number.wrapping_mul(number);
+        }
+        black_box(number);
+    });
+    f64::from(MULTIPLICATIONS) * MULTIPLICATION_CYCLES / seconds
 }
