@@ -23,4 +23,5 @@ pub mod roofline;
 pub mod scaling;
 pub mod stability;
 pub mod statistics;
+pub mod sweep_bytes;
 pub mod tradeoff;

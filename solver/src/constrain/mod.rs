@@ -248,10 +248,7 @@ impl Given<'_> {
             }
         }
         groups.finish(self.effects);
-        if self.effects.friction() && !self.effects.torques() {
-            // Other sweeps relax one group after another.
-            set.run(FindWaits { groups, grains: self.world.grains() as u32 });
-        }
+        set.run(FindWaits { groups, effects: self.effects, grains: self.world.grains() as u32 });
         if periodic {
             set.run(FillPairs::<true> { given: self, groups, impulses });
         } else {

@@ -184,7 +184,7 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn meet(some: [&[u32; LANES]; 2], others: [&[u32; LANES]; 2], end: u32) -> bool {
+    fn share_places(some: [&[u32; LANES]; 2], others: [&[u32; LANES]; 2], end: u32) -> bool {
         // SAFETY: see the type; eight places fill half a register.
         unsafe {
             let half = _mm512_castsi256_si512(_mm256_loadu_si256(others[0].as_ptr().cast()));

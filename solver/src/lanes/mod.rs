@@ -92,9 +92,9 @@ pub trait Lanes: Number {
     /// The lanes of a mask as bits, lane 0 lowest.
     fn bits(mask: Self::Mask) -> u32;
 
-    /// Whether a place below `end` is among both.
+    /// Whether both name the same place, one below `end`.
     #[inline(always)]
-    fn meet(some: [&[u32; LANES]; 2], others: [&[u32; LANES]; 2], end: u32) -> bool {
+    fn share_places(some: [&[u32; LANES]; 2], others: [&[u32; LANES]; 2], end: u32) -> bool {
         let among_others = |place| others.into_iter().flatten().any(|other| other == place);
         some.into_iter().flatten().any(|place| *place < end && among_others(place))
     }

@@ -103,8 +103,11 @@ impl Kernel for Operations<'_> {
             self.results.push(Eight(both.try_into().expect("two quads are eight numbers")));
         }
         let (some, others) = ([&[1, 2, 3, 4, 5, 6, 7, 8], &[9; 8]], [&[11, 12, 13, 14, 15, 16, 17, 18], &[8; 8]]);
-        let (far, met) = ([&[20; 8], &[21, 22, 23, 24, 25, 26, 27, 28]], L::meet(some, others, 9));
-        self.bits.extend([met, L::meet(others, some, 8), L::meet(some, far, 30), L::meet(far, far, 21)].map(u32::from));
+        let (far, met) = ([&[20; 8], &[21, 22, 23, 24, 25, 26, 27, 28]], L::share_places(some, others, 9));
+        self.bits.extend(
+            [met, L::share_places(others, some, 8), L::share_places(some, far, 30), L::share_places(far, far, 21)]
+                .map(u32::from),
+        );
         line_operations::<L>(self.results);
         single_operations::<L::Single>(self.singles);
     }

@@ -24,7 +24,7 @@ pub use groups::{ContactLanes, PairGroup, Sources, TorqueLanes, WallGroup, WallT
 pub(crate) use packing::{Packer, Taken};
 pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
-pub(crate) use waits::FindWaits;
+pub(crate) use waits::{FindWaits, overlapped};
 
 use crate::lanes::{Eight, LANES, PREFETCH};
 use crate::world::Body;
@@ -37,7 +37,7 @@ pub struct TaskGroups {
     /// Where their contacts came from.
     pub pair_sources: Vec<Sources>,
     /// Whether a group of pairs shares a body with the one before it; empty where that was not asked, and then it may.
-    pub waits: Vec<bool>,
+    pub pair_waits: Vec<bool>,
     /// Groups of contacts with walls.
     pub walls: Vec<WallGroup>,
     /// Where their contacts came from.
@@ -126,7 +126,7 @@ impl Layout {
             size_of::<TaskGroups>()
                 + task.pairs.capacity() * size_of::<PairGroup>()
                 + task.walls.capacity() * size_of::<WallGroup>()
-                + task.waits.capacity()
+                + task.pair_waits.capacity()
                 + (task.pair_sources.capacity() + task.wall_sources.capacity()) * size_of::<Sources>()
                 + task.pair_torques.capacity() * size_of::<TorqueLanes>()
                 + task.wall_torques.capacity() * size_of::<WallTorqueLanes>()

@@ -193,7 +193,7 @@ impl TaskGroups {
     /// Starts to lay out a step anew.
     pub(crate) fn restart(&mut self) {
         (self.pairs_used, self.walls_used, self.driven_walls, self.contacts) = (0, 0, 0, 0);
-        self.waits.clear();
+        self.pair_waits.clear();
     }
 
     /// Drops the groups that this step does not need, and gives each of the others room for what the scene calls for besides;

@@ -130,12 +130,6 @@ pub(crate) struct Pair<N> {
 }
 
 impl<N: Number> Pair<N> {
-    /// Two bodies at rest that no impulse moves.
-    #[inline(always)]
-    pub fn at_rest() -> Self {
-        Self { velocity: [N::zero(); 3], inverse_mass: N::zero(), surface_speed: [N::zero(); 3] }
-    }
-
     /// Of these two.
     #[inline(always)]
     pub fn of(first: &Bodies<N>, second: &Bodies<N>) -> Self {

@@ -18,7 +18,7 @@ pub use residual::{Residual, Residuals};
 use crate::detect::{AngularImpulse, Impulse};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
 use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_places, times};
-use crate::partition::{TaskGroups, WallTorqueLanes};
+use crate::partition::{TaskGroups, WallTorqueLanes, overlapped};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact, Pair, push_each};
@@ -165,7 +165,7 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
     fn run<L: Lanes>(mut self) {
         let factor = L::splat(self.factor);
         let mut residual = LaneResidual::<L>::read(self.residual);
-        if L::OVERLAPPED && E::FRICTION && !E::TORQUES {
+        if const { overlapped::<L>(E::FRICTION, E::TORQUES) } {
             self.relax_overlapped::<L>(factor, &mut residual);
         } else {
             self.relax_in_turn::<L>(factor, &mut residual);

@@ -45,8 +45,7 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
         }
     }
 
-    /// Relaxes the pairs with three groups on their way at a time, to the same bits. Not for contacts that bear torques; and without
-    /// friction the chain is too short to gain.
+    /// Relaxes the pairs with three groups on their way at a time, to the same bits; not for contacts that bear torques.
     ///
     /// A group is one long chain of operations: its bodies, a division, a root, another division, its bodies again. What waits for
     /// the chain's end fills the processor's queues, so that it does not see the next group. Here, behind each group that is relaxed,
@@ -59,27 +58,28 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
     /// A group that shares a body with the one before it is read only when that one has pushed.
     #[inline(always)]
     pub(super) fn relax_overlapped<L: Lanes>(&mut self, factor: L, residual: &mut LaneResidual<L>) {
-        let TaskGroups { pairs, waits, .. } = &mut *self.groups;
-        let (mut next, mut read, mut relaxed): (usize, Option<usize>, Option<usize>) = (0, None, None);
-        let (mut pair, mut push) = (Pair::<L>::at_rest(), [[L::zero(); 3]; 2]);
+        let TaskGroups { pairs, pair_waits, .. } = &mut *self.groups;
+        let mut next = 0;
+        let mut read: Option<(usize, Pair<L>)> = None;
+        let mut relaxed: Option<(usize, [[L; 3]; 2])> = None;
         while next < pairs.len() || read.is_some() || relaxed.is_some() {
             // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
             unsafe {
-                let push_before = push;
-                if let Some(number) = read {
+                let before = relaxed;
+                relaxed = None;
+                if let Some((number, pair)) = read {
                     let contacts = &mut pairs[number].contacts;
                     let mut contact = Contact::read(contacts, L::load);
-                    push = contact.relax_pair::<E, G>(&pair, factor, residual);
+                    relaxed = Some((number, contact.relax_pair::<E, G>(&pair, factor, residual)));
                     contact.write::<E, _>(contacts, L::store);
                 }
-                if let Some(number) = relaxed {
-                    Pair::push::<E>(self.bodies, &pairs[number], push_before);
+                if let Some((number, push)) = before {
+                    Pair::push::<E>(self.bodies, &pairs[number], push);
                 }
-                (relaxed, read) = (read, None);
-                if next < pairs.len() && (relaxed.is_none() || waits.get(next) == Some(&false)) {
+                read = None;
+                if next < pairs.len() && (relaxed.is_none() || pair_waits.get(next) == Some(&false)) {
                     fetch::<E, _>(self.bodies, pairs, next, self.prefetch);
-                    pair = Pair::load::<E>(self.bodies, &pairs[next]);
-                    read = Some(next);
+                    read = Some((next, Pair::load::<E>(self.bodies, &pairs[next])));
                     next += 1;
                 }
             }

@@ -3,12 +3,12 @@
 use super::machine::Roofs;
 use crate::execution::Execution;
 use crate::scaling::{MeasureError, median};
+use crate::sweep_bytes::SweepBytes;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
-use makadam::partition::{Layout, PairGroup, TaskGroups, WallGroup};
+use makadam::partition::{Layout, TaskGroups};
 use makadam::schedule::Scheduler;
 use makadam::sweep::Operations;
-use makadam::world::Body;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -16,8 +16,6 @@ use std::time::Instant;
 const BATCHES: usize = 15;
 /// What a batch lasts at least, s.
 const BATCH: f64 = 0.03;
-/// Arrays of a lane group that a sweep writes: the normal impulse and three components of the tangential one.
-const WRITTEN: usize = 4;
 
 /// The code that relaxes contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -119,21 +117,16 @@ impl Point {
 }
 
 impl Work {
-    /// A box's grains stay in the innermost cache while its contacts are relaxed, so each is read and written once a sweep,
-    /// a cache line each way. Padding lanes move bytes and do nothing.
+    /// Padding lanes move bytes and do nothing.
     fn of(layout: &Layout, particles: usize) -> Work {
         let (pair, wall) = (f64::from(Operations::of_pair().total()), f64::from(Operations::of_wall().total()));
-        let mut work = Work { flops: 0.0, bytes: 0.0, working_set: particles * size_of::<Body>() };
-        work.bytes += 2.0 * work.working_set as f64;
-        for (_, TaskGroups { pairs, pair_sources, walls, wall_sources, .. }) in layout.tasks() {
+        let SweepBytes { touched, moved } = SweepBytes::of(layout, particles);
+        let mut work = Work { flops: 0.0, bytes: moved as f64, working_set: touched };
+        for (_, TaskGroups { pair_sources, wall_sources, .. }) in layout.tasks() {
             let filled = |sources: &[makadam::partition::Sources]| {
                 sources.iter().map(|group| group.occupied().count()).sum::<usize>() as f64
             };
             work.flops += pair * filled(pair_sources) + wall * filled(wall_sources);
-            let groups = pairs.len() * size_of::<PairGroup>() + walls.len() * size_of::<WallGroup>();
-            let written = (pairs.len() + walls.len()) * WRITTEN * size_of::<makadam::lanes::Eight>();
-            work.bytes += (groups + written) as f64;
-            work.working_set += groups;
         }
         work
     }

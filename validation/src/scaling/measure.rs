@@ -3,9 +3,10 @@
 
 use super::costs::median;
 use crate::execution::{Execution, ExecutionError};
+use crate::sweep_bytes::SweepBytes;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
-use makadam::partition::{Layout, PairGroup, Portion, TaskGroups, WallGroup};
+use makadam::partition::Portion;
 use makadam::schedule::{Region, Scheduler, StepTrace};
 use std::time::Instant;
 
@@ -69,10 +70,8 @@ pub struct Measurement {
     pub contact_sweeps: f64,
     /// Memory that the simulation holds, bytes.
     pub simulation_bytes: usize,
-    /// Memory traffic of one sweep over all contacts where nothing stays in a cache between sweeps, bytes.
-    pub bytes_per_sweep: f64,
-    /// What a sweep reads and may write, each byte once: lane groups and grains.
-    pub swept_bytes: f64,
+    /// Bytes of a sweep over all contacts.
+    pub sweep_bytes: SweepBytes,
     /// Timed runs, serial first for each instruction set.
     pub timings: Vec<Timing>,
     /// Traced runs, in the order of `timings`.
@@ -143,8 +142,7 @@ impl Plan {
             contacts: facts.contacts,
             contact_sweeps: facts.contact_sweeps,
             simulation_bytes: facts.simulation_bytes,
-            bytes_per_sweep: facts.bytes_per_sweep,
-            swept_bytes: facts.swept_bytes,
+            sweep_bytes: facts.sweep_bytes,
             timings,
             traces: typical(&configurations, &traced),
             traces_same_bits,
@@ -173,8 +171,7 @@ impl Plan {
             contacts: contacts as f64 / self.steps as f64,
             contact_sweeps: (simulation.contact_sweeps() - before) as f64 / self.steps as f64,
             simulation_bytes: simulation.memory_bytes(),
-            bytes_per_sweep: bytes_per_sweep(simulation.layout(), start),
-            swept_bytes: swept_bytes(simulation.layout(), start),
+            sweep_bytes: SweepBytes::of(simulation.layout(), start.snapshot().particles.len()),
         };
         Ok(TimedRun { times, hash: simulation.state_hash(), hash_when_traced })
     }
@@ -219,8 +216,7 @@ struct Facts {
     contacts: f64,
     contact_sweeps: f64,
     simulation_bytes: usize,
-    bytes_per_sweep: f64,
-    swept_bytes: f64,
+    sweep_bytes: SweepBytes,
 }
 
 fn warmed_up(start: &Simulation, configuration: Execution) -> Result<Simulation, MeasureError> {
@@ -230,25 +226,6 @@ fn warmed_up(start: &Simulation, configuration: Execution) -> Result<Simulation,
         simulation.step();
     }
     Ok(simulation)
-}
-
-const CACHE_LINE: usize = 64;
-
-/// Bytes of a sweep: the lane groups are read, the normal and three tangential impulses of each lane written, each grain read and written once (a
-/// box's grains stay in the cache while its contacts are relaxed).
-fn bytes_per_sweep(layout: &Layout, simulation: &Simulation) -> f64 {
-    let impulses = 8 * 4 * size_of::<f64>();
-    let groups: usize = layout.tasks().map(|(_, task)| task.pairs.len() + task.walls.len()).sum();
-    let grains = CACHE_LINE * simulation.snapshot().particles.len();
-    swept_bytes(layout, simulation) + (groups * impulses + grains) as f64
-}
-
-/// What a sweep reads and may write: the lane groups, and a cache line a grain.
-fn swept_bytes(layout: &Layout, simulation: &Simulation) -> f64 {
-    let of_task =
-        |task: &TaskGroups| task.pairs.len() * size_of::<PairGroup>() + task.walls.len() * size_of::<WallGroup>();
-    let groups: usize = layout.tasks().map(|(_, task)| of_task(task)).sum();
-    (groups + CACHE_LINE * simulation.snapshot().particles.len()) as f64
 }
 
 /// What reading the clock adds to the traced duration of a task, s.

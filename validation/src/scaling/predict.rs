@@ -76,14 +76,14 @@ fn mean_replay(
 /// then the next sweep finds it there.
 fn traffic(machine: &Machine, traces: &Traces, measurement: &Measurement, workers: usize) -> Option<Traffic> {
     let ceiling = machine.ceiling(workers);
-    if measurement.swept_bytes <= machine.cache_bytes as f64 {
+    if measurement.sweep_bytes.touched as u64 <= machine.cache_bytes {
         return None;
     }
     let sweeping = |region: &&Region| region.phase == Phase::Sweep;
     let regions = traces.steps.iter().flat_map(|step| &step.regions).filter(sweeping);
     let seconds: f64 = regions.map(|region| region.tasks.iter().sum::<f64>()).sum();
     let sweeps: u32 = traces.sweeps.iter().sum();
-    let bytes = f64::from(sweeps) * measurement.bytes_per_sweep;
+    let bytes = f64::from(sweeps) * measurement.sweep_bytes.moved as f64;
     (seconds > 0.0).then(|| Traffic { bytes_per_second: bytes / (seconds * machine.duration_factor), ceiling })
 }
 

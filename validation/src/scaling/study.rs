@@ -115,7 +115,7 @@ impl Study {
             cores: setting.cores,
             simulation_bytes: measurement.simulation_bytes,
             bytes_per_contact_sweep: (measurement.contacts > 0.0)
-                .then(|| measurement.bytes_per_sweep / measurement.contacts),
+                .then(|| measurement.sweep_bytes.moved as f64 / measurement.contacts),
             bandwidth: setting.bandwidth,
             same_bits: false,
             differing: differing(measurement),

@@ -9,6 +9,7 @@ use makadam_validation::provenance::Provenance;
 use makadam_validation::scaling::{
     Bandwidth, Costs, Machine, Measurement, Plan, Setting, Study, Times, Timing, Traces, replay,
 };
+use makadam_validation::sweep_bytes::SweepBytes;
 use std::path::Path;
 
 /// Factor of the invented measurement on its replay.
@@ -95,8 +96,7 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         contacts: 130_000.0,
         contact_sweeps: 130_000.0 * f64::from(SWEEPS),
         simulation_bytes: 48 << 20,
-        bytes_per_sweep: 110.0 * 130_000.0,
-        swept_bytes: 96.0 * 130_000.0,
+        sweep_bytes: SweepBytes { touched: 96 * 130_000, moved: 110 * 130_000 },
         timings,
         traces,
         traces_same_bits: true,
