@@ -19,8 +19,7 @@ impl Simulation {
         // The groups name bodies by places that are about to change.
         self.layout.contacts = 0;
         for groups in &mut self.layout.groups {
-            groups.restart();
-            groups.finish(self.relaxation.effects);
+            groups.empty(self.relaxation.effects);
         }
         team.enter(|| self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, &team));
     }
@@ -55,8 +54,7 @@ impl Simulation {
         self.candidates.bear_torques(effects.torques());
         self.layout.contacts = 0;
         for groups in &mut self.layout.groups {
-            groups.restart();
-            groups.finish(effects);
+            groups.empty(effects);
         }
     }
 

@@ -33,6 +33,7 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
             if let Some(ahead) = groups.get(number + PREFETCH) {
                 prefetch_places(before, &ahead.first);
                 prefetch_places(before, &ahead.second);
+                prefetch_places(impulses, &self.groups.pair_sources[number + PREFETCH].or(nothing));
             }
             let group = &mut groups[number];
             // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.

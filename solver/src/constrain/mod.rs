@@ -15,7 +15,9 @@ use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
 use crate::lanes::{InstructionSet, Lanes, Number};
-use crate::partition::{DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TaskGroups, WallGroup};
+use crate::partition::{
+    DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TakenGroups, TaskGroups, WallGroup,
+};
 use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{ContactMaterial, Pose, World};
@@ -23,6 +25,7 @@ use coefficients::LaneMaterial;
 use fill::{FillPairs, FillWalls};
 use nalgebra::Vector3;
 use std::marker::PhantomData;
+use std::sync::atomic::{AtomicU32, Ordering};
 use torques::FillTorques;
 use touch::PackPairs;
 
@@ -35,9 +38,8 @@ pub struct Constrainer {
     /// Largest gap across which cohesion pulls, m.
     range_of_cohesion: f64,
     effects: EffectSet,
-    taken: Vec<Taken>,
+    taken: TakenGroups,
     poses: Vec<Pose>,
-    steps: u64,
 }
 
 /// What all contacts share.
@@ -58,6 +60,8 @@ struct Given<'a> {
     poses: &'a [Pose],
     constants: StepConstants,
     effects: EffectSet,
+    /// Whether any candidate may have borne something in the last step, because the list is new.
+    new_list: bool,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,
 }
@@ -84,8 +88,8 @@ impl Constrainer {
         let slip_speed = slip_speed(world.field.largest(), settings.step);
         let constants = StepConstants { scheme, warm_start: settings.warm_start, reach: 0.0, slip_speed };
         let effects = world.table.effects();
-        let (taken, poses) = (Vec::new(), Vec::new());
-        Constrainer { constants, stiffest, range_of_cohesion, effects, taken, poses, steps: 0 }
+        let (taken, poses) = (TakenGroups::default(), Vec::new());
+        Constrainer { constants, stiffest, range_of_cohesion, effects, taken, poses }
     }
 
     /// Goes by gravity as it now is.
@@ -109,8 +113,8 @@ impl Constrainer {
         self.poses.clear();
         self.poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.constants.scheme.step)));
         self.follow(world.gravity.norm());
-        self.taken.resize(world.grains(), Taken::default());
-        self.steps += 1;
+        self.taken.start(world.grains());
+        let new_list = std::mem::replace(&mut candidates.new_list, false);
         // Each candidate belongs to one task, so their impulses are written without a lock.
         let mut pair_impulses = std::mem::take(&mut candidates.pair_impulses);
         let mut wall_impulses = std::mem::take(&mut candidates.wall_impulses);
@@ -123,9 +127,10 @@ impl Constrainer {
                 poses: &self.poses,
                 constants: self.constants,
                 effects: self.effects,
+                new_list,
                 material: world.table.of_all_grains(),
             };
-            let (taken, groups) = (Disjoint::new(&mut self.taken), Disjoint::new(&mut layout.groups));
+            let groups = Disjoint::new(&mut layout.groups);
             let remembered = Remembered {
                 pairs: Disjoint::new(&mut pair_impulses),
                 walls: Disjoint::new(&mut wall_impulses),
@@ -134,18 +139,22 @@ impl Constrainer {
             };
             for stage in 0..STAGES {
                 let (tasks, batches) = (layout.plan.tasks(), layout.plan.batches(stage));
-                // Numbers of groups never come again: each step, stage and side has its own range.
-                let base = (self.steps * STAGES as u64 + stage as u64) << 33;
+                let (taken, base, next) = self.taken.stage();
+                let end = AtomicU32::new(base);
                 team.each(Phase::Constrain, batches.len(), |batch| {
                     for task in &tasks[batches[batch].clone()] {
                         // SAFETY: tasks of a stage share no body, and each has its own groups and candidates.
                         unsafe {
                             let groups = groups.at(task.number as usize);
-                            given.lay_out(task, base, &taken, groups, &remembered, set);
+                            end.fetch_max(
+                                given.lay_out(task, base, &taken, groups, &remembered, set),
+                                Ordering::Relaxed,
+                            );
                             then(groups);
                         }
                     }
                 });
+                *next = end.into_inner();
             }
         }
         (candidates.pair_impulses, candidates.wall_impulses) = (pair_impulses, wall_impulses);
@@ -192,7 +201,7 @@ impl Constrainer {
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.taken.capacity() * size_of::<Taken>()
+        self.taken.memory_bytes()
     }
 }
 
@@ -215,35 +224,34 @@ impl Given<'_> {
         Vector3::new(u, v, w) + falling - self.poses[wall.surface as usize].velocity_at(centre)
     }
 
-    /// Lays out one task.
+    /// Lays out one task, its groups numbered from `base` on; the number from which those may begin that come after it.
     ///
     /// # Safety
     /// No other task may use the bodies and candidates of this one meanwhile.
     unsafe fn lay_out(
         &self,
         task: &PlannedTask,
-        base: u64,
+        base: u32,
         taken: &Disjoint<'_, Taken>,
         groups: &mut TaskGroups,
         remembered: &Remembered<'_>,
         set: InstructionSet,
-    ) {
+    ) -> u32 {
         let dummies = self.world.dummies_of(task.home as usize);
-        groups.restart();
+        groups.restart(dummies);
         let (packer, periodic) = (Packer::new(taken, base, task.pairs.len()), self.world.period.any());
         let impulses = &remembered.pairs;
-        if periodic {
-            set.run(PackPairs::<true> { given: self, task, dummies, packer, groups, impulses });
+        let mut next = if periodic {
+            set.run(PackPairs::<true> { given: self, task, dummies, packer, groups, impulses })
         } else {
-            set.run(PackPairs::<false> { given: self, task, dummies, packer, groups, impulses });
-        }
+            set.run(PackPairs::<false> { given: self, task, dummies, packer, groups, impulses })
+        };
         // SAFETY: the caller's promise; places come from the candidate list.
         unsafe {
-            self.pack_walls(task, dummies, false, Packer::new(taken, base + (1 << 32), 0), groups, &remembered.walls);
+            next = self.pack_walls(task, dummies, false, Packer::new(taken, next, 0), groups, &remembered.walls);
             if !self.world.drives.is_empty() {
                 let prescribed = groups.wall_groups();
-                let packer = Packer::new(taken, base + (1 << 32) + (1 << 31), 0);
-                self.pack_walls(task, dummies, true, packer, groups, &remembered.walls);
+                next = self.pack_walls(task, dummies, true, Packer::new(taken, next, 0), groups, &remembered.walls);
                 groups.driven_walls = groups.wall_groups() - prescribed;
             }
         }
@@ -265,6 +273,7 @@ impl Given<'_> {
                 set.run(FillTorques { given: self, groups, pairs, walls, effects })
             });
         }
+        next
     }
 }
 

@@ -1,7 +1,7 @@
 //! Which candidates touch, and the lane that each gets.
 
 use super::Given;
-use crate::detect::Impulse;
+use crate::detect::{Impulse, PairCandidate};
 use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, prefetch};
 use crate::partition::{Packer, PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
@@ -19,97 +19,155 @@ pub(super) struct PackPairs<'a, const PERIODIC: bool> {
 }
 
 impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
-    type Output = ();
+    /// The number from which groups may begin that come after these.
+    type Output = u32;
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self) {
-        let (start, end) = (self.task.pairs.start as usize, self.task.pairs.end as usize);
-        for batch in (start..end).step_by(BATCH * LANES) {
-            let blocks = (end - batch).div_ceil(LANES).min(BATCH);
-            // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome. Which
-            // candidates touch follows no pattern, so they are listed without a branch.
-            let (mut touching, mut apart) = ([0; BATCH * LANES], [0; BATCH * LANES]);
-            let (mut touches, mut others) = (0, 0);
-            for number in 0..blocks {
-                let block = batch + number * LANES;
-                self.fetch(block + PREFETCH * LANES, end);
-                let mask = self.touching::<L>(block, end) as usize;
-                for lane in 0..(end - block).min(LANES) {
-                    (touching[touches], apart[others]) = ((block + lane) as u32, (block + lane) as u32);
-                    touches += mask >> lane & 1;
-                    others += !mask >> lane & 1;
+    fn run<L: Lanes>(self) -> u32 {
+        let PackPairs { given, task, dummies, mut packer, groups, impulses } = self;
+        let start = task.pairs.start;
+        let candidates = &given.candidates.pairs[start as usize..task.pairs.end as usize];
+        let blocks = candidates.len().div_ceil(LANES);
+        if given.new_list || groups.touching.len() != blocks {
+            groups.touching.clear();
+            groups.touching.resize(candidates.len() / LANES, u8::MAX);
+            groups.touching.resize(blocks, (1 << (candidates.len() % LANES)) - 1);
+        }
+        for batch in (0..blocks).step_by(BATCH) {
+            // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
+            let mut touching = Listed::default();
+            for block in batch..blocks.min(batch + BATCH) {
+                fetch(given, candidates, (block + PREFETCH) * LANES);
+                let first = block * LANES;
+                let mask = touching_of::<L, PERIODIC>(given, &candidates[first..candidates.len().min(first + LANES)]);
+                touching.append(first as u32, mask);
+                let before = std::mem::replace(&mut groups.touching[block], mask);
+                forget(impulses, start as usize + first, before & !mask);
+            }
+            for &number in touching.list() {
+                // SAFETY: numbers below that of the candidates were listed; the promise of whoever made this.
+                unsafe {
+                    let pair = *candidates.get_unchecked(number as usize);
+                    groups.put_pair(packer.place([pair.first, pair.second]), pair, start + number, dummies);
                 }
             }
-            self.pack(&touching[..touches]);
-            self.forget(&apart[..others]);
+            groups.contacts += touching.length;
         }
+        packer.next()
     }
 }
 
 /// Blocks of candidates whose distances are computed before they are packed.
 const BATCH: usize = 64;
 
-impl<const PERIODIC: bool> PackPairs<'_, PERIODIC> {
-    /// Asks for the spheres of the eight candidates from `block` on.
-    #[inline(always)]
-    fn fetch(&self, block: usize, end: usize) {
-        let spheres: *const Quad = self.given.world.spheres.as_ptr().cast();
-        if block + LANES <= end {
-            for pair in &self.given.candidates.pairs[block..block + LANES] {
-                prefetch(spheres.wrapping_add(pair.first as usize).cast());
-                prefetch(spheres.wrapping_add(pair.second as usize).cast());
+/// Numbers of candidates, of up to eight at a time.
+struct Listed {
+    /// The list, and room for one block behind it.
+    numbers: [u32; (BATCH + 1) * LANES],
+    length: usize,
+}
+
+/// The lanes that a mask names, in their order.
+const NAMED: [[u8; LANES]; 1 << LANES] = {
+    let mut named = [[0; LANES]; 1 << LANES];
+    let mut mask = 0;
+    while mask < 1 << LANES {
+        let (mut lane, mut count) = (0, 0);
+        while lane < LANES {
+            if mask >> lane & 1 == 1 {
+                named[mask][count] = lane as u8;
+                count += 1;
             }
+            lane += 1;
         }
+        mask += 1;
     }
+    named
+};
 
-    /// Which of the eight candidates from `block` on touch, as bits; behind `end` bits mean nothing.
-    #[inline(always)]
-    fn touching<L: Lanes>(&self, block: usize, end: usize) -> u32 {
-        let spheres: *const Quad = self.given.world.spheres.as_ptr().cast();
-        let candidates = &self.given.candidates.pairs[block..(block + LANES).min(end)];
-        let pair = |lane: usize| candidates[lane.min(candidates.len() - 1)];
-        let first = std::array::from_fn(|lane| pair(lane).first);
-        let second = std::array::from_fn(|lane| pair(lane).second);
-        // SAFETY: candidates name grains.
-        let [x, y, z, radii] = unsafe { L::load_differences::<1>(spheres, &first, &second) };
-        let arm = if PERIODIC { self.given.world.period.shortest([x, y, z]) } else { [x, y, z] };
-        let touch = radii + L::splat(self.given.constants.reach);
-        L::bits(dot(arm, arm).below(touch * touch))
+/// The number of lanes that a mask names.
+const COUNTS: [u8; 1 << LANES] = {
+    let mut counts = [0; 1 << LANES];
+    let mut mask = 0;
+    while mask < 1 << LANES {
+        counts[mask] = mask.count_ones() as u8;
+        mask += 1;
     }
+    counts
+};
 
-    /// Finds lanes for candidates that touch.
+impl Default for Listed {
+    fn default() -> Listed {
+        Listed { numbers: [0; (BATCH + 1) * LANES], length: 0 }
+    }
+}
+
+impl Listed {
+    /// Appends the numbers from `start` on that a mask of eight names. Which these are follows no pattern, so this does not branch.
     #[inline(always)]
-    fn pack(&mut self, touching: &[u32]) {
-        for &candidate in touching {
-            let pair = self.given.candidates.pairs[candidate as usize];
-            // SAFETY: the promise of whoever made this.
-            let place = unsafe { self.packer.place([pair.first, pair.second]) };
-            self.groups.put_pair(place, pair, candidate, self.dummies);
+    fn append(&mut self, start: u32, mask: u8) {
+        let room = &mut self.numbers[self.length..self.length + LANES];
+        for (number, lane) in room.iter_mut().zip(NAMED[mask as usize]) {
+            *number = start + u32::from(lane);
         }
-        self.groups.contacts += touching.len();
+        self.length += COUNTS[mask as usize] as usize;
     }
 
-    /// Forgets what candidates bore that are apart.
-    #[inline(always)]
-    fn forget(&self, apart: &[u32]) {
-        for &candidate in apart {
-            // SAFETY: the promise of whoever made this.
-            forget(unsafe { self.impulses.at(candidate as usize) });
+    fn list(&self) -> &[u32] {
+        &self.numbers[..self.length]
+    }
+}
+
+/// Asks for the spheres of the eight candidates from `block` on.
+#[inline(always)]
+fn fetch(given: &Given<'_>, candidates: &[PairCandidate], block: usize) {
+    let spheres: *const Quad = given.world.spheres.as_ptr().cast();
+    if let Some(block) = candidates.get(block..block + LANES) {
+        for pair in block {
+            prefetch(spheres.wrapping_add(pair.first as usize).cast());
+            prefetch(spheres.wrapping_add(pair.second as usize).cast());
         }
     }
 }
 
-/// A contact that has opened starts from nothing when it closes again.
+/// Which of up to eight candidates touch, as bits.
 #[inline(always)]
-fn forget(impulse: &mut Impulse) {
-    if impulse.normal != 0.0 {
-        *impulse = Impulse::default();
+fn touching_of<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCandidate]) -> u8 {
+    match block.try_into() {
+        Ok(block) => touching::<L, PERIODIC>(given, block),
+        Err(_) => {
+            let padded = std::array::from_fn(|lane| block[lane.min(block.len() - 1)]);
+            touching::<L, PERIODIC>(given, &padded) & ((1 << block.len()) - 1)
+        }
+    }
+}
+
+/// Which of eight candidates touch, as bits.
+#[inline(always)]
+fn touching<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCandidate; LANES]) -> u8 {
+    let spheres: *const Quad = given.world.spheres.as_ptr().cast();
+    let (first, second) = (block.map(|pair| pair.first), block.map(|pair| pair.second));
+    // SAFETY: candidates name grains.
+    let [x, y, z, radii] = unsafe { L::load_differences::<1>(spheres, &first, &second) };
+    let arm = if PERIODIC { given.world.period.shortest([x, y, z]) } else { [x, y, z] };
+    let touch = radii + L::splat(given.constants.reach);
+    L::bits(dot(arm, arm).below(touch * touch)) as u8
+}
+
+/// Forgets what those of eight candidates bore that a mask names: a contact that has opened starts from nothing when it closes
+/// again.
+#[inline(always)]
+fn forget(impulses: &Disjoint<'_, Impulse>, first: usize, mut opened: u8) {
+    while opened != 0 {
+        // SAFETY: the promise of whoever made the kernel: the candidates are its own.
+        *unsafe { impulses.at(first + opened.trailing_zeros() as usize) } = Impulse::default();
+        opened &= opened - 1;
     }
 }
 
 impl Given<'_> {
     /// Packs the contacts of a task that touch walls, those with driven walls or those with the others, behind the groups that are
-    /// there.
+    /// there. The number from which groups may begin that come after these.
     ///
     /// # Safety
     /// No other task may use the task's bodies and candidates meanwhile.
@@ -121,7 +179,7 @@ impl Given<'_> {
         mut packer: Packer<'_>,
         groups: &mut TaskGroups,
         impulses: &Disjoint<'_, Impulse>,
-    ) {
+    ) -> u32 {
         let before = groups.wall_groups();
         for candidate in task.walls.start as usize..task.walls.end as usize {
             let wall = self.candidates.walls[candidate];
@@ -136,10 +194,11 @@ impl Given<'_> {
                     let (group, lane) = packer.place([wall.body]);
                     groups.put_wall((before + group, lane), wall, candidate as u32, dummies);
                     groups.contacts += 1;
-                } else {
-                    forget(impulses.at(candidate));
+                } else if impulses.at(candidate).normal != 0.0 {
+                    *impulses.at(candidate) = Impulse::default();
                 }
             }
         }
+        packer.next()
     }
 }

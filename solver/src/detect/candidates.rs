@@ -65,6 +65,8 @@ pub struct Candidates {
     pub wall_torques: Vec<AngularImpulse>,
     /// Number of times that the list was built.
     pub rebuilds: u64,
+    /// Whether the list was built after contacts were last laid out.
+    pub(crate) new_list: bool,
     torques: bool,
     boxes: BoxGrid,
     skin: f64,
@@ -107,6 +109,7 @@ impl Candidates {
             wall_torques: Vec::new(),
             torques,
             rebuilds: 0,
+            new_list: true,
             boxes: boxes.clone(),
             skin,
             range,
@@ -172,6 +175,7 @@ impl Candidates {
         world.surfaces.iter_mut().for_each(Surface::enter_list);
         self.built_at = world.time;
         self.rebuilds += 1;
+        self.new_list = true;
     }
 
     /// Keeps the impulses of the old list, under the grains' new places.

@@ -146,8 +146,10 @@ impl<N: Number> NormalContact<N> {
         let ahead = self.overlap.larger(-self.velocity * N::splat(h)).larger(N::splat(scheme.fall()));
         let depth = N::select(self.overlap.below(N::zero()), ahead, self.overlap);
         let smallest = N::splat(SMALLEST_RELATIVE_OVERLAP) * self.effective_radius;
-        // Stiffness now and at the depth that the approach will reach; overlap in the constraint's measure.
-        let (stiffness, stiffness_ahead, overlap) = match scheme.law {
+        // Stiffness at a depth; overlap in the constraint's measure.
+        let modulus = N::splat(5.0 / 3.0) * self.effective_modulus;
+        let hertz = |depth: N| modulus * (self.effective_radius * depth.larger(smallest)).sqrt();
+        let (stiffness, overlap) = match scheme.law {
             NormalLaw::Rigid => {
                 let damping = one / N::splat(1.0 + 4.0 * damping_steps);
                 return NormalConstraint {
@@ -156,25 +158,32 @@ impl<N: Number> NormalContact<N> {
                     resolves_impact: one.below(N::zero()),
                 };
             }
-            NormalLaw::Linear { stiffness } => (N::splat(stiffness), N::splat(stiffness), self.overlap),
-            NormalLaw::Hertz => {
-                let modulus = N::splat(5.0 / 3.0) * self.effective_modulus;
-                let tangent = |depth: N| modulus * (self.effective_radius * depth.larger(smallest)).sqrt();
-                (tangent(depth), tangent(ahead), N::splat(0.8) * self.overlap)
-            }
+            NormalLaw::Linear { stiffness } => (N::splat(stiffness), self.overlap),
+            NormalLaw::Hertz => (hertz(depth), N::splat(0.8) * self.overlap),
         };
         // c/k over h is 2 zeta / (h sqrt(k/m)); it never falls below `damping_steps`.
-        let frequency = (stiffness * self.inverse_mass).sqrt() * N::splat(h);
         let critical = N::splat(2.0) * self.damping_ratio;
-        let steps = (critical / frequency).larger(N::splat(damping_steps));
+        let damping_time = N::splat(damping_steps * h * damping_steps * h);
+        // Where no lane resolves its impact by far, so that rounding does not matter, that is all there is to know.
+        let far = N::splat(1.0 + 1e-9) * critical * critical;
+        let (steps, resolves_impact) = if N::all(far.below(stiffness * self.inverse_mass * damping_time)) {
+            (N::splat(damping_steps), one.below(N::zero()))
+        } else {
+            let frequency = (stiffness * self.inverse_mass).sqrt() * N::splat(h);
+            // The depth that the approach will reach decides.
+            let stiffness_ahead = match scheme.law {
+                NormalLaw::Hertz => hertz(ahead),
+                _ => stiffness,
+            };
+            let resolves = (stiffness_ahead * self.inverse_mass * damping_time).below(critical * critical);
+            ((critical / frequency).larger(N::splat(damping_steps)), resolves)
+        };
         let softened = one / ((one + N::splat(4.0) * steps) * stiffness);
         let damping = softened * stiffness;
-        // The same of the stiffness ahead, compared as squares.
-        let slowest = N::splat(damping_steps * h * damping_steps * h);
         NormalConstraint {
             regularisation: N::splat(4.0 / (h * h)) * softened,
             bias: N::splat(4.0 / h) * damping * overlap + damping * self.velocity,
-            resolves_impact: (stiffness_ahead * self.inverse_mass * slowest).below(critical * critical),
+            resolves_impact,
         }
     }
 }

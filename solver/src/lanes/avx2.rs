@@ -29,7 +29,7 @@ macro_rules! registers {
     (
         $(#[$about:meta])* $lanes:ident, $mask:ident, $register:ty, $real:ty,
         arithmetic: $add:ident $subtract:ident $multiply:ident $divide:ident $root:ident,
-        choice: $larger:ident $smaller:ident $compare:ident $blend:ident,
+        choice: $larger:ident $smaller:ident $compare:ident $blend:ident $covers:ident,
         bits: $splat:ident $and:ident $and_not:ident $exclusive_or:ident $from_integer:ident
     ) => {
         $(#[$about])*
@@ -111,6 +111,15 @@ macro_rules! registers {
                     [$blend(no.0[0], yes.0[0], mask.0[0]), $blend(no.0[1], yes.0[1], mask.0[1])]
                 })
             }
+
+            #[inline(always)]
+            fn all(mask: $mask) -> bool {
+                // SAFETY: see the type.
+                unsafe {
+                    let ones = $from_integer(_mm256_set1_epi64x(-1));
+                    $covers($and(mask.0[0], mask.0[1]), ones) == 1
+                }
+            }
         }
     };
 }
@@ -120,7 +129,7 @@ registers!(
     /// names this type.
     Avx2, Avx2Mask, __m256d, f64,
     arithmetic: _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd,
-    choice: _mm256_max_pd _mm256_min_pd _mm256_cmp_pd _mm256_blendv_pd,
+    choice: _mm256_max_pd _mm256_min_pd _mm256_cmp_pd _mm256_blendv_pd _mm256_testc_pd,
     bits: _mm256_set1_pd _mm256_and_pd _mm256_andnot_pd _mm256_xor_pd _mm256_castsi256_pd
 );
 
@@ -128,7 +137,7 @@ registers!(
     /// Sixteen numbers of single precision in two registers, made where an [`Avx2`] is.
     Avx2Single, Avx2SingleMask, __m256, f32,
     arithmetic: _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_sqrt_ps,
-    choice: _mm256_max_ps _mm256_min_ps _mm256_cmp_ps _mm256_blendv_ps,
+    choice: _mm256_max_ps _mm256_min_ps _mm256_cmp_ps _mm256_blendv_ps _mm256_testc_ps,
     bits: _mm256_set1_ps _mm256_and_ps _mm256_andnot_ps _mm256_xor_ps _mm256_castsi256_ps
 );
 

@@ -100,6 +100,11 @@ macro_rules! register {
                 // SAFETY: see the type.
                 $lanes(unsafe { $blend(mask.0, no.0, yes.0) })
             }
+
+            #[inline(always)]
+            fn all(mask: $mask) -> bool {
+                !mask.0 == 0
+            }
         }
     };
 }

@@ -64,6 +64,8 @@ pub trait Number:
     fn at_most(self, other: Self) -> Self::Mask;
     /// `yes` where the mask holds, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Whether the mask holds in every lane.
+    fn all(mask: Self::Mask) -> bool;
 
     /// Zero in each lane.
     #[inline(always)]

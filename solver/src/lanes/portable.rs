@@ -88,6 +88,11 @@ macro_rules! arithmetic {
             fn select(mask: PortableMask<$count>, yes: Self, no: Self) -> Self {
                 Portable([$(if mask.0[$lane] { yes.0[$lane] } else { no.0[$lane] }),*])
             }
+
+            #[inline(always)]
+            fn all(mask: PortableMask<$count>) -> bool {
+                mask.0 == [true; $count]
+            }
         }
     };
 }

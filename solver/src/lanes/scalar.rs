@@ -47,4 +47,9 @@ impl Number for f64 {
     fn select(mask: Truth, yes: f64, no: f64) -> f64 {
         if mask { yes } else { no }
     }
+
+    #[inline(always)]
+    fn all(mask: Truth) -> bool {
+        mask
+    }
 }

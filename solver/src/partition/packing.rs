@@ -5,65 +5,107 @@ use crate::detect::{PairCandidate, WallCandidate};
 use crate::effects::EffectSet;
 use crate::lanes::LANES;
 use crate::schedule::Disjoint;
+use std::marker::PhantomData;
 
-/// Number of groups that are open for contacts at a time.
-const WINDOW: u64 = 64;
+/// Number of groups that may take contacts at a time.
+const WINDOW: u32 = 64;
 
 /// Tasks of at least so many candidates keep groups that share a body apart; smaller ones would be mostly padding.
 const SPACED_FROM: usize = 192;
 
-/// Groups in which a body already is: a mask that counts from group `since`.
+/// Groups in which a body already is: a mask, its lower half first, that counts from group `since`.
+///
+/// Read and written as one word of eight bytes and one of four: were both of eight, the compiler would read the two together,
+/// which has to wait for two writes.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(16))]
 pub(crate) struct Taken {
-    mask: u64,
-    since: u64,
+    mask: [u32; 2],
+    since: u32,
 }
 
-/// Packs contacts first-fit into groups, looking at a window of open groups.
-///
-/// Each body remembers in which open groups it already is. Numbers of groups grow from task to task and from step to step,
-/// so that nothing must be reset.
+impl Taken {
+    /// The same groups as a mask that counts from group `start`. Whether a body was met lately follows no pattern, so this must
+    /// not branch.
+    #[inline(always)]
+    fn seen_from(self, start: u32) -> u64 {
+        let (mask, age) = (u64::from(self.mask[0]) | u64::from(self.mask[1]) << 32, start.wrapping_sub(self.since));
+        (mask >> (age % WINDOW)) & u64::from(age < WINDOW).wrapping_neg()
+    }
+}
+
+/// Where bodies are, from task to task and from step to step. Numbers of groups grow, so that nothing must be forgotten.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TakenGroups {
+    of_body: Vec<Taken>,
+    /// A number beyond all that were given to a group.
+    next: u32,
+}
+
+impl TakenGroups {
+    /// Starts a step with so many bodies.
+    pub fn start(&mut self, bodies: usize) {
+        if self.next == 0 || self.next > u32::MAX / 2 {
+            self.of_body.fill(Taken::default());
+            self.next = WINDOW;
+        }
+        self.of_body.resize(bodies, Taken::default());
+    }
+
+    /// Where bodies are, and the number of the first group of tasks that share no body; what [`Packer::next`] tells of each of
+    /// these is left in `next`.
+    pub fn stage(&mut self) -> (Disjoint<'_, Taken>, u32, &mut u32) {
+        (Disjoint::new(&mut self.of_body), self.next, &mut self.next)
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        self.of_body.capacity() * size_of::<Taken>()
+    }
+}
+
+/// Packs contacts first-fit into groups, looking at a window of groups.
 ///
 /// A group that follows another one and shares a body with it must wait until the other has written it. First-fit alone
 /// puts the contacts of a grain, which come one after another, into adjacent groups; so groups next to one that holds
 /// the body are passed over too.
 pub(crate) struct Packer<'a> {
-    taken: &'a Disjoint<'a, Taken>,
-    /// Number of the window's first group.
-    start: u64,
+    taken: *mut Taken,
+    window: Window,
     /// Number of the task's first group.
-    base: u64,
-    /// Number of groups opened since the window's start.
-    opened: u64,
-    /// Groups of the window that still have a free lane.
-    open: u64,
+    base: u32,
     /// Whether groups that share a body are kept apart.
     spaced: bool,
     /// Lanes filled in each group of the window, by group number modulo the window.
     filled: [u8; WINDOW as usize],
+    bodies: PhantomData<&'a Taken>,
+}
+
+/// The groups that contacts may go into.
+#[derive(Clone, Copy)]
+struct Window {
+    /// Number of its first group.
+    start: u32,
+    /// Groups that still have a free lane.
+    open: u64,
 }
 
 impl<'a> Packer<'a> {
     /// A packer for one task. `base` must be larger by at least the window than the number of any group that earlier
     /// tasks put the same bodies into.
-    pub fn new(taken: &'a Disjoint<'a, Taken>, base: u64, candidates: usize) -> Packer<'a> {
-        let spaced = candidates >= SPACED_FROM;
-        Packer { taken, start: base, base, opened: 0, open: 0, spaced, filled: [0; WINDOW as usize] }
+    pub fn new(taken: &'a Disjoint<'a, Taken>, base: u32, candidates: usize) -> Packer<'a> {
+        Packer {
+            taken: taken.as_ptr(),
+            window: Window { start: base, open: u64::MAX },
+            base,
+            spaced: candidates >= SPACED_FROM,
+            filled: [0; WINDOW as usize],
+            bodies: PhantomData,
+        }
     }
 
-    /// Groups that hold one of the bodies.
-    ///
-    /// # Safety
-    /// No other task may use these bodies.
-    #[inline]
-    unsafe fn groups_of<const N: usize>(&self, bodies: [u32; N]) -> [u64; N] {
-        bodies.map(|body| {
-            // SAFETY: the caller's promise.
-            let taken = unsafe { self.taken.at(body as usize) };
-            let age = self.start - taken.since;
-            // Whether a body was met lately follows no pattern, so this must not branch.
-            (taken.mask >> (age % WINDOW)) & u64::from(age < WINDOW).wrapping_neg()
-        })
+    /// The number from which a packer may begin that comes after this one.
+    pub fn next(&self) -> u32 {
+        self.window.start + 2 * WINDOW
     }
 
     /// Finds the group and lane for a contact of these bodies; the group is counted from the task's first.
@@ -72,63 +114,52 @@ impl<'a> Packer<'a> {
     /// No other task may use these bodies meanwhile.
     #[inline(always)]
     pub unsafe fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (usize, usize) {
+        let mut window = self.window;
         // SAFETY: the caller's promise.
-        let mut masks = unsafe { self.groups_of(bodies) };
-        let mut free = self.open & !self.shared(masks);
+        let mut masks = bodies.map(|body| unsafe { *self.taken.add(body as usize) }.seen_from(window.start));
+        let mut free = window.open & !shared(masks, self.spaced);
         while free == 0 {
-            free = self.open_group(self.shared(masks));
-            if free == 0 {
-                self.advance();
-                // SAFETY: as above.
-                masks = unsafe { self.groups_of(bodies) };
-                free = self.open & !self.shared(masks);
-            }
-        }
-        let place = u64::from(free.trailing_zeros());
-        for (body, mask) in bodies.into_iter().zip(masks) {
+            window = window.advance(&mut self.filled);
             // SAFETY: as above.
-            unsafe { *self.taken.at(body as usize) = Taken { mask: mask | 1 << place, since: self.start } };
+            masks = bodies.map(|body| unsafe { *self.taken.add(body as usize) }.seen_from(window.start));
+            free = window.open & !shared(masks, self.spaced);
         }
-        let filled = &mut self.filled[((self.start + place) % WINDOW) as usize];
+        let place = free.trailing_zeros();
+        for (body, mask) in bodies.into_iter().zip(masks) {
+            let mask = mask | 1 << place;
+            let taken = Taken { mask: [mask as u32, (mask >> 32) as u32], since: window.start };
+            // SAFETY: as above.
+            unsafe { *self.taken.add(body as usize) = taken };
+        }
+        let filled = &mut self.filled[((window.start + place) % WINDOW) as usize];
         let lane = *filled as usize;
-        *filled += 1;
-        self.open &= !(u64::from(lane + 1 == LANES) << place);
-        ((self.start - self.base + place) as usize, lane)
+        // The place of a full group is empty again for the one that will enter the window.
+        *filled = (*filled + 1) % LANES as u8;
+        window.open &= !(u64::from(lane + 1 == LANES) << place);
+        self.window = window;
+        ((window.start - self.base + place) as usize, lane)
     }
+}
 
-    /// Groups that a contact must not go into.
-    #[inline(always)]
-    fn shared<const N: usize>(&self, masks: [u64; N]) -> u64 {
-        let shared = masks.iter().fold(0, |all, mask| all | mask);
-        if !self.spaced {
-            return shared;
-        }
-        let near = shared | shared << 1 | shared >> 1;
-        near | near << 1 | near >> 1
+/// Groups that a contact must not go into.
+#[inline(always)]
+fn shared<const N: usize>(masks: [u64; N], spaced: bool) -> u64 {
+    let shared = masks.iter().fold(0, |all, mask| all | mask);
+    if !spaced {
+        return shared;
     }
+    let near = shared | shared << 1 | shared >> 1;
+    near | near << 1 | near >> 1
+}
 
-    /// Opens groups until one lies outside `shared` or the window is full; that one as a mask.
+impl Window {
+    /// The window past its full groups, or past its first group if that still has room.
     #[cold]
     #[inline(never)]
-    fn open_group(&mut self, shared: u64) -> u64 {
-        while self.opened < WINDOW {
-            let next = 1 << self.opened;
-            self.filled[((self.start + self.opened) % WINDOW) as usize] = 0;
-            self.open |= next;
-            self.opened += 1;
-            if next & !shared != 0 {
-                return next;
-            }
-        }
-        0
-    }
-
-    /// Moves the window past its full groups, or past its first group if that still has room.
-    fn advance(&mut self) {
-        let full = u64::from((self.open | 1 << (WINDOW - 1)).trailing_zeros()).max(1);
-        self.start += full;
-        self.opened -= full;
-        self.open >>= full;
+    fn advance(self, filled: &mut [u8; WINDOW as usize]) -> Window {
+        filled[(self.start % WINDOW) as usize] = 0;
+        let full = (self.open | 1 << (WINDOW - 1)).trailing_zeros().max(1);
+        Window { start: self.start + full, open: self.open >> full | u64::MAX << (WINDOW - full) }
     }
 }
 
@@ -137,50 +168,39 @@ impl TaskGroups {
     #[inline(always)]
     pub(crate) fn put_pair(&mut self, at: (usize, usize), pair: PairCandidate, candidate: u32, dummies: u32) {
         let (group, lane) = at;
-        if group >= self.pairs_used {
+        if group >= self.pairs.len() {
             self.open_pairs(group + 1, dummies);
         }
-        self.pairs[group].first[lane] = pair.first;
-        self.pairs[group].second[lane] = pair.second;
-        self.pair_sources[group].set(lane, candidate);
+        self.pairs_used = self.pairs_used.max(group + 1);
+        debug_assert!(lane < LANES && self.pair_sources.len() == self.pairs.len());
+        // SAFETY: groups were opened up to this one, and their sources with them; a packer names no lane that is not there.
+        unsafe {
+            let contact = self.pairs.get_unchecked_mut(group);
+            *contact.first.get_unchecked_mut(lane) = pair.first;
+            *contact.second.get_unchecked_mut(lane) = pair.second;
+            self.pair_sources.get_unchecked_mut(group).set(lane, candidate);
+        }
     }
 
     #[cold]
     #[inline(never)]
     fn open_pairs(&mut self, count: usize, dummies: u32) {
-        while self.pairs_used < count {
-            match self.pairs.get_mut(self.pairs_used) {
-                Some(old) => {
-                    old.clear(dummies);
-                    self.pair_sources[self.pairs_used] = Sources::NONE;
-                }
-                None => {
-                    make_room(&mut self.pairs, &mut self.pair_sources);
-                    self.pairs.push(PairGroup::padding(dummies));
-                    self.pair_sources.push(Sources::NONE);
-                }
-            }
-            self.pairs_used += 1;
+        while self.pairs.len() < count {
+            make_room(&mut self.pairs, &mut self.pair_sources);
+            self.pairs.push(PairGroup::padding(dummies));
+            self.pair_sources.push(Sources::NONE);
         }
     }
 
     /// Puts a wall contact into a lane; groups are opened up to its own.
     pub(crate) fn put_wall(&mut self, at: (usize, usize), wall: WallCandidate, candidate: u32, dummies: u32) {
         let (group, lane) = at;
-        while self.walls_used <= group {
-            match self.walls.get_mut(self.walls_used) {
-                Some(old) => {
-                    old.clear(dummies);
-                    self.wall_sources[self.walls_used] = Sources::NONE;
-                }
-                None => {
-                    make_room(&mut self.walls, &mut self.wall_sources);
-                    self.walls.push(WallGroup::padding(dummies));
-                    self.wall_sources.push(Sources::NONE);
-                }
-            }
-            self.walls_used += 1;
+        while self.walls.len() <= group {
+            make_room(&mut self.walls, &mut self.wall_sources);
+            self.walls.push(WallGroup::padding(dummies));
+            self.wall_sources.push(Sources::NONE);
         }
+        self.walls_used = self.walls_used.max(group + 1);
         self.walls[group].body[lane] = wall.body;
         self.wall_sources[group].set(lane, candidate);
     }
@@ -190,8 +210,26 @@ impl TaskGroups {
         self.walls_used
     }
 
-    /// Starts to lay out a step anew.
-    pub(crate) fn restart(&mut self) {
+    /// Starts to lay out a step anew, with the groups that there are, all of them empty.
+    pub(crate) fn restart(&mut self, dummies: u32) {
+        self.use_none();
+        for (group, sources) in self.pairs.iter_mut().zip(&mut self.pair_sources) {
+            group.clear(dummies);
+            *sources = Sources::NONE;
+        }
+        for (group, sources) in self.walls.iter_mut().zip(&mut self.wall_sources) {
+            group.clear(dummies);
+            *sources = Sources::NONE;
+        }
+    }
+
+    /// Drops all groups; memory stays.
+    pub(crate) fn empty(&mut self, effects: EffectSet) {
+        self.use_none();
+        self.finish(effects);
+    }
+
+    fn use_none(&mut self) {
         (self.pairs_used, self.walls_used, self.driven_walls, self.contacts) = (0, 0, 0, 0);
         self.pair_waits.clear();
     }

@@ -156,6 +156,10 @@ impl Number for Counted {
     fn select(mask: bool, yes: Counted, no: Counted) -> Counted {
         if mask { yes } else { no }
     }
+
+    fn all(mask: bool) -> bool {
+        mask
+    }
 }
 
 #[cfg(test)]
