@@ -100,14 +100,15 @@ fn give_torque(torques: &mut [AngularImpulse], known: &Remembered, torque: Optio
     }
 }
 
-/// Impulses that are not zero to the last bit, each with its place in the list.
+/// Impulses of these candidates that are not zero to the last bit, each with its place in the list.
 fn remembered<'a>(
+    candidates: impl Iterator<Item = usize> + 'a,
     impulses: &'a [Impulse],
     name: impl Fn(usize) -> (u32, u32) + 'a,
 ) -> impl Iterator<Item = Remembered> + 'a {
-    let all = impulses.iter().enumerate().map(move |(candidate, impulse)| {
-        let [x, y, z] = impulse.tangential;
-        (candidate, [impulse.normal, x, y, z])
+    let all = candidates.map(move |candidate| {
+        let Impulse { normal, tangential: [x, y, z] } = impulses[candidate];
+        (candidate, [normal, x, y, z])
     });
     all.filter(|(_, impulse)| impulse.iter().any(|component| component.to_bits() != 0)).map(
         move |(candidate, impulse)| {
@@ -138,10 +139,12 @@ impl State {
         });
         let id = |place: u32| world.ids[place as usize];
         let (pairs, walls) = (&candidates.pairs, &candidates.walls);
-        let pair_impulses = &candidates.pair_impulses[..pairs.len()];
-        let wall_impulses = &candidates.wall_impulses[..walls.len()];
-        let pairs_borne: Vec<_> = remembered(pair_impulses, |c| (id(pairs[c].first), id(pairs[c].second))).collect();
-        let walls_borne: Vec<_> = remembered(wall_impulses, |c| (id(walls[c].body), walls[c].surface)).collect();
+        let tasks = simulation.layout.plan.tasks();
+        let pairs_named = tasks.iter().flat_map(|task| task.named(&candidates.pairs_borne));
+        let pair = |c: usize| (id(pairs[c].first), id(pairs[c].second));
+        let wall = |c: usize| (id(walls[c].body), walls[c].surface);
+        let pairs_borne: Vec<_> = remembered(pairs_named, &candidates.pair_impulses, pair).collect();
+        let walls_borne: Vec<_> = remembered(0..walls.len(), &candidates.wall_impulses, wall).collect();
         State {
             pair_torques: torques_of(&pairs_borne, &candidates.pair_torques),
             wall_torques: torques_of(&walls_borne, &candidates.wall_torques),
@@ -252,6 +255,7 @@ impl State {
             candidates.wall_torques.resize(self.walls.len(), AngularImpulse::default());
         }
         simulation.layout.plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32);
+        simulation.candidates.find_borne(&simulation.layout.plan);
         Ok(simulation)
     }
 
@@ -315,6 +319,7 @@ impl State {
         world.time = list.built_at;
         // The start has put its own candidates there, by id.
         (candidates.pairs, candidates.walls) = (Vec::new(), Vec::new());
+        candidates.pair_impulses.clear();
         layout.plan = Plan::single(0, 0);
         candidates.rebuild(world, &mut layout.plan, relaxation.instruction_set, team);
         candidates.rebuilds = list.rebuilds;
@@ -334,6 +339,7 @@ impl State {
             candidates.pair_impulses[known.candidate as usize] = known.scaled(1.0);
             give_torque(&mut candidates.pair_torques, known, self.pair_torques.get(number));
         }
+        candidates.find_borne(&layout.plan);
         for (number, known) in self.walls.iter().enumerate() {
             let wall = candidates.walls.get(known.candidate as usize).ok_or(OTHER)?;
             if (id(wall.body), wall.surface) != (known.first, known.second) {

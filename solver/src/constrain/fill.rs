@@ -5,8 +5,10 @@ use super::{Given, write_contacts};
 use crate::detect::Impulse;
 use crate::effects::compliance::NormalContact;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
-use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch_places, times};
-use crate::partition::TaskGroups;
+use crate::lanes::{
+    Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch_lines, prefetch_places, prefetch_range, times,
+};
+use crate::partition::{PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
 use nalgebra::Vector3;
 
@@ -15,6 +17,7 @@ use nalgebra::Vector3;
 /// Whoever makes one promises that no other task uses the task's candidates meanwhile.
 pub(super) struct FillPairs<'a, const PERIODIC: bool> {
     pub given: &'a Given<'a>,
+    pub task: &'a PlannedTask,
     pub groups: &'a mut TaskGroups,
     pub impulses: &'a Disjoint<'a, Impulse>,
 }
@@ -29,10 +32,17 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
         let impulses: *const Quad = self.impulses.as_ptr().cast();
         let nothing = self.given.candidates.pairs.len() as u32;
         let groups = &mut self.groups.pairs;
+        let interior = self.task.is_interior();
+        if interior {
+            prefetch_range(&world.before[self.given.candidates.grains_of_box(self.task.home as usize)]);
+        }
         for (number, sources) in self.groups.pair_sources.iter().enumerate() {
             if let Some(ahead) = groups.get(number + PREFETCH) {
-                prefetch_places(before, &ahead.first);
-                prefetch_places(before, &ahead.second);
+                if !interior {
+                    prefetch_places(before, &ahead.first);
+                    prefetch_places(before, &ahead.second);
+                }
+                prefetch_lines(ahead, size_of::<crate::partition::PairGroup>());
                 prefetch_places(impulses, &self.groups.pair_sources[number + PREFETCH].or(nothing));
             }
             let group = &mut groups[number];

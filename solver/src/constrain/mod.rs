@@ -60,8 +60,6 @@ struct Given<'a> {
     poses: &'a [Pose],
     constants: StepConstants,
     effects: EffectSet,
-    /// Whether any candidate may have borne something in the last step, because the list is new.
-    new_list: bool,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,
 }
@@ -69,6 +67,8 @@ struct Given<'a> {
 /// What the candidates bore in the last step.
 struct Remembered<'a> {
     pairs: Disjoint<'a, Impulse>,
+    /// Which pairs bore any, as bits: a byte a block.
+    borne: Disjoint<'a, u8>,
     walls: Disjoint<'a, Impulse>,
     pair_torques: Disjoint<'a, AngularImpulse>,
     wall_torques: Disjoint<'a, AngularImpulse>,
@@ -114,9 +114,9 @@ impl Constrainer {
         self.poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.constants.scheme.step)));
         self.follow(world.gravity.norm());
         self.taken.start(world.grains());
-        let new_list = std::mem::replace(&mut candidates.new_list, false);
         // Each candidate belongs to one task, so their impulses are written without a lock.
         let mut pair_impulses = std::mem::take(&mut candidates.pair_impulses);
+        let mut borne = std::mem::take(&mut candidates.pairs_borne);
         let mut wall_impulses = std::mem::take(&mut candidates.wall_impulses);
         let mut pair_torques = std::mem::take(&mut candidates.pair_torques);
         let mut wall_torques = std::mem::take(&mut candidates.wall_torques);
@@ -127,12 +127,12 @@ impl Constrainer {
                 poses: &self.poses,
                 constants: self.constants,
                 effects: self.effects,
-                new_list,
                 material: world.table.of_all_grains(),
             };
             let groups = Disjoint::new(&mut layout.groups);
             let remembered = Remembered {
                 pairs: Disjoint::new(&mut pair_impulses),
+                borne: Disjoint::new(&mut borne),
                 walls: Disjoint::new(&mut wall_impulses),
                 pair_torques: Disjoint::new(&mut pair_torques),
                 wall_torques: Disjoint::new(&mut wall_torques),
@@ -157,7 +157,8 @@ impl Constrainer {
                 *next = end.into_inner();
             }
         }
-        (candidates.pair_impulses, candidates.wall_impulses) = (pair_impulses, wall_impulses);
+        (candidates.pair_impulses, candidates.pairs_borne, candidates.wall_impulses) =
+            (pair_impulses, borne, wall_impulses);
         (candidates.pair_torques, candidates.wall_torques) = (pair_torques, wall_torques);
         if !world.drives.is_empty() {
             team.alone(Phase::Constrain, || self.list_driven(world, candidates, layout));
@@ -240,11 +241,12 @@ impl Given<'_> {
         let dummies = self.world.dummies_of(task.home as usize);
         groups.restart(dummies);
         let (packer, periodic) = (Packer::new(taken, base, task.pairs.len()), self.world.period.any());
-        let impulses = &remembered.pairs;
+        // SAFETY: the caller's promise.
+        let (impulses, borne) = (&remembered.pairs, unsafe { remembered.borne.range(task.blocks()) });
         let mut next = if periodic {
-            set.run(PackPairs::<true> { given: self, task, dummies, packer, groups, impulses })
+            set.run(PackPairs::<true> { given: self, task, dummies, packer, groups, impulses, borne })
         } else {
-            set.run(PackPairs::<false> { given: self, task, dummies, packer, groups, impulses })
+            set.run(PackPairs::<false> { given: self, task, dummies, packer, groups, impulses, borne })
         };
         // SAFETY: the caller's promise; places come from the candidate list.
         unsafe {
@@ -258,9 +260,9 @@ impl Given<'_> {
         groups.finish(self.effects);
         set.run(FindWaits { groups, effects: self.effects, grains: self.world.grains() as u32 });
         if periodic {
-            set.run(FillPairs::<true> { given: self, groups, impulses });
+            set.run(FillPairs::<true> { given: self, task, groups, impulses });
         } else {
-            set.run(FillPairs::<false> { given: self, groups, impulses });
+            set.run(FillPairs::<false> { given: self, task, groups, impulses });
         }
         set.run(FillWalls { given: self, groups, impulses: &remembered.walls });
         if self.effects.cohesion() {

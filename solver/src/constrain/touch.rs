@@ -2,7 +2,7 @@
 
 use super::Given;
 use crate::detect::{Impulse, PairCandidate};
-use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, prefetch};
+use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, prefetch, prefetch_range};
 use crate::partition::{Packer, PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
 
@@ -16,6 +16,8 @@ pub(super) struct PackPairs<'a, const PERIODIC: bool> {
     pub packer: Packer<'a>,
     pub groups: &'a mut TaskGroups,
     pub impulses: &'a Disjoint<'a, Impulse>,
+    /// Which of the task's pairs bore an impulse, as bits: a byte a block.
+    pub borne: &'a mut [u8],
 }
 
 impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
@@ -24,25 +26,29 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
-        let PackPairs { given, task, dummies, mut packer, groups, impulses } = self;
+        let PackPairs { given, task, dummies, mut packer, groups, impulses, borne } = self;
         let start = task.pairs.start;
         let candidates = &given.candidates.pairs[start as usize..task.pairs.end as usize];
         let blocks = candidates.len().div_ceil(LANES);
-        if given.new_list || groups.touching.len() != blocks {
-            groups.touching.clear();
-            groups.touching.resize(candidates.len() / LANES, u8::MAX);
-            groups.touching.resize(blocks, (1 << (candidates.len() % LANES)) - 1);
+        // The grains of an interior lie together; those of a face, an edge or a corner here and there.
+        let interior = task.is_interior();
+        if interior {
+            let grains = given.candidates.grains_of_box(task.home as usize);
+            prefetch_range(&given.world.spheres[grains.clone()]);
+            packer.fetch(grains);
         }
         for batch in (0..blocks).step_by(BATCH) {
             // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
             let mut touching = Listed::default();
             for block in batch..blocks.min(batch + BATCH) {
-                fetch(given, candidates, (block + PREFETCH) * LANES);
+                if !interior {
+                    fetch(given, candidates, (block + PREFETCH) * LANES);
+                }
                 let first = block * LANES;
                 let mask = touching_of::<L, PERIODIC>(given, &candidates[first..candidates.len().min(first + LANES)]);
                 touching.append(first as u32, mask);
-                let before = std::mem::replace(&mut groups.touching[block], mask);
-                forget(impulses, start as usize + first, before & !mask);
+                let before = std::mem::replace(&mut borne[block], mask);
+                forget(impulses, start as usize + first, mask & !before);
             }
             for &number in touching.list() {
                 // SAFETY: numbers below that of the candidates were listed; the promise of whoever made this.
@@ -154,14 +160,14 @@ fn touching<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCand
     L::bits(dot(arm, arm).below(touch * touch)) as u8
 }
 
-/// Forgets what those of eight candidates bore that a mask names: a contact that has opened starts from nothing when it closes
-/// again.
+/// Forgets what those of eight candidates bore that a mask names: a contact that closes, for the first time or again, starts from
+/// nothing.
 #[inline(always)]
-fn forget(impulses: &Disjoint<'_, Impulse>, first: usize, mut opened: u8) {
-    while opened != 0 {
+fn forget(impulses: &Disjoint<'_, Impulse>, first: usize, mut closing: u8) {
+    while closing != 0 {
         // SAFETY: the promise of whoever made the kernel: the candidates are its own.
-        *unsafe { impulses.at(first + opened.trailing_zeros() as usize) } = Impulse::default();
-        opened &= opened - 1;
+        *unsafe { impulses.at(first + closing.trailing_zeros() as usize) } = Impulse::default();
+        closing &= closing - 1;
     }
 }
 

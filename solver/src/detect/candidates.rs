@@ -5,8 +5,8 @@ use super::drift::Drift;
 use super::grid::DIRECTIONS;
 use super::memory::{OldList, Remembered, resize};
 use super::search::{Found, PairSearch, WallReach};
-use crate::lanes::InstructionSet;
-use crate::partition::{BoxGrid, Plan, STAGES};
+use crate::lanes::{InstructionSet, LANES};
+use crate::partition::{BoxGrid, Plan, PlannedTask, STAGES};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Pose, Surface, World};
 use nalgebra::Vector3;
@@ -54,8 +54,11 @@ pub struct Candidates {
     pub pairs: Vec<PairCandidate>,
     /// Grains and surfaces, task after task.
     pub walls: Vec<WallCandidate>,
-    /// Impulse of each pair, and one of zero behind them.
+    /// Impulse of each pair that bore any, and one of zero behind them all. Those of other pairs mean nothing.
     pub pair_impulses: Vec<Impulse>,
+    /// Which pairs bore an impulse, or may have: those that were contacts in the last step, and since the list was built those that
+    /// were given one. Bits, a byte for each block of a task's pairs.
+    pub(crate) pairs_borne: Vec<u8>,
     /// Impulse of each grain and surface, and one of zero behind them.
     pub wall_impulses: Vec<Impulse>,
     /// Angular impulses of the same, where contacts bear torques; empty elsewhere. They mean nothing where the normal impulse
@@ -65,8 +68,6 @@ pub struct Candidates {
     pub wall_torques: Vec<AngularImpulse>,
     /// Number of times that the list was built.
     pub rebuilds: u64,
-    /// Whether the list was built after contacts were last laid out.
-    pub(crate) new_list: bool,
     torques: bool,
     boxes: BoxGrid,
     skin: f64,
@@ -91,7 +92,6 @@ struct Buffers {
     poses: Vec<Pose>,
     remembered_pairs: Remembered,
     remembered_walls: Remembered,
-    stages: [Vec<Range<u32>>; STAGES],
 }
 
 impl Candidates {
@@ -104,12 +104,12 @@ impl Candidates {
             pairs: Vec::new(),
             walls: Vec::new(),
             pair_impulses: vec![Impulse::default()],
+            pairs_borne: Vec::new(),
             wall_impulses: vec![Impulse::default()],
             pair_torques: Vec::new(),
             wall_torques: Vec::new(),
             torques,
             rebuilds: 0,
-            new_list: true,
             boxes: boxes.clone(),
             skin,
             range,
@@ -134,6 +134,11 @@ impl Candidates {
     /// Centres of the grains by place (m) and simulated time (s) when the list was built; absent while there is none.
     pub(crate) fn built_from(&self) -> Option<(&[Vector3<f64>], f64)> {
         (self.rebuilds > 0).then_some((&self.reference, self.built_at))
+    }
+
+    /// Places of the grains of a box, since the list was built.
+    pub(crate) fn grains_of_box(&self, number: usize) -> Range<usize> {
+        self.grid.grains_of_box(number)
     }
 
     /// Whether a grain may have come within touch of a grain or a wall that the list does not know.
@@ -175,28 +180,23 @@ impl Candidates {
         world.surfaces.iter_mut().for_each(Surface::enter_list);
         self.built_at = world.time;
         self.rebuilds += 1;
-        self.new_list = true;
     }
 
     /// Keeps the impulses of the old list, under the grains' new places.
     fn remember(&mut self, grains: usize, plan: &Plan, team: &Team) {
-        let Buffers { new_places, remembered_pairs, remembered_walls, stages, .. } = &mut self.buffers;
-        for (stage, tasks) in stages.iter_mut().enumerate() {
-            tasks.clear();
-            tasks.extend(plan.stage(stage).iter().map(|task| task.pairs.clone()));
-        }
+        let Buffers { new_places, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
         let (pairs, walls, places) = (&self.pairs, &self.walls, &*new_places);
         let key = |candidate: usize| {
             let PairCandidate { first, second } = pairs[candidate];
             (places[first as usize], places[second as usize])
         };
+        let of_task = |task: &PlannedTask| task.named(&self.pairs_borne);
         let (impulses, torques) = (&self.pair_impulses, &self.pair_torques);
-        remembered_pairs.collect(grains, &OldList { key, impulses, torques, stages }, team);
-        stages[0].clear();
-        stages[0].extend(plan.stage(0).iter().map(|task| task.walls.clone()));
+        remembered_pairs.collect(grains, &OldList { key, of_task, impulses, torques, plan, stages: STAGES }, team);
         let key = |candidate: usize| (places[walls[candidate].body as usize], walls[candidate].surface);
+        let of_task = |task: &PlannedTask| task.walls.start as usize..task.walls.end as usize;
         let (impulses, torques) = (&self.wall_impulses, &self.wall_torques);
-        remembered_walls.collect(grains, &OldList { key, impulses, torques, stages: &stages[..1] }, team);
+        remembered_walls.collect(grains, &OldList { key, of_task, impulses, torques, plan, stages: 1 }, team);
     }
 
     /// Each box looks for pairs and walls.
@@ -261,12 +261,13 @@ impl Candidates {
         resize(&mut self.wall_impulses, walls + 1, Impulse::default());
         (self.pair_impulses[pairs], self.wall_impulses[walls]) = (Impulse::default(), Impulse::default());
         self.bear_torques(self.torques);
+        resize(&mut self.pairs_borne, plan.blocks(), 0);
         let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
         let (pair_parts, wall_parts) = (Disjoint::new(&mut self.pairs), Disjoint::new(&mut self.walls));
         team.each(Phase::Detect, found.len(), |number| {
             let found = &found[number];
             let mut targets = found.targets;
-            for &(direction, pair) in &found.pairs {
+            for (&direction, &pair) in found.directions.iter().zip(&found.pairs) {
                 let target = &mut targets[direction as usize];
                 // SAFETY: each box has its own places in the list.
                 *unsafe { pair_parts.at(*target as usize) } = pair;
@@ -277,7 +278,7 @@ impl Candidates {
             unsafe { wall_parts.range(start..start + found.walls.len()) }.copy_from_slice(&found.walls);
         });
         let (pairs, walls) = (&self.pairs, &self.walls);
-        let pair_impulses = Disjoint::new(&mut self.pair_impulses);
+        let (pair_impulses, borne) = (Disjoint::new(&mut self.pair_impulses), Disjoint::new(&mut self.pairs_borne));
         let wall_impulses = Disjoint::new(&mut self.wall_impulses);
         let pair_torques = Disjoint::new(&mut self.pair_torques);
         let wall_torques = Disjoint::new(&mut self.wall_torques);
@@ -285,14 +286,21 @@ impl Candidates {
         team.each(Phase::Detect, plan.all_batches().len(), |batch| {
             for task in &plan.tasks()[plan.all_batches()[batch].clone()] {
                 let range = task.pairs.start as usize..task.pairs.end as usize;
-                for (candidate, pair) in range.clone().zip(&pairs[range]) {
-                    let borne = remembered_pairs.recall((pair.first, pair.second));
-                    // SAFETY: each task has its own candidates.
-                    unsafe { give(borne, candidate, &pair_impulses, torques.then_some(&pair_torques)) };
+                // SAFETY: each task has its own blocks.
+                let borne = unsafe { borne.range(task.blocks()) };
+                for ((first, block), borne) in range.clone().step_by(LANES).zip(pairs[range].chunks(LANES)).zip(borne) {
+                    *borne = 0;
+                    for (lane, pair) in block.iter().enumerate() {
+                        if let Some(known) = remembered_pairs.recall((pair.first, pair.second)) {
+                            *borne |= 1 << lane;
+                            // SAFETY: each task has its own candidates.
+                            unsafe { give(known, first + lane, &pair_impulses, torques.then_some(&pair_torques)) };
+                        }
+                    }
                 }
                 let range = task.walls.start as usize..task.walls.end as usize;
                 for (candidate, wall) in range.clone().zip(&walls[range]) {
-                    let borne = remembered_walls.recall((wall.body, wall.surface));
+                    let borne = remembered_walls.recall((wall.body, wall.surface)).unwrap_or_default();
                     // SAFETY: as above.
                     unsafe { give(borne, candidate, &wall_impulses, torques.then_some(&wall_torques)) };
                 }
@@ -300,11 +308,25 @@ impl Candidates {
         });
     }
 
+    /// Finds out which pairs bore an impulse, where impulses were written otherwise than by a step.
+    pub(crate) fn find_borne(&mut self, plan: &Plan) {
+        self.pairs_borne.clear();
+        for task in plan.tasks() {
+            let impulses = &self.pair_impulses[task.pairs.start as usize..task.pairs.end as usize];
+            self.pairs_borne.extend(impulses.chunks(LANES).map(|block| {
+                let bits =
+                    block.iter().enumerate().map(|(lane, impulse)| u8::from(*impulse != Impulse::default()) << lane);
+                bits.sum::<u8>()
+            }));
+        }
+    }
+
     pub(crate) fn memory_bytes(&self) -> usize {
         let buffers = &self.buffers;
         self.pairs.capacity() * size_of::<PairCandidate>()
             + self.walls.capacity() * size_of::<WallCandidate>()
             + (self.pair_impulses.capacity() + self.wall_impulses.capacity()) * size_of::<Impulse>()
+            + self.pairs_borne.capacity()
             + (self.pair_torques.capacity() + self.wall_torques.capacity()) * size_of::<AngularImpulse>()
             + self.reference.capacity() * size_of::<Vector3<f64>>()
             + self.grid.memory_bytes()

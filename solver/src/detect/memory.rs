@@ -1,8 +1,8 @@
 //! Impulses carried over from one candidate list to the next.
 
 use super::{AngularImpulse, Impulse};
+use crate::partition::{Plan, PlannedTask};
 use crate::schedule::{Disjoint, Phase, Team};
-use std::ops::Range;
 
 /// Non-zero impulses of an old list, grouped by their first grain's new place.
 #[derive(Clone, Debug, Default)]
@@ -14,26 +14,33 @@ pub(super) struct Remembered {
     torques: Vec<AngularImpulse>,
 }
 
-/// An old list: what each candidate is known by (new place of its first grain, anything for its partner), its impulses, and
-/// the tasks of each stage as ranges of candidates. Tasks of a stage share no first grain.
-pub(super) struct OldList<'a, K> {
+/// An old list: what each candidate is known by (new place of its first grain, anything for its partner), the candidates of a
+/// task that may have borne an impulse, the impulses, and the plan of tasks with the number of its stages that have candidates.
+/// Tasks of a stage share no first grain.
+pub(super) struct OldList<'a, K, T> {
     pub key: K,
+    pub of_task: T,
     pub impulses: &'a [Impulse],
     /// Empty where contacts bear no torques.
     pub torques: &'a [AngularImpulse],
-    pub stages: &'a [Vec<Range<u32>>],
+    pub plan: &'a Plan,
+    pub stages: usize,
 }
 
 impl Remembered {
     /// Groups the impulses of an old list.
-    pub fn collect<K: Fn(usize) -> (u32, u32) + Sync>(&mut self, grains: usize, old: &OldList<'_, K>, team: &Team) {
+    pub fn collect<K, T, C>(&mut self, grains: usize, old: &OldList<'_, K, T>, team: &Team)
+    where
+        K: Fn(usize) -> (u32, u32) + Sync,
+        T: Fn(&PlannedTask) -> C + Sync,
+        C: Iterator<Item = usize>,
+    {
         self.start.clear();
         self.start.resize(grains + 1, 0);
-        let live = |range: &Range<u32>| {
-            (range.start as usize..range.end as usize).filter(|&candidate| old.impulses[candidate].normal > 0.0)
-        };
+        let live = |task: &PlannedTask| (old.of_task)(task).filter(|&candidate| old.impulses[candidate].normal > 0.0);
         let counts = Disjoint::new(&mut self.start[1..]);
-        for tasks in old.stages {
+        for stage in 0..old.stages {
+            let tasks = old.plan.stage(stage);
             team.each(Phase::Detect, tasks.len(), |task| {
                 for candidate in live(&tasks[task]) {
                     // SAFETY: tasks of a stage share no first grain.
@@ -52,7 +59,8 @@ impl Remembered {
         });
         let (starts, partners) = (Disjoint::new(&mut self.start), Disjoint::new(&mut self.partners));
         let (impulses, torques) = (Disjoint::new(&mut self.impulses), Disjoint::new(&mut self.torques));
-        for tasks in old.stages {
+        for stage in 0..old.stages {
+            let tasks = old.plan.stage(stage);
             team.each(Phase::Detect, tasks.len(), |task| {
                 for candidate in live(&tasks[task]) {
                     let (first, partner) = (old.key)(candidate);
@@ -74,13 +82,13 @@ impl Remembered {
         self.start[0] = 0;
     }
 
-    /// The impulses of a candidate; zero if it had none.
+    /// The impulses of a candidate, if it had any.
     #[inline]
-    pub fn recall(&self, (first, partner): (u32, u32)) -> (Impulse, AngularImpulse) {
+    pub fn recall(&self, (first, partner): (u32, u32)) -> Option<(Impulse, AngularImpulse)> {
         let start = self.start[first as usize] as usize;
         let own = &self.partners[start..self.start[first as usize + 1] as usize];
-        let Some(at) = own.iter().position(|&known| known == partner) else { return Default::default() };
-        (self.impulses[start + at], self.torques.get(start + at).copied().unwrap_or_default())
+        let at = start + own.iter().position(|&known| known == partner)?;
+        Some((self.impulses[at], self.torques.get(at).copied().unwrap_or_default()))
     }
 
     pub fn memory_bytes(&self) -> usize {

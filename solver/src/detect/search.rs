@@ -9,8 +9,10 @@ use nalgebra::Vector3;
 /// What a box found; its buffers are kept from one search to the next.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Found {
-    /// Pairs, with the direction of the second grain's box.
-    pub pairs: Vec<(u8, PairCandidate)>,
+    /// Pairs.
+    pub pairs: Vec<PairCandidate>,
+    /// Direction of the box of each pair's second grain.
+    pub directions: Vec<u8>,
     /// Number of pairs by direction.
     pub counts: [u32; DIRECTIONS],
     /// Where the pairs of each direction go in the list.
@@ -31,7 +33,8 @@ pub(super) struct WallReach {
 impl Found {
     pub fn memory_bytes(&self) -> usize {
         size_of::<Found>()
-            + self.pairs.capacity() * size_of::<(u8, PairCandidate)>()
+            + self.pairs.capacity() * size_of::<PairCandidate>()
+            + self.directions.capacity()
             + self.walls.capacity() * size_of::<WallCandidate>()
     }
 
@@ -76,8 +79,10 @@ impl Found {
 
 /// Makes room for an eighth more pairs: doubling would waste memory that large scenes need.
 #[cold]
-fn make_room(pairs: &mut Vec<(u8, PairCandidate)>) {
+#[inline(never)]
+fn make_room(pairs: &mut Vec<PairCandidate>, directions: &mut Vec<u8>) {
     pairs.reserve_exact(pairs.len() / 8 + 32);
+    directions.reserve_exact(pairs.capacity() - directions.len());
 }
 
 /// Finds the pairs of a box: eight neighbours of a grain at a time.
@@ -95,8 +100,9 @@ impl<const PERIODIC: bool> Kernel for PairSearch<'_, PERIODIC> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let World { spheres, ids, period, .. } = self.world;
-        let Found { pairs, counts, .. } = self.found;
+        let Found { pairs, directions, counts, .. } = self.found;
         pairs.clear();
+        directions.clear();
         *counts = [0; DIRECTIONS];
         let base: *const Quad = spheres.as_ptr().cast();
         let surroundings = self.grid.surroundings(self.number);
@@ -125,9 +131,10 @@ impl<const PERIODIC: bool> Kernel for PairSearch<'_, PERIODIC> {
                             let (first, second) = if ids[grain] < ids[other] { (grain, other) } else { (other, grain) };
                             let pair = PairCandidate { first: first as u32, second: second as u32 };
                             if pairs.len() == pairs.capacity() {
-                                make_room(pairs);
+                                make_room(pairs, directions);
                             }
-                            pairs.push((*direction as u8, pair));
+                            pairs.push(pair);
+                            directions.push(*direction as u8);
                             counts[*direction] += 1;
                         }
                     }

@@ -309,6 +309,12 @@ pub(crate) fn prefetch_lines<T>(record: *const T, bytes: usize) {
     }
 }
 
+/// Asks for records that lie together.
+#[inline(always)]
+pub(crate) fn prefetch_range<T>(records: &[T]) {
+    prefetch_lines(records.as_ptr(), size_of_val(records));
+}
+
 /// Asks for the cache line at an address, which need not be one of this program's.
 #[inline(always)]
 pub(crate) fn prefetch(address: *const i8) {

@@ -54,8 +54,6 @@ pub struct TaskGroups {
     pub driven_walls: usize,
     /// Number of contacts, padding lanes left out.
     pub contacts: usize,
-    /// Which of each eight candidates of the task are contacts in this step, as bits.
-    pub(crate) touching: Vec<u8>,
     pairs_used: usize,
     walls_used: usize,
 }
@@ -129,7 +127,6 @@ impl Layout {
                 + task.pairs.capacity() * size_of::<PairGroup>()
                 + task.walls.capacity() * size_of::<WallGroup>()
                 + task.pair_waits.capacity()
-                + task.touching.capacity()
                 + (task.pair_sources.capacity() + task.wall_sources.capacity()) * size_of::<Sources>()
                 + task.pair_torques.capacity() * size_of::<TorqueLanes>()
                 + task.wall_torques.capacity() * size_of::<WallTorqueLanes>()

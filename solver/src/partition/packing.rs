@@ -3,9 +3,10 @@
 use super::{PairGroup, Sources, TaskGroups, WallGroup};
 use crate::detect::{PairCandidate, WallCandidate};
 use crate::effects::EffectSet;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, prefetch_lines};
 use crate::schedule::Disjoint;
 use std::marker::PhantomData;
+use std::ops::Range;
 
 /// Number of groups that may take contacts at a time.
 const WINDOW: u32 = 64;
@@ -101,6 +102,13 @@ impl<'a> Packer<'a> {
             filled: [0; WINDOW as usize],
             bodies: PhantomData,
         }
+    }
+
+    /// Asks for what is known of bodies that lie together.
+    #[inline(always)]
+    pub fn fetch(&self, bodies: Range<usize>) {
+        // SAFETY: only the address is used, of which nothing is read.
+        prefetch_lines(self.taken.wrapping_add(bodies.start), bodies.len() * size_of::<Taken>());
     }
 
     /// The number from which a packer may begin that comes after this one.

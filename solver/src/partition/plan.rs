@@ -1,6 +1,7 @@
 //! The plan of tasks: which there are, stage by stage, and which candidates belong to each.
 
 use super::STAGES;
+use crate::lanes::LANES;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -34,8 +35,36 @@ pub struct PlannedTask {
     pub home: u32,
     /// Its pairs of grains, in the list of candidates.
     pub pairs: Range<u32>,
+    /// Number of the first of its blocks of eight pairs, the last of which may be smaller; counted over all tasks.
+    pub first_block: u32,
     /// Its grains and surfaces, in the list of candidates.
     pub walls: Range<u32>,
+}
+
+impl PlannedTask {
+    /// Whether its pairs are of grains of one box.
+    pub(crate) fn is_interior(&self) -> bool {
+        self.number == self.home
+    }
+
+    /// Its blocks of eight pairs.
+    pub(crate) fn blocks(&self) -> Range<usize> {
+        let first = self.first_block as usize;
+        first..first + self.pairs.len().div_ceil(LANES)
+    }
+
+    /// The pairs that a mask a block names, by their place in the list of candidates, which grows.
+    pub(crate) fn named<'a>(&self, blocks: &'a [u8]) -> impl Iterator<Item = usize> + use<'a> {
+        let start = self.pairs.start as usize;
+        blocks[self.blocks()].iter().enumerate().flat_map(move |(block, &mask)| {
+            let mut left = mask;
+            std::iter::from_fn(move || {
+                let lane = (left != 0).then(|| left.trailing_zeros() as usize)?;
+                left &= left - 1;
+                Some(start + block * LANES + lane)
+            })
+        })
+    }
 }
 
 /// Tasks in the order of their stages and boxes. Made anew with each candidate list.
@@ -75,7 +104,14 @@ impl Plan {
                 let pairs = pair_starts[number]..pair_starts[number + 1];
                 let walls = if stage == 0 { wall_starts[home]..wall_starts[home + 1] } else { 0..0 };
                 if !pairs.is_empty() || !walls.is_empty() {
-                    self.tasks.push(PlannedTask { number: number as u32, home: home as u32, pairs, walls });
+                    let first_block = self.blocks() as u32;
+                    self.tasks.push(PlannedTask {
+                        number: number as u32,
+                        home: home as u32,
+                        pairs,
+                        first_block,
+                        walls,
+                    });
                 }
             }
         }
@@ -116,10 +152,15 @@ impl Plan {
     pub(crate) fn single(pairs: u32, walls: u32) -> Plan {
         let mut stages = [1; STAGES + 1];
         stages[0] = 0;
-        let tasks = vec![PlannedTask { number: 0, home: 0, pairs: 0..pairs, walls: 0..walls }];
+        let tasks = vec![PlannedTask { number: 0, home: 0, pairs: 0..pairs, first_block: 0, walls: 0..walls }];
         let mut plan = Plan { tasks, stages, ..Plan::default() };
         plan.batch();
         plan
+    }
+
+    /// Number of blocks of all tasks.
+    pub(crate) fn blocks(&self) -> usize {
+        self.tasks.last().map_or(0, |task| task.blocks().end)
     }
 
     /// All tasks.
