@@ -8,7 +8,7 @@ use crate::effects::restitution::{at_speed, impact_on_the_way};
 use crate::lanes::{
     Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch_lines, prefetch_places, prefetch_range, times,
 };
-use crate::partition::{PlannedTask, TaskGroups};
+use crate::partition::{PairGroup, PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
 use nalgebra::Vector3;
 
@@ -32,19 +32,25 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
         let impulses: *const Quad = self.impulses.as_ptr().cast();
         let nothing = self.given.candidates.pairs.len() as u32;
         let groups = &mut self.groups.pairs;
+        let sources = &self.groups.pair_sources;
+        // The grains of an interior lie together; those of a face, an edge or a corner here and there.
         let interior = self.task.is_interior();
         if interior {
             prefetch_range(&world.before[self.given.candidates.grains_of_box(self.task.home as usize)]);
         }
-        for (number, sources) in self.groups.pair_sources.iter().enumerate() {
-            if let Some(ahead) = groups.get(number + PREFETCH) {
+        let ask = |groups: &[PairGroup], number: usize| {
+            if let (Some(group), Some(sources)) = (groups.get(number), sources.get(number)) {
+                prefetch_lines(group, size_of::<PairGroup>());
+                prefetch_places(impulses, &sources.or(nothing));
                 if !interior {
-                    prefetch_places(before, &ahead.first);
-                    prefetch_places(before, &ahead.second);
+                    prefetch_places(before, &group.first);
+                    prefetch_places(before, &group.second);
                 }
-                prefetch_lines(ahead, size_of::<crate::partition::PairGroup>());
-                prefetch_places(impulses, &self.groups.pair_sources[number + PREFETCH].or(nothing));
             }
+        };
+        (0..PREFETCH).for_each(|number| ask(groups, number));
+        for (number, sources) in sources.iter().enumerate() {
+            ask(groups, number + PREFETCH);
             let group = &mut groups[number];
             // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.
             let ([x, y, z, radius], [to_x, to_y, to_z, to_radius], [u, v, w, inverse_mass], remembered) = unsafe {

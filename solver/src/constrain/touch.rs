@@ -2,7 +2,7 @@
 
 use super::Given;
 use crate::detect::{Impulse, PairCandidate};
-use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, prefetch, prefetch_range};
+use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, prefetch_places, prefetch_range};
 use crate::partition::{Packer, PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
 
@@ -30,19 +30,28 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
         let start = task.pairs.start;
         let candidates = &given.candidates.pairs[start as usize..task.pairs.end as usize];
         let blocks = candidates.len().div_ceil(LANES);
+        let ask = |packer: &Packer<'_>, candidates: &[PairCandidate], block: usize| {
+            for pair in candidates.iter().skip(block * LANES).take(LANES) {
+                let bodies = [pair.first, pair.second];
+                prefetch_places(given.world.spheres.as_ptr(), &bodies);
+                packer.fetch_each(&bodies);
+            }
+        };
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
         let interior = task.is_interior();
         if interior {
             let grains = given.candidates.grains_of_box(task.home as usize);
             prefetch_range(&given.world.spheres[grains.clone()]);
             packer.fetch(grains);
+        } else {
+            (0..PREFETCH).for_each(|block| ask(&packer, candidates, block));
         }
         for batch in (0..blocks).step_by(BATCH) {
             // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
             let mut touching = Listed::default();
             for block in batch..blocks.min(batch + BATCH) {
                 if !interior {
-                    fetch(given, candidates, (block + PREFETCH) * LANES);
+                    ask(&packer, candidates, block + PREFETCH);
                 }
                 let first = block * LANES;
                 let mask = touching_of::<L, PERIODIC>(given, &candidates[first..candidates.len().min(first + LANES)]);
@@ -121,18 +130,6 @@ impl Listed {
 
     fn list(&self) -> &[u32] {
         &self.numbers[..self.length]
-    }
-}
-
-/// Asks for the spheres of the eight candidates from `block` on.
-#[inline(always)]
-fn fetch(given: &Given<'_>, candidates: &[PairCandidate], block: usize) {
-    let spheres: *const Quad = given.world.spheres.as_ptr().cast();
-    if let Some(block) = candidates.get(block..block + LANES) {
-        for pair in block {
-            prefetch(spheres.wrapping_add(pair.first as usize).cast());
-            prefetch(spheres.wrapping_add(pair.second as usize).cast());
-        }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{PairGroup, Sources, TaskGroups, WallGroup};
 use crate::detect::{PairCandidate, WallCandidate};
 use crate::effects::EffectSet;
-use crate::lanes::{LANES, prefetch_lines};
+use crate::lanes::{LANES, prefetch_lines, prefetch_places};
 use crate::schedule::Disjoint;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -109,6 +109,12 @@ impl<'a> Packer<'a> {
     pub fn fetch(&self, bodies: Range<usize>) {
         // SAFETY: only the address is used, of which nothing is read.
         prefetch_lines(self.taken.wrapping_add(bodies.start), bodies.len() * size_of::<Taken>());
+    }
+
+    /// Asks for what is known of bodies here and there.
+    #[inline(always)]
+    pub fn fetch_each(&self, bodies: &[u32]) {
+        prefetch_places(self.taken, bodies);
     }
 
     /// The number from which a packer may begin that comes after this one.
