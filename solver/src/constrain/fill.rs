@@ -35,7 +35,7 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
         let sources = &self.groups.pair_sources;
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
         let interior = self.task.is_interior();
-        if interior {
+        if self.given.fetches && interior {
             prefetch_range(&world.before[self.given.candidates.grains_of_box(self.task.home as usize)]);
         }
         let ask = |groups: &[PairGroup], number: usize| {
@@ -48,9 +48,13 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
                 }
             }
         };
-        (0..PREFETCH).for_each(|number| ask(groups, number));
+        if self.given.fetches {
+            (0..PREFETCH).for_each(|number| ask(groups, number));
+        }
         for (number, sources) in sources.iter().enumerate() {
-            ask(groups, number + PREFETCH);
+            if self.given.fetches {
+                ask(groups, number + PREFETCH);
+            }
             let group = &mut groups[number];
             // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.
             let ([x, y, z, radius], [to_x, to_y, to_z, to_radius], [u, v, w, inverse_mass], remembered) = unsafe {

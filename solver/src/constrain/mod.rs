@@ -60,6 +60,8 @@ struct Given<'a> {
     poses: &'a [Pose],
     constants: StepConstants,
     effects: EffectSet,
+    /// Whether what a step touches is too large for the cache, and fetched ahead.
+    fetches: bool,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,
 }
@@ -114,6 +116,7 @@ impl Constrainer {
         self.poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.constants.scheme.step)));
         self.follow(world.gravity.norm());
         self.taken.start(world.grains());
+        let fetches = layout.prefetch(world.bodies.len()) > 0;
         // Each candidate belongs to one task, so their impulses are written without a lock.
         let mut pair_impulses = std::mem::take(&mut candidates.pair_impulses);
         let mut borne = std::mem::take(&mut candidates.pairs_borne);
@@ -127,6 +130,7 @@ impl Constrainer {
                 poses: &self.poses,
                 constants: self.constants,
                 effects: self.effects,
+                fetches,
                 material: world.table.of_all_grains(),
             };
             let groups = Disjoint::new(&mut layout.groups);

@@ -39,18 +39,18 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
         };
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
         let interior = task.is_interior();
-        if interior {
+        if given.fetches && interior {
             let grains = given.candidates.grains_of_box(task.home as usize);
             prefetch_range(&given.world.spheres[grains.clone()]);
             packer.fetch(grains);
-        } else {
+        } else if given.fetches {
             (0..PREFETCH).for_each(|block| ask(&packer, candidates, block));
         }
         for batch in (0..blocks).step_by(BATCH) {
             // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
             let mut touching = Listed::default();
             for block in batch..blocks.min(batch + BATCH) {
-                if !interior {
+                if given.fetches && !interior {
                     ask(&packer, candidates, block + PREFETCH);
                 }
                 let first = block * LANES;
