@@ -106,16 +106,11 @@ fn remembered<'a>(
     impulses: &'a [Impulse],
     name: impl Fn(usize) -> (u32, u32) + 'a,
 ) -> impl Iterator<Item = Remembered> + 'a {
-    let all = candidates.map(move |candidate| {
+    candidates.filter(|&candidate| !impulses[candidate].is_blank()).map(move |candidate| {
         let Impulse { normal, tangential: [x, y, z] } = impulses[candidate];
-        (candidate, [normal, x, y, z])
-    });
-    all.filter(|(_, impulse)| impulse.iter().any(|component| component.to_bits() != 0)).map(
-        move |(candidate, impulse)| {
-            let (first, second) = name(candidate);
-            Remembered { candidate: candidate as u32, first, second, impulse }
-        },
-    )
+        let (first, second) = name(candidate);
+        Remembered { candidate: candidate as u32, first, second, impulse: [normal, x, y, z] }
+    })
 }
 
 /// The angular impulses that go with these; none where contacts bear no torques.

@@ -29,7 +29,6 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
         let PackPairs { given, task, dummies, mut packer, groups, impulses, borne } = self;
         let start = task.pairs.start;
         let candidates = &given.candidates.pairs[start as usize..task.pairs.end as usize];
-        let blocks = candidates.len().div_ceil(LANES);
         let ask = |packer: &Packer<'_>, candidates: &[PairCandidate], block: usize| {
             for pair in candidates.iter().skip(block * LANES).take(LANES) {
                 let bodies = [pair.first, pair.second];
@@ -46,18 +45,19 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
         } else if given.fetches {
             (0..PREFETCH).for_each(|block| ask(&packer, candidates, block));
         }
-        for batch in (0..blocks).step_by(BATCH) {
+        for (batch, borne) in borne.chunks_mut(BATCH).enumerate() {
             // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
             let mut touching = Listed::default();
-            for block in batch..blocks.min(batch + BATCH) {
+            for (block, borne) in borne.iter_mut().enumerate() {
+                let block = batch * BATCH + block;
                 if given.fetches && !interior {
                     ask(&packer, candidates, block + PREFETCH);
                 }
                 let first = block * LANES;
                 let mask = touching_of::<L, PERIODIC>(given, &candidates[first..candidates.len().min(first + LANES)]);
                 touching.append(first as u32, mask);
-                let before = std::mem::replace(&mut borne[block], mask);
-                forget(impulses, start as usize + first, mask & !before);
+                forget(impulses, start as usize + first, mask & !*borne);
+                *borne = mask;
             }
             for &number in touching.list() {
                 // SAFETY: numbers below that of the candidates were listed; the promise of whoever made this.

@@ -15,6 +15,9 @@ use std::ops::Range;
 /// Reach of the list towards walls over its reach towards grains. Grains drift together, but not with the walls.
 const WALL_SKINS: f64 = 4.0;
 
+/// Blocks of pairs whose impulses are looked for before the first of them are read.
+const BLOCKS: usize = 8;
+
 /// Two grains that may touch, by their places; the first has the smaller id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PairCandidate {
@@ -41,6 +44,14 @@ pub struct Impulse {
     pub normal: f64,
     /// Tangential impulse on the second body or on the wall.
     pub tangential: [f64; 3],
+}
+
+impl Impulse {
+    /// Whether it is zero to the last bit: a negative zero is none.
+    pub(crate) fn is_blank(&self) -> bool {
+        let [x, y, z] = self.tangential;
+        [self.normal, x, y, z].iter().all(|component| component.to_bits() == 0)
+    }
 }
 
 /// Angular impulse that a candidate bore in the last step, on its second side, N m s.
@@ -288,19 +299,32 @@ impl Candidates {
                 let range = task.pairs.start as usize..task.pairs.end as usize;
                 // SAFETY: each task has its own blocks.
                 let borne = unsafe { borne.range(task.blocks()) };
-                for ((first, block), borne) in range.clone().step_by(LANES).zip(pairs[range].chunks(LANES)).zip(borne) {
-                    *borne = 0;
-                    for (lane, pair) in block.iter().enumerate() {
-                        if let Some(known) = remembered_pairs.recall((pair.first, pair.second)) {
-                            *borne |= 1 << lane;
-                            // SAFETY: each task has its own candidates.
-                            unsafe { give(known, first + lane, &pair_impulses, torques.then_some(&pair_torques)) };
+                for ((first, pairs), borne) in range
+                    .clone()
+                    .step_by(BLOCKS * LANES)
+                    .zip(pairs[range].chunks(BLOCKS * LANES))
+                    .zip(borne.chunks_mut(BLOCKS))
+                {
+                    // First where the impulses of some pairs are, then the impulses, which take their time to come.
+                    let (mut found, mut count) = ([(0, 0); BLOCKS * LANES], 0);
+                    borne.fill(0);
+                    for (place, pair) in pairs.iter().enumerate() {
+                        if let Some(known) = remembered_pairs.find((pair.first, pair.second)) {
+                            borne[place / LANES] |= 1 << (place % LANES);
+                            found[count] = (first + place, known);
+                            count += 1;
                         }
+                    }
+                    for &(candidate, known) in &found[..count] {
+                        let known = remembered_pairs.recall(known);
+                        // SAFETY: each task has its own candidates.
+                        unsafe { give(known, candidate, &pair_impulses, torques.then_some(&pair_torques)) };
                     }
                 }
                 let range = task.walls.start as usize..task.walls.end as usize;
                 for (candidate, wall) in range.clone().zip(&walls[range]) {
-                    let borne = remembered_walls.recall((wall.body, wall.surface)).unwrap_or_default();
+                    let known = remembered_walls.find((wall.body, wall.surface));
+                    let borne = known.map(|place| remembered_walls.recall(place)).unwrap_or_default();
                     // SAFETY: as above.
                     unsafe { give(borne, candidate, &wall_impulses, torques.then_some(&wall_torques)) };
                 }
@@ -314,8 +338,7 @@ impl Candidates {
         for task in plan.tasks() {
             let impulses = &self.pair_impulses[task.pairs.start as usize..task.pairs.end as usize];
             self.pairs_borne.extend(impulses.chunks(LANES).map(|block| {
-                let bits =
-                    block.iter().enumerate().map(|(lane, impulse)| u8::from(*impulse != Impulse::default()) << lane);
+                let bits = block.iter().enumerate().map(|(lane, impulse)| u8::from(!impulse.is_blank()) << lane);
                 bits.sum::<u8>()
             }));
         }

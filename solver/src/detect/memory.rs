@@ -1,6 +1,7 @@
 //! Impulses carried over from one candidate list to the next.
 
 use super::{AngularImpulse, Impulse};
+use crate::lanes::prefetch_places;
 use crate::partition::{Plan, PlannedTask};
 use crate::schedule::{Disjoint, Phase, Team};
 
@@ -82,13 +83,21 @@ impl Remembered {
         self.start[0] = 0;
     }
 
-    /// The impulses of a candidate, if it had any.
+    /// Where the impulses of a candidate are, if it had any; they are asked for.
     #[inline]
-    pub fn recall(&self, (first, partner): (u32, u32)) -> Option<(Impulse, AngularImpulse)> {
+    pub fn find(&self, (first, partner): (u32, u32)) -> Option<u32> {
         let start = self.start[first as usize] as usize;
         let own = &self.partners[start..self.start[first as usize + 1] as usize];
-        let at = start + own.iter().position(|&known| known == partner)?;
-        Some((self.impulses[at], self.torques.get(at).copied().unwrap_or_default()))
+        let place = start + own.iter().position(|&known| known == partner)?;
+        prefetch_places(self.impulses.as_ptr(), &[place as u32]);
+        Some(place as u32)
+    }
+
+    /// The impulses that were found at a place.
+    #[inline]
+    pub fn recall(&self, place: u32) -> (Impulse, AngularImpulse) {
+        let place = place as usize;
+        (self.impulses[place], self.torques.get(place).copied().unwrap_or_default())
     }
 
     pub fn memory_bytes(&self) -> usize {
