@@ -3,7 +3,7 @@
 //! ```text
 //! prepared state ─> measure ─> timings ─────────────────────────> rows ─┐
 //!                          └─> traces ─> replay on P workers ───> rows ─┼─> findings, figures, page, CSV
-//!                  costs (queue, stealing, memory) ─> machine ┘         │
+//!             costs (queue, stealing), hardware ─> machine ────┘         │
 //!                                    replay against measurement <───────┘
 //! ```
 //!
@@ -12,6 +12,7 @@
 mod costs;
 mod figures;
 mod findings;
+mod hardware;
 mod machine;
 mod measure;
 mod page;
@@ -23,8 +24,9 @@ mod tasks;
 mod terminal;
 mod write;
 
+pub use costs::Costs;
 pub(crate) use costs::median;
-pub use costs::{Bandwidth, Costs, cache_bytes, clock};
+pub use hardware::{Bandwidth, cache_bytes, clock};
 pub use machine::{MOST_WORKERS, Machine, worker_counts};
 pub use measure::{MeasureError, Measurement, Plan, Times, Timing, Traces, WARM_UP};
 pub use replay::{Replayed, Traffic, replay};

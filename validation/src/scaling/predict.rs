@@ -120,3 +120,47 @@ pub(super) fn checks(plan: &Plan, measurement: &Measurement, here: &Machine, rep
     });
     checks.filter(|check| check.threads <= MOST_WORKERS).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::costs::Costs;
+    use super::*;
+    use crate::execution::Execution;
+    use crate::sweep_bytes::SweepBytes;
+    use makadam::schedule::StepTrace;
+
+    /// Ten sweeps of 0.1 s that move 3 GB each.
+    fn traced(touched: usize) -> (Traces, Measurement) {
+        let region = Region { phase: Phase::Sweep, tasks: vec![0.05; 2] };
+        let steps = vec![StepTrace { regions: vec![region; 10] }];
+        let traces = Traces { configuration: Execution::serial(), steps, sweeps: vec![10], task_time_ratio: 1.0 };
+        let measurement = Measurement {
+            particles: 1,
+            contacts: 1.0,
+            contact_sweeps: 10.0,
+            simulation_bytes: 10 * touched,
+            sweep_bytes: SweepBytes { touched, moved: 3_000_000_000 },
+            timings: Vec::new(),
+            traces: Vec::new(),
+            traces_same_bits: true,
+        };
+        (traces, measurement)
+    }
+
+    #[test]
+    fn memory_holds_up_what_a_cache_does_not_hold() {
+        let machine = Machine::here(Costs::default(), (10e9, 2), 32 << 20);
+        let (traces, fits) = traced(32 << 20);
+        assert_eq!(traffic(&machine, &traces, &fits, 2), None, "though the whole simulation is ten times as large");
+        let (traces, exceeds) = traced((32 << 20) + 1);
+        let traffic = traffic(&machine, &traces, &exceeds, 2).unwrap();
+        assert!((traffic.bytes_per_second / 30e9 - 1.0).abs() < 1e-12 && traffic.ceiling == 10e9, "{traffic:?}");
+        // Two workers ask for six times what the memory delivers.
+        let [free, held] = [&fits, &exceeds].map(|measurement| {
+            let rows = curves(&machine, &[&traces], measurement, &[]);
+            let two = rows.iter().find(|row| row.scheduler == Scheduler::WorkStealing && row.workers == 2);
+            two.unwrap().sweep_seconds
+        });
+        assert!((held / free - 6.0).abs() < 1e-9, "{held} and {free}");
+    }
+}

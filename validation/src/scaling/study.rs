@@ -1,6 +1,7 @@
 //! A scaling study: rows made of a measurement, and replays of its traces on models of machines.
 
-use super::costs::{Bandwidth, median};
+use super::costs::median;
+use super::hardware::Bandwidth;
 use super::machine::Machine;
 use super::measure::{Measurement, Plan, Timing, Traces, WARM_UP};
 use super::predict::{checks, curves};
