@@ -29,13 +29,6 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
         let PackPairs { given, task, dummies, mut packer, groups, impulses, borne } = self;
         let start = task.pairs.start;
         let candidates = &given.candidates.pairs[start as usize..task.pairs.end as usize];
-        let ask = |packer: &Packer<'_>, candidates: &[PairCandidate], block: usize| {
-            for pair in candidates.iter().skip(block * LANES).take(LANES) {
-                let bodies = [pair.first, pair.second];
-                prefetch_places(given.world.spheres.as_ptr(), &bodies);
-                packer.fetch_each(&bodies);
-            }
-        };
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
         let interior = task.is_interior();
         if given.fetches && interior {
@@ -43,7 +36,7 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
             prefetch_range(&given.world.spheres[grains.clone()]);
             packer.fetch(grains);
         } else if given.fetches {
-            (0..PREFETCH).for_each(|block| ask(&packer, candidates, block));
+            (0..PREFETCH).for_each(|block| fetch(given, &packer, candidates, block));
         }
         for (batch, borne) in borne.chunks_mut(BATCH).enumerate() {
             // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
@@ -51,7 +44,7 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
             for (block, borne) in borne.iter_mut().enumerate() {
                 let block = batch * BATCH + block;
                 if given.fetches && !interior {
-                    ask(&packer, candidates, block + PREFETCH);
+                    fetch(given, &packer, candidates, block + PREFETCH);
                 }
                 let first = block * LANES;
                 let mask = touching_of::<L, PERIODIC>(given, &candidates[first..candidates.len().min(first + LANES)]);
@@ -130,6 +123,16 @@ impl Listed {
 
     fn list(&self) -> &[u32] {
         &self.numbers[..self.length]
+    }
+}
+
+/// Asks for what is known of the bodies of a block of candidates.
+#[inline(always)]
+fn fetch(given: &Given<'_>, packer: &Packer<'_>, candidates: &[PairCandidate], block: usize) {
+    for pair in candidates.iter().skip(block * LANES).take(LANES) {
+        let bodies = [pair.first, pair.second];
+        prefetch_places(given.world.spheres.as_ptr(), &bodies);
+        packer.fetch_each(&bodies);
     }
 }
 

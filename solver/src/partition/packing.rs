@@ -107,7 +107,6 @@ impl<'a> Packer<'a> {
     /// Asks for what is known of bodies that lie together.
     #[inline(always)]
     pub fn fetch(&self, bodies: Range<usize>) {
-        // SAFETY: only the address is used, of which nothing is read.
         prefetch_lines(self.taken.wrapping_add(bodies.start), bodies.len() * size_of::<Taken>());
     }
 
@@ -279,5 +278,54 @@ fn make_room<G>(groups: &mut Vec<G>, sources: &mut Vec<Sources>) {
     if groups.len() == groups.capacity() {
         groups.reserve_exact(groups.len() / 8 + 2);
         sources.reserve_exact(groups.capacity() - sources.len());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Places of contacts of random pairs of 60 bodies, packed by two tasks one after the other.
+    fn places(taken: &mut TakenGroups, pairs: &[[u32; 2]]) -> Vec<(usize, usize, usize)> {
+        taken.start(60);
+        let mut places = Vec::new();
+        for (task, pairs) in pairs.chunks(pairs.len() / 2).enumerate() {
+            let (bodies, base, next) = taken.stage();
+            let mut packer = Packer::new(&bodies, base, pairs.len());
+            for &pair in pairs {
+                // SAFETY: there is no other task.
+                let (group, lane) = unsafe { packer.place(pair) };
+                places.push((task, group, lane));
+            }
+            *next = packer.next();
+        }
+        places
+    }
+
+    #[test]
+    fn groups_share_no_body_and_numbers_that_begin_anew_change_nothing() {
+        let mut state = 1_u64;
+        let mut random = |below: u64| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            ((state >> 33) % below) as u32
+        };
+        let pairs: Vec<[u32; 2]> = (0..1000)
+            .map(|_| {
+                let first = random(60);
+                [first, (first + 1 + random(59)) % 60]
+            })
+            .collect();
+        let mut taken = TakenGroups::default();
+        let first = places(&mut taken, &pairs);
+        let mut seen = std::collections::BTreeSet::new();
+        for (&(task, group, lane), pair) in first.iter().zip(&pairs) {
+            assert!(lane < LANES);
+            assert!(pair.iter().all(|&body| seen.insert((task, group, body))), "a group has a body twice");
+        }
+        assert_eq!(places(&mut taken, &pairs), first, "what the step before left is not seen");
+        // What was left names numbers that will be given again.
+        taken.next = u32::MAX / 2 + 1;
+        assert_eq!(places(&mut taken, &pairs), first);
+        assert!(taken.next < u32::MAX / 2);
     }
 }
