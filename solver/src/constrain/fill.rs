@@ -38,7 +38,7 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
         if self.given.fetches && interior {
             prefetch_range(&world.before[self.given.candidates.grains_of_box(self.task.home as usize)]);
         }
-        let ask = |groups: &[PairGroup], number: usize| {
+        let fetch = |groups: &[PairGroup], number: usize| {
             if let (Some(group), Some(sources)) = (groups.get(number), sources.get(number)) {
                 prefetch_lines(group, size_of::<PairGroup>());
                 prefetch_places(impulses, &sources.or(nothing));
@@ -49,11 +49,11 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
             }
         };
         if self.given.fetches {
-            (0..PREFETCH).for_each(|number| ask(groups, number));
+            (0..PREFETCH).for_each(|number| fetch(groups, number));
         }
         for (number, sources) in sources.iter().enumerate() {
             if self.given.fetches {
-                ask(groups, number + PREFETCH);
+                fetch(groups, number + PREFETCH);
             }
             let group = &mut groups[number];
             // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.

@@ -2,7 +2,7 @@
 
 use super::Given;
 use crate::detect::{Impulse, PairCandidate};
-use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, prefetch_places, prefetch_range};
+use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, lanes_of, prefetch_places, prefetch_range};
 use crate::partition::{Packer, PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
 
@@ -53,7 +53,7 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
                 *borne = mask;
             }
             for &number in touching.list() {
-                // SAFETY: numbers below that of the candidates were listed; the promise of whoever made this.
+                // SAFETY: numbers below that of the candidates were listed; the promise of whoever made this; the place is the packer's.
                 unsafe {
                     let pair = *candidates.get_unchecked(number as usize);
                     groups.put_pair(packer.place([pair.first, pair.second]), pair, start + number, dummies);
@@ -163,11 +163,10 @@ fn touching<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCand
 /// Forgets what those of eight candidates bore that a mask names: a contact that closes, for the first time or again, starts from
 /// nothing.
 #[inline(always)]
-fn forget(impulses: &Disjoint<'_, Impulse>, first: usize, mut closing: u8) {
-    while closing != 0 {
+fn forget(impulses: &Disjoint<'_, Impulse>, first: usize, closing: u8) {
+    for lane in lanes_of(closing) {
         // SAFETY: the promise of whoever made the kernel: the candidates are its own.
-        *unsafe { impulses.at(first + closing.trailing_zeros() as usize) } = Impulse::default();
-        closing &= closing - 1;
+        *unsafe { impulses.at(first + lane) } = Impulse::default();
     }
 }
 

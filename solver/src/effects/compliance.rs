@@ -163,10 +163,10 @@ impl<N: Number> NormalContact<N> {
         };
         // c/k over h is 2 zeta / (h sqrt(k/m)); it never falls below `damping_steps`.
         let critical = N::splat(2.0) * self.damping_ratio;
-        let damping_time = N::splat(damping_steps * h * damping_steps * h);
+        let damping_time_squared = N::splat(damping_steps * h * damping_steps * h);
         // Where no lane resolves its impact by far, so that rounding does not matter, that is all there is to know.
         let far = N::splat(1.0 + 1e-9) * critical * critical;
-        let (steps, resolves_impact) = if N::all(far.below(stiffness * self.inverse_mass * damping_time)) {
+        let (steps, resolves_impact) = if N::all(far.below(stiffness * self.inverse_mass * damping_time_squared)) {
             (N::splat(damping_steps), one.below(N::zero()))
         } else {
             let frequency = (stiffness * self.inverse_mass).sqrt() * N::splat(h);
@@ -175,7 +175,7 @@ impl<N: Number> NormalContact<N> {
                 NormalLaw::Hertz => hertz(ahead),
                 _ => stiffness,
             };
-            let resolves = (stiffness_ahead * self.inverse_mass * damping_time).below(critical * critical);
+            let resolves = (stiffness_ahead * self.inverse_mass * damping_time_squared).below(critical * critical);
             ((critical / frequency).larger(N::splat(damping_steps)), resolves)
         };
         let softened = one / ((one + N::splat(4.0) * steps) * stiffness);

@@ -292,6 +292,17 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
 #[cfg(all(test, target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
 pub(crate) mod disassembly;
 
+/// The lanes that a mask of bits names, the lowest first.
+#[inline(always)]
+pub(crate) fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
+    let mut left = mask;
+    std::iter::from_fn(move || {
+        let lane = (left != 0).then(|| left.trailing_zeros() as usize)?;
+        left &= left - 1;
+        Some(lane)
+    })
+}
+
 /// Asks for the records at so many places, each no longer than a cache line.
 #[inline(always)]
 pub(crate) fn prefetch_places<T>(records: *const T, places: &[u32]) {

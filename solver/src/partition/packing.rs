@@ -127,14 +127,14 @@ impl<'a> Packer<'a> {
     /// No other task may use these bodies meanwhile.
     #[inline(always)]
     pub unsafe fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (usize, usize) {
-        let mut window = self.window;
+        let (mut window, taken) = (self.window, self.taken);
         // SAFETY: the caller's promise.
-        let mut masks = bodies.map(|body| unsafe { *self.taken.add(body as usize) }.seen_from(window.start));
+        let taken_from = |start| bodies.map(|body| unsafe { *taken.add(body as usize) }.seen_from(start));
+        let mut masks = taken_from(window.start);
         let mut free = window.open & !shared(masks, self.spaced);
         while free == 0 {
             window = window.advance(&mut self.filled);
-            // SAFETY: as above.
-            masks = bodies.map(|body| unsafe { *self.taken.add(body as usize) }.seen_from(window.start));
+            masks = taken_from(window.start);
             free = window.open & !shared(masks, self.spaced);
         }
         let place = free.trailing_zeros();
@@ -178,15 +178,18 @@ impl Window {
 
 impl TaskGroups {
     /// Puts a contact of two grains into a lane; groups are opened up to its own.
+    ///
+    /// # Safety
+    /// The place is a packer's: its lane is one of the group's. There are as many sources as groups.
     #[inline(always)]
-    pub(crate) fn put_pair(&mut self, at: (usize, usize), pair: PairCandidate, candidate: u32, dummies: u32) {
+    pub(crate) unsafe fn put_pair(&mut self, at: (usize, usize), pair: PairCandidate, candidate: u32, dummies: u32) {
         let (group, lane) = at;
         if group >= self.pairs.len() {
             self.open_pairs(group + 1, dummies);
         }
         self.pairs_used = self.pairs_used.max(group + 1);
         debug_assert!(lane < LANES && self.pair_sources.len() == self.pairs.len());
-        // SAFETY: groups were opened up to this one, and their sources with them; a packer names no lane that is not there.
+        // SAFETY: groups were opened up to this one, and their sources with them; the caller's promise.
         unsafe {
             let contact = self.pairs.get_unchecked_mut(group);
             *contact.first.get_unchecked_mut(lane) = pair.first;

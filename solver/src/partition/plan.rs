@@ -1,7 +1,7 @@
 //! The plan of tasks: which there are, stage by stage, and which candidates belong to each.
 
 use super::STAGES;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, lanes_of};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -56,14 +56,8 @@ impl PlannedTask {
     /// The pairs that a mask a block names, by their place in the list of candidates, which grows.
     pub(crate) fn named<'a>(&self, blocks: &'a [u8]) -> impl Iterator<Item = usize> + use<'a> {
         let start = self.pairs.start as usize;
-        blocks[self.blocks()].iter().enumerate().flat_map(move |(block, &mask)| {
-            let mut left = mask;
-            std::iter::from_fn(move || {
-                let lane = (left != 0).then(|| left.trailing_zeros() as usize)?;
-                left &= left - 1;
-                Some(start + block * LANES + lane)
-            })
-        })
+        let blocks = blocks[self.blocks()].iter().enumerate();
+        blocks.flat_map(move |(block, &mask)| lanes_of(mask).map(move |lane| start + block * LANES + lane))
     }
 }
 
