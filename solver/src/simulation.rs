@@ -74,7 +74,8 @@ impl Simulation {
 
     pub(crate) fn of_world(scene: &Scene, mut world: World) -> Simulation {
         let (largest, mean) = world.largest_and_mean_radius();
-        let skin = scene.solver.skin * mean;
+        let wanted = scene.solver.reach(mean, world.field.largest());
+        let skin = wanted.min(world.longest_reach()).max(scene.solver.skin * mean);
         let reach = skin + world.range_of_cohesion();
         let boxes = BoxGrid::new(&world.domain, &world.period, world.grains(), largest, reach);
         world.add_dummies(boxes.boxes());

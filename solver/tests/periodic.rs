@@ -89,10 +89,12 @@ fn a_ring_of_grains_bears_what_its_overlap_says() {
 
 #[test]
 fn every_pair_that_overlaps_is_stopped_and_momentum_stays() {
-    // One, two and several boxes along each axis.
+    // One, two and several boxes along each axis, and a step so long that its list would like to reach further than the period lets it.
     let mut found = 0;
-    for (diameters, count) in [(5.0, 50), (12.0, 700), (30.0, 8000)] {
-        let scene = gas(diameters, count);
+    let mut falling = gas(5.0, 50);
+    (falling.gravity, falling.solver.step) = ([0.0, 0.0, -9.81], 2e-3);
+    for scene in [gas(5.0, 50), gas(12.0, 700), gas(30.0, 8000), falling] {
+        let diameters = scene.domain.max[0] / (2.0 * RADIUS);
         let mut simulation = start(&scene);
         let (period, before) = (scene.domain.period(), simulation.momentum());
         let scale: f64 = simulation.momentum().iter().map(|p| p.abs()).sum::<f64>() + 1e-3;
@@ -131,7 +133,8 @@ fn every_pair_that_overlaps_is_stopped_and_momentum_stays() {
                 }
             }
         }
-        for (now, then) in simulation.momentum().iter().zip(before) {
+        let weighs = scene.gravity[2] != 0.0;
+        for (now, then) in simulation.momentum().iter().zip(before).take(if weighs { 2 } else { 3 }) {
             assert!((now - then).abs() < 1e-11 * scale, "{diameters} diameters: {now} {then}");
         }
     }

@@ -167,7 +167,7 @@ impl Constrainer {
         if !world.drives.is_empty() {
             team.alone(Phase::Constrain, || self.list_driven(world, candidates, layout));
         }
-        layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts).sum();
+        layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts()).sum();
     }
 
     /// Lists the contacts with driven walls, task after task.
@@ -243,7 +243,6 @@ impl Given<'_> {
         set: InstructionSet,
     ) -> u32 {
         let dummies = self.world.dummies_of(task.home as usize);
-        groups.restart(dummies);
         let (packer, periodic) = (Packer::new(taken, base, task.pairs.len()), self.world.period.any());
         // SAFETY: the caller's promise.
         let (impulses, borne) = (&remembered.pairs, unsafe { remembered.borne.range(task.blocks()) });
@@ -252,6 +251,7 @@ impl Given<'_> {
         } else {
             set.run(PackPairs::<false> { given: self, task, dummies, packer, groups, impulses, borne })
         };
+        groups.restart_walls(dummies);
         // SAFETY: the caller's promise; places come from the candidate list.
         unsafe {
             next = self.pack_walls(task, dummies, false, Packer::new(taken, next, 0), groups, &remembered.walls);

@@ -38,29 +38,40 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
         } else if given.fetches {
             (0..PREFETCH).for_each(|block| fetch(given, &packer, candidates, block));
         }
-        for (batch, borne) in borne.chunks_mut(BATCH).enumerate() {
-            // First the arithmetic of a batch, which the processor can run ahead with; then what depends on its outcome.
-            let mut touching = Listed::default();
-            for (block, borne) in borne.iter_mut().enumerate() {
-                let block = batch * BATCH + block;
-                if given.fetches && !interior {
-                    fetch(given, &packer, candidates, block + PREFETCH);
-                }
-                let first = block * LANES;
-                let mask = touching_of::<L, PERIODIC>(given, &candidates[first..candidates.len().min(first + LANES)]);
-                touching.append(first as u32, mask);
-                forget(impulses, start as usize + first, mask & !*borne);
-                *borne = mask;
+        // First the arithmetic, which the processor can run ahead with; then what depends on its outcome.
+        let mut touching = std::mem::take(&mut groups.touching);
+        touching.clear();
+        for (block, eight) in candidates.chunks(LANES).enumerate() {
+            if given.fetches && !interior {
+                fetch(given, &packer, candidates, block + PREFETCH);
             }
-            for &number in touching.list() {
-                // SAFETY: numbers below that of the candidates were listed; the promise of whoever made this; the place is the packer's.
-                unsafe {
-                    let pair = *candidates.get_unchecked(number as usize);
-                    groups.put_pair(packer.place([pair.first, pair.second]), pair, start + number, dummies);
-                }
-            }
-            groups.contacts += touching.length;
+            touching.push(touching_of::<L, PERIODIC>(given, eight));
         }
+        let list = given.candidates.rebuilds;
+        // Where the same pairs touch as in the last step, they are packed already, as they would be again.
+        if !groups.are_packed_from(list) || *touching != *borne {
+            groups.restart_pairs(list, dummies);
+            for (batch, (touching, borne)) in touching.chunks(BATCH).zip(borne.chunks_mut(BATCH)).enumerate() {
+                let mut listed = Listed::default();
+                for (block, (&mask, borne)) in touching.iter().zip(borne).enumerate() {
+                    let first = (batch * BATCH + block) * LANES;
+                    listed.append(first as u32, mask);
+                    forget(impulses, start as usize + first, mask & !*borne);
+                    *borne = mask;
+                }
+                for &number in listed.list() {
+                    // SAFETY: numbers below that of the candidates were listed; the promise of whoever made this; the place is the
+                    // packer's.
+                    unsafe {
+                        let pair = *candidates.get_unchecked(number as usize);
+                        let at = packer.place([pair.first, pair.second]);
+                        groups.put_pair(at, pair, start + number, dummies);
+                    }
+                }
+                groups.pair_contacts += listed.length;
+            }
+        }
+        groups.touching = touching;
         packer.next()
     }
 }
@@ -198,7 +209,7 @@ impl Given<'_> {
                 if distance < sphere.radius + self.constants.reach || self.meets(&wall).is_some() {
                     let (group, lane) = packer.place([wall.body]);
                     groups.put_wall((before + group, lane), wall, candidate as u32, dummies);
-                    groups.contacts += 1;
+                    groups.wall_contacts += 1;
                 } else if impulses.at(candidate).normal != 0.0 {
                     *impulses.at(candidate) = Impulse::default();
                 }

@@ -163,6 +163,7 @@ unsafe fn transposed(rows: [__m256d; 4]) -> [__m256d; 4] {
 
 impl Lanes for Avx2 {
     type Single = Avx2Single;
+    type Kept = ();
 
     const OVERLAPPED: bool = false;
 
@@ -236,6 +237,18 @@ impl Lanes for Avx2 {
             }
             out
         }
+    }
+
+    #[inline(always)]
+    unsafe fn load_keeping(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> ([Avx2; 4], [(); 2]) {
+        // SAFETY: the caller's promise.
+        (unsafe { Self::load_differences::<2>(base.cast(), first, second) }, [(); 2])
+    }
+
+    #[inline(always)]
+    unsafe fn add_to_kept(base: *mut Line, indices: &[u32; LANES], (): (), half: [Avx2; 3], factor: f64) {
+        // SAFETY: the caller's promise.
+        unsafe { Self::add_shares::<false>(base, indices, [half; 2], [factor; 2]) };
     }
 
     #[inline(always)]

@@ -82,6 +82,9 @@ pub trait Lanes: Number {
     /// Sixteen lanes of single precision in the same registers.
     type Single: SingleLanes;
 
+    /// Halves of eight lines as they were read, for those who will write them; nothing where registers are too few to keep them.
+    type Kept: Copy;
+
     /// Whether sweeps gain from having several lane groups on their way at a time: there are registers enough for it.
     const OVERLAPPED: bool;
 
@@ -123,6 +126,23 @@ pub trait Lanes: Number {
         first: &[u32; LANES],
         second: &[u32; LANES],
     ) -> [Self; 4];
+
+    /// The same of the first halves of the lines `base + first[lane]` and `base + second[lane]`, which are kept for
+    /// [`add_to_kept`](Lanes::add_to_kept).
+    ///
+    /// # Safety
+    /// Each of these lines must lie in memory that may be read.
+    unsafe fn load_keeping(
+        base: *const Line,
+        first: &[u32; LANES],
+        second: &[u32; LANES],
+    ) -> ([Self; 4], [Self::Kept; 2]);
+
+    /// What [`add_shares`](Lanes::add_shares) does to first halves alone, of lines that were kept and have not changed since.
+    ///
+    /// # Safety
+    /// Each of these lines must lie in memory that may be written, and nothing else may use it meanwhile.
+    unsafe fn add_to_kept(base: *mut Line, indices: &[u32; LANES], kept: Self::Kept, half: [Self; 3], factor: f64);
 
     /// The same of the first halves of the lines `base + first[lane]` and `base + second[lane]`, and sums of their second halves.
     ///

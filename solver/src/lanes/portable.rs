@@ -114,6 +114,7 @@ arithmetic!(f32, SINGLE_LANES, 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
 
 impl Lanes for Portable<f64, LANES> {
     type Single = Portable<f32, SINGLE_LANES>;
+    type Kept = ();
 
     const OVERLAPPED: bool = false;
 
@@ -173,6 +174,18 @@ impl Lanes for Portable<f64, LANES> {
             }
         }
         out
+    }
+
+    #[inline(always)]
+    unsafe fn load_keeping(base: *const Line, first: &[u32; LANES], second: &[u32; LANES]) -> ([Self; 4], [(); 2]) {
+        // SAFETY: the caller's promise.
+        (unsafe { Self::load_differences::<2>(base.cast(), first, second) }, [(); 2])
+    }
+
+    #[inline(always)]
+    unsafe fn add_to_kept(base: *mut Line, indices: &[u32; LANES], (): (), half: [Self; 3], factor: f64) {
+        // SAFETY: the caller's promise.
+        unsafe { Self::add_shares::<false>(base, indices, [half; 2], [factor; 2]) };
     }
 
     #[inline(always)]

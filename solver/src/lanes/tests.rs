@@ -64,9 +64,27 @@ fn line_operations<L: Lanes>(results: &mut Vec<Eight>) {
         L::add_shares::<true>(lines.as_mut_ptr(), &first, [shares, others], [-1.0, -2.5]);
         L::add_shares::<false>(lines.as_mut_ptr(), &second, [shares, others], [1.0, -2.5]);
     }
-    for Line([motion, turning]) in lines {
+    let eight = |Line([motion, turning]): &Line| {
         let both: Vec<f64> = motion.0.into_iter().chain(turning.0).collect();
-        results.push(Eight(both.try_into().expect("a line is eight numbers")));
+        Eight(both.try_into().expect("a line is eight numbers"))
+    };
+    results.extend(lines.iter().map(eight));
+    // First halves alone: of lines that are kept, and by way of memory.
+    for keeps in [true, false] {
+        let mut lines: Vec<Line> = (0..24).map(line).collect();
+        // SAFETY: as above.
+        unsafe {
+            let (differences, kept) = L::load_keeping(lines.as_ptr(), &first, &second);
+            let share = [differences[0], differences[1], differences[2]];
+            for (places, kept, sign) in [(&first, kept[0], -1.0), (&second, kept[1], 1.0)] {
+                if keeps {
+                    L::add_to_kept(lines.as_mut_ptr(), places, kept, share, sign);
+                } else {
+                    L::add_shares::<false>(lines.as_mut_ptr(), places, [share; 2], [sign, 0.0]);
+                }
+            }
+        }
+        results.extend(lines.iter().map(eight));
     }
 }
 
@@ -138,6 +156,7 @@ fn instruction_sets_agree_on_every_operation() {
         ((8.0 * 3.0 + 4.0 + 0.1) + turning * (own * -2.5)).to_bits(),
         "a share by the line's own fourth number"
     );
+    assert_eq!(generic.0[73..97], generic.0[97..121], "lines that were kept");
     assert_eq!(lines[22][4], (8.0 * 22.0 + 4.0 + 0.1_f64).to_bits(), "a half that is left as it was");
     assert_eq!(generic.2[13][2], 136_f64.to_bits(), "first number of octet 17");
     assert_eq!(generic.2[20][15], (8.0 * 8.0 + 7.0_f64).to_bits(), "last number of octet 8");

@@ -52,8 +52,12 @@ pub struct TaskGroups {
     pub wall_pulls: Vec<Eight>,
     /// Number of groups at the end of `walls` that are with driven walls: no sweep over lanes relaxes them.
     pub driven_walls: usize,
-    /// Number of contacts, padding lanes left out.
-    pub contacts: usize,
+    /// Which of the task's pairs of candidates touch, as bits: a byte for eight of them.
+    pub(crate) touching: Vec<u8>,
+    pub(crate) pair_contacts: usize,
+    pub(crate) wall_contacts: usize,
+    /// Number of the candidate list that the pairs were packed from; 0 if they were not.
+    packed_from: u64,
     pairs_used: usize,
     walls_used: usize,
 }
@@ -90,6 +94,11 @@ pub struct DrivenContact {
 }
 
 impl TaskGroups {
+    /// Number of contacts, padding lanes left out.
+    pub fn contacts(&self) -> usize {
+        self.pair_contacts + self.wall_contacts
+    }
+
     /// Groups of contacts with walls that move as prescribed or not at all.
     #[inline(always)]
     pub fn prescribed_walls(&self) -> usize {
@@ -127,6 +136,7 @@ impl Layout {
                 + task.pairs.capacity() * size_of::<PairGroup>()
                 + task.walls.capacity() * size_of::<WallGroup>()
                 + task.pair_waits.capacity()
+                + task.touching.capacity()
                 + (task.pair_sources.capacity() + task.wall_sources.capacity()) * size_of::<Sources>()
                 + task.pair_torques.capacity() * size_of::<TorqueLanes>()
                 + task.wall_torques.capacity() * size_of::<WallTorqueLanes>()

@@ -226,13 +226,24 @@ impl TaskGroups {
         self.walls_used
     }
 
-    /// Starts to lay out a step anew, with the groups that there are, all of them empty.
-    pub(crate) fn restart(&mut self, dummies: u32) {
-        self.use_none();
+    /// Whether the pairs are those that a candidate list of this number had packed.
+    pub(crate) fn are_packed_from(&self, list: u64) -> bool {
+        self.packed_from == list
+    }
+
+    /// Starts to pack pairs of a candidate list of this number, above 0, with the groups that there are, all of them empty.
+    pub(crate) fn restart_pairs(&mut self, list: u64, dummies: u32) {
+        (self.pairs_used, self.pair_contacts, self.packed_from) = (0, 0, list);
+        self.pair_waits.clear();
         for (group, sources) in self.pairs.iter_mut().zip(&mut self.pair_sources) {
             group.clear(dummies);
             *sources = Sources::NONE;
         }
+    }
+
+    /// Starts to pack contacts with walls anew.
+    pub(crate) fn restart_walls(&mut self, dummies: u32) {
+        (self.walls_used, self.driven_walls, self.wall_contacts) = (0, 0, 0);
         for (group, sources) in self.walls.iter_mut().zip(&mut self.wall_sources) {
             group.clear(dummies);
             *sources = Sources::NONE;
@@ -241,13 +252,10 @@ impl TaskGroups {
 
     /// Drops all groups; memory stays.
     pub(crate) fn empty(&mut self, effects: EffectSet) {
-        self.use_none();
-        self.finish(effects);
-    }
-
-    fn use_none(&mut self) {
-        (self.pairs_used, self.walls_used, self.driven_walls, self.contacts) = (0, 0, 0, 0);
+        (self.pairs_used, self.walls_used, self.driven_walls) = (0, 0, 0);
+        (self.pair_contacts, self.wall_contacts, self.packed_from) = (0, 0, 0);
         self.pair_waits.clear();
+        self.finish(effects);
     }
 
     /// Drops the groups that this step does not need, and gives each of the others room for what the scene calls for besides;

@@ -24,7 +24,8 @@ impl Kernel for FindWaits<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_waits, .. } = self.groups;
-        if pairs.is_empty() || !overlapped::<L>(self.effects.friction(), self.effects.torques()) {
+        // What was packed for an earlier step waits as it did then.
+        if pair_waits.len() == pairs.len() || !overlapped::<L>(self.effects.friction(), self.effects.torques()) {
             return;
         }
         // As much room as the groups have, so that it grows no oftener.

@@ -35,8 +35,9 @@ pub struct Accuracy {
     pub relative: Option<f64>,
 }
 
-/// Largest deviation of a packing fraction over `g h^2 / r` that was found: 1.1 at 100 MPa; the mean over stiffnesses is 0.7.
-const PACKING_FRACTION_SLOPE: f64 = 1.2;
+/// Largest deviation of a packing fraction over `g h^2 / r` that was found: 1.35 ± 0.2 where friction is 1; the mean over stiffnesses
+/// is 0.7 where it is 0.5.
+const PACKING_FRACTION_SLOPE: f64 = 1.5;
 /// Smallest and largest `g h^2 / r` of those measurements; the law is not carried beyond them.
 const FALLS_MEASURED: [f64; 2] = [1e-4, 8e-3];
 /// Largest deviation of a drum's angle of repose over x that was found, degrees: grains whose radii spread by 20%.

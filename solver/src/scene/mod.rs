@@ -22,6 +22,7 @@ use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
 pub use accuracy::Accuracy;
 pub use error::{SceneError, line_of};
+pub(crate) use periodic::REACHES;
 pub use populate::{Grain, populate};
 pub use settings::{MOST_MEMORY, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{

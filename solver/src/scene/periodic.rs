@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 /// Reaches of a pair of grains that a period must hold, so that no two grains meet twice and boxes at both ends have work of their
 /// own.
-const REACHES: f64 = 3.0;
+pub(crate) const REACHES: f64 = 3.0;
 
 /// Sine of the largest angle between directions that count as parallel.
 const PARALLEL: f64 = 1e-9;

@@ -4,13 +4,14 @@
 //!
 //! ```text
 //! u        = v_b - v_a - (s_a + s_b) x n
-//! lambda_n = max(0, lambda_n + w (q - n.u - Sigma' lambda_n) / (S_n + Sigma'))      S_n = 1/m_a + 1/m_b
+//! lambda_n = max(0, lambda_n + (q - Sigma' lambda_n - n.u) w / (S_n + Sigma'))      S_n = 1/m_a + 1/m_b
 //! lambda_t = P_{mu lambda_n}[ lambda_t - w u_t / S_t ]                              S_t = 3.5 S_n
 //! P        = d(lambda_n) n + d(lambda_t)
 //! v_a -= P/m_a   v_b += P/m_b   s_a -= 2.5/m_a n x P   s_b -= 2.5/m_b n x P
 //! ```
 //!
-//! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once. Where grains resist rolling
+//! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once. Of the normal impulse the
+//! change is computed, at least -lambda_n: then all but one product and one comparison is ready before u is. Where grains resist rolling
 //! or twisting, the contact's angular impulse follows (`torques`).
 
 use super::residual::{Gauged, LaneResidual};
@@ -160,6 +161,17 @@ impl<L: Lanes> Pair<L> {
         Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z] }
     }
 
+    /// The same without spin, with the bodies kept.
+    ///
+    /// # Safety
+    /// As for [`Bodies::load`].
+    #[inline(always)]
+    pub unsafe fn load_keeping(bodies: *const Body, group: &PairGroup) -> (Self, [L::Kept; 2]) {
+        // SAFETY: the caller's promise; a body is a line.
+        let ([x, y, z, inverse_mass], kept) = unsafe { L::load_keeping(bodies.cast(), &group.first, &group.second) };
+        (Self { velocity: [x, y, z], inverse_mass, surface_speed: [L::zero(); 3] }, kept)
+    }
+
     /// Gives the bodies of eight contacts their impulses: P, and its lever n x P.
     ///
     /// # Safety
@@ -251,9 +263,9 @@ impl<N: Number> Contact<N> {
         // Normal impulse, projected onto repulsion.
         let normal_velocity = dot(normal, velocity);
         let operator = inverse_mass + self.regularisation;
-        let violation = self.bias - normal_velocity - self.regularisation * self.impulse_normal;
-        let updated = (self.impulse_normal + relaxation * violation / operator).larger(N::zero());
-        let change = updated - self.impulse_normal;
+        let target = self.bias - self.regularisation * self.impulse_normal;
+        let change = ((target - normal_velocity) * (relaxation / operator)).larger(-self.impulse_normal);
+        let updated = self.impulse_normal + change;
         self.impulse_normal = updated;
         if G::ANY {
             residual.add_normal::<G>(change * operator);

@@ -19,7 +19,16 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
             // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
             unsafe {
                 let mut contact = Contact::read(&group.contacts, L::load);
-                // Torques need both bodies' spins; elsewhere what they do together is enough, and bodies stay in memory.
+                // Without spin there are registers enough to keep the bodies until they are written.
+                if !E::FRICTION {
+                    let (pair, kept) = Pair::<L>::load_keeping(self.bodies, group);
+                    let [impulse, _] = contact.relax_pair::<E, G>(&pair, factor, residual);
+                    L::add_to_kept(self.bodies.cast(), &group.first, kept[0], impulse, -1.0);
+                    L::add_to_kept(self.bodies.cast(), &group.second, kept[1], impulse, 1.0);
+                    contact.write::<E, _>(&mut group.contacts, L::store);
+                    continue;
+                }
+                // Torques need both bodies' spins; else what they do together is enough, and bodies stay in memory.
                 if !E::TORQUES {
                     let pair = Pair::<L>::load::<E>(self.bodies, group);
                     let push = contact.relax_pair::<E, G>(&pair, factor, residual);

@@ -11,7 +11,7 @@ use crate::effects::drive::Drive;
 use crate::effects::gravity::Field;
 use crate::effects::period::Period;
 use crate::lanes::{LANES, Quad};
-use crate::scene::{Grain, Scene};
+use crate::scene::{Grain, REACHES, Scene};
 use crate::schedule::{Disjoint, Phase, Team};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -248,6 +248,13 @@ impl World {
         // The range from a work of adhesion grows with the effective radius, which is that of the grain at a wall.
         let (largest, _) = self.largest_and_mean_radius();
         if largest > 0.0 { self.table.largest(|pair| pair.pull(largest).range).max(0.0) } else { 0.0 }
+    }
+
+    /// How far beyond contact a candidate list may reach where axes are periodic, m.
+    pub(crate) fn longest_reach(&self) -> f64 {
+        let pair = 2.0 * self.largest_and_mean_radius().0 + self.range_of_cohesion();
+        let periods = (0..3).filter(|&axis| self.period.is_periodic(axis)).map(|axis| self.period.length(axis));
+        periods.fold(f64::INFINITY, |reach, period| reach.min(period / REACHES - pair))
     }
 
     /// A bound on the stiffness, against its inertia, of every contact that the grains can have: two of the smallest grains, at

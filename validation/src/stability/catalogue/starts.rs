@@ -140,7 +140,7 @@ mod tests {
             &makadam::effects::period::Period::default(),
             50,
             super::RADIUS,
-            scene.solver.skin * super::RADIUS,
+            scene.solver.reach(super::RADIUS, scene.gravity_field().largest()),
         );
         assert_eq!(boxes.boxes(), 1);
     }

@@ -1,0 +1,131 @@
+//! Loads, stores and transposes of sixteen lanes of single precision in one 512-bit register.
+
+use super::super::{Octet, SINGLE_LANES, SingleLanes, Sixteen};
+use super::{Avx512Single, join};
+use std::arch::x86_64::*;
+
+/// Matrices of four rows of four, transposed, one in each 128 bits.
+///
+/// # Safety
+/// AVX-512F.
+#[inline(always)]
+unsafe fn transposed(rows: [__m512; 4]) -> [__m512; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let [a, b, c, d] = rows;
+        let (low_a, low_c) = (_mm512_castps_pd(_mm512_unpacklo_ps(a, b)), _mm512_castps_pd(_mm512_unpacklo_ps(c, d)));
+        let (high_a, high_c) = (_mm512_castps_pd(_mm512_unpackhi_ps(a, b)), _mm512_castps_pd(_mm512_unpackhi_ps(c, d)));
+        [
+            _mm512_castpd_ps(_mm512_unpacklo_pd(low_a, low_c)),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(low_a, low_c)),
+            _mm512_castpd_ps(_mm512_unpacklo_pd(high_a, high_c)),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(high_a, high_c)),
+        ]
+    }
+}
+
+/// The lanes of four bodies out of the lower halves of two octets' lanes (`UPPER` 0), or out of the upper halves: those of
+/// the first, then those of the second, by 128 bits in turn.
+///
+/// # Safety
+/// AVX-512F.
+#[inline(always)]
+unsafe fn merge<const UPPER: i64>(first: Avx512Single, second: Avx512Single) -> __m512 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let at = 4 * UPPER;
+        let order = _mm512_setr_epi64(at, at + 1, at + 8, at + 9, at + 2, at + 3, at + 10, at + 11);
+        let (first, second) = (_mm512_castps_pd(first.0), _mm512_castps_pd(second.0));
+        _mm512_castpd_ps(_mm512_permutex2var_pd(first, order, second))
+    }
+}
+
+/// The rows `rows + lane` and `rows + lane + 4` of a group, in one register.
+///
+/// # Safety
+/// As for [`SingleLanes::load_octets`].
+#[inline(always)]
+unsafe fn octet_rows(base: *const Octet, indices: &[u32; SINGLE_LANES], lane: usize) -> __m512 {
+    // SAFETY: the caller's promise; an octet is as large as a quad and as well aligned.
+    unsafe {
+        let (low, high) = (base.add(indices[lane] as usize), base.add(indices[lane + 4] as usize));
+        _mm512_castpd_ps(join(low.cast(), high.cast()))
+    }
+}
+
+/// Writes what [`octet_rows`] reads.
+///
+/// # Safety
+/// As for [`SingleLanes::store_octets`].
+#[inline(always)]
+unsafe fn put_octet_rows(base: *mut Octet, indices: &[u32; SINGLE_LANES], lane: usize, rows: __m512) {
+    // SAFETY: the caller's promise; octets are aligned to 32 bytes.
+    unsafe {
+        let rows = _mm512_castps_pd(rows);
+        let (low, high) = (base.add(indices[lane] as usize), base.add(indices[lane + 4] as usize));
+        _mm256_store_pd(low.cast(), _mm512_castpd512_pd256(rows));
+        _mm256_store_pd(high.cast(), _mm512_extractf64x4_pd::<1>(rows));
+    }
+}
+
+impl SingleLanes for Avx512Single {
+    #[inline(always)]
+    fn load(from: &Sixteen) -> Avx512Single {
+        // SAFETY: see the type; `Sixteen` is aligned to 64 bytes.
+        Avx512Single(unsafe { _mm512_load_ps(from.0.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Sixteen) {
+        // SAFETY: as in `load`.
+        unsafe { _mm512_store_ps(to.0.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    unsafe fn load_octets(base: *const Octet, indices: &[u32; SINGLE_LANES]) -> [Avx512Single; 8] {
+        // SAFETY: the caller's promise.
+        unsafe {
+            // First and second four numbers of bodies 0 to 3 and of 4 to 7; and the same of 8 to 15.
+            let [a, b, c, d] = transposed([
+                octet_rows(base, indices, 0),
+                octet_rows(base, indices, 1),
+                octet_rows(base, indices, 2),
+                octet_rows(base, indices, 3),
+            ]);
+            let [e, f, g, h] = transposed([
+                octet_rows(base, indices, 8),
+                octet_rows(base, indices, 9),
+                octet_rows(base, indices, 10),
+                octet_rows(base, indices, 11),
+            ]);
+            [
+                Avx512Single(_mm512_shuffle_f32x4::<0x88>(a, e)),
+                Avx512Single(_mm512_shuffle_f32x4::<0x88>(b, f)),
+                Avx512Single(_mm512_shuffle_f32x4::<0x88>(c, g)),
+                Avx512Single(_mm512_shuffle_f32x4::<0x88>(d, h)),
+                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(a, e)),
+                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(b, f)),
+                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(c, g)),
+                Avx512Single(_mm512_shuffle_f32x4::<0xdd>(d, h)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn store_octets(base: *mut Octet, indices: &[u32; SINGLE_LANES], octets: [Avx512Single; 8]) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let [x, y, z, w, p, q, r, s] = octets;
+            let [a, b, c, d] = transposed([merge::<0>(x, p), merge::<0>(y, q), merge::<0>(z, r), merge::<0>(w, s)]);
+            put_octet_rows(base, indices, 0, a);
+            put_octet_rows(base, indices, 1, b);
+            put_octet_rows(base, indices, 2, c);
+            put_octet_rows(base, indices, 3, d);
+            let [a, b, c, d] = transposed([merge::<1>(x, p), merge::<1>(y, q), merge::<1>(z, r), merge::<1>(w, s)]);
+            put_octet_rows(base, indices, 8, a);
+            put_octet_rows(base, indices, 9, b);
+            put_octet_rows(base, indices, 10, c);
+            put_octet_rows(base, indices, 11, d);
+        }
+    }
+}
