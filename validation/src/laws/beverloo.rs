@@ -81,7 +81,7 @@ impl Law for Beverloo {
         run.to(open + TIMES[0])?;
         let (mut flow, mut flowing, mut least) = (Vec::new(), Vec::new(), filled);
         let end = open + TIMES[0] + TIMES[1];
-        while least > FILLING[1] && run.time() < end - 1e-9 {
+        while least > FILLING[1] && !run.has_reached(end) {
             run.sample((run.time() + INTERVAL).min(end), INTERVAL, |frame| {
                 flow.push([frame.time, passed(frame)]);
                 flowing.push(bulk_density(frame, silo));

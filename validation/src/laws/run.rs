@@ -68,6 +68,11 @@ impl<'a> Run<'a> {
         self.simulation.steps_taken()
     }
 
+    /// Whether it has gone on to a time (s), which need not be a whole number of steps: the nearest counts.
+    pub(crate) fn has_reached(&self, time: f64) -> bool {
+        self.steps() >= steps_in(time, self.simulation.time_step())
+    }
+
     /// Grains and contacts as they are.
     pub(crate) fn frame(&self) -> Snapshot {
         self.simulation.snapshot()
@@ -78,10 +83,9 @@ impl<'a> Run<'a> {
     /// # Errors
     /// [`LawError`] if the user asked to stop or a number is not finite.
     pub(crate) fn to(&mut self, time: f64) -> Result<(), LawError> {
-        let last = steps_in(time, self.simulation.time_step());
-        while self.steps() < last {
+        while !self.has_reached(time) {
             self.simulation.step();
-            if self.steps().is_multiple_of(Self::LOOK) || self.steps() == last {
+            if self.steps().is_multiple_of(Self::LOOK) || self.has_reached(time) {
                 self.look()?;
             }
         }

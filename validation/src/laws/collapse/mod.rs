@@ -87,7 +87,7 @@ impl Law for Collapse {
         let column = run.frame();
         let height = 2.0 * centre_of_mass(&column);
         let (fall, last) = ((height / GRAVITY).sqrt(), case.scene.duration);
-        while run.time() < last - 1e-9 {
+        while !run.has_reached(last) {
             run.to((run.time() + 0.1 * fall).min(last))?;
             if run.time() > case.of("release") + 2.0 * fall && speed(&run.frame()) < REST {
                 break;
