@@ -136,7 +136,7 @@ fn points_have_errors_and_the_reference_has_none() {
     // What is varied beside step and sweeps stands in rows of its own, and is told from what is not.
     let variations: Vec<&str> =
         study["variations"].as_array().unwrap().iter().map(|row| row["variation"].as_str().unwrap()).collect();
-    assert_eq!(variations, ["single precision", "Anderson"]);
+    assert_eq!(variations, ["residual 0.1", "residual 0.03", "single precision", "Anderson"]);
     for name in &variations {
         let of = |point: &&Value| point["variation"] == **name;
         let setting = points.iter().find(of).unwrap()["setting"].as_str().unwrap();
@@ -144,8 +144,10 @@ fn points_have_errors_and_the_reference_has_none() {
     }
     assert!(points.iter().filter(|point| point["variation"].is_null()).count() >= 9);
     let page = std::fs::read_to_string(folder.path().join("out/tradeoff.html")).unwrap();
-    for part in ["id=\"variations\"", "method-anderson", "variation-single-precision"] {
-        assert!(page.contains(part), "{part}");
+    // The style names every family, drawn or not.
+    let (_, drawn) = page.rsplit_once("</style>").unwrap();
+    for part in ["id=\"variations\"", "method-anderson", "variation-single-precision", "variation-residual"] {
+        assert!(drawn.contains(part), "{part}");
     }
     for name in ["points.csv", "references.csv", "fastest.csv", "provenance.json", "tradeoff.json", "tradeoff.html"] {
         assert!(folder.path().join("out").join(name).is_file(), "{name}");

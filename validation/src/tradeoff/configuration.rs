@@ -114,7 +114,8 @@ impl Configuration {
                 let varied = variation.as_ref().map_or(String::new(), |variation| format!(", {variation}"));
                 let sweeps = match settings.stop {
                     Stop::Sweeps { sweeps } => format!("×{sweeps}"),
-                    Stop::Residual { .. } | Stop::TimeBudget { .. } => String::new(),
+                    Stop::Residual { max_sweeps, .. } => format!("≤{max_sweeps}"),
+                    Stop::TimeBudget { .. } => String::new(),
                 };
                 format!("{} ms{sweeps}{varied}", compact(1e3 * settings.step))
             }

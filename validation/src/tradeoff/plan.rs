@@ -31,6 +31,8 @@ struct Extent {
     most_sweeps: u32,
     /// Steps and sweeps of Makadam at other stiffnesses than the scene's.
     elsewhere: &'static [(f64, u32)],
+    /// Steps and most sweeps of solves there that stop at the residual of [`FORGIVING`].
+    elsewhere_forgiving: &'static [(f64, u32)],
     /// Time steps of explicit codes over the Rayleigh step at the scene's stiffness.
     rayleigh_fractions: &'static [f64],
     /// The same at other stiffnesses.
@@ -44,7 +46,19 @@ const FULL: Extent = Extent {
     varied_steps: &[4.0, 2.0, 1.0],
     refinement: [1.0, 0.5, 0.25],
     most_sweeps: 40,
-    elsewhere: &[(2.0, 5), (2.0, 10), (1.0, 5), (1.0, 10), (1.0, 20), (0.5, 5), (0.5, 10), (0.5, 20)],
+    elsewhere: &[
+        (4.0, 10),
+        (4.0, 20),
+        (2.0, 5),
+        (2.0, 10),
+        (1.0, 5),
+        (1.0, 10),
+        (1.0, 20),
+        (0.5, 5),
+        (0.5, 10),
+        (0.5, 20),
+    ],
+    elsewhere_forgiving: &[(4.0, 20), (4.0, 40), (2.0, 10), (2.0, 20), (1.0, 20)],
     rayleigh_fractions: &[0.8, 0.5, 0.2, 0.1, 0.05, 0.01],
     rayleigh_fractions_elsewhere: &[0.8, 0.5, 0.2, 0.05],
 };
@@ -58,13 +72,24 @@ const QUICK: Extent = Extent {
     varied_steps: &[4.0],
     refinement: [2.0, 1.0, 0.5],
     most_sweeps: 20,
-    elsewhere: &[(4.0, 20), (2.0, 5), (2.0, 10), (2.0, 20), (1.0, 10)],
+    elsewhere: &[(4.0, 10), (4.0, 20), (2.0, 5), (2.0, 10), (2.0, 20), (1.0, 10)],
+    elsewhere_forgiving: &[(4.0, 20), (4.0, 40), (2.0, 10), (2.0, 20)],
     rayleigh_fractions: &[0.5, 0.2],
     rayleigh_fractions_elsewhere: &[0.5, 0.2],
 };
 
 /// Variations of the quick scope and their iterations.
-const QUICK_VARIATIONS: [(&str, u32); 2] = [("single precision", 10), ("Anderson", 5)];
+const QUICK_VARIATIONS: [(&str, u32); 6] = [
+    ("single precision", 10),
+    ("Anderson", 5),
+    ("residual 0.1", 10),
+    ("residual 0.1", 20),
+    ("residual 0.03", 10),
+    ("residual 0.03", 20),
+];
+
+/// The variation by the largest residual that packing fractions and angles forgive, as solves at the scene's stiffness show.
+const FORGIVING: &str = "residual 0.1";
 
 /// Factors on every Young's modulus that the full extent covers: 5 MPa to 1 GPa where the scene's is 10 MPa.
 pub const STIFFNESS_FACTORS: [f64; 4] = [0.5, 1.0, 10.0, 100.0];
@@ -100,23 +125,14 @@ impl Plan {
         factors.sort_by(f64::total_cmp);
         factors.dedup();
         for factor in factors {
-            let grid = |step: f64, sweeps: u32| {
-                let settings = SolverSettings {
-                    step: step * scene.solver.step,
-                    stop: Stop::Sweeps { sweeps },
-                    ..scene.solver.clone()
-                };
-                makadam(factor, settings, None)
-            };
+            let grid = |step: f64, sweeps: u32| makadam(factor, settings_of(scene, step, sweeps), None);
             let grids = extent.refinement.map(|step| plan.place(grid(step, extent.most_sweeps)));
             plan.refinements.push(Refinement { stiffness_factor: factor, grids });
             let own = factor == 1.0;
             if codes.contains(&"Makadam") {
                 match own {
                     true => plan.own_stiffness(scene, scope, extent, grid),
-                    false => extent.elsewhere.iter().for_each(|&(step, sweeps)| {
-                        plan.place(grid(step, sweeps));
-                    }),
+                    false => plan.other_stiffness(scene, extent, factor, grid),
                 }
             }
             let fractions = if own { extent.rayleigh_fractions } else { extent.rayleigh_fractions_elsewhere };
@@ -146,23 +162,40 @@ impl Plan {
         }
         for variation in Variation::all() {
             if extent.about_own {
-                self.vary(scene, variation, &scene.solver);
+                self.vary(scene, 1.0, variation, &scene.solver);
             }
             for &step in extent.varied_steps {
                 let quick =
                     |count: &&u32| scope != Scope::Quick || QUICK_VARIATIONS.contains(&(variation.name, **count));
                 for &sweeps in variation.iterations.iter().filter(quick) {
-                    let (step, stop) = (step * scene.solver.step, Stop::Sweeps { sweeps });
-                    self.vary(scene, variation, &SolverSettings { step, stop, ..scene.solver.clone() });
+                    self.vary(scene, 1.0, variation, &settings_of(scene, step, sweeps));
                 }
             }
         }
     }
 
+    /// Makadam at another stiffness than the scene's.
+    fn other_stiffness(
+        &mut self,
+        scene: &Scene,
+        extent: &Extent,
+        factor: f64,
+        grid: impl Fn(f64, u32) -> Configuration,
+    ) {
+        for &(step, sweeps) in extent.elsewhere {
+            self.place(grid(step, sweeps));
+        }
+        if let Some(forgiving) = Variation::named(FORGIVING) {
+            for &(step, most) in extent.elsewhere_forgiving {
+                self.vary(scene, factor, forgiving, &settings_of(scene, step, most));
+            }
+        }
+    }
+
     /// Adds a variation of settings, unless they are so already or the scene refuses it.
-    fn vary(&mut self, scene: &Scene, variation: &Variation, settings: &SolverSettings) {
+    fn vary(&mut self, scene: &Scene, factor: f64, variation: &Variation, settings: &SolverSettings) {
         if let Some(settings) = variation.apply(settings).filter(|settings| scene.accepts(settings)) {
-            self.place(makadam(1.0, settings, Some(variation.name.into())));
+            self.place(makadam(factor, settings, Some(variation.name.into())));
         }
     }
 
@@ -183,6 +216,11 @@ impl Plan {
     pub fn is_grid(&self, place: usize) -> bool {
         self.refinements.iter().any(|refinement| refinement.grids.contains(&place))
     }
+}
+
+/// The scene's settings with so many steps of its own in one, and so many sweeps.
+fn settings_of(scene: &Scene, step: f64, sweeps: u32) -> SolverSettings {
+    SolverSettings { step: step * scene.solver.step, stop: Stop::Sweeps { sweeps }, ..scene.solver.clone() }
 }
 
 fn makadam(stiffness_factor: f64, settings: SolverSettings, variation: Option<String>) -> Configuration {
