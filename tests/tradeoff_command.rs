@@ -136,7 +136,10 @@ fn points_have_errors_and_the_reference_has_none() {
     // What is varied beside step and sweeps stands in rows of its own, and is told from what is not.
     let variations: Vec<&str> =
         study["variations"].as_array().unwrap().iter().map(|row| row["variation"].as_str().unwrap()).collect();
-    assert_eq!(variations, ["residual 0.1", "residual 0.03", "single precision", "Anderson"]);
+    assert_eq!(
+        variations,
+        ["residual 0.1", "residual 0.03", "single precision", "Anderson", "calm contacts, residual 0.1"]
+    );
     for name in &variations {
         let of = |point: &&Value| point["variation"] == **name;
         let setting = points.iter().find(of).unwrap()["setting"].as_str().unwrap();

@@ -33,6 +33,8 @@ struct Extent {
     elsewhere: &'static [(f64, u32)],
     /// Steps and most sweeps of solves there that stop at the residual of [`FORGIVING`].
     elsewhere_forgiving: &'static [(f64, u32)],
+    /// Steps and most sweeps of the variation that long steps need, [`CALM`], at every stiffness.
+    calm: &'static [(f64, u32)],
     /// Time steps of explicit codes over the Rayleigh step at the scene's stiffness.
     rayleigh_fractions: &'static [f64],
     /// The same at other stiffnesses.
@@ -59,6 +61,7 @@ const FULL: Extent = Extent {
         (0.5, 20),
     ],
     elsewhere_forgiving: &[(4.0, 20), (4.0, 40), (2.0, 10), (2.0, 20), (1.0, 20)],
+    calm: LONG_STEPS,
     rayleigh_fractions: &[0.8, 0.5, 0.2, 0.1, 0.05, 0.01],
     rayleigh_fractions_elsewhere: &[0.8, 0.5, 0.2, 0.05],
 };
@@ -74,6 +77,7 @@ const QUICK: Extent = Extent {
     most_sweeps: 20,
     elsewhere: &[(4.0, 10), (4.0, 20), (2.0, 5), (2.0, 10), (2.0, 20), (1.0, 10)],
     elsewhere_forgiving: &[(4.0, 20), (4.0, 40), (2.0, 10), (2.0, 20)],
+    calm: LONG_STEPS,
     rayleigh_fractions: &[0.5, 0.2],
     rayleigh_fractions_elsewhere: &[0.5, 0.2],
 };
@@ -90,6 +94,12 @@ const QUICK_VARIATIONS: [(&str, u32); 6] = [
 
 /// The variation by the largest residual that packing fractions and angles forgive, as solves at the scene's stiffness show.
 const FORGIVING: &str = "residual 0.1";
+
+/// The variation that makes long steps as good as short ones, where it does.
+const CALM: &str = "calm contacts, residual 0.1";
+
+/// Steps over the scene's own, and most sweeps, at which it is tried.
+const LONG_STEPS: &[(f64, u32)] = &[(8.0, 20), (6.0, 20), (4.0, 10), (4.0, 20)];
 
 /// Factors on every Young's modulus that the full extent covers: 5 MPa to 1 GPa where the scene's is 10 MPa.
 pub const STIFFNESS_FACTORS: [f64; 4] = [0.5, 1.0, 10.0, 100.0];
@@ -133,6 +143,11 @@ impl Plan {
                 match own {
                     true => plan.own_stiffness(scene, scope, extent, grid),
                     false => plan.other_stiffness(scene, extent, factor, grid),
+                }
+            }
+            if let Some(calm) = Variation::named(CALM).filter(|_| codes.contains(&"Makadam")) {
+                for &(step, most) in extent.calm {
+                    plan.vary(scene, factor, calm, &settings_of(scene, step, most));
                 }
             }
             let fractions = if own { extent.rayleigh_fractions } else { extent.rayleigh_fractions_elsewhere };
