@@ -33,8 +33,6 @@ struct Extent {
     elsewhere: &'static [(f64, u32)],
     /// Steps and most sweeps of solves there that stop at the residual of [`FORGIVING`].
     elsewhere_forgiving: &'static [(f64, u32)],
-    /// Steps and most sweeps of the variation that long steps need, [`CALM`], at every stiffness.
-    calm: &'static [(f64, u32)],
     /// Time steps of explicit codes over the Rayleigh step at the scene's stiffness.
     rayleigh_fractions: &'static [f64],
     /// The same at other stiffnesses.
@@ -61,7 +59,6 @@ const FULL: Extent = Extent {
         (0.5, 20),
     ],
     elsewhere_forgiving: &[(4.0, 20), (4.0, 40), (2.0, 10), (2.0, 20), (1.0, 20)],
-    calm: LONG_STEPS,
     rayleigh_fractions: &[0.8, 0.5, 0.2, 0.1, 0.05, 0.01],
     rayleigh_fractions_elsewhere: &[0.8, 0.5, 0.2, 0.05],
 };
@@ -77,7 +74,6 @@ const QUICK: Extent = Extent {
     most_sweeps: 20,
     elsewhere: &[(4.0, 10), (4.0, 20), (2.0, 5), (2.0, 10), (2.0, 20), (1.0, 10)],
     elsewhere_forgiving: &[(4.0, 20), (4.0, 40), (2.0, 10), (2.0, 20)],
-    calm: LONG_STEPS,
     rayleigh_fractions: &[0.5, 0.2],
     rayleigh_fractions_elsewhere: &[0.5, 0.2],
 };
@@ -95,10 +91,10 @@ const QUICK_VARIATIONS: [(&str, u32); 6] = [
 /// The variation by the largest residual that packing fractions and angles forgive, as solves at the scene's stiffness show.
 const FORGIVING: &str = "residual 0.1";
 
-/// The variation that makes long steps as good as short ones, where it does.
+/// The variation for long steps: stiff grains pack with it as with short ones, soft ones too loosely.
 const CALM: &str = "calm contacts, residual 0.1";
 
-/// Steps over the scene's own, and most sweeps, at which it is tried.
+/// Steps over the scene's own, and most sweeps, at which it is tried at every stiffness.
 const LONG_STEPS: &[(f64, u32)] = &[(8.0, 20), (6.0, 20), (4.0, 10), (4.0, 20)];
 
 /// Factors on every Young's modulus that the full extent covers: 5 MPa to 1 GPa where the scene's is 10 MPa.
@@ -144,11 +140,7 @@ impl Plan {
                     true => plan.own_stiffness(scene, scope, extent, grid),
                     false => plan.other_stiffness(scene, extent, factor, grid),
                 }
-            }
-            if let Some(calm) = Variation::named(CALM).filter(|_| codes.contains(&"Makadam")) {
-                for &(step, most) in extent.calm {
-                    plan.vary(scene, factor, calm, &settings_of(scene, step, most));
-                }
+                plan.vary_at(scene, factor, CALM, LONG_STEPS);
             }
             let fractions = if own { extent.rayleigh_fractions } else { extent.rayleigh_fractions_elsewhere };
             for code in codes.iter().filter(|code| **code != "Makadam") {
@@ -200,9 +192,14 @@ impl Plan {
         for &(step, sweeps) in extent.elsewhere {
             self.place(grid(step, sweeps));
         }
-        if let Some(forgiving) = Variation::named(FORGIVING) {
-            for &(step, most) in extent.elsewhere_forgiving {
-                self.vary(scene, factor, forgiving, &settings_of(scene, step, most));
+        self.vary_at(scene, factor, FORGIVING, extent.elsewhere_forgiving);
+    }
+
+    /// Adds the variation of a name at steps and sweeps.
+    fn vary_at(&mut self, scene: &Scene, factor: f64, name: &str, places: &[(f64, u32)]) {
+        if let Some(variation) = Variation::named(name) {
+            for &(step, sweeps) in places {
+                self.vary(scene, factor, variation, &settings_of(scene, step, sweeps));
             }
         }
     }

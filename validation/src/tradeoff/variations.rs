@@ -121,9 +121,10 @@ fn down_to(tolerance: f64, settings: &SolverSettings) -> Stop {
 /// What long steps need for a packing that is no denser than that of short ones: overlaps that recover over two steps in place of
 /// one, and no bounces that last fewer than ten steps, those of speeds below `5 g h`. Both shake grains that come to rest.
 fn calm_contacts(settings: &mut SolverSettings) {
-    const SHORTEST_BOUNCE: f64 = 50.0; // m/s a second of step, 5 g on Earth
+    /// 5 g on Earth, m/s2.
+    const SLOWEST_IMPACT_OVER_STEP: f64 = 50.0;
     settings.damping_steps = 2.0;
-    settings.restitution_threshold = settings.restitution_threshold.max(SHORTEST_BOUNCE * settings.step);
+    settings.restitution_threshold = settings.restitution_threshold.max(SLOWEST_IMPACT_OVER_STEP * settings.step);
     settings.stop = down_to(0.1, settings);
 }
 
