@@ -2,10 +2,12 @@
 //!
 //! A few seeds each, so this guards against a change that moves the physics; the verdict over all seeds is `makadam qualify`'s.
 
+use approx::assert_relative_eq;
 use makadam::scene::{Scene, Stop};
 use makadam_validation::compare::{Harvest, MeasuredRun, Reference};
 use makadam_validation::peers::{Code, Job, Makadam};
-use std::path::Path;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Runs a scene over the first seeds.
@@ -26,22 +28,31 @@ fn simulate(scene: &Scene, file: &Path, seeds: u64) -> Vec<MeasuredRun> {
     (1..=seeds).map(one).collect()
 }
 
+/// The file of a reference scene.
+fn file_of(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes").join(name).join("scene.toml")
+}
+
+/// Mean of what was measured of the runs.
+fn mean_of(runs: &[MeasuredRun], observable: &str) -> f64 {
+    let value = |run: &MeasuredRun| run.value(observable).unwrap_or_else(|| panic!("{observable} was not measured"));
+    runs.iter().map(value).sum::<f64>() / runs.len() as f64
+}
+
 /// Runs a reference scene over the first seeds and checks each mean against each peer's, to within the scene's margin.
 fn regression(name: &str, seeds: u64) -> Vec<MeasuredRun> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes").join(name).join("scene.toml");
+    let file = file_of(name);
     let scene = Scene::load(&file).unwrap();
     let runs = simulate(&scene, &file, seeds);
     let reference = Reference::load(&Reference::folder(&file)).unwrap().expect("recorded references");
     let mut checks = 0;
     for expectation in scene.compare.iter().filter(|expectation| expectation.margin.is_some()) {
         let (observable, margin) = (expectation.observable.as_str(), expectation.margin.unwrap());
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        let own: Vec<f64> = runs.iter().filter_map(|run| run.value(observable)).collect();
-        assert_eq!(own.len(), runs.len(), "{name}: {observable} was not measured");
+        let own = mean_of(&runs, observable);
         for code in reference.codes() {
             let recorded = reference.code(&code).unwrap().values(observable);
-            let difference = mean(&own) - mean(&recorded);
-            println!("{name} {observable}: {:.4}, {difference:+.4} against {code}", mean(&own));
+            let difference = own - recorded.iter().sum::<f64>() / recorded.len() as f64;
+            println!("{name} {observable}: {own:.4}, {difference:+.4} against {code}");
             assert!(
                 difference.abs() <= margin,
                 "{name} {observable}: {difference:+.4} against {code}, margin {margin}"
@@ -68,12 +79,11 @@ fn packing_agrees_with_the_recorded_codes_and_carries_its_weight() {
 fn a_stiff_packing_needs_no_small_step() {
     // Three seeds at 0.125 ms and 20 sweeps: 0.5935 and, with gaps left out, 0.5936.
     const CONVERGED: f64 = 0.5935;
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
+    let file = file_of("packing");
     let mut scene = Scene::load(&file).unwrap().with_stiffness_factor(100.0);
     scene.solver.step = 1e-3;
     scene.solver.stop = Stop::Sweeps { sweeps: 20 };
-    let runs = simulate(&scene, &file, 3);
-    let fraction = runs.iter().map(|run| run.value("packing_fraction").unwrap()).sum::<f64>() / runs.len() as f64;
+    let fraction = mean_of(&simulate(&scene, &file, 3), "packing_fraction");
     assert!((fraction - CONVERGED).abs() < 0.006, "packing fraction {fraction}");
 }
 
@@ -88,4 +98,44 @@ fn drum_agrees_with_the_recorded_codes() {
 #[test]
 fn heap_agrees_with_the_recorded_codes() {
     regression("heap", 2);
+}
+
+/// Smooth rigid spheres at rest are isostatic: three conditions of balance a grain, six contacts a grain. With an overlap there are more
+/// of them by a multiple of its root (O'Hern, Silbert, Liu & Nagel, Phys. Rev. E 68, 011306, 2003).
+#[test]
+fn a_frictionless_packing_becomes_isostatic_as_its_grains_become_rigid() {
+    /// Contacts a grain beyond six, over the root of the mean overlap over the radius.
+    const EXCESS: f64 = 9.0;
+    let file = file_of("frictionless-packing");
+    let contacts_at = |stiffness_factor: f64| {
+        let scene = Scene::load(&file).unwrap().with_stiffness_factor(stiffness_factor);
+        let runs = simulate(&scene, &file, 3);
+        (mean_of(&runs, "mechanical_coordination_number"), mean_of(&runs, "mean_overlap"))
+    };
+    for factor in [1.0, 10.0, 100.0] {
+        let (contacts, overlap) = contacts_at(factor);
+        let isostatic = 6.0 + EXCESS * overlap.sqrt();
+        println!("stiffness x {factor}: {contacts:.3} contacts a grain, {isostatic:.3} foretold, overlap {overlap:.5}");
+        assert!((contacts - isostatic).abs() < 0.1, "{contacts} contacts a grain at an overlap of {overlap}");
+    }
+}
+
+/// A sphere that spins about the normal of its contact is slowed down by resistance to twisting alone, by `5/2 mu_t g / r`.
+#[test]
+fn spinning_tops_slow_down_by_the_formula() {
+    let file = file_of("spinning-tops");
+    let scene = Scene::load(&file).unwrap();
+    let radius = scene.grain[0].radius;
+    let material = &scene.material["grain"];
+    let slowing = 2.5 * material.twisting_friction * scene.gravity[2].abs() / radius;
+    let inertia = 0.4 * material.density * 4.0 / 3.0 * PI * radius.powi(5);
+    let energy_at = |time: f64| {
+        let spins = scene.grain.iter().map(|grain| (grain.spin[2].abs() - slowing * time).max(0.0));
+        0.5 * inertia * spins.map(|spin| spin * spin).sum::<f64>()
+    };
+    let frames = (scene.duration / scene.measure.interval).round() as usize;
+    let foretold =
+        (0..=frames).map(|frame| energy_at(frame as f64 * scene.measure.interval)).sum::<f64>() / (frames + 1) as f64;
+    let measured = mean_of(&simulate(&scene, &file, 1), "kinetic_energy");
+    assert_relative_eq!(measured, foretold, max_relative = 1e-4);
 }

@@ -42,10 +42,10 @@ const PACKING_FRACTION_SLOPE: f64 = 1.5;
 const FALLS_MEASURED: [f64; 2] = [1e-4, 8e-3];
 /// Largest deviation of a drum's angle of repose over x that was found, degrees: grains whose radii spread by 20%.
 const ANGLE_SLOPE: f64 = 0.45;
-/// Residual that leaves packing fractions alone, in units of g h.
-const PACKING_FRACTION_RESIDUAL: f64 = 0.02;
-/// The same for angles of repose: a flowing bed forgives more, and takes twice the sweeps for the smaller one.
-const ANGLE_RESIDUAL: f64 = 0.1;
+/// Largest residual of a solve, in units of g h: it leaves angles of repose alone.
+const LARGEST_RESIDUAL: f64 = 0.1;
+/// Residual, in units of g h, over the deviation of a packing fraction that is tolerated.
+const PACKING_FRACTION_RESIDUAL: f64 = 10.0;
 /// Smallest and largest x that angles were measured at.
 const MEASURED: [f64; 2] = [0.4, 8.0];
 /// Most sweeps of a solve.
@@ -89,7 +89,7 @@ impl Accuracy {
         // A grain that still moves with the residual sinks by h times it; the error adds up over the layers of the bed.
         let layers = (bed.depth / (2.0 * bed.radius)).max(1.0);
         let sinking = bed.gravity.max(1e-300) * step * step * layers / bed.radius;
-        let residual = if packing_fraction.is_finite() { PACKING_FRACTION_RESIDUAL } else { ANGLE_RESIDUAL };
+        let residual = LARGEST_RESIDUAL.min(PACKING_FRACTION_RESIDUAL * packing_fraction);
         let tolerance = residual.min(overlap / sinking).max(1e-9);
         (step, Stop::Residual { tolerance, max_sweeps: MOST_SWEEPS })
     }

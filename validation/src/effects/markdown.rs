@@ -18,14 +18,15 @@ pub fn markdown(study: &Study) -> String {
 
 fn rows(ablation: &Ablation) -> impl Iterator<Item = String> + '_ {
     ablation.rows.iter().map(|row| {
-        let changed = row.changed_mean.map_or("nothing to measure".into(), |mean| format!("{mean:.4}"));
-        let interval = row.interval90.map_or(String::new(), |[low, high]| format!("{low:+.4} to {high:+.4}"));
+        let changed = row.changed_mean.map_or("nothing to measure".into(), |mean| row.rounded(mean));
+        let interval =
+            row.interval90.map_or(String::new(), |[low, high]| format!("{} to {}", row.signed(low), row.signed(high)));
         format!(
-            "| {} | {} | {} | {:.4} | {changed} | {interval} | {} | {} |\n",
+            "| {} | {} | {} | {} | {changed} | {interval} | {} | {} |\n",
             row.effect,
             row.change,
             row.observable,
-            row.mean,
+            row.rounded(row.mean),
             row.margin,
             row.need.words()
         )

@@ -80,7 +80,7 @@ impl Rounding {
 }
 
 /// Fewest decimals that still show `resolution`.
-fn decimals(resolution: f64) -> usize {
+pub(crate) fn decimals(resolution: f64) -> usize {
     if !(resolution.is_finite() && resolution > 0.0) {
         return 3;
     }
