@@ -147,7 +147,7 @@ impl DenseContact {
             frame,
             bias: lanes.bias.0[lane],
             regularisation: lanes.regularisation.0[lane],
-            friction: lanes.friction.0[lane],
+            friction: lanes.friction(lane),
             impulse: frame.transpose() * impulse,
             wall_velocity,
             driven: None,

@@ -110,7 +110,7 @@ fn check_layout(layout: &Layout, grains: u32) {
             seen = (stage, HashSet::new());
         }
         let mut own = HashSet::new();
-        for group in &task.pairs {
+        for group in task.pairs.iter() {
             let bodies: Vec<u32> = group.first.iter().chain(&group.second).copied().collect();
             assert_eq!(bodies.iter().collect::<HashSet<_>>().len(), 2 * LANES, "a body twice in {bodies:?}");
             contacts += group.first.iter().filter(|&&body| body < grains).count();

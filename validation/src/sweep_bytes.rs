@@ -1,11 +1,17 @@
 //! Bytes of a sweep over all contacts, for the roofline and for the replay.
 
 use makadam::lanes::Eight;
-use makadam::partition::{Layout, PairGroup, WallGroup};
+use makadam::partition::{Layout, PairGroups, TaskGroups, WallGroup};
 use makadam::world::Body;
 
-/// Arrays of a lane group that a sweep writes: the normal impulse and three components of the tangential one.
-const WRITTEN: usize = 4;
+/// Arrays of a lane group that a sweep writes: the normal impulse and, where there is friction, three components of the
+/// tangential one.
+fn arrays_written(task: &TaskGroups) -> usize {
+    match task.pairs {
+        PairGroups::Smooth(_) => 1,
+        PairGroups::Frictional(_) => 4,
+    }
+}
 
 /// What a sweep reads and writes, bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,8 +29,8 @@ impl SweepBytes {
         let grains = grains * size_of::<Body>();
         let (mut groups, mut written) = (0, 0);
         for (_, task) in layout.tasks() {
-            groups += task.pairs.len() * size_of::<PairGroup>() + task.walls.len() * size_of::<WallGroup>();
-            written += (task.pairs.len() + task.walls.len()) * WRITTEN * size_of::<Eight>();
+            groups += task.pairs.len() * task.pairs.bytes_of_group() + task.walls.len() * size_of::<WallGroup>();
+            written += (task.pairs.len() + task.walls.len()) * arrays_written(task) * size_of::<Eight>();
         }
         SweepBytes { touched: groups + grains, moved: groups + written + 2 * grains }
     }

@@ -21,7 +21,7 @@ pub(super) trait Contacts {
     fn property<L: Lanes>(&self, given: &Given<'_>, property: fn(&ContactMaterial) -> f64) -> L;
 }
 
-impl Contacts for PairGroup {
+impl<T> Contacts for PairGroup<T> {
     #[inline(always)]
     fn property<L: Lanes>(&self, given: &Given<'_>, property: fn(&ContactMaterial) -> f64) -> L {
         let world = given.world;
@@ -105,7 +105,7 @@ impl Given<'_> {
     /// # Safety
     /// The lanes name grains or dummies, and the scene keeps surface speeds.
     #[inline(always)]
-    pub(super) unsafe fn spins_of_pairs<L: Lanes>(&self, group: &PairGroup) -> [L; 3] {
+    pub(super) unsafe fn spins_of_pairs<L: Lanes, T>(&self, group: &PairGroup<T>) -> [L; 3] {
         let spins: *const Quad = self.world.spins_before.as_ptr();
         // SAFETY: the caller's promise.
         let (a, b) = unsafe { (L::load_quads::<1>(spins, &group.first), L::load_quads::<1>(spins, &group.second)) };

@@ -8,21 +8,22 @@ use crate::effects::restitution::{at_speed, impact_on_the_way};
 use crate::lanes::{
     Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch_lines, prefetch_places, prefetch_range, times,
 };
-use crate::partition::{PairGroup, PlannedTask, TaskGroups};
+use crate::partition::{PairGroup, PlannedTask, Sources, Tangential, TaskGroups};
 use crate::schedule::Disjoint;
 use nalgebra::Vector3;
 
 /// Fills the groups of pairs of a task.
 ///
 /// Whoever makes one promises that no other task uses the task's candidates meanwhile.
-pub(super) struct FillPairs<'a, const PERIODIC: bool> {
+pub(super) struct FillPairs<'a, const PERIODIC: bool, T> {
     pub given: &'a Given<'a>,
     pub task: &'a PlannedTask,
-    pub groups: &'a mut TaskGroups,
+    pub pairs: &'a mut [PairGroup<T>],
+    pub sources: &'a [Sources],
     pub impulses: &'a Disjoint<'a, Impulse>,
 }
 
-impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
+impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> {
     type Output = ();
 
     #[inline(always)]
@@ -31,16 +32,15 @@ impl<const PERIODIC: bool> Kernel for FillPairs<'_, PERIODIC> {
         let (spheres, before): (*const Quad, *const Quad) = (world.spheres.as_ptr().cast(), world.before.as_ptr());
         let impulses: *const Quad = self.impulses.as_ptr().cast();
         let nothing = self.given.candidates.pairs.len() as u32;
-        let groups = &mut self.groups.pairs;
-        let sources = &self.groups.pair_sources;
+        let (groups, sources) = (self.pairs, self.sources);
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
         let interior = self.task.is_interior();
         if self.given.fetches && interior {
             prefetch_range(&world.before[self.given.candidates.grains_of_box(self.task.home as usize)]);
         }
-        let fetch = |groups: &[PairGroup], number: usize| {
+        let fetch = |groups: &[PairGroup<T>], number: usize| {
             if let (Some(group), Some(sources)) = (groups.get(number), sources.get(number)) {
-                prefetch_lines(group, size_of::<PairGroup>());
+                prefetch_lines(group, size_of::<PairGroup<T>>());
                 prefetch_places(impulses, &sources.or(nothing));
                 if !interior {
                     prefetch_places(before, &group.first);

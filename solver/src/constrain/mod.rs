@@ -14,9 +14,10 @@ use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
-use crate::lanes::{InstructionSet, Lanes, Number};
+use crate::lanes::{Eight, InstructionSet, Lanes, Number};
 use crate::partition::{
-    DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TakenGroups, TaskGroups, WallGroup,
+    ContactLanes, DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TakenGroups, Tangential,
+    TaskGroups, WallGroup, with_pairs,
 };
 use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
@@ -263,10 +264,12 @@ impl Given<'_> {
         }
         groups.finish(self.effects);
         set.run(FindWaits { groups, effects: self.effects, grains: self.world.grains() as u32 });
-        if periodic {
-            set.run(FillPairs::<true> { given: self, task, groups, impulses });
-        } else {
-            set.run(FillPairs::<false> { given: self, task, groups, impulses });
+        {
+            let sources = &*groups.pair_sources;
+            with_pairs!(&mut groups.pairs, pairs => match periodic {
+                true => set.run(FillPairs::<true, _> { given: self, task, pairs, sources, impulses }),
+                false => set.run(FillPairs::<false, _> { given: self, task, pairs, sources, impulses }),
+            });
         }
         set.run(FillWalls { given: self, groups, impulses: &remembered.walls });
         if self.effects.cohesion() {
@@ -287,8 +290,8 @@ impl Given<'_> {
 ///
 /// The remembered tangential impulse is projected onto the new tangent plane.
 #[inline(always)]
-fn write_contacts<L: Lanes>(
-    contacts: &mut crate::partition::ContactLanes,
+fn write_contacts<L: Lanes, T: Tangential>(
+    contacts: &mut ContactLanes<Eight, T>,
     normal: [L; 3],
     geometry: NormalContact<L>,
     material: &LaneMaterial<L>,
@@ -301,13 +304,17 @@ fn write_contacts<L: Lanes>(
     let bears = bears(&constraint);
     let share = L::select(bears, L::splat(constants.warm_start), <L as Number>::zero());
     let [impulse, x, y, z] = remembered;
-    let along = crate::lanes::dot(normal, [x, y, z]);
-    for (axis, component) in [x, y, z].into_iter().enumerate() {
-        ((component - normal[axis] * along) * share).store(&mut contacts.impulse_tangential[axis]);
+    if let Some(tangential) = contacts.tangential.lanes_mut() {
+        let along = crate::lanes::dot(normal, [x, y, z]);
+        for (axis, component) in [x, y, z].into_iter().enumerate() {
+            ((component - normal[axis] * along) * share).store(&mut tangential.impulse[axis]);
+        }
+        material.friction.store(&mut tangential.coefficient);
+    }
+    for axis in 0..3 {
         normal[axis].store(&mut contacts.normal[axis]);
     }
     (impulse * share).store(&mut contacts.impulse_normal);
     constraint.bias.store(&mut contacts.bias);
     constraint.regularisation.store(&mut contacts.regularisation);
-    material.friction.store(&mut contacts.friction);
 }

@@ -2,7 +2,7 @@
 
 use super::Given;
 use crate::lanes::Eight;
-use crate::partition::TaskGroups;
+use crate::partition::{TaskGroups, with_pairs};
 
 impl Given<'_> {
     /// Fills the pulls of a task whose contacts are laid out.
@@ -10,7 +10,7 @@ impl Given<'_> {
         let Given { world, candidates, poses, constants, .. } = self;
         let h = constants.scheme.step;
         let TaskGroups { pairs, pair_sources, pair_pulls, walls, wall_sources, wall_pulls, .. } = groups;
-        for ((group, sources), pulls) in pairs.iter().zip(pair_sources).zip(pair_pulls) {
+        with_pairs!(pairs, pairs => for ((group, sources), pulls) in pairs.iter().zip(pair_sources).zip(pair_pulls) {
             *pulls = Eight::default();
             for (lane, _) in sources.occupied() {
                 let [i, j] = [group.first[lane] as usize, group.second[lane] as usize];
@@ -19,7 +19,7 @@ impl Given<'_> {
                 let gap = world.arm(i, j).norm() - a.radius - b.radius;
                 pulls.0[lane] = material.pull(a.radius * b.radius / (a.radius + b.radius)).impulse(gap, h);
             }
-        }
+        });
         for ((group, sources), pulls) in walls.iter().zip(wall_sources).zip(wall_pulls) {
             *pulls = Eight::default();
             for (lane, candidate) in sources.occupied() {

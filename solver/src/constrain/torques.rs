@@ -5,7 +5,7 @@ use crate::detect::AngularImpulse;
 use crate::effects::Effects;
 use crate::effects::resistance::bearable;
 use crate::lanes::{Eight, Kernel, Lanes, Number};
-use crate::partition::{ContactLanes, TaskGroups, TorqueLanes};
+use crate::partition::{ContactLanes, Kind, TaskGroups, TorqueLanes};
 use crate::schedule::Disjoint;
 use std::marker::PhantomData;
 
@@ -28,7 +28,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
         let Given { world, candidates, poses, constants, .. } = self.given;
         let share = constants.warm_start;
         let TaskGroups { pairs, pair_sources, pair_torques, walls, wall_sources, wall_torques, .. } = self.groups;
-        for ((group, sources), torques) in pairs.iter().zip(pair_sources).zip(pair_torques) {
+        for ((group, sources), torques) in E::Tangential::of(pairs).iter().zip(pair_sources).zip(pair_torques) {
             *torques = TorqueLanes::default();
             for (lane, candidate) in sources.occupied() {
                 let [i, j] = [group.first[lane] as usize, group.second[lane] as usize];
@@ -40,7 +40,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
                 // SAFETY: the promise of whoever made this.
                 torques.remember(lane, unsafe { self.pairs.at(candidate) }, share);
             }
-            start::<L, E>(torques, &group.contacts);
+            start::<L, E, _>(torques, &group.contacts);
         }
         for ((group, sources), lanes) in walls.iter().zip(wall_sources).zip(wall_torques) {
             *lanes = Default::default();
@@ -57,7 +57,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
                     lanes.wall_spin[axis].0[lane] = *spin;
                 }
             }
-            start::<L, E>(&mut lanes.torques, &group.contacts);
+            start::<L, E, _>(&mut lanes.torques, &group.contacts);
         }
     }
 }
@@ -73,7 +73,7 @@ impl TorqueLanes {
 /// What is remembered, as far as the contact can bear it with the normal impulse that it starts from. A contact that has just
 /// closed starts from none, whatever it bore when it opened.
 #[inline(always)]
-fn start<L: Lanes, E: Effects>(torques: &mut TorqueLanes, contacts: &ContactLanes) {
+fn start<L: Lanes, E: Effects, T>(torques: &mut TorqueLanes, contacts: &ContactLanes<Eight, T>) {
     let load = |number: &Eight| L::load(number);
     let (normal, normal_impulse) = (contacts.normal.each_ref().map(load), load(&contacts.impulse_normal));
     let bears = <L as Number>::zero().below(normal_impulse);

@@ -50,7 +50,7 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
         let list = given.candidates.rebuilds;
         // Where the same pairs touch as in the last step, they are packed already, as they would be again.
         if !groups.are_packed_from(list) || *touching != *borne {
-            groups.restart_pairs(list, dummies);
+            groups.restart_pairs(list, dummies, given.effects);
             for (batch, (touching, borne)) in touching.chunks(BATCH).zip(borne.chunks_mut(BATCH)).enumerate() {
                 let mut listed = Listed::default();
                 for (block, (&mask, borne)) in touching.iter().zip(borne).enumerate() {

@@ -13,6 +13,8 @@ pub mod resistance;
 pub mod restitution;
 pub mod vibration;
 
+use crate::partition::{FrictionLanes, Kind};
+
 /// What a kernel is compiled with. An effect that is off leaves no instruction in it.
 pub(crate) trait Effects {
     /// Coulomb friction; without it grains do not spin.
@@ -23,17 +25,25 @@ pub(crate) trait Effects {
     const TWISTING: bool;
     /// Whether contacts bear torques.
     const TORQUES: bool = Self::ROLLING || Self::TWISTING;
+    /// What lane groups hold for friction.
+    type Tangential: Kind;
 }
 
 /// One choice of effects.
 pub(crate) struct Compiled<const FRICTION: bool, const ROLLING: bool, const TWISTING: bool>;
 
-impl<const FRICTION: bool, const ROLLING: bool, const TWISTING: bool> Effects
-    for Compiled<FRICTION, ROLLING, TWISTING>
-{
-    const FRICTION: bool = FRICTION;
+impl<const ROLLING: bool, const TWISTING: bool> Effects for Compiled<true, ROLLING, TWISTING> {
+    const FRICTION: bool = true;
     const ROLLING: bool = ROLLING;
     const TWISTING: bool = TWISTING;
+    type Tangential = FrictionLanes;
+}
+
+impl Effects for Compiled<false, false, false> {
+    const FRICTION: bool = false;
+    const ROLLING: bool = false;
+    const TWISTING: bool = false;
+    type Tangential = ();
 }
 
 /// Smooth grains.

@@ -3,7 +3,7 @@
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, cross, dot, minus, prefetch_places, times};
-use crate::partition::{ContactLanes, PairGroup, TaskGroups, WallGroup};
+use crate::partition::{Kind, PairGroup, TaskGroups, WallGroup};
 use crate::sweep::kernel::{Bodies, Contact, Pair};
 use crate::world::Body;
 use std::marker::PhantomData;
@@ -32,12 +32,12 @@ pub(crate) fn add<L: Lanes>(sum: &mut Eight, value: L) {
 }
 
 /// What a kernel asks of a lane group, whether its contacts are with grains or with walls.
-pub(crate) trait Group {
-    /// Constraint data and impulses.
-    fn contacts(&self) -> &ContactLanes;
+pub(crate) trait Group<E: Effects> {
+    /// Its contacts.
+    fn read<L: Lanes>(&self) -> Contact<L>;
 
-    /// The same, to be written.
-    fn contacts_mut(&mut self) -> &mut ContactLanes;
+    /// Writes their impulses back.
+    fn write<L: Lanes>(&mut self, contact: &Contact<L>);
 
     /// Asks for the cache lines of its bodies.
     fn fetch(&self, bodies: *const Body);
@@ -47,29 +47,24 @@ pub(crate) trait Group {
     ///
     /// # Safety
     /// The group names bodies behind `bodies`, and no other task writes these meanwhile.
-    unsafe fn velocity<L: Lanes, E: Effects>(
-        &self,
-        bodies: *const Body,
-        contact: &Contact<L>,
-        wall_share: f64,
-    ) -> ([L; 3], L);
+    unsafe fn velocity<L: Lanes>(&self, bodies: *const Body, contact: &Contact<L>, wall_share: f64) -> ([L; 3], L);
 
     /// Gives the bodies an impulse.
     ///
     /// # Safety
     /// The group names bodies behind `bodies`, and no other task uses these meanwhile.
-    unsafe fn push<L: Lanes, E: Effects>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]);
+    unsafe fn push<L: Lanes>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]);
 }
 
-impl Group for PairGroup {
+impl<E: Effects> Group<E> for PairGroup<E::Tangential> {
     #[inline(always)]
-    fn contacts(&self) -> &ContactLanes {
-        &self.contacts
+    fn read<L: Lanes>(&self) -> Contact<L> {
+        Contact::read(&self.contacts, L::load)
     }
 
     #[inline(always)]
-    fn contacts_mut(&mut self) -> &mut ContactLanes {
-        &mut self.contacts
+    fn write<L: Lanes>(&mut self, contact: &Contact<L>) {
+        contact.write::<E, _, _>(&mut self.contacts, L::store);
     }
 
     #[inline(always)]
@@ -79,28 +74,28 @@ impl Group for PairGroup {
     }
 
     #[inline(always)]
-    unsafe fn velocity<L: Lanes, E: Effects>(&self, bodies: *const Body, contact: &Contact<L>, _: f64) -> ([L; 3], L) {
+    unsafe fn velocity<L: Lanes>(&self, bodies: *const Body, contact: &Contact<L>, _: f64) -> ([L; 3], L) {
         // SAFETY: the caller's promise.
         let pair = unsafe { Pair::load::<E>(bodies, self) };
         (contact.velocity_of_pair::<E>(&pair), pair.inverse_mass)
     }
 
     #[inline(always)]
-    unsafe fn push<L: Lanes, E: Effects>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
+    unsafe fn push<L: Lanes>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
         // SAFETY: the caller's promise; the sixteen bodies of a group are different ones.
         unsafe { Pair::push::<E>(bodies, self, [impulse, cross(normal, impulse)]) };
     }
 }
 
-impl Group for WallGroup {
+impl<E: Effects> Group<E> for WallGroup {
     #[inline(always)]
-    fn contacts(&self) -> &ContactLanes {
-        &self.contacts
+    fn read<L: Lanes>(&self) -> Contact<L> {
+        Contact::read(&self.contacts, L::load)
     }
 
     #[inline(always)]
-    fn contacts_mut(&mut self) -> &mut ContactLanes {
-        &mut self.contacts
+    fn write<L: Lanes>(&mut self, contact: &Contact<L>) {
+        contact.write::<E, _, _>(&mut self.contacts, L::store);
     }
 
     #[inline(always)]
@@ -109,12 +104,7 @@ impl Group for WallGroup {
     }
 
     #[inline(always)]
-    unsafe fn velocity<L: Lanes, E: Effects>(
-        &self,
-        bodies: *const Body,
-        contact: &Contact<L>,
-        wall_share: f64,
-    ) -> ([L; 3], L) {
+    unsafe fn velocity<L: Lanes>(&self, bodies: *const Body, contact: &Contact<L>, wall_share: f64) -> ([L; 3], L) {
         // SAFETY: the caller's promise.
         let grain = unsafe { Bodies::<L>::load::<E>(bodies, &self.body) };
         let wall_velocity = times(load(&self.wall_velocity), L::splat(wall_share));
@@ -122,7 +112,7 @@ impl Group for WallGroup {
     }
 
     #[inline(always)]
-    unsafe fn push<L: Lanes, E: Effects>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
+    unsafe fn push<L: Lanes>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
         // SAFETY: the caller's promise; the eight bodies of a group are different ones.
         unsafe {
             let mut grain = Bodies::<L>::load::<E>(bodies, &self.body);
@@ -146,7 +136,7 @@ pub(crate) trait Visit {
     }
 
     /// Does it to the group with this number in its task, pairs first.
-    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G);
+    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G);
 }
 
 /// A visit to every group of a task.
@@ -161,18 +151,18 @@ impl<V: Visit, E: Effects> Kernel for Visiting<'_, V, E> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
-        let (pairs, walls) = (&mut self.groups.pairs, &mut self.groups.walls);
+        let (pairs, walls) = (E::Tangential::of_mut(&mut self.groups.pairs), &mut self.groups.walls);
         let bodies = self.visit.bodies();
         for number in 0..pairs.len() {
             if !bodies.is_null()
                 && let Some(ahead) = pairs.get(number + PREFETCH)
             {
-                ahead.fetch(bodies);
+                Group::<E>::fetch(ahead, bodies);
             }
-            self.visit.visit::<L, PairGroup, E>(number, &mut pairs[number]);
+            self.visit.visit::<L, _, E>(number, &mut pairs[number]);
         }
         for (number, group) in walls.iter_mut().enumerate() {
-            self.visit.visit::<L, WallGroup, E>(pairs.len() + number, group);
+            self.visit.visit::<L, _, E>(pairs.len() + number, group);
         }
     }
 }

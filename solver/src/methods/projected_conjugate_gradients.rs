@@ -145,13 +145,13 @@ impl Visit for Turn<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
-        let contact = Contact::read(group.contacts(), L::load);
+    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+        let contact = group.read::<L>();
         let normal = contact.normal;
         // SAFETY: the promise of `Visit`.
         let (velocity, inverse_mass, across) = unsafe {
-            let (velocity, inverse_mass) = group.velocity::<L, E>(self.bodies, &contact, 1.0);
-            (velocity, inverse_mass, group.velocity::<L, E>(self.velocities, &contact, 0.0).0)
+            let (velocity, inverse_mass) = group.velocity(self.bodies, &contact, 1.0);
+            (velocity, inverse_mass, group.velocity(self.velocities, &contact, 0.0).0)
         };
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
         // Residual r and S p, their normal and tangential parts.
@@ -224,13 +224,13 @@ impl Visit for Aim<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
-        let contact = Contact::read(group.contacts(), L::load);
+    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+        let contact = group.read::<L>();
         let old = load::<L>(&self.direction[number]);
         let direction = plus(load(&self.gradient[number]), times(old, L::splat(self.beta)));
         store(direction, &mut self.direction[number]);
         // SAFETY: the promise of `Visit`.
-        unsafe { group.push::<L, E>(self.velocities, contact.normal, direction) };
+        unsafe { group.push(self.velocities, contact.normal, direction) };
         let along = dot(contact.normal, direction);
         add(&mut self.tally.sums[0], contact.regularisation * along * along);
     }
@@ -251,14 +251,14 @@ impl Visit for Advance<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
-        let mut contact = Contact::read(group.contacts(), L::load);
+    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+        let mut contact = group.read::<L>();
         let before = contact.impulse();
         contact.set_impulse(plus(before, times(load(&self.direction[number]), L::splat(self.alpha))));
         contact.project::<E>();
         let change = minus(contact.impulse(), before);
         // SAFETY: the promise of `Visit`.
-        unsafe { group.push::<L, E>(self.bodies, contact.normal, change) };
-        contact.write::<E, _>(group.contacts_mut(), L::store);
+        unsafe { group.push(self.bodies, contact.normal, change) };
+        group.write(&contact);
     }
 }

@@ -21,8 +21,8 @@ impl Visit for Keep<'_> {
     const PUSHES: bool = false;
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
-        store(Contact::read(group.contacts(), L::load).impulse(), &mut self.to[number]);
+    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+        store(group.read::<L>().impulse(), &mut self.to[number]);
     }
 }
 
@@ -37,7 +37,7 @@ impl Visit for Combine<'_> {
     const PUSHES: bool = false;
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let mut sum = [L::zero(); 3];
         for (coefficient, from) in self.coefficients.iter().zip(&self.from[..self.count]) {
             let own = load::<L>(&from[number]);
@@ -45,16 +45,16 @@ impl Visit for Combine<'_> {
                 sum[axis] = sum[axis] + L::splat(*coefficient) * own[axis];
             }
         }
-        put::<L, E>(sum, group.contacts_mut());
+        put::<L, G, E>(sum, group);
     }
 }
 
 /// Writes impulses given as vectors.
 #[inline(always)]
-fn put<L: Lanes, E: Effects>(impulse: [L; 3], contacts: &mut crate::partition::ContactLanes) {
-    let mut contact = Contact::read(contacts, L::load);
+fn put<L: Lanes, G: Group<E>, E: Effects>(impulse: [L; 3], group: &mut G) {
+    let mut contact = group.read::<L>();
     contact.set_impulse(impulse);
-    contact.write::<E, _>(contacts, L::store);
+    group.write(&contact);
 }
 
 /// Impulses and two vectors become combinations of the three.
@@ -68,9 +68,9 @@ impl Visit for Transform<'_> {
     const PUSHES: bool = false;
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
+    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let [to_first, to_second, to_third] = self.coefficients;
-        let first = Contact::read(group.contacts(), L::load).impulse();
+        let first = group.read::<L>().impulse();
         let (second, third) = (load::<L>(&self.second[number]), load::<L>(&self.third[number]));
         let mut impulse = first;
         for axis in 0..3 {
@@ -79,7 +79,7 @@ impl Visit for Transform<'_> {
             combined(to_second, old).store(&mut self.second[number][axis]);
             combined(to_third, old).store(&mut self.third[number][axis]);
         }
-        put::<L, E>(impulse, group.contacts_mut());
+        put::<L, G, E>(impulse, group);
     }
 }
 
@@ -106,12 +106,12 @@ impl Visit for Step<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, number: usize, group: &mut G) {
-        let mut contact = Contact::read(group.contacts(), L::load);
+    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
+        let mut contact = group.read::<L>();
         contact.set_impulse(load(&self.from[number]));
         let normal = contact.normal;
         // SAFETY: the promise of `Visit`.
-        let (velocity, inverse_mass) = unsafe { group.velocity::<L, E>(self.ahead, &contact, 1.0) };
+        let (velocity, inverse_mass) = unsafe { group.velocity(self.ahead, &contact, 1.0) };
         // Gradient, before the impulse changes.
         let along = dot(normal, velocity);
         let slack = along + contact.regularisation * contact.impulse_normal - contact.bias;
@@ -120,8 +120,8 @@ impl Visit for Step<'_> {
         let step = L::splat(self.step);
         let change = contact.relax::<E, Off>(velocity, inverse_mass, step, &mut unused);
         // SAFETY: as above.
-        unsafe { group.push::<L, E>(self.bodies, normal, change) };
-        contact.write::<E, _>(group.contacts_mut(), L::store);
+        unsafe { group.push(self.bodies, normal, change) };
+        group.write(&contact);
         // How far it went, in the metric of the diagonal.
         let change_normal = dot(normal, change);
         let compliant = contact.regularisation * change_normal * change_normal;
@@ -170,10 +170,10 @@ impl Visit for Measure<'_> {
     }
 
     #[inline(always)]
-    fn visit<L: Lanes, G: Group, E: Effects>(&mut self, _: usize, group: &mut G) {
-        let contact = Contact::read(group.contacts(), L::load);
+    fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, _: usize, group: &mut G) {
+        let contact = group.read::<L>();
         // SAFETY: the promise of `Visit`.
-        let (velocity, inverse_mass) = unsafe { group.velocity::<L, E>(self.bodies, &contact, 1.0) };
+        let (velocity, inverse_mass) = unsafe { group.velocity(self.bodies, &contact, 1.0) };
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
         // Attraction, or the tangential impulse beyond the disc.
         let mut excess = -contact.impulse_normal * (inverse_mass + contact.regularisation);

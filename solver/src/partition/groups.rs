@@ -1,16 +1,16 @@
 //! Lane groups: eight contacts that share no body.
 
-use crate::effects::Effects;
+use super::tangential::{FrictionLanes, Tangential};
 use crate::lanes::{Eight, LANES};
-use std::mem::offset_of;
 
 /// Marks a lane that holds no contact.
 const NO_SOURCE: u32 = u32::MAX;
 
-/// Constraint data and impulses of eight contacts, or of sixteen in single precision.
+/// Constraint data and impulses of eight contacts, or of sixteen in single precision; `T` is what friction adds, `()` where grains
+/// are smooth.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub struct ContactLanes<Several = Eight> {
+pub struct ContactLanes<Several = Eight, T = FrictionLanes<Several>> {
     /// Unit normals from the first body to the second, or to the wall.
     pub normal: [Several; 3],
     /// Biases q, m/s.
@@ -19,10 +19,8 @@ pub struct ContactLanes<Several = Eight> {
     pub regularisation: Several,
     /// Normal impulses, N s.
     pub impulse_normal: Several,
-    /// Friction coefficients.
-    pub friction: Several,
-    /// Tangential impulses on the second body, or on the wall, N s.
-    pub impulse_tangential: [Several; 3],
+    /// Friction coefficients and tangential impulses, if there is friction.
+    pub tangential: T,
 }
 
 /// Levers and angular impulses of eight contacts, where contacts bear torques.
@@ -50,16 +48,16 @@ pub struct WallTorqueLanes {
 /// Eight contacts of pairs of grains that share no body.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub struct PairGroup {
+pub struct PairGroup<T = FrictionLanes> {
     /// Places of the first bodies.
     pub first: [u32; LANES],
     /// Places of the second bodies.
     pub second: [u32; LANES],
     /// Their contacts.
-    pub contacts: ContactLanes,
+    pub contacts: ContactLanes<Eight, T>,
 }
 
-/// Eight contacts of different grains with walls.
+/// Eight contacts of different grains with walls. They are few, and have room for friction whether there is any or not.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct WallGroup {
@@ -75,14 +73,7 @@ pub struct WallGroup {
 #[derive(Clone, Copy, Debug)]
 pub struct Sources([u32; LANES]);
 
-impl<Several> ContactLanes<Several> {
-    /// How much of it a sweep with these effects reads, in bytes: what friction needs comes last.
-    pub(super) const fn used<E: Effects>() -> usize {
-        if E::FRICTION { size_of::<Self>() } else { offset_of!(Self, friction) }
-    }
-}
-
-impl ContactLanes {
+impl<T: Tangential> ContactLanes<Eight, T> {
     /// Normal impulse of the contact in a lane, N s.
     pub fn normal_impulse(&self, lane: usize) -> f64 {
         self.impulse_normal.0[lane]
@@ -90,7 +81,13 @@ impl ContactLanes {
 
     /// Tangential impulse of the contact in a lane, N s.
     pub fn tangential_impulse(&self, lane: usize) -> [f64; 3] {
-        std::array::from_fn(|axis| self.impulse_tangential[axis].0[lane])
+        let impulse = |lanes: &FrictionLanes| std::array::from_fn(|axis| lanes.impulse[axis].0[lane]);
+        self.tangential.lanes().map_or([0.0; 3], impulse)
+    }
+
+    /// Friction coefficient of the contact in a lane.
+    pub fn friction(&self, lane: usize) -> f64 {
+        self.tangential.lanes().map_or(0.0, |lanes| lanes.coefficient.0[lane])
     }
 
     /// Normal of the contact in a lane.
@@ -106,26 +103,31 @@ impl TorqueLanes {
     }
 }
 
-impl PairGroup {
+impl<T: Tangential> PairGroup<T> {
     /// A group of padding lanes, which point at a box's dummies, the first of them at `dummies`.
-    pub(super) fn padding(dummies: u32) -> PairGroup {
-        let [first, second] = PairGroup::padding_places(dummies);
+    pub(super) fn padding(dummies: u32) -> Self {
+        let [first, second] = padding_places(dummies);
         PairGroup { first, second, contacts: ContactLanes::default() }
     }
 
-    /// How much of a group a sweep with these effects reads, in bytes.
-    pub(crate) const fn used<E: Effects>() -> usize {
-        offset_of!(PairGroup, contacts) + ContactLanes::<Eight>::used::<E>()
-    }
-
-    pub(super) fn padding_places(dummies: u32) -> [[u32; LANES]; 2] {
-        [0, LANES as u32].map(|side| std::array::from_fn(|lane| dummies + side + lane as u32))
+    /// The same with room for friction.
+    pub(super) fn with_friction(&self) -> PairGroup {
+        let PairGroup { first, second, contacts } = *self;
+        let ContactLanes { normal, bias, regularisation, impulse_normal, tangential } = contacts;
+        let tangential = tangential.lanes().copied().unwrap_or_default();
+        let contacts = ContactLanes { normal, bias, regularisation, impulse_normal, tangential };
+        PairGroup { first, second, contacts }
     }
 
     /// Empties all lanes; the constraint data stay, to be overwritten.
     pub(super) fn clear(&mut self, dummies: u32) {
-        [self.first, self.second] = PairGroup::padding_places(dummies);
+        [self.first, self.second] = padding_places(dummies);
     }
+}
+
+/// Where the padding lanes of pairs point: at a box's dummies, the first of them at `dummies`.
+pub(super) fn padding_places(dummies: u32) -> [[u32; LANES]; 2] {
+    [0, LANES as u32].map(|side| std::array::from_fn(|lane| dummies + side + lane as u32))
 }
 
 impl WallGroup {

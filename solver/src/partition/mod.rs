@@ -17,6 +17,7 @@ mod groups;
 mod packing;
 mod plan;
 mod single;
+mod tangential;
 mod waits;
 
 pub use boxes::{BoxGrid, STAGES};
@@ -24,6 +25,8 @@ pub use groups::{ContactLanes, PairGroup, Sources, TorqueLanes, WallGroup, WallT
 pub(crate) use packing::{Packer, Taken, TakenGroups};
 pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
+pub use tangential::{FrictionLanes, PairGroups, Tangential};
+pub(crate) use tangential::{Kind, with_pairs};
 pub(crate) use waits::{FindWaits, overlapped};
 
 use crate::lanes::{Eight, LANES, PREFETCH};
@@ -33,7 +36,7 @@ use crate::world::Body;
 #[derive(Clone, Debug, Default)]
 pub struct TaskGroups {
     /// Groups of contacts of two grains.
-    pub pairs: Vec<PairGroup>,
+    pub pairs: PairGroups,
     /// Where their contacts came from.
     pub pair_sources: Vec<Sources>,
     /// Whether a group of pairs shares a body with the one before it; empty where that was not asked, and then it may.
@@ -133,7 +136,7 @@ impl Layout {
     pub(crate) fn memory_bytes(&self) -> usize {
         let of_task = |task: &TaskGroups| {
             size_of::<TaskGroups>()
-                + task.pairs.capacity() * size_of::<PairGroup>()
+                + task.pairs.capacity() * task.pairs.bytes_of_group()
                 + task.walls.capacity() * size_of::<WallGroup>()
                 + task.pair_waits.capacity()
                 + task.touching.capacity()

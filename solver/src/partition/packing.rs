@@ -1,6 +1,6 @@
 //! Packing: contacts into lane groups whose eight contacts share no body.
 
-use super::{PairGroup, Sources, TaskGroups, WallGroup};
+use super::{PairGroup, Sources, TaskGroups, WallGroup, with_pairs};
 use crate::detect::{PairCandidate, WallCandidate};
 use crate::effects::EffectSet;
 use crate::lanes::{LANES, prefetch_lines, prefetch_places};
@@ -191,9 +191,11 @@ impl TaskGroups {
         debug_assert!(lane < LANES && self.pair_sources.len() == self.pairs.len());
         // SAFETY: groups were opened up to this one, and their sources with them; the caller's promise.
         unsafe {
-            let contact = self.pairs.get_unchecked_mut(group);
-            *contact.first.get_unchecked_mut(lane) = pair.first;
-            *contact.second.get_unchecked_mut(lane) = pair.second;
+            with_pairs!(&mut self.pairs, pairs => {
+                let group = pairs.get_unchecked_mut(group);
+                *group.first.get_unchecked_mut(lane) = pair.first;
+                *group.second.get_unchecked_mut(lane) = pair.second;
+            });
             self.pair_sources.get_unchecked_mut(group).set(lane, candidate);
         }
     }
@@ -201,11 +203,11 @@ impl TaskGroups {
     #[cold]
     #[inline(never)]
     fn open_pairs(&mut self, count: usize, dummies: u32) {
-        while self.pairs.len() < count {
-            make_room(&mut self.pairs, &mut self.pair_sources);
-            self.pairs.push(PairGroup::padding(dummies));
+        with_pairs!(&mut self.pairs, pairs => while pairs.len() < count {
+            make_room(pairs, &mut self.pair_sources);
+            pairs.push(PairGroup::padding(dummies));
             self.pair_sources.push(Sources::NONE);
-        }
+        });
     }
 
     /// Puts a wall contact into a lane; groups are opened up to its own.
@@ -232,13 +234,13 @@ impl TaskGroups {
     }
 
     /// Starts to pack pairs of a candidate list of this number, above 0, with the groups that there are, all of them empty.
-    pub(crate) fn restart_pairs(&mut self, list: u64, dummies: u32) {
+    pub(crate) fn restart_pairs(&mut self, list: u64, dummies: u32, effects: EffectSet) {
         (self.pairs_used, self.pair_contacts, self.packed_from) = (0, 0, list);
         self.pair_waits.clear();
-        for (group, sources) in self.pairs.iter_mut().zip(&mut self.pair_sources) {
-            group.clear(dummies);
-            *sources = Sources::NONE;
-        }
+        self.pairs.suit(effects.compiled().friction());
+        self.pair_sources.truncate(self.pairs.len());
+        with_pairs!(&mut self.pairs, pairs => pairs.iter_mut().for_each(|group| group.clear(dummies)));
+        self.pair_sources.fill(Sources::NONE);
     }
 
     /// Starts to pack contacts with walls anew.

@@ -4,12 +4,11 @@
 //! that follow each other become one where they share no body. Afterwards impulses go back as they are, and each body
 //! receives the change of its velocity, so that what no contact touches is not rounded.
 
-use super::{ContactLanes, Layout, PairGroup, STAGES, TaskGroups, WallGroup};
-use crate::effects::Effects;
+use super::groups::padding_places;
+use super::{ContactLanes, FrictionLanes, Layout, PairGroup, STAGES, Tangential, TaskGroups, WallGroup, with_pairs};
 use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, DUMMIES, chunk, chunks};
-use std::mem::offset_of;
 
 /// Dynamic state of a grain in single precision: half a cache line, laid out as [`Body`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,7 +20,7 @@ pub(crate) struct SingleBody {
     inverse_radius: f32,
 }
 
-/// Sixteen contacts of pairs of grains that share no body.
+/// Sixteen contacts of pairs of grains that share no body, with room for friction whether there is any or not.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct SinglePairGroup {
@@ -54,13 +53,6 @@ pub(crate) struct SingleCopy {
     pub bodies: Vec<SingleBody>,
     /// By the number of the task, as in [`Layout`].
     pub groups: Vec<SingleGroups>,
-}
-
-impl SinglePairGroup {
-    /// As [`PairGroup::used`].
-    pub(crate) const fn used<E: Effects>() -> usize {
-        offset_of!(SinglePairGroup, contacts) + ContactLanes::<Sixteen>::used::<E>()
-    }
 }
 
 impl SingleBody {
@@ -145,26 +137,14 @@ impl SingleGroups {
     /// Rounds the groups of a task. Bodies from `grains` on are dummies, those of its box from `dummies` on.
     #[inline(always)]
     fn take(&mut self, task: &TaskGroups, grains: u32, dummies: u32) {
-        let (padding, nothing) = (PairGroup::padding_places(dummies), ContactLanes::default());
         self.pairs.clear();
         self.walls.clear();
         self.joined.clear();
         reserve(&mut self.pairs, task.pairs.len());
         reserve(&mut self.walls, task.walls.len());
         reserve(&mut self.joined, task.pairs.len() + task.walls.len());
-        let mut pairs = task.pairs.as_slice();
-        while let [group, rest @ ..] = pairs {
-            let partner = rest.first().filter(|next| !share_a_grain(group, next, grains));
-            let other = partner.map(|next| &next.contacts);
-            self.pairs.push(SinglePairGroup {
-                first: side_by_side(&group.first, partner.map_or(&padding[0], |next| &next.first)),
-                second: side_by_side(&group.second, partner.map_or(&padding[1], |next| &next.second)),
-                contacts: joined(&group.contacts, other.unwrap_or(&nothing)),
-            });
-            let count = 1 + usize::from(partner.is_some());
-            self.joined.push(count as u8);
-            pairs = &pairs[count..];
-        }
+        with_pairs!(&task.pairs, pairs => self.take_pairs(pairs, grains, dummies));
+        let (padding, nothing) = (padding_places(dummies), ContactLanes::default());
         let mut walls = task.walls.as_slice();
         while let [group, rest @ ..] = walls {
             let partner = rest.first().filter(|next| !any_equal(&group.body, &next.body, grains));
@@ -183,14 +163,34 @@ impl SingleGroups {
         }
     }
 
+    /// Rounds the groups of pairs.
+    #[inline(always)]
+    fn take_pairs<T: Tangential>(&mut self, mut pairs: &[PairGroup<T>], grains: u32, dummies: u32) {
+        let (padding, nothing) = (padding_places(dummies), ContactLanes::default());
+        while let [group, rest @ ..] = pairs {
+            let partner = rest.first().filter(|next| !share_a_grain(group, next, grains));
+            let other = partner.map(|next| &next.contacts);
+            self.pairs.push(SinglePairGroup {
+                first: side_by_side(&group.first, partner.map_or(&padding[0], |next| &next.first)),
+                second: side_by_side(&group.second, partner.map_or(&padding[1], |next| &next.second)),
+                contacts: joined(&group.contacts, other.unwrap_or(&nothing)),
+            });
+            let count = 1 + usize::from(partner.is_some());
+            self.joined.push(count as u8);
+            pairs = &pairs[count..];
+        }
+    }
+
     /// Gives the impulses back to the groups that these were made of.
     fn give_back(&self, task: &mut TaskGroups) {
         let mut joined = self.joined.iter();
-        let mut pairs = task.pairs.iter_mut().map(|group: &mut PairGroup| &mut group.contacts);
         let mut walls = task.walls.iter_mut().map(|group: &mut WallGroup| &mut group.contacts);
-        for (group, &count) in self.pairs.iter().zip(joined.by_ref()) {
-            (0..count).zip(&mut pairs).for_each(|(half, contacts)| give_impulses(&group.contacts, half, contacts));
-        }
+        with_pairs!(&mut task.pairs, pairs => {
+            let mut pairs = pairs.iter_mut().map(|group| &mut group.contacts);
+            for (group, &count) in self.pairs.iter().zip(joined.by_ref()) {
+                (0..count).zip(&mut pairs).for_each(|(half, contacts)| give_impulses(&group.contacts, half, contacts));
+            }
+        });
         for (group, &count) in self.walls.iter().zip(joined) {
             (0..count).zip(&mut walls).for_each(|(half, contacts)| give_impulses(&group.contacts, half, contacts));
         }
@@ -206,7 +206,7 @@ fn reserve<T>(all: &mut Vec<T>, count: usize) {
 
 /// Whether a grain is in both groups. Dummies may be: nothing moves them.
 #[inline(always)]
-fn share_a_grain(own: &PairGroup, next: &PairGroup, grains: u32) -> bool {
+fn share_a_grain<T>(own: &PairGroup<T>, next: &PairGroup<T>, grains: u32) -> bool {
     any_equal(&own.first, &next.first, grains)
         | any_equal(&own.first, &next.second, grains)
         | any_equal(&own.second, &next.first, grains)
@@ -252,14 +252,20 @@ fn joined_vectors(own: &[Eight; 3], partner: &[Eight; 3]) -> [Sixteen; 3] {
 }
 
 #[inline(always)]
-fn joined(own: &ContactLanes, partner: &ContactLanes) -> ContactLanes<Sixteen> {
+fn joined<T: Tangential>(own: &ContactLanes<Eight, T>, partner: &ContactLanes<Eight, T>) -> ContactLanes<Sixteen> {
+    let tangential = match (own.tangential.lanes(), partner.tangential.lanes()) {
+        (Some(own), Some(partner)) => FrictionLanes {
+            coefficient: rounded(&own.coefficient, &partner.coefficient),
+            impulse: joined_vectors(&own.impulse, &partner.impulse),
+        },
+        _ => FrictionLanes::default(),
+    };
     ContactLanes {
         normal: joined_vectors(&own.normal, &partner.normal),
         bias: rounded(&own.bias, &partner.bias),
         regularisation: rounded(&own.regularisation, &partner.regularisation),
-        friction: rounded(&own.friction, &partner.friction),
         impulse_normal: rounded(&own.impulse_normal, &partner.impulse_normal),
-        impulse_tangential: joined_vectors(&own.impulse_tangential, &partner.impulse_tangential),
+        tangential,
     }
 }
 
@@ -282,13 +288,15 @@ impl Kernel for Take<'_> {
 }
 
 /// Gives the impulses of the lower (0) or upper (1) eight lanes back.
-fn give_impulses(from: &ContactLanes<Sixteen>, half: u8, to: &mut ContactLanes) {
+fn give_impulses<T: Tangential>(from: &ContactLanes<Sixteen>, half: u8, to: &mut ContactLanes<Eight, T>) {
     let copy = |from: &Sixteen, to: &mut Eight| {
         let lanes = &from.0[usize::from(half) * LANES..][..LANES];
         to.0.iter_mut().zip(lanes).for_each(|(to, &from)| *to = f64::from(from));
     };
     copy(&from.impulse_normal, &mut to.impulse_normal);
-    for axis in 0..3 {
-        copy(&from.impulse_tangential[axis], &mut to.impulse_tangential[axis]);
+    if let Some(tangential) = to.tangential.lanes_mut() {
+        for axis in 0..3 {
+            copy(&from.tangential.impulse[axis], &mut tangential.impulse[axis]);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Which groups of pairs have to wait for the group before them.
 
-use super::TaskGroups;
+use super::{TaskGroups, with_pairs};
 use crate::effects::EffectSet;
 use crate::lanes::{Kernel, Lanes};
 
@@ -31,10 +31,10 @@ impl Kernel for FindWaits<'_> {
         // As much room as the groups have, so that it grows no oftener.
         pair_waits.reserve_exact(pairs.capacity());
         pair_waits.push(false);
-        for both in pairs.windows(2) {
+        with_pairs!(pairs, pairs => for both in pairs.windows(2) {
             // Padding lanes do not count: no impulse moves their bodies.
             let [one, other] = [&both[0], &both[1]].map(|group| [&group.first, &group.second]);
             pair_waits.push(L::share_places(one, other, self.grains));
-        }
+        });
     }
 }

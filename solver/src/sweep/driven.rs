@@ -98,7 +98,7 @@ fn relax<E: Effects, G: Gauged>(
         torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
     }
     scalar::put::<E>(body, &grain);
-    contact.write::<E, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
+    contact.write::<E, _, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
     residual
 }
 

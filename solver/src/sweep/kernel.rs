@@ -18,7 +18,7 @@ use super::residual::{Gauged, LaneResidual};
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::lanes::{LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, cross, dot, minus, plus, times};
-use crate::partition::{ContactLanes, PairGroup, SingleBody};
+use crate::partition::{ContactLanes, PairGroup, SingleBody, Tangential};
 use crate::world::Body;
 
 /// Inverse of `I/(m r^2)` for a solid sphere.
@@ -148,7 +148,7 @@ impl<L: Lanes> Pair<L> {
     /// # Safety
     /// As for [`Bodies::load`].
     #[inline(always)]
-    pub unsafe fn load<E: Effects>(bodies: *const Body, group: &PairGroup) -> Self {
+    pub unsafe fn load<E: Effects>(bodies: *const Body, group: &PairGroup<E::Tangential>) -> Self {
         let (first, second) = (&group.first, &group.second);
         // SAFETY: the caller's promise; a body is a line, which is two quads.
         let [[x, y, z, inverse_mass], [along_x, along_y, along_z, _]] = unsafe {
@@ -166,7 +166,7 @@ impl<L: Lanes> Pair<L> {
     /// # Safety
     /// As for [`Bodies::load`].
     #[inline(always)]
-    pub unsafe fn load_keeping(bodies: *const Body, group: &PairGroup) -> (Self, [L::Kept; 2]) {
+    pub unsafe fn load_keeping<T>(bodies: *const Body, group: &PairGroup<T>) -> (Self, [L::Kept; 2]) {
         // SAFETY: the caller's promise; a body is a line.
         let ([x, y, z, inverse_mass], kept) = unsafe { L::load_keeping(bodies.cast(), &group.first, &group.second) };
         (Self { velocity: [x, y, z], inverse_mass, surface_speed: [L::zero(); 3] }, kept)
@@ -177,7 +177,7 @@ impl<L: Lanes> Pair<L> {
     /// # Safety
     /// As for [`Bodies::load`].
     #[inline(always)]
-    pub unsafe fn push<E: Effects>(bodies: *mut Body, group: &PairGroup, push: [[L; 3]; 2]) {
+    pub unsafe fn push<E: Effects>(bodies: *mut Body, group: &PairGroup<E::Tangential>, push: [[L; 3]; 2]) {
         // SAFETY: the caller's promise.
         unsafe {
             push_each::<L, E>(bodies, &group.first, -1.0, push);
@@ -222,24 +222,34 @@ pub(crate) struct Contact<N> {
 impl<N: Number> Contact<N> {
     /// Reads a contact, number by number.
     #[inline(always)]
-    pub fn read<S>(contacts: &ContactLanes<S>, number: impl Fn(&S) -> N) -> Self {
+    pub fn read<S, T: Tangential<S>>(contacts: &ContactLanes<S, T>, number: impl Fn(&S) -> N) -> Self {
+        let (friction, impulse_tangential) = match contacts.tangential.lanes() {
+            Some(lanes) => (number(&lanes.coefficient), lanes.impulse.each_ref().map(&number)),
+            None => (N::zero(), [N::zero(); 3]),
+        };
         Self {
             normal: contacts.normal.each_ref().map(&number),
             bias: number(&contacts.bias),
             regularisation: number(&contacts.regularisation),
-            friction: number(&contacts.friction),
+            friction,
             impulse_normal: number(&contacts.impulse_normal),
-            impulse_tangential: contacts.impulse_tangential.each_ref().map(&number),
+            impulse_tangential,
         }
     }
 
     /// Writes its impulses back.
     #[inline(always)]
-    pub fn write<E: Effects, S>(&self, contacts: &mut ContactLanes<S>, number: impl Fn(N, &mut S)) {
+    pub fn write<E: Effects, S, T: Tangential<S>>(
+        &self,
+        contacts: &mut ContactLanes<S, T>,
+        number: impl Fn(N, &mut S),
+    ) {
         number(self.impulse_normal, &mut contacts.impulse_normal);
-        if E::FRICTION {
+        if E::FRICTION
+            && let Some(lanes) = contacts.tangential.lanes_mut()
+        {
             for axis in 0..3 {
-                number(self.impulse_tangential[axis], &mut contacts.impulse_tangential[axis]);
+                number(self.impulse_tangential[axis], &mut lanes.impulse[axis]);
             }
         }
     }

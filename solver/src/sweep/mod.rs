@@ -17,8 +17,8 @@ pub use residual::{Residual, Residuals};
 
 use crate::detect::{AngularImpulse, Impulse};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
-use crate::lanes::{InstructionSet, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_places, times};
-use crate::partition::{TaskGroups, WallTorqueLanes, overlapped};
+use crate::lanes::{Eight, InstructionSet, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_places, times};
+use crate::partition::{ContactLanes, Kind, Sources, Tangential, TaskGroups, WallTorqueLanes, overlapped, with_pairs};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact, Pair, push_each};
@@ -178,7 +178,7 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
                 let mut contact = Contact::read(&group.contacts, L::load);
                 let wall_velocity = group.wall_velocity.each_ref().map(L::load);
                 let push = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
-                contact.write::<E, _>(&mut group.contacts, L::store);
+                contact.write::<E, _, _>(&mut group.contacts, L::store);
                 if !E::TORQUES {
                     push_each::<L, E>(self.bodies, &group.body, -1.0, push);
                     continue;
@@ -206,8 +206,9 @@ impl<E: Effects> Kernel for Start<'_, E> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        for (number, group) in self.groups.pairs.iter().enumerate() {
-            if let Some(ahead) = self.groups.pairs.get(number + PREFETCH) {
+        let pairs = E::Tangential::of(&self.groups.pairs);
+        for (number, group) in pairs.iter().enumerate() {
+            if let Some(ahead) = pairs.get(number + PREFETCH) {
                 prefetch_places(self.bodies, &ahead.first);
                 prefetch_places(self.bodies, &ahead.second);
             }
@@ -260,7 +261,7 @@ impl Kernel for Pull<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_pulls, walls, wall_pulls, .. } = self.groups;
-        for (group, pulls) in pairs.iter().zip(pair_pulls) {
+        with_pairs!(pairs, pairs => for (group, pulls) in pairs.iter().zip(pair_pulls) {
             // SAFETY: the promise of `Relaxation::pull`; the sixteen bodies of a group are different ones.
             unsafe {
                 let mut first = Bodies::<L>::load::<Frictionless>(self.bodies, &group.first);
@@ -271,7 +272,7 @@ impl Kernel for Pull<'_> {
                 first.store::<Frictionless>(self.bodies, &group.first);
                 second.store::<Frictionless>(self.bodies, &group.second);
             }
-        }
+        });
         for (group, pulls) in walls.iter().zip(wall_pulls) {
             // SAFETY: as above.
             unsafe {
@@ -290,26 +291,34 @@ impl Kernel for Remember<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_sources, walls, wall_sources, .. } = self.groups;
-        let contacts = pairs.iter().map(|group| &group.contacts).zip(pair_sources);
-        let all = contacts.map(|both| (both, self.pairs));
-        let contacts = walls.iter().map(|group| &group.contacts).zip(wall_sources);
-        for ((contacts, sources), impulses) in all.chain(contacts.map(|both| (both, self.walls))) {
-            if sources.is_full() {
-                let [x, y, z] = contacts.impulse_tangential.each_ref().map(L::load);
-                let quads = [L::load(&contacts.impulse_normal), x, y, z];
-                let base: *mut Quad = impulses.as_ptr().cast();
-                // SAFETY: the promise of `Relaxation::remember`; an impulse is a quad.
-                unsafe { L::store_quads::<1>(base, &sources.or(u32::MAX), quads) };
-            } else {
-                for (lane, candidate) in sources.occupied() {
-                    let impulse = Impulse {
-                        normal: contacts.normal_impulse(lane),
-                        tangential: contacts.tangential_impulse(lane),
-                    };
-                    // SAFETY: the promise of `Relaxation::remember`.
-                    *unsafe { impulses.at(candidate) } = impulse;
-                }
-            }
+        with_pairs!(pairs, pairs => for (group, sources) in pairs.iter().zip(pair_sources) {
+            remember::<L, _>(&group.contacts, sources, self.pairs);
+        });
+        for (group, sources) in walls.iter().zip(wall_sources) {
+            remember::<L, _>(&group.contacts, sources, self.walls);
+        }
+    }
+}
+
+/// Keeps the impulses of a lane group; see [`Relaxation::remember`].
+#[inline(always)]
+fn remember<L: Lanes, T: Tangential>(
+    contacts: &ContactLanes<Eight, T>,
+    sources: &Sources,
+    impulses: &Disjoint<'_, Impulse>,
+) {
+    if sources.is_full() {
+        let contact = Contact::read(contacts, L::load);
+        let [x, y, z] = contact.impulse_tangential;
+        let base: *mut Quad = impulses.as_ptr().cast();
+        // SAFETY: the promise of `Relaxation::remember`; an impulse is a quad.
+        unsafe { L::store_quads::<1>(base, &sources.or(u32::MAX), [contact.impulse_normal, x, y, z]) };
+    } else {
+        for (lane, candidate) in sources.occupied() {
+            let impulse =
+                Impulse { normal: contacts.normal_impulse(lane), tangential: contacts.tangential_impulse(lane) };
+            // SAFETY: the promise of `Relaxation::remember`.
+            *unsafe { impulses.at(candidate) } = impulse;
         }
     }
 }

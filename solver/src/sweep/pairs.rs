@@ -6,15 +6,16 @@ use super::residual::{Gauged, LaneResidual};
 use super::torques::Torque;
 use crate::effects::Effects;
 use crate::lanes::{Lanes, prefetch_lines, prefetch_places};
-use crate::partition::{PairGroup, TaskGroups};
+use crate::partition::{Kind, PairGroup, TaskGroups};
 
 impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
     /// Relaxes the pairs, one group after another.
     #[inline(always)]
     pub(super) fn relax_in_turn<L: Lanes>(&mut self, factor: L, residual: &mut LaneResidual<L>) {
         let TaskGroups { pairs, pair_torques, .. } = &mut *self.groups;
+        let pairs = E::Tangential::of_mut(pairs);
         for number in 0..pairs.len() {
-            fetch::<E, _>(self.bodies, pairs, number, self.prefetch);
+            fetch(self.bodies, pairs, number, self.prefetch);
             let group = &mut pairs[number];
             // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
             unsafe {
@@ -25,7 +26,7 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
                     let [impulse, _] = contact.relax_pair::<E, G>(&pair, factor, residual);
                     L::add_to_kept(self.bodies.cast(), &group.first, kept[0], impulse, -1.0);
                     L::add_to_kept(self.bodies.cast(), &group.second, kept[1], impulse, 1.0);
-                    contact.write::<E, _>(&mut group.contacts, L::store);
+                    contact.write::<E, _, _>(&mut group.contacts, L::store);
                     continue;
                 }
                 // Torques need both bodies' spins; else what they do together is enough, and bodies stay in memory.
@@ -33,7 +34,7 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
                     let pair = Pair::<L>::load::<E>(self.bodies, group);
                     let push = contact.relax_pair::<E, G>(&pair, factor, residual);
                     Pair::push::<E>(self.bodies, group, push);
-                    contact.write::<E, _>(&mut group.contacts, L::store);
+                    contact.write::<E, _, _>(&mut group.contacts, L::store);
                     continue;
                 }
                 let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
@@ -49,7 +50,7 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
                 torque.write(torques, L::store);
                 first.store::<E>(self.bodies, &group.first);
                 second.store::<E>(self.bodies, &group.second);
-                contact.write::<E, _>(&mut group.contacts, L::store);
+                contact.write::<E, _, _>(&mut group.contacts, L::store);
             }
         }
     }
@@ -68,6 +69,7 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
     #[inline(always)]
     pub(super) fn relax_overlapped<L: Lanes>(&mut self, factor: L, residual: &mut LaneResidual<L>) {
         let TaskGroups { pairs, pair_waits, .. } = &mut *self.groups;
+        let pairs = E::Tangential::of_mut(pairs);
         let mut next = 0;
         let mut read: Option<(usize, Pair<L>)> = None;
         let mut relaxed: Option<(usize, [[L; 3]; 2])> = None;
@@ -80,14 +82,14 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
                     let contacts = &mut pairs[number].contacts;
                     let mut contact = Contact::read(contacts, L::load);
                     relaxed = Some((number, contact.relax_pair::<E, G>(&pair, factor, residual)));
-                    contact.write::<E, _>(contacts, L::store);
+                    contact.write::<E, _, _>(contacts, L::store);
                 }
                 if let Some((number, push)) = before {
                     Pair::push::<E>(self.bodies, &pairs[number], push);
                 }
                 read = None;
                 if next < pairs.len() && (relaxed.is_none() || pair_waits.get(next) == Some(&false)) {
-                    fetch::<E, _>(self.bodies, pairs, next, self.prefetch);
+                    fetch(self.bodies, pairs, next, self.prefetch);
                     read = Some((next, Pair::load::<E>(self.bodies, &pairs[next])));
                     next += 1;
                 }
@@ -98,10 +100,10 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
 
 /// Asks for the bodies of the group that is so far ahead, and for the group that is twice as far; for nothing if that is 0.
 #[inline(always)]
-fn fetch<E: Effects, B>(bodies: *const B, pairs: &[PairGroup], number: usize, distance: usize) {
+fn fetch<B, T>(bodies: *const B, pairs: &[PairGroup<T>], number: usize, distance: usize) {
     if distance > 0 {
         // The group itself is fetched before the bodies that it names.
-        prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * distance), PairGroup::used::<E>());
+        prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * distance), size_of::<PairGroup<T>>());
         if let Some(ahead) = pairs.get(number + distance) {
             prefetch_places(bodies, &ahead.first);
             prefetch_places(bodies, &ahead.second);

@@ -5,7 +5,7 @@ use super::residual::{Gauged, LaneResidual, TaskResidual};
 use super::torques::Torque;
 use crate::effects::Effects;
 use crate::lanes::{Eight, LANES};
-use crate::partition::{TaskGroups, WallTorqueLanes};
+use crate::partition::{Kind, TaskGroups, WallTorqueLanes};
 use crate::world::Body;
 
 /// Relaxes a task's contacts once, lane after lane.
@@ -20,7 +20,7 @@ pub(super) unsafe fn sweep<E: Effects, G: Gauged>(
 ) {
     // SAFETY: the caller's promise; the two bodies of a contact are different ones.
     let at = |place: u32| unsafe { &mut *bodies.add(place as usize) };
-    for (number, group) in groups.pairs.iter_mut().enumerate() {
+    for (number, group) in E::Tangential::of_mut(&mut groups.pairs).iter_mut().enumerate() {
         for lane in 0..LANES {
             let (a, b) = (group.first[lane], group.second[lane]);
             let (mut first, mut second) = (Bodies::of(at(a)), Bodies::of(at(b)));
@@ -39,7 +39,7 @@ pub(super) unsafe fn sweep<E: Effects, G: Gauged>(
             }
             put::<E>(at(a), &first);
             put::<E>(at(b), &second);
-            contact.write::<E, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
+            contact.write::<E, _, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
             if G::ANY {
                 residual.add_lane(lane, own);
             }
@@ -64,7 +64,7 @@ pub(super) unsafe fn sweep<E: Effects, G: Gauged>(
                 torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
             }
             put::<E>(at(place), &grain);
-            contact.write::<E, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
+            contact.write::<E, _, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
             if G::ANY {
                 residual.add_lane(lane, own);
             }

@@ -62,7 +62,7 @@ impl<E: Effects, G: Gauged> Kernel for SingleSweep<'_, E, G> {
         for number in 0..pairs.len() {
             if self.prefetch > 0 {
                 // The group itself is fetched before the bodies that it names.
-                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch), SinglePairGroup::used::<E>());
+                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch), size_of::<SinglePairGroup>());
                 if let Some(ahead) = pairs.get(number + self.prefetch) {
                     prefetch_places(self.bodies, &ahead.first);
                     prefetch_places(self.bodies, &ahead.second);
@@ -80,7 +80,7 @@ impl<E: Effects, G: Gauged> Kernel for SingleSweep<'_, E, G> {
                 second.push::<E>(1.0, impulse, lever);
                 first.store_single(self.bodies, &group.first);
                 second.store_single(self.bodies, &group.second);
-                contact.write::<E, _>(&mut group.contacts, L::Single::store);
+                contact.write::<E, _, _>(&mut group.contacts, L::Single::store);
             }
         }
         for group in &mut self.groups.walls {
@@ -92,7 +92,7 @@ impl<E: Effects, G: Gauged> Kernel for SingleSweep<'_, E, G> {
                 let [impulse, lever] = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
                 grain.push::<E>(-1.0, impulse, lever);
                 grain.store_single(self.bodies, &group.body);
-                contact.write::<E, _>(&mut group.contacts, L::Single::store);
+                contact.write::<E, _, _>(&mut group.contacts, L::Single::store);
             }
         }
         if G::ANY {

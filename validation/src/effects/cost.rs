@@ -84,5 +84,6 @@ impl Costs {
 /// Bytes of a contact of two grains in its lane group.
 fn bytes(effects: EffectSet) -> usize {
     let torques = if effects.torques() { size_of::<TorqueLanes>() } else { 0 };
-    (size_of::<PairGroup>() + torques) / makadam::lanes::LANES
+    let group = if effects.compiled().friction() { size_of::<PairGroup>() } else { size_of::<PairGroup<()>>() };
+    (group + torques) / makadam::lanes::LANES
 }
