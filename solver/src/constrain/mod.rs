@@ -311,9 +311,7 @@ fn write_contacts<L: Lanes, T: Tangential>(
         }
         material.friction.store(&mut tangential.coefficient);
     }
-    for axis in 0..3 {
-        normal[axis].store(&mut contacts.normal[axis]);
-    }
+    normal.into_iter().zip(&mut contacts.normal).for_each(|(component, lanes)| component.store(lanes));
     (impulse * share).store(&mut contacts.impulse_normal);
     constraint.bias.store(&mut contacts.bias);
     constraint.regularisation.store(&mut contacts.regularisation);

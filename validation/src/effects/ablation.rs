@@ -8,7 +8,7 @@ use crate::output::{WriteError, create_folder, write_whole};
 use crate::peers::{Code, CodeError, Makadam};
 use crate::prepared::file_stem;
 use crate::provenance::scene_hash;
-use crate::report::numbers::decimals;
+use crate::report::numbers::Rounding;
 use crate::statistics::{Ensemble, Equivalence, equivalence};
 use makadam::scene::{Expectation, Scene};
 use rayon::prelude::*;
@@ -101,14 +101,9 @@ pub struct Ablated {
 }
 
 impl Ablated {
-    /// A value of the observable in as many digits as its margin bears.
-    pub(super) fn rounded(&self, value: f64) -> String {
-        format!("{value:.*}", decimals(self.margin / 20.0))
-    }
-
-    /// A difference of such values, with its sign.
-    pub(super) fn signed(&self, difference: f64) -> String {
-        format!("{difference:+.*}", decimals(self.margin / 20.0))
+    /// How values of the observable are rounded.
+    pub(super) fn rounding(&self) -> Rounding {
+        Rounding::to_margin(self.margin)
     }
 }
 

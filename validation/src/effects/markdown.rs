@@ -18,15 +18,15 @@ pub fn markdown(study: &Study) -> String {
 
 fn rows(ablation: &Ablation) -> impl Iterator<Item = String> + '_ {
     ablation.rows.iter().map(|row| {
-        let changed = row.changed_mean.map_or("nothing to measure".into(), |mean| row.rounded(mean));
-        let interval =
-            row.interval90.map_or(String::new(), |[low, high]| format!("{} to {}", row.signed(low), row.signed(high)));
+        let rounding = row.rounding();
+        let changed = row.changed_mean.map_or("nothing to measure".into(), |mean| rounding.value(mean));
+        let interval = row.interval90.map_or(String::new(), |interval| rounding.interval(interval));
         format!(
             "| {} | {} | {} | {} | {changed} | {interval} | {} | {} |\n",
             row.effect,
             row.change,
             row.observable,
-            row.rounded(row.mean),
+            rounding.value(row.mean),
             row.margin,
             row.need.words()
         )

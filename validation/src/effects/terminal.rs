@@ -58,16 +58,16 @@ fn kernels(costs: &Costs) -> String {
 fn verdicts(ablation: &Ablation) -> String {
     let mut text = format!("\nablation, {} seeds each\n", ablation.seeds.len());
     for row in &ablation.rows {
-        let changed = row.changed_mean.map_or("-".into(), |mean| row.rounded(mean));
-        let interval =
-            row.interval90.map_or(String::new(), |[low, high]| format!(" [{}, {}]", row.signed(low), row.signed(high)));
+        let rounding = row.rounding();
+        let changed = row.changed_mean.map_or("-".into(), |mean| rounding.value(mean));
+        let interval = row.interval90.map_or(String::new(), |interval| format!(" {}", rounding.interval(interval)));
         let _ = writeln!(
             text,
             "{:<20} {:<28} {:<28} {} -> {changed}{interval}, margin {}: {}",
             row.effect,
             row.change,
             row.observable,
-            row.rounded(row.mean),
+            rounding.value(row.mean),
             row.margin,
             row.need.words()
         );

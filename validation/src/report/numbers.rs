@@ -4,12 +4,15 @@ use crate::compare::Row;
 
 /// How the values of one observable are rounded, the same in every column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rounding {
+pub(crate) enum Rounding {
     /// Decimals after the point.
     Decimals(usize),
     /// Values in this power of ten, which stands beside the unit; two decimals.
     PowerOfTen(i32),
 }
+
+/// Parts of a margin that are still seen.
+const PARTS_OF_MARGIN: f64 = 20.0;
 
 impl Rounding {
     /// Rounding of the rows of one observable: a twentieth of the margin is still seen; without a margin two
@@ -23,7 +26,7 @@ impl Rounding {
         let value = largest(|row| row.mean);
         // A spread far below the value is rounding noise of a deterministic quantity, not a reason for more digits.
         let resolution = if margin > 0.0 {
-            margin / 20.0
+            margin / PARTS_OF_MARGIN
         } else if spread > 1e-6 * value {
             spread / 10.0
         } else {
@@ -35,8 +38,13 @@ impl Rounding {
         Rounding::Decimals(decimals(resolution))
     }
 
+    /// Rounding that still shows a twentieth of a margin.
+    pub(crate) fn to_margin(margin: f64) -> Rounding {
+        Rounding::Decimals(decimals(margin / PARTS_OF_MARGIN))
+    }
+
     /// A value.
-    pub(super) fn value(self, value: f64) -> String {
+    pub(crate) fn value(self, value: f64) -> String {
         if !value.is_finite() {
             return "not finite".into();
         }
@@ -74,13 +82,13 @@ impl Rounding {
     }
 
     /// An interval of differences.
-    pub(super) fn interval(self, interval: [f64; 2]) -> String {
+    pub(crate) fn interval(self, interval: [f64; 2]) -> String {
         format!("[{}, {}]", self.signed(interval[0]), self.signed(interval[1]))
     }
 }
 
 /// Fewest decimals that still show `resolution`.
-pub(crate) fn decimals(resolution: f64) -> usize {
+fn decimals(resolution: f64) -> usize {
     if !(resolution.is_finite() && resolution > 0.0) {
         return 3;
     }
