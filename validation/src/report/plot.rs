@@ -46,7 +46,9 @@ pub(crate) struct Plot {
     /// Upper and lower edge of the frame.
     top: f64,
     bottom: f64,
-    /// Where [`label_if_free`](Plot::label_if_free) has put words: left, right and baseline.
+    /// Where markers are.
+    marks: Vec<[f64; 2]>,
+    /// Where words were put beside points and lines: left, right and baseline.
     taken: Vec<[f64; 3]>,
 }
 
@@ -80,7 +82,15 @@ impl Plot {
     fn below_legend(x: Axis, y: Axis, lines: usize) -> Plot {
         let more = LEGEND_LINE * lines.saturating_sub(1) as f64;
         let (top, bottom) = (TOP + more, HEIGHT + more - BOTTOM);
-        let mut plot = Plot { drawing: Drawing::new(WIDTH, HEIGHT + more), x, y, top, bottom, taken: Vec::new() };
+        let mut plot = Plot {
+            drawing: Drawing::new(WIDTH, HEIGHT + more),
+            x,
+            y,
+            top,
+            bottom,
+            marks: Vec::new(),
+            taken: Vec::new(),
+        };
         plot.grid();
         plot
     }
@@ -132,6 +142,7 @@ impl Plot {
     pub(crate) fn marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
         if self.contains(x, y) {
             let at = self.at(x, y);
+            self.marks.push(at);
             self.drawing.marker(style, at, size, false);
         }
     }
@@ -140,6 +151,7 @@ impl Plot {
     pub(crate) fn open_marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
         if self.contains(x, y) {
             let at = self.at(x, y);
+            self.marks.push(at);
             self.drawing.marker(style, at, size, true);
         }
     }
@@ -199,16 +211,41 @@ impl Plot {
         self.drawing.text("tick", [x + right, y + down], anchor, text);
     }
 
-    /// A few words to the right of a point, moved by so many pixels, unless they would run into others that were put so.
-    pub(crate) fn label_if_free(&mut self, point: [f64; 2], [right, down]: [f64; 2], text: &str) {
-        let [x, y] = self.at(point[0], point[1]);
-        // There is no measuring of text here; 6.4 pixels a character of a tick label is on the wide side.
-        let (left, baseline) = (x + right, y + down);
-        let end = left + 6.4 * text.chars().count() as f64;
-        let meets = |&[l, r, b]: &[f64; 3]| left < r && l < end && (baseline - b).abs() < TICK_HEIGHT;
-        if !self.taken.iter().any(meets) {
-            self.taken.push([left, end, baseline]);
-            self.drawing.text("tick", [left, baseline], Anchor::Start, text);
+    /// A few words beside a point, on the side where they hide fewest markers. They are left out where they would run into other
+    /// words on any side. Markers come first.
+    pub(crate) fn label_beside(&mut self, [x, y]: [f64; 2], text: &str) {
+        let ([x, y], width) = (self.at(x, y), width_of(text));
+        let sides = [[7.0, -6.0], [7.0, 14.0], [-7.0 - width, -6.0], [-7.0 - width, 14.0]];
+        self.put(sides.map(|[right, down]| [x + right, y + down]).into_iter(), text);
+    }
+
+    /// A few words above or below a level line that goes all across, where they hide fewest markers; as far to the right as
+    /// that allows.
+    pub(crate) fn label_on_line(&mut self, y: f64, text: &str) {
+        let (y, width) = (self.at(self.x.low, y)[1], width_of(text));
+        let (first, room) = (LEFT + 6.0, WIDTH - LEFT - RIGHT - 12.0 - width);
+        let places = (0..=8).rev().map(|place| first + room * f64::from(place) / 8.0);
+        self.put(places.flat_map(|x| [[x, y - 5.0], [x, y + 13.0]]), text);
+    }
+
+    /// Words at that of the places, the left ends of their baselines, where they hide fewest markers.
+    fn put(&mut self, places: impl Iterator<Item = [f64; 2]>, text: &str) {
+        let width = width_of(text);
+        let free = places.filter(|&[left, baseline]| {
+            let meets = |&[l, r, b]: &[f64; 3]| left < r && l < left + width && (baseline - b).abs() < TICK_HEIGHT;
+            let inside =
+                left >= LEFT && left + width <= WIDTH - RIGHT && baseline - 9.0 >= self.top && baseline <= self.bottom;
+            inside && !self.taken.iter().any(meets)
+        });
+        let hidden = |&[left, baseline]: &[f64; 2]| {
+            let hides = |&&[x, y]: &&[f64; 2]| {
+                (left - 4.0..left + width + 4.0).contains(&x) && (baseline - 13.0..baseline + 5.0).contains(&y)
+            };
+            self.marks.iter().filter(hides).count()
+        };
+        if let Some([left, baseline]) = free.min_by_key(hidden) {
+            self.taken.push([left, left + width, baseline]);
+            self.drawing.text("tick beside", [left, baseline], Anchor::Start, text);
         }
     }
 
@@ -231,4 +268,9 @@ impl Plot {
     pub(crate) fn finish(self, name: &str) -> String {
         self.drawing.finish(name)
     }
+}
+
+/// Width of a tick label in pixels. There is no measuring of text here; 6.4 a character is on the wide side.
+fn width_of(text: &str) -> f64 {
+    6.4 * text.chars().count() as f64
 }

@@ -6,7 +6,6 @@ use super::words::titled;
 use crate::report::names::{CodeStyle, Marker};
 use crate::report::numbers::compact;
 use crate::report::plot::{Axis, Key, Plot};
-use crate::report::svg::Anchor;
 
 /// A point and what is drawn of it.
 #[derive(Clone, Copy)]
@@ -93,16 +92,13 @@ pub(super) fn panel(study: &Study, reference: &Reference, mut series: Vec<Series
         keys.push(Key::Points(open, "extrapolated, no error"));
     }
     let mut plot = Plot::with_legend(x, y, &keys);
-    if let Some(bound) = bound_of(study, name) {
-        plot.curve("ideal", [[left, bound], [right, bound]].into_iter());
-        // On the side away from the noise.
-        let down = if noise > bound { 13.0 } else { -5.0 };
-        plot.label([right, bound], [-6.0, down], Anchor::End, &format!("bound {}", compact(bound)));
+    let mut level = |class: &str, value: f64| plot.curve(class, [[left, value], [right, value]].into_iter());
+    let bound = bound_of(study, name);
+    if let Some(bound) = bound {
+        level("ideal", bound);
     }
     if noise > bottom {
-        plot.curve("ideal noise", [[left, noise], [right, noise]].into_iter());
-        // To the left, where settings are too cheap to be that near.
-        plot.label([left, noise], [6.0, 13.0], Anchor::Start, "noise of the seeds (median)");
+        level("ideal noise", noise);
     }
     let fronts: Vec<&Point> = series.iter().flat_map(|series| series.front.iter().map(|member| member.point)).collect();
     for one in &series {
@@ -111,16 +107,31 @@ pub(super) fn panel(study: &Study, reference: &Reference, mut series: Vec<Series
     for (style, point) in cut() {
         plot.open_marker(style, wall(point), top, 5.0);
     }
+    // Words come last, so that they find room between the markers.
+    for one in series.iter().filter(|series| series.labelled) {
+        for member in &one.front {
+            plot.label_beside(within(member, [bottom, top]), &member.point.short_setting);
+        }
+    }
+    if let Some(bound) = bound {
+        plot.label_on_line(bound, &format!("bound {}", compact(bound)));
+    }
+    if noise > bottom {
+        plot.label_on_line(noise, "noise of the seeds (median)");
+    }
     Some(plot.finish(about))
 }
 
-/// A series with its bars and its front, and the settings beside it. Points of any front are larger.
+/// Wall time and error, moved into the frame.
+fn within(member: &Member<'_>, [bottom, top]: [f64; 2]) -> [f64; 2] {
+    let [wall, error] = member.coordinates();
+    [wall, error.clamp(bottom, top)]
+}
+
+/// A series with its bars and its front. Points of any front are larger.
 fn draw(plot: &mut Plot, series: &Series<'_>, fronts: &[&Point], [bottom, top]: [f64; 2]) {
     let style = series.style;
-    let at = |member: &Member<'_>| {
-        let [wall, error] = member.coordinates();
-        [wall, error.clamp(bottom, top)]
-    };
+    let at = |member: &Member<'_>| within(member, [bottom, top]);
     plot.curve(&format!("{} curve", style.class), series.front.iter().map(at));
     let mut members: Vec<&Member<'_>> = series.members.iter().collect();
     members.sort_by(|a, b| a.coordinates()[0].total_cmp(&b.coordinates()[0]));
@@ -133,8 +144,5 @@ fn draw(plot: &mut Plot, series: &Series<'_>, fronts: &[&Point], [bottom, top]: 
         }
         let on_front = fronts.iter().any(|point| std::ptr::eq(*point, member.point));
         plot.marker(style, x, y, if on_front { 5.0 } else { 3.2 });
-    }
-    for member in series.front.iter().filter(|_| series.labelled) {
-        plot.label_if_free(at(member), [7.0, -6.0], &member.point.short_setting);
     }
 }
