@@ -5,7 +5,8 @@ use makadam::Balance;
 
 /// A value to six significant digits.
 fn significant(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    // Adding zero takes the sign of a negative zero away.
+    let rounded = format!("{value:.5e}").parse().unwrap_or(value) + 0.0;
     if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
