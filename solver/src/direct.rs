@@ -19,7 +19,7 @@
 //! Nothing here is shared with the kernels but the constraint data: it is a witness for all methods.
 
 use crate::Simulation;
-use crate::partition::ContactLanes;
+use crate::groups::ContactLanes;
 use crate::schedule::Team;
 use crate::world::World;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};

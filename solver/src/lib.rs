@@ -20,6 +20,7 @@ pub mod detect;
 pub mod direct;
 pub mod effects;
 mod energy;
+pub mod groups;
 pub mod lanes;
 mod ledger;
 pub mod methods;

@@ -2,8 +2,8 @@
 
 use crate::Simulation;
 use crate::effects::drive::Drive;
+use crate::groups::ContactLanes;
 use crate::lanes::Eight;
-use crate::partition::ContactLanes;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 

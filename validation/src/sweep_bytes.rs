@@ -1,7 +1,8 @@
 //! Bytes of a sweep over all contacts, for the roofline and for the replay.
 
+use makadam::groups::{PairGroups, WallGroup};
 use makadam::lanes::Eight;
-use makadam::partition::{Layout, PairGroups, TaskGroups, WallGroup};
+use makadam::partition::{Layout, TaskGroups};
 use makadam::world::Body;
 
 /// Arrays of a lane group that a sweep writes: the normal impulse and, where there is friction, three components of the

@@ -3,8 +3,8 @@
 use super::{Given, StepConstants};
 use crate::effects::friction::while_sliding;
 use crate::effects::restitution::at_speed;
+use crate::groups::{PairGroup, WallGroup};
 use crate::lanes::{Eight, LANES, Lanes, Quad, cross, dot, minus, plus, times};
-use crate::partition::{PairGroup, WallGroup};
 use crate::world::ContactMaterial;
 
 /// Restitution, friction and the rest for eight contacts.

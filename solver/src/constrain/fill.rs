@@ -5,10 +5,11 @@ use super::{Given, write_contacts};
 use crate::detect::Impulse;
 use crate::effects::compliance::NormalContact;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
+use crate::groups::{PairGroup, Sources, Tangential};
 use crate::lanes::{
     Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch_lines, prefetch_places, prefetch_range, times,
 };
-use crate::partition::{PairGroup, PlannedTask, Sources, Tangential, TaskGroups};
+use crate::partition::{PlannedTask, TaskGroups};
 use crate::schedule::Disjoint;
 use nalgebra::Vector3;
 

@@ -14,11 +14,9 @@ use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
+use crate::groups::{ContactLanes, Tangential, WallGroup, with_pairs};
 use crate::lanes::{Eight, InstructionSet, Lanes, Number};
-use crate::partition::{
-    ContactLanes, DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TakenGroups, Tangential,
-    TaskGroups, WallGroup, with_pairs,
-};
+use crate::partition::{DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TakenGroups, TaskGroups};
 use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{ContactMaterial, Pose, World};

@@ -1,8 +1,9 @@
 //! Impulses with which cohesion pulls at contacts in a step, in scenes that call for it.
 
 use super::Given;
+use crate::groups::with_pairs;
 use crate::lanes::Eight;
-use crate::partition::{TaskGroups, with_pairs};
+use crate::partition::TaskGroups;
 
 impl Given<'_> {
     /// Fills the pulls of a task whose contacts are laid out.

@@ -4,8 +4,9 @@ use super::Given;
 use crate::detect::AngularImpulse;
 use crate::effects::Effects;
 use crate::effects::resistance::bearable;
+use crate::groups::{ContactLanes, Kind, TorqueLanes};
 use crate::lanes::{Eight, Kernel, Lanes, Number};
-use crate::partition::{ContactLanes, Kind, TaskGroups, TorqueLanes};
+use crate::partition::TaskGroups;
 use crate::schedule::Disjoint;
 use std::marker::PhantomData;
 

@@ -13,7 +13,7 @@ pub mod resistance;
 pub mod restitution;
 pub mod vibration;
 
-use crate::partition::{FrictionLanes, Kind};
+use crate::groups::{FrictionLanes, Kind};
 
 /// What a kernel is compiled with. An effect that is off leaves no instruction in it.
 pub(crate) trait Effects {

@@ -2,8 +2,9 @@
 
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
+use crate::groups::{Kind, PairGroup, WallGroup};
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, cross, dot, minus, prefetch_places, times};
-use crate::partition::{Kind, PairGroup, TaskGroups, WallGroup};
+use crate::partition::TaskGroups;
 use crate::sweep::kernel::{Bodies, Contact, Pair};
 use crate::world::Body;
 use std::marker::PhantomData;

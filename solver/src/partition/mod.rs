@@ -13,22 +13,18 @@
 //! lane groups of eight that share no body. All of this depends on the scene alone, never on threads or machine.
 
 mod boxes;
-mod groups;
 mod packing;
 mod plan;
 mod single;
-mod tangential;
 mod waits;
 
 pub use boxes::{BoxGrid, STAGES};
-pub use groups::{ContactLanes, PairGroup, Sources, TorqueLanes, WallGroup, WallTorqueLanes};
 pub(crate) use packing::{Packer, Taken, TakenGroups};
 pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
-pub use tangential::{FrictionLanes, PairGroups, Tangential};
-pub(crate) use tangential::{Kind, with_pairs};
 pub(crate) use waits::{FindWaits, overlapped};
 
+use crate::groups::{PairGroup, PairGroups, Sources, TorqueLanes, WallGroup, WallTorqueLanes};
 use crate::lanes::{Eight, LANES, PREFETCH};
 use crate::world::Body;
 

@@ -1,8 +1,9 @@
 //! Packing: contacts into lane groups whose eight contacts share no body.
 
-use super::{PairGroup, Sources, TaskGroups, WallGroup, with_pairs};
+use super::TaskGroups;
 use crate::detect::{PairCandidate, WallCandidate};
 use crate::effects::EffectSet;
+use crate::groups::{PairGroup, Sources, WallGroup, with_pairs};
 use crate::lanes::{LANES, prefetch_lines, prefetch_places};
 use crate::schedule::Disjoint;
 use std::marker::PhantomData;

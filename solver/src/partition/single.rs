@@ -4,8 +4,8 @@
 //! that follow each other become one where they share no body. Afterwards impulses go back as they are, and each body
 //! receives the change of its velocity, so that what no contact touches is not rounded.
 
-use super::groups::padding_places;
-use super::{ContactLanes, FrictionLanes, Layout, PairGroup, STAGES, Tangential, TaskGroups, WallGroup, with_pairs};
+use super::{Layout, STAGES, TaskGroups};
+use crate::groups::{ContactLanes, FrictionLanes, PairGroup, Tangential, WallGroup, padding_places, with_pairs};
 use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, DUMMIES, chunk, chunks};

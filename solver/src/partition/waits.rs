@@ -1,7 +1,8 @@
 //! Which groups of pairs have to wait for the group before them.
 
-use super::{TaskGroups, with_pairs};
+use super::TaskGroups;
 use crate::effects::EffectSet;
+use crate::groups::with_pairs;
 use crate::lanes::{Kernel, Lanes};
 
 /// Whether sweeps have several lane groups on their way at a time. Contacts that bear torques need the bodies themselves for that, and

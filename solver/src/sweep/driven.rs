@@ -7,8 +7,9 @@ use super::{Relaxation, scalar};
 use crate::effects::drive::Drive;
 use crate::effects::friction::disc_shrinkage;
 use crate::effects::{Effects, with_effects};
+use crate::groups::WallGroup;
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
-use crate::partition::{DrivenContact, Layout, TaskGroups, WallGroup};
+use crate::partition::{DrivenContact, Layout, TaskGroups};
 use crate::world::Body;
 
 impl Relaxation {

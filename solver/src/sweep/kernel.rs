@@ -17,8 +17,9 @@
 use super::residual::{Gauged, LaneResidual};
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
+use crate::groups::{ContactLanes, PairGroup, Tangential};
 use crate::lanes::{LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, cross, dot, minus, plus, times};
-use crate::partition::{ContactLanes, PairGroup, SingleBody, Tangential};
+use crate::partition::SingleBody;
 use crate::world::Body;
 
 /// Inverse of `I/(m r^2)` for a solid sphere.

@@ -17,8 +17,9 @@ pub use residual::{Residual, Residuals};
 
 use crate::detect::{AngularImpulse, Impulse};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
+use crate::groups::{ContactLanes, Kind, Sources, Tangential, WallTorqueLanes, with_pairs};
 use crate::lanes::{Eight, InstructionSet, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_places, times};
-use crate::partition::{ContactLanes, Kind, Sources, Tangential, TaskGroups, WallTorqueLanes, overlapped, with_pairs};
+use crate::partition::{TaskGroups, overlapped};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact, Pair, push_each};

@@ -5,8 +5,9 @@ use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{Gauged, LaneResidual};
 use super::torques::Torque;
 use crate::effects::Effects;
+use crate::groups::{Kind, PairGroup};
 use crate::lanes::{Lanes, prefetch_lines, prefetch_places};
-use crate::partition::{Kind, PairGroup, TaskGroups};
+use crate::partition::TaskGroups;
 
 impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
     /// Relaxes the pairs, one group after another.

@@ -4,8 +4,9 @@ use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{Gauged, LaneResidual, TaskResidual};
 use super::torques::Torque;
 use crate::effects::Effects;
+use crate::groups::{Kind, WallTorqueLanes};
 use crate::lanes::{Eight, LANES};
-use crate::partition::{Kind, TaskGroups, WallTorqueLanes};
+use crate::partition::TaskGroups;
 use crate::world::Body;
 
 /// Relaxes a task's contacts once, lane after lane.

@@ -4,8 +4,8 @@ use super::kernel::{Bodies, INVERSE_INERTIA};
 use super::residual::{Gauged, LaneResidual};
 use crate::effects::Effects;
 use crate::effects::resistance::bearable;
+use crate::groups::TorqueLanes;
 use crate::lanes::{Number, minus, plus, times};
-use crate::partition::TorqueLanes;
 
 /// Levers and angular impulse of one contact, or of eight.
 #[derive(Clone, Copy)]

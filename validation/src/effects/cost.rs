@@ -3,7 +3,7 @@
 use crate::scaling::median;
 use makadam::Simulation;
 use makadam::effects::EffectSet;
-use makadam::partition::{PairGroup, TorqueLanes};
+use makadam::groups::{PairGroup, TorqueLanes};
 use makadam::scene::Precision;
 use serde::Serialize;
 use std::time::Instant;

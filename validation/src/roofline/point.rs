@@ -123,7 +123,7 @@ impl Work {
         let SweepBytes { touched, moved } = SweepBytes::of(layout, particles);
         let mut work = Work { flops: 0.0, bytes: moved as f64, working_set: touched };
         for (_, TaskGroups { pair_sources, wall_sources, .. }) in layout.tasks() {
-            let filled = |sources: &[makadam::partition::Sources]| {
+            let filled = |sources: &[makadam::groups::Sources]| {
                 sources.iter().map(|group| group.occupied().count()).sum::<usize>() as f64
             };
             work.flops += pair * filled(pair_sources) + wall * filled(wall_sources);

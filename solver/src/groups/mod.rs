@@ -1,6 +1,10 @@
 //! Lane groups: eight contacts that share no body.
 
-use super::tangential::{FrictionLanes, Tangential};
+mod tangential;
+
+pub use tangential::{FrictionLanes, PairGroups, Tangential};
+pub(crate) use tangential::{Kind, with_pairs};
+
 use crate::lanes::{Eight, LANES};
 
 /// Marks a lane that holds no contact.
@@ -105,13 +109,13 @@ impl TorqueLanes {
 
 impl<T: Tangential> PairGroup<T> {
     /// A group of padding lanes, which point at a box's dummies, the first of them at `dummies`.
-    pub(super) fn padding(dummies: u32) -> Self {
+    pub(crate) fn padding(dummies: u32) -> Self {
         let [first, second] = padding_places(dummies);
         PairGroup { first, second, contacts: ContactLanes::default() }
     }
 
     /// The same with room for friction.
-    pub(super) fn with_friction(&self) -> PairGroup {
+    pub(crate) fn with_friction(&self) -> PairGroup {
         let PairGroup { first, second, contacts } = *self;
         let ContactLanes { normal, bias, regularisation, impulse_normal, tangential } = contacts;
         let tangential = tangential.lanes().copied().unwrap_or_default();
@@ -120,34 +124,34 @@ impl<T: Tangential> PairGroup<T> {
     }
 
     /// Empties all lanes; the constraint data stay, to be overwritten.
-    pub(super) fn clear(&mut self, dummies: u32) {
+    pub(crate) fn clear(&mut self, dummies: u32) {
         [self.first, self.second] = padding_places(dummies);
     }
 }
 
 /// Where the padding lanes of pairs point: at a box's dummies, the first of them at `dummies`.
-pub(super) fn padding_places(dummies: u32) -> [[u32; LANES]; 2] {
+pub(crate) fn padding_places(dummies: u32) -> [[u32; LANES]; 2] {
     [0, LANES as u32].map(|side| std::array::from_fn(|lane| dummies + side + lane as u32))
 }
 
 impl WallGroup {
     /// As [`PairGroup::padding`].
-    pub(super) fn padding(dummies: u32) -> WallGroup {
+    pub(crate) fn padding(dummies: u32) -> WallGroup {
         let body = std::array::from_fn(|lane| dummies + lane as u32);
         WallGroup { body, wall_velocity: Default::default(), contacts: ContactLanes::default() }
     }
 
     /// As [`PairGroup::clear`].
-    pub(super) fn clear(&mut self, dummies: u32) {
+    pub(crate) fn clear(&mut self, dummies: u32) {
         self.body = std::array::from_fn(|lane| dummies + lane as u32);
     }
 }
 
 impl Sources {
     /// No lane holds a contact.
-    pub(super) const NONE: Sources = Sources([NO_SOURCE; LANES]);
+    pub(crate) const NONE: Sources = Sources([NO_SOURCE; LANES]);
 
-    pub(super) fn set(&mut self, lane: usize, candidate: u32) {
+    pub(crate) fn set(&mut self, lane: usize, candidate: u32) {
         self.0[lane] = candidate;
     }
 

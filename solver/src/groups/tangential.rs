@@ -44,8 +44,8 @@ pub(crate) trait Kind: Tangential + Send + Sync {
 macro_rules! with_pairs {
     ($groups:expr, $pairs:ident => $body:expr) => {
         match $groups {
-            $crate::partition::PairGroups::Smooth($pairs) => $body,
-            $crate::partition::PairGroups::Frictional($pairs) => $body,
+            $crate::groups::PairGroups::Smooth($pairs) => $body,
+            $crate::groups::PairGroups::Frictional($pairs) => $body,
         }
     };
 }
@@ -146,17 +146,17 @@ impl PairGroups {
     }
 
     /// Number of groups that there is room for.
-    pub(super) fn capacity(&self) -> usize {
+    pub(crate) fn capacity(&self) -> usize {
         with_pairs!(self, groups => groups.capacity())
     }
 
     /// Drops the groups from this number on; memory stays.
-    pub(super) fn truncate(&mut self, count: usize) {
+    pub(crate) fn truncate(&mut self, count: usize) {
         with_pairs!(self, groups => groups.truncate(count));
     }
 
     /// Becomes groups with friction, or without; what there was is dropped if it was of the other kind.
-    pub(super) fn suit(&mut self, friction: bool) {
+    pub(crate) fn suit(&mut self, friction: bool) {
         match (friction, &self) {
             (true, PairGroups::Smooth(_)) => *self = PairGroups::Frictional(Vec::new()),
             (false, PairGroups::Frictional(_)) => *self = PairGroups::Smooth(Vec::new()),
