@@ -146,3 +146,34 @@ fn one_grain_and_none_are_scenes_too() {
         assert!(simulation.snapshot().particles.iter().all(|particle| particle.position[2] > 0.0049));
     }
 }
+
+#[test]
+fn an_effect_that_is_off_takes_no_byte_of_a_contact() {
+    // Places, normal, bias, regularisation and normal impulse; friction adds its coefficient and three components.
+    for (scene, bytes) in [("frictionless-packing", 56), ("packing", 88)] {
+        let mut simulation = reference_scene(scene, 1);
+        for _ in 0..600 {
+            simulation.step();
+        }
+        assert!(simulation.layout().contacts > 1000);
+        for (_, task) in simulation.layout().tasks() {
+            assert_eq!(task.pairs.bytes_of_group(), bytes * LANES, "{scene}");
+            assert!(task.pair_torques.is_empty() && task.pair_pulls.is_empty(), "{scene}");
+        }
+    }
+}
+
+#[test]
+fn kernels_for_other_effects_sweep_what_is_laid_out_for_them() {
+    let mut simulation = reference_scene("packing", 1);
+    for _ in 0..600 {
+        simulation.step();
+    }
+    for effects in makadam::effects::EffectSet::COMPILED {
+        simulation.compile_effects(effects);
+        assert_eq!(simulation.sweep_times(1), 0, "nothing is laid out yet");
+        let contacts = simulation.constrain_once();
+        assert!(contacts > 1000);
+        assert_eq!(simulation.sweep_times(2), 2 * contacts as u64);
+    }
+}

@@ -262,13 +262,11 @@ impl Given<'_> {
         }
         groups.finish(self.effects);
         set.run(FindWaits { groups, effects: self.effects, grains: self.world.grains() as u32 });
-        {
-            let sources = &*groups.pair_sources;
-            with_pairs!(&mut groups.pairs, pairs => match periodic {
-                true => set.run(FillPairs::<true, _> { given: self, task, pairs, sources, impulses }),
-                false => set.run(FillPairs::<false, _> { given: self, task, pairs, sources, impulses }),
-            });
-        }
+        let sources = &*groups.pair_sources;
+        with_pairs!(&mut groups.pairs, pairs => match periodic {
+            true => set.run(FillPairs::<true, _> { given: self, task, pairs, sources, impulses }),
+            false => set.run(FillPairs::<false, _> { given: self, task, pairs, sources, impulses }),
+        });
         set.run(FillWalls { given: self, groups, impulses: &remembered.walls });
         if self.effects.cohesion() {
             self.fill_pulls(groups);

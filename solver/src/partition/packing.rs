@@ -253,8 +253,9 @@ impl TaskGroups {
         }
     }
 
-    /// Drops all groups; memory stays.
+    /// Drops all groups; those to come suit the effects. Memory stays, unless friction comes or goes.
     pub(crate) fn empty(&mut self, effects: EffectSet) {
+        self.pairs.suit(effects.compiled().friction());
         (self.pairs_used, self.walls_used, self.driven_walls) = (0, 0, 0);
         (self.pair_contacts, self.wall_contacts, self.packed_from) = (0, 0, 0);
         self.pair_waits.clear();
