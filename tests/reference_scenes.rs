@@ -100,6 +100,11 @@ fn heap_agrees_with_the_recorded_codes() {
     regression("heap", 2);
 }
 
+#[test]
+fn frictionless_packing_agrees_with_the_recorded_code() {
+    regression("frictionless-packing", 3);
+}
+
 /// Smooth rigid spheres at rest are isostatic: three conditions of balance a grain, six contacts a grain. With an overlap there are more
 /// of them by a multiple of its root (O'Hern, Silbert, Liu & Nagel, Phys. Rev. E 68, 011306, 2003).
 #[test]
