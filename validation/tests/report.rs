@@ -3,7 +3,7 @@
 #[path = "support/sample.rs"]
 mod sample;
 
-use makadam_validation::compare::{Comparison, Outcome, Row, Source};
+use makadam_validation::compare::{CodeSummary, Comparison, Outcome, Row, Source};
 use makadam_validation::report::{
     Qualification, REPORT_VERSION, ReportDocument, ReportError, Standing, comparison_table, speed_sentence, write,
 };
@@ -206,6 +206,18 @@ fn the_floor_is_no_test_but_is_spoken_of() {
     let verdict = qualification.verdict();
     assert_eq!((verdict.standing, verdict.floor_above_margin), (Standing::Agree, 2));
     assert!(verdict.sentence.ends_with("so they prove nothing."), "{}", verdict.sentence);
+}
+
+#[test]
+fn one_seed_is_told_where_one_is_compared_not_where_one_is_timed() {
+    let told = |drum: Comparison| text(&page(&sample::qualification(vec![drum]))).contains("ran with one seed");
+    let mut drum = sample::drum(false);
+    let timed = CodeSummary { seeds: vec![1], ..drum.codes[0].clone() };
+    drum.codes.push(timed);
+    assert!(!told(drum.clone()));
+    let code = drum.rows[0].code.clone();
+    drum.rows.iter_mut().filter(|row| row.code == code).for_each(|row| row.seeds = 1);
+    assert!(told(drum));
 }
 
 #[test]

@@ -315,12 +315,12 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
             names::observable(observable),
         ));
     }
-    let single: Vec<&str> = comparison.codes.iter().filter(|c| c.seeds.len() == 1).map(|c| c.code.as_str()).collect();
+    // By what is compared: runs that are only timed have one seed beside any number of others.
+    let most_seeds = |code: &str| comparison.rows.iter().filter(|row| row.code == code).map(|row| row.seeds).max();
+    let single =
+        distinct(comparison.rows.iter().map(|row| row.code.as_str()).filter(|code| most_seeds(code) == Some(1)));
     if !single.is_empty() {
-        limits.push(format!(
-            "{} ran with one seed: a spread over seeds is not known.",
-            join(&distinct(single.into_iter()))
-        ));
+        limits.push(format!("{} ran with one seed: a spread over seeds is not known.", join(&single)));
     }
     let missing =
         comparison.rows.iter().filter(|row| row.outcome == Some(Outcome::Undecided) && row.code == JUDGED).count();
