@@ -1,4 +1,5 @@
-//! Physics regressions: Makadam on the reference scenes, held against what YADE and LIGGGHTS recorded there.
+//! Physics regressions: Makadam on the reference scenes, held against what YADE and LIGGGHTS recorded there, and
+//! against closed forms.
 //!
 //! A few seeds each, so this guards against a change that moves the physics; the verdict over all seeds is `makadam qualify`'s.
 

@@ -5,6 +5,7 @@
 //! receives the change of its velocity, so that what no contact touches is not rounded.
 
 use super::{Layout, STAGES, TaskGroups};
+use crate::effects::Effects;
 use crate::groups::{ContactLanes, FrictionLanes, PairGroup, Tangential, WallGroup, padding_places, with_pairs};
 use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
 use crate::schedule::{Disjoint, Phase, Team};
@@ -53,6 +54,13 @@ pub(crate) struct SingleCopy {
     pub bodies: Vec<SingleBody>,
     /// By the number of the task, as in [`Layout`].
     pub groups: Vec<SingleGroups>,
+}
+
+impl SinglePairGroup {
+    /// How much of a group a sweep with these effects reads, in bytes: what friction needs comes last.
+    pub(crate) const fn used<E: Effects>() -> usize {
+        size_of::<Self>() - if E::FRICTION { 0 } else { size_of::<FrictionLanes<Sixteen>>() }
+    }
 }
 
 impl SingleBody {

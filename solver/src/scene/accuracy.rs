@@ -44,7 +44,8 @@ const FALLS_MEASURED: [f64; 2] = [1e-4, 8e-3];
 const ANGLE_SLOPE: f64 = 0.45;
 /// Largest residual of a solve, in units of g h: it leaves angles of repose alone.
 const LARGEST_RESIDUAL: f64 = 0.1;
-/// Residual, in units of g h, over the deviation of a packing fraction that is tolerated.
+/// Residual, in units of g h, over the deviation of a packing fraction that is tolerated: with twice as much a packing whose friction is
+/// 1 is off by 0.004 where 0.005 was asked for, with this by 0.003 (`scripts/check-accuracy`, sixteen seeds).
 const PACKING_FRACTION_RESIDUAL: f64 = 10.0;
 /// Smallest and largest x that angles were measured at.
 const MEASURED: [f64; 2] = [0.4, 8.0];

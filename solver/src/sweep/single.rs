@@ -62,7 +62,7 @@ impl<E: Effects, G: Gauged> Kernel for SingleSweep<'_, E, G> {
         for number in 0..pairs.len() {
             if self.prefetch > 0 {
                 // The group itself is fetched before the bodies that it names.
-                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch), size_of::<SinglePairGroup>());
+                prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch), SinglePairGroup::used::<E>());
                 if let Some(ahead) = pairs.get(number + self.prefetch) {
                     prefetch_places(self.bodies, &ahead.first);
                     prefetch_places(self.bodies, &ahead.second);
