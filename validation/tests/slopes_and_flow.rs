@@ -1,13 +1,17 @@
-//! Slopes and flow, measured of beds whose numbers are known beforehand.
+//! Slopes, flow and mixing, measured of beds whose numbers are known beforehand.
 
 #[path = "support/beds.rs"]
 mod beds;
 
 use approx::assert_abs_diff_eq;
 use beds::{Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum, value};
-use makadam::snapshot::{Contact, Partner};
+use makadam::scene::{Grain, Scene, populate};
+use makadam::snapshot::{Contact, Particle, Partner};
+use makadam_validation::effects::variations;
 use makadam_validation::observables::{measure, series};
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use std::path::Path;
 
 #[test]
 fn tilt_of_a_drum_is_recovered_for_either_sense_of_rotation() {
@@ -124,4 +128,50 @@ fn grains_that_a_tube_still_holds_have_no_slope() {
     });
     let measurements = measure(&scene, &recording(frames.collect()));
     assert!(measurements.iter().all(|one| one.observable != "static_angle_of_repose"), "{measurements:?}");
+}
+
+/// The scene that tests size spread; measured where its grains start, before anything has moved.
+fn segregation() -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum-segregation/scene.toml");
+    let mut scene = Scene::load(&file).unwrap();
+    scene.measure.from = Some(0.0);
+    scene
+}
+
+/// What is measured of the grains where they start, by name.
+fn at_start(scene: &Scene) -> (Vec<f64>, BTreeMap<String, f64>) {
+    let grains = populate(scene, 1, Path::new("scene.toml")).unwrap();
+    let radii = grains.iter().map(|grain| grain.radius).collect();
+    let particle = |(id, grain): (usize, Grain)| Particle {
+        id: id as u32,
+        position: grain.position,
+        radius: grain.radius,
+        velocity: [0.0; 3],
+        spin: [0.0; 3],
+    };
+    let particles = grains.into_iter().enumerate().map(particle).collect();
+    let measured = measure(scene, &recording(vec![frame(0.0, particles)]));
+    (radii, measured.into_iter().map(|one| (one.observable, one.value)).collect())
+}
+
+#[test]
+fn two_populations_that_differ_in_size_are_as_mixed_by_population_as_by_size() {
+    let (radii, measured) = at_start(&segregation());
+    assert!(radii.iter().any(|&radius| radius < 0.0031) && radii.iter().any(|&radius| radius > 0.0058));
+    assert_eq!(measured["size_mixing_index"], measured["population_mixing_index"]);
+    assert_eq!(measured["small_over_large_distance"], measured["first_over_other_distance"]);
+    // Large grains lie above small ones.
+    assert!(measured["population_mixing_index"] < 0.3, "{measured:?}");
+}
+
+#[test]
+fn without_size_spread_all_grains_have_the_mean_radius_and_populations_are_still_told_apart() {
+    let scene = segregation();
+    let all = variations(&scene);
+    let alike = all.iter().find(|variation| variation.effect == "size spread").unwrap();
+    let (radii, measured) = at_start(&alike.scene);
+    let mean = (1850.0 * 0.003 + 200.0 * 0.006) / 2050.0;
+    assert!(radii.iter().all(|radius| (radius / mean - 1.0).abs() < 1e-12));
+    assert!(!measured.contains_key("size_mixing_index"), "no size to be mixed by");
+    assert!(measured["population_mixing_index"] < 0.3, "{measured:?}");
 }

@@ -1,6 +1,6 @@
 //! Which effects a scene calls for, and which of its lines says so.
 
-use makadam::scene::{Cohesion, Material, Motion, NormalLaw, PairRule, RadiusDistribution, Scene, line_of};
+use makadam::scene::{Cohesion, Material, Motion, NormalLaw, PairRule, Scene, line_of};
 use serde::Serialize;
 
 /// One effect: whether the scene calls for it, and why.
@@ -131,19 +131,19 @@ fn periodic_axes(scene: &Scene, text: &str) -> Called {
 }
 
 fn size_spread(scene: &Scene, text: &str) -> Called {
-    let mut groups = scene.population.iter().enumerate();
-    let varied = groups.find(|(_, group)| !matches!(group.radius, RadiusDistribution::Fixed { .. }));
-    if let Some((index, group)) = varied {
-        let (smallest, largest) = group.radius.bounds();
-        let line = line_of(text, &["population", &index.to_string(), "radius"]);
-        return on("size spread", format!("radii from {smallest} to {largest} m"), line);
+    let populations = scene.population.iter().map(|group| group.radius.bounds());
+    let ranges: Vec<(f64, f64)> =
+        populations.chain(scene.grain.iter().map(|grain| (grain.radius, grain.radius))).collect();
+    let smallest = ranges.iter().fold(f64::INFINITY, |least, range| least.min(range.0));
+    let largest = ranges.iter().fold(0.0, |most: f64, range| most.max(range.1));
+    if smallest >= largest {
+        return off("size spread", "all grains are of one size");
     }
-    let bounds = scene.population.iter().map(|group| group.radius.bounds().0);
-    let radii: Vec<f64> = bounds.chain(scene.grain.iter().map(|grain| grain.radius)).collect();
-    match radii.windows(2).any(|two| two[0] != two[1]) {
-        true => on("size spread", "grains of several radii".into(), None),
-        false => off("size spread", "all grains are of one size"),
-    }
+    // The first population that has radii of its own, or other ones than those before it.
+    let differs = |&index: &usize| ranges[index] != (ranges[0].0, ranges[0].0);
+    let index = (0..scene.population.len()).find(differs);
+    let line = index.and_then(|index| line_of(text, &["population", &index.to_string(), "radius"]));
+    on("size spread", format!("radii from {smallest} to {largest} m"), line)
 }
 
 fn compliance(scene: &Scene, text: &str) -> Called {

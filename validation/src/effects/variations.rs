@@ -1,6 +1,6 @@
 //! What an ablation changes: the scene with one effect off, or on.
 
-use makadam::scene::{Motion, NormalLaw, RadiusDistribution, Scene};
+use makadam::scene::{Motion, NormalLaw, Population, RadiusDistribution, Scene};
 
 /// Coefficient with which rolling and twisting resistance are tried where a scene has none.
 const TRIED: f64 = 0.1;
@@ -57,10 +57,8 @@ pub fn variations(scene: &Scene) -> Vec<Variation> {
     });
     add("elastic compliance", "off: rigid".into(), &|scene| scene.solver.normal_law = NormalLaw::Rigid);
     add("size spread", "off: all of the mean radius".into(), &|scene| {
-        for group in &mut scene.population {
-            let value = mean_radius(&group.radius);
-            group.radius = RadiusDistribution::Fixed { value };
-        }
+        let value = mean_radius(scene);
+        scene.population.iter_mut().for_each(|group| group.radius = RadiusDistribution::Fixed { value });
     });
     let stop = |scene: &mut Scene, driven: bool| {
         let walls = scene.wall.iter_mut().filter(|wall| wall.motion.is_driven() == driven);
@@ -93,7 +91,14 @@ fn toggled(on: bool) -> String {
     if on { "off".into() } else { format!("on: {TRIED}") }
 }
 
-fn mean_radius(radius: &RadiusDistribution) -> f64 {
+/// Mean radius over the grains of all populations, m.
+fn mean_radius(scene: &Scene) -> f64 {
+    let count: usize = scene.population.iter().map(|group| group.count).sum();
+    let share = |group: &Population| group.count as f64 / count as f64;
+    scene.population.iter().map(|group| share(group) * mean_of(&group.radius)).sum()
+}
+
+fn mean_of(radius: &RadiusDistribution) -> f64 {
     match radius {
         RadiusDistribution::Fixed { value } => *value,
         RadiusDistribution::Uniform { mean, .. } | RadiusDistribution::Normal { mean, .. } => *mean,

@@ -1,12 +1,16 @@
-//! How well two kinds of grains are mixed: by where they came from, or by size.
+//! How well two kinds of grains are mixed: by where they came from, by size, or by population.
 
 use super::measurement::{Quantity, Readings};
 use super::view::View;
+use makadam::snapshot::Particle;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-const BY_SIZE: Quantity = Quantity::mean("size_mixing_index", "");
-const CORE: Quantity = Quantity::mean("small_over_large_distance", "");
+/// Mixing index and ratio of distances by size, and by population.
+const BY_SIZE: [Quantity; 2] =
+    [Quantity::mean("size_mixing_index", ""), Quantity::mean("small_over_large_distance", "")];
+const BY_POPULATION: [Quantity; 2] =
+    [Quantity::mean("population_mixing_index", ""), Quantity::mean("first_over_other_distance", "")];
 
 /// Cells of the mixing index, mean diameters wide.
 pub(super) const MIXING_CELL: f64 = 3.0;
@@ -38,45 +42,60 @@ pub fn lacey_index(places: impl Iterator<Item = ([f64; 3], bool)>, cell: f64) ->
     (full.len() >= 5 && index.is_finite()).then_some(index)
 }
 
-/// Adds a frame's readings: nothing where all grains are about as large.
+/// Adds a frame's readings, by size where some grains are far larger than others, by population where there are several.
 ///
-/// Small grains are those below the middle of the smallest and the largest radius.
+/// Small grains are those below the middle of the smallest and the largest radius. By population the same is measured of grains
+/// that do not differ in size, so that what size does can be told from what the drum does.
 ///
-/// - `size_mixing_index`: [`lacey_index`] of the small grains, in cells of three mean diameters.
-/// - `small_over_large_distance`, in drums: root mean square distance of the small grains from the middle of the bed, across the
-///   axis, over that of the large ones: below 1 where small grains gather in a core.
+/// - `size_mixing_index`, `population_mixing_index`: [`lacey_index`] of the small grains, or of the first population, in cells of
+///   three mean diameters.
+/// - `small_over_large_distance`, `first_over_other_distance`, in drums: root mean square distance of these grains from the middle
+///   of the bed, across the axis, over that of the others: below 1 where they gather in a core.
 pub fn read(view: &View<'_>, readings: &mut Readings) {
-    let grains = &view.frame.particles;
-    let radii = || grains.iter().map(|grain| grain.radius);
+    let radii = || view.frame.particles.iter().map(|grain| grain.radius);
     let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
-    if largest < TWO_SIZES * smallest {
-        return;
+    if largest >= TWO_SIZES * smallest {
+        let middle = 0.5 * (smallest + largest);
+        read_kinds(view, BY_SIZE, &|grain| grain.radius < middle, readings);
     }
-    let is_small = |radius: f64| radius < 0.5 * (smallest + largest);
-    let marks = grains.iter().map(|grain| (grain.position, is_small(grain.radius)));
-    if let Some(index) = lacey_index(marks, MIXING_CELL * view.setting.diameter) {
-        readings.add(BY_SIZE, index);
+    let scene = view.setting.scene;
+    if let [first, _, ..] = &scene.population[..] {
+        // Grains are numbered as they are placed: listed ones first.
+        let ids = scene.grain.len()..scene.grain.len() + first.count;
+        read_kinds(view, BY_POPULATION, &|grain| ids.contains(&(grain.id as usize)), readings);
     }
-    if let Some(drum) = &view.setting.drum {
-        let volume = |radius: f64| radius.powi(3);
-        let total: f64 = radii().map(volume).sum();
-        let middle =
-            grains.iter().map(|grain| Vector3::from(grain.position) * volume(grain.radius)).sum::<Vector3<f64>>();
-        let [x, y] = drum.section(&(middle / total));
-        let spread = |small: bool| {
-            let own = grains.iter().filter(|grain| is_small(grain.radius) == small);
-            let squares: Vec<f64> = own
-                .map(|grain| {
-                    let [across, up] = drum.section(&grain.position.into());
-                    (across - x).powi(2) + (up - y).powi(2)
-                })
-                .collect();
-            (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
-        };
-        let ratio = spread(true) / spread(false);
-        if ratio.is_finite() {
-            readings.add(CORE, ratio);
-        }
+}
+
+/// Adds the mixing index of marked grains and, in drums, how far they are from the middle of the bed over how far the others are.
+fn read_kinds(
+    view: &View<'_>,
+    [index, distance]: [Quantity; 2],
+    is_marked: &dyn Fn(&Particle) -> bool,
+    readings: &mut Readings,
+) {
+    let grains = &view.frame.particles;
+    let marks = grains.iter().map(|grain| (grain.position, is_marked(grain)));
+    if let Some(value) = lacey_index(marks, MIXING_CELL * view.setting.diameter) {
+        readings.add(index, value);
+    }
+    let Some(drum) = &view.setting.drum else { return };
+    let volume = |grain: &Particle| grain.radius.powi(3);
+    let total: f64 = grains.iter().map(volume).sum();
+    let middle = grains.iter().map(|grain| Vector3::from(grain.position) * volume(grain)).sum::<Vector3<f64>>();
+    let [x, y] = drum.section(&(middle / total));
+    let spread = |marked: bool| {
+        let own = grains.iter().filter(|grain| is_marked(grain) == marked);
+        let squares: Vec<f64> = own
+            .map(|grain| {
+                let [across, up] = drum.section(&grain.position.into());
+                (across - x).powi(2) + (up - y).powi(2)
+            })
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    let ratio = spread(true) / spread(false);
+    if ratio.is_finite() {
+        readings.add(distance, ratio);
     }
 }
 

@@ -21,7 +21,7 @@
 //! | `share_below_mean`, `gini`, `friction_mobilisation`, ... | [`contact_forces`] |
 //! | `wall_force_over_weight`, `largest_overlap`, ... | [`balances`] |
 //! | `shell_layer_speed_ratio`, `wall_torque`, ... | [`drum_flow`] |
-//! | `size_mixing_index`, ... | [`mixing`] |
+//! | `size_mixing_index`, `population_mixing_index`, ... | [`mixing`] |
 //! | `driven_wall_displacement` | [`driven_wall`] |
 
 pub mod balances;

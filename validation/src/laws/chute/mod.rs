@@ -36,8 +36,9 @@ const RESTITUTION: f64 = 0.88;
 const MODULUS: f64 = 1e8;
 /// Periods along the chute and across it, in diameters.
 const PERIOD: [f64; 2] = [12.0, 8.0];
-/// Time step, s, and sweeps a step; one case is repeated with twice the step, to see what that changes.
-const SOLVE: (f64, u32) = (2.5e-4, 10);
+/// Time step, s, and sweeps a step. Twice the step lets the lower half of a fast layer shear too readily, and the more so the faster
+/// it shears, which bends the profile: the steepest case is repeated with it, and reported.
+const SOLVE: (f64, u32) = (1.25e-4, 10);
 /// Time between frames, s.
 const INTERVAL: f64 = 0.02;
 /// Tolerated deviations of the exponent and of the friction.
@@ -89,8 +90,8 @@ impl Law for Chute {
 
     fn cases(&self, quick: bool) -> Vec<Case> {
         match quick {
-            true => vec![case(23.0, SHALLOW, 2.0)],
-            false => [(22.0, 1.0), (23.0, 1.0), (24.0, 1.0), (25.0, 1.0), (23.0, 2.0)]
+            true => vec![case(23.0, SHALLOW, 4.0)],
+            false => [(22.0, 1.0), (23.0, 1.0), (24.0, 1.0), (25.0, 1.0), (25.0, 2.0)]
                 .map(|(angle, coarseness)| case(angle, DEEP, coarseness))
                 .into(),
         }
@@ -136,11 +137,17 @@ impl Law for Chute {
         };
         for mean in means {
             let inertial = mean.of_value("inertial_number_of_pressure");
+            let mut judge = |what: String, value: f64, published: f64, tolerance: f64| {
+                findings.push(match repeats(mean, means) {
+                    true => reported(what, "", value),
+                    false => Finding::near(what, "", value, published, tolerance),
+                });
+            };
             let what = format!("exponent of the velocity profile at {}", words(mean));
-            findings.push(Finding::near(what, "", mean.of_value("exponent"), 1.5, TOLERANCE.0));
+            judge(what, mean.of_value("exponent"), 1.5, TOLERANCE.0);
             let beyond = mean.of_value("friction_of_pressure") - mean.of_value("published_friction");
             let what = format!("friction less the published one at {}, I = {inertial:.3}", words(mean));
-            findings.push(Finding::near(what, "", beyond, 0.0, TOLERANCE.1));
+            judge(what, beyond, 0.0, TOLERANCE.1);
         }
         for mean in means {
             let tangent = mean.of_value("angle").to_radians().tan();
@@ -174,15 +181,22 @@ impl Law for Chute {
         let along = || (0..=60).map(|mark| 0.005 * 80f64.powf(f64::from(mark) / 60.0));
         plot.curve("curve neutral", along().map(|inertial| [inertial, friction(inertial)]));
         plot.curve("code-other curve thin", along().map(|inertial| [inertial, friction_of_beads(inertial)]));
-        for mean in means {
+        for mean in means.iter().filter(|mean| !repeats(mean, means)) {
+            let by_pressure = ["inertial_number_of_pressure", "friction_of_pressure"].map(|name| mean.of_value(name));
             plot.marker(planes, mean.of_value("inertial_number"), mean.of_value("friction"), 3.6);
-            plot.marker(own, mean.of_value("inertial_number_of_pressure"), mean.of_value("friction_of_pressure"), 4.2);
+            plot.marker(own, by_pressure[0], by_pressure[1], 4.2);
         }
         let title = "Friction of a flowing layer";
         let caption =
             format!("{title}: measured on a chute, and the laws of Chialvo et al. (2012) and of Jop et al. (2006).");
         vec![Figure { name: "friction".into(), svg: plot.finish(title), caption }]
     }
+}
+
+/// Whether a case has a longer step than another one of the same slope.
+fn repeats(mean: &Mean, means: &[Mean]) -> bool {
+    let mut same = means.iter().filter(|other| other.of_value("angle") == mean.of_value("angle"));
+    same.any(|other| other.of_value("coarseness") < mean.of_value("coarseness"))
 }
 
 /// A layer on a bed of spheres, inclined by an angle (degrees), simulated with so many times the usual step.

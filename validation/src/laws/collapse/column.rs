@@ -3,7 +3,7 @@
 use super::super::Case;
 use super::law;
 use crate::stability::{GRAVITY, Sketch};
-use makadam::scene::{Motion, Population, RadiusDistribution, Region, Shape, Wall};
+use makadam::scene::{Motion, Population, RadiusDistribution, Region, Scene, Shape, Wall};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Mean diameter of the grains, m.
@@ -12,13 +12,16 @@ pub(super) const DIAMETER: f64 = 0.01;
 const SPREAD: f64 = 0.1;
 /// Friction of the grains: sand's and glass's.
 const FRICTION: f64 = 0.5;
-/// Rolling friction of the grains: spheres that roll freely run out farther than the grains of the experiments.
-const ROLLING_FRICTION: f64 = 0.1;
+/// Rolling friction of the grains, by which spheres stand for angular ones: a [`heap`] of them has the angle of repose of sand. With
+/// 0.1 it has that of beads.
+const ROLLING_FRICTION: f64 = 0.3;
 /// Friction and rolling friction of the plane: a base with grains glued to it holds single grains up to slopes of about 25
 /// degrees, half the normal force.
 const BASE: [f64; 2] = [1.0, 0.5];
 /// Speed of the tube over `sqrt(g h0)`.
 const LIFT: f64 = 5.0;
+/// Speed of the tube, m/s, that leaves a heap, and time after which nothing moves any more, s.
+const HEAP: (f64, f64) = (0.05, 1.0);
 /// Time step, s, and sweeps a step.
 const SOLVE: (f64, u32) = (5e-4, 10);
 /// Solid fraction by which grains are counted out.
@@ -56,63 +59,85 @@ impl Part {
 pub(super) fn case(radius_in_diameters: f64, aspect: f64, part: Part) -> Case {
     let radius = radius_in_diameters * DIAMETER;
     let height = aspect * radius;
+    let (suffix, words) = match part {
+        Part::Whole => ("", "A column"),
+        Part::Quarter => ("-quarter", "A quarter of a column"),
+    };
+    let release = release(height);
+    let until = release + PATIENCE * (height / GRAVITY).sqrt();
+    let mut scene =
+        lifted([radius, height], part, LIFT * (GRAVITY * height).sqrt(), radius * (1.0 + 2.5 * law(aspect)), until);
+    scene.name = format!("collapse-{aspect}-r{radius_in_diameters}{suffix}");
+    scene.description = format!("{words} of aspect ratio {aspect} on a rough plane, whose tube is lifted off.");
+    let given = [("radius", radius), ("nominal_aspect", aspect), ("release", release), ("share", part.share())];
+    Case::new(scene, given)
+}
+
+/// The same grains in a tube of eight diameters in radius and filled to four times that, which is lifted so slowly that they come
+/// to rest as a heap: what their angle of repose is measured of.
+pub(super) fn heap() -> Case {
+    let radius = 8.0 * DIAMETER;
+    let height = 4.0 * radius;
+    let until = release(height) + height / HEAP.0 + HEAP.1;
+    let mut scene = lifted([radius, height], Part::Whole, HEAP.0, 5.0 * radius, until);
+    scene.name = "heap".into();
+    scene.description = "The grains of the collapsing columns, as a heap.".into();
+    Case::new(scene, [])
+}
+
+/// Time at which a tube filled to a height (m) begins to rise, s.
+fn release(height: f64) -> f64 {
+    0.4 + 2.5 * (2.0 * height / GRAVITY).sqrt()
+}
+
+/// A tube of some radius, filled to some height (m), that is lifted off at a speed (m/s); the plane under it reaches as far as
+/// told (m).
+fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: f64) -> Scene {
     let grain = 0.5 * DIAMETER;
     let volume = 4.0 / 3.0 * PI * grain.powi(3) * (1.0 + SPREAD * SPREAD);
     let count = (part.share() * SOLID * PI * radius * radius * height / volume).round() as usize;
     // The lattice that grains start on is less than half as dense as the column.
     let room = 3.0 * height + 10.0 * DIAMETER;
-    let release = 0.4 + 2.5 * (2.0 * height / GRAVITY).sqrt();
-    let fall = (height / GRAVITY).sqrt();
-    let reach = radius * (1.0 + 2.5 * law(aspect));
-    let lift = LIFT * (GRAVITY * height).sqrt();
-    let tube = Motion::Translating { velocity: [0.0, 0.0, lift], start: release, stop: None };
+    let tube = Motion::Translating { velocity: [0.0, 0.0, lift], start: release(height), stop: None };
     let up = [0.0, 0.0, 1.0];
-    let (suffix, words, low) = match part {
-        Part::Whole => ("", "A column", -reach),
-        Part::Quarter => ("-quarter", "A quarter of a column", -DIAMETER),
+    let (low, populations) = match part {
+        Part::Whole => (-reach, vec![(count, Region::Cylinder { base: [0.0; 3], axis: up, radius, length: room })]),
+        Part::Quarter => (-DIAMETER, strips(radius, room, count)),
     };
-    let populations = match part {
-        Part::Whole => vec![(count, Region::Cylinder { base: [0.0; 3], axis: up, radius, length: room })],
-        Part::Quarter => strips(radius, room, count),
-    };
-    let mut sketch =
-        Sketch::new(format!("collapse-{aspect}-r{radius_in_diameters}{suffix}"), release + PATIENCE * fall)
-            .domain([low, low, -DIAMETER], [reach, reach, room])
-            .step(SOLVE.0)
-            .sweeps(SOLVE.1)
-            .interval(0.05)
-            .material("plate", |plate| [plate.friction, plate.rolling_friction] = BASE)
-            .moving_wall(
-                Shape::Cylinder { base: [0.0, 0.0, -2.0 * DIAMETER], axis: up, radius, length: room + 4.0 * DIAMETER },
-                tube,
-            )
-            .with(|scene| {
-                scene.description =
-                    format!("{words} of aspect ratio {aspect} on a rough plane, whose tube is lifted off.");
-                // The tube slides off without a pull.
-                scene.material.get_mut("wall").expect("a sketch has it").friction = 0.0;
-                let grains = scene.material.get_mut("grain").expect("a sketch has it");
-                (grains.friction, grains.rolling_friction) = (FRICTION, ROLLING_FRICTION);
-                scene.wall.push(Wall {
-                    name: "plate".into(),
-                    material: "plate".into(),
-                    shape: Shape::Plane { point: [0.0; 3], normal: up },
-                    motion: Motion::Fixed,
-                });
-                scene.population.extend(populations.into_iter().map(|(count, region)| Population {
-                    count,
-                    material: "grain".into(),
-                    radius: RadiusDistribution::Uniform { mean: grain, spread: SPREAD },
-                    region,
-                    spacing: SPACING,
-                    agitation: 0.05,
-                }));
+    let mut sketch = Sketch::new("lifted", until)
+        .domain([low, low, -DIAMETER], [reach, reach, room])
+        .step(SOLVE.0)
+        .sweeps(SOLVE.1)
+        .interval(0.05)
+        .material("plate", |plate| [plate.friction, plate.rolling_friction] = BASE)
+        .moving_wall(
+            Shape::Cylinder { base: [0.0, 0.0, -2.0 * DIAMETER], axis: up, radius, length: room + 4.0 * DIAMETER },
+            tube,
+        )
+        .with(|scene| {
+            // The tube slides off without a pull.
+            scene.material.get_mut("wall").expect("a sketch has it").friction = 0.0;
+            let grains = scene.material.get_mut("grain").expect("a sketch has it");
+            (grains.friction, grains.rolling_friction) = (FRICTION, ROLLING_FRICTION);
+            scene.wall.push(Wall {
+                name: "plate".into(),
+                material: "plate".into(),
+                shape: Shape::Plane { point: [0.0; 3], normal: up },
+                motion: Motion::Fixed,
             });
+            scene.population.extend(populations.into_iter().map(|(count, region)| Population {
+                count,
+                material: "grain".into(),
+                radius: RadiusDistribution::Uniform { mean: grain, spread: SPREAD },
+                region,
+                spacing: SPACING,
+                agitation: 0.05,
+            }));
+        });
     if part == Part::Quarter {
         sketch = sketch.plane([0.0; 3], [1.0, 0.0, 0.0]).plane([0.0; 3], [0.0, 1.0, 0.0]);
     }
-    let given = [("radius", radius), ("nominal_aspect", aspect), ("release", release), ("share", part.share())];
-    Case::new(sketch.scene(), given)
+    sketch.scene()
 }
 
 /// A quarter of a tube as boxes, each one lattice site wide along x and as long along y as the tube has room, and the number of

@@ -1,8 +1,10 @@
 //! What a collapse leaves: where the deposit ends, by several definitions.
 
 use super::column::{DIAMETER, Part};
-use crate::observables::close_pairs;
+use crate::observables::setting::Setting;
+use crate::observables::{close_pairs, static_angle};
 use crate::stability::GRAVITY;
+use makadam::scene::Scene;
 use makadam::snapshot::{Particle, Snapshot};
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
@@ -122,6 +124,12 @@ pub(super) fn holding(frame: &Snapshot, share: f64) -> f64 {
         left <= 0.0
     });
     last.map_or(f64::NAN, |grain| distance(grain))
+}
+
+/// Inclination of a heap's flank ([`static_angle`]), degrees; not a number where there is none.
+pub(super) fn angle_of_repose(scene: &Scene, frame: &Snapshot) -> f64 {
+    let found = static_angle::measure(&Setting::new(scene, frame), &[frame]);
+    found.first().map_or(f64::NAN, |angle| angle.value)
 }
 
 /// Height of the topmost grain within two diameters of the axis, m.
