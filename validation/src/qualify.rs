@@ -141,6 +141,7 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
         provenance,
         notes,
         outside_spread,
+        laws: crate::laws::published(),
     };
     Ok(Qualified { qualification, failed })
 }

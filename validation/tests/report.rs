@@ -33,7 +33,8 @@ fn text(page: &str) -> String {
 }
 
 fn full() -> Qualification {
-    sample::qualification(vec![sample::drum(true), sample::packing(), sample::alone()])
+    let laws = vec![sample::outflow()];
+    Qualification { laws, ..sample::qualification(vec![sample::drum(true), sample::packing(), sample::alone()]) }
 }
 
 /// A drum in which every test has one outcome.
@@ -163,7 +164,9 @@ fn every_row_stands_in_every_file() {
 
 #[test]
 fn json_round_trips_to_the_last_bit() {
-    let qualification = full();
+    let mut qualification = full();
+    // Drawings are for the page alone.
+    qualification.laws.iter_mut().for_each(|law| law.figures.clear());
     let folder = tempfile::tempdir().expect("a temporary folder");
     let paths = write(&qualification, folder.path()).expect("a report");
     let text = fs::read_to_string(paths.json).expect("the data");
@@ -384,4 +387,19 @@ fn a_report_of_three_scenes_is_small() {
     let scenes = vec![sample::drum(false), sample::packing(), sample::drum(true)];
     let bytes = page(&sample::qualification(scenes)).len();
     assert!(bytes < 3_000_000, "{bytes} bytes");
+}
+
+#[test]
+fn published_laws_stand_beside_the_verdict_and_not_in_it() {
+    let qualification = Qualification { laws: vec![sample::outflow()], ..all(Outcome::Agree) };
+    assert!(qualification.laws.iter().flat_map(|law| &law.judged).any(|judged| !judged.holds));
+    assert_eq!(qualification.verdict().standing, Standing::Agree);
+    let text = text(&page(&qualification));
+    for words in
+        ["Published laws", "exponent", "2.570", "2.400 to 2.600", "at most 0.050", "within", "outside", "4 runs"]
+    {
+        assert!(text.contains(words), "{words}");
+    }
+    let without = page(&Qualification { laws: Vec::new(), ..qualification });
+    assert!(!without.contains("Published laws") && without.contains("This report contains none"));
 }

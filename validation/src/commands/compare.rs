@@ -97,6 +97,7 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
         provenance: account(threads, &[scene]),
         notes: Vec::new(),
         outside_spread: Vec::new(),
+        laws: Vec::new(),
     };
     let verdict = qualification.verdict();
     let comparison = &qualification.comparisons[0];

@@ -5,6 +5,7 @@ use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, roots, use_thre
 use crate::compare::Comparison;
 use crate::output::JSON_VERSION;
 use crate::qualify::{Qualified, QualifyError, Settings, quick};
+use crate::report::published::PublishedLaw;
 use crate::report::{self, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -22,6 +23,7 @@ struct QualifyDocument<'a> {
     verdict: &'a Verdict,
     outside_spread: &'a [String],
     failed: &'a [String],
+    laws: &'a [PublishedLaw],
     wall_seconds: f64,
     report: String,
     rows: Vec<&'a crate::compare::Row>,
@@ -72,6 +74,7 @@ fn document<'a>(qualified: &'a Qualified, verdict: &'a Verdict, report: String) 
         verdict,
         outside_spread: &qualified.qualification.outside_spread,
         failed: &qualified.failed,
+        laws: &qualification.laws,
         wall_seconds: qualification.wall_seconds,
         report,
         rows: comparisons.iter().flat_map(|comparison| &comparison.rows).collect(),

@@ -38,8 +38,8 @@ const MOBILISING: [f64; 2] = [0.3, 0.3];
 const MEASURED: f64 = 0.5;
 /// Times between two frames that are measured, s.
 const INTERVAL: f64 = 0.01;
-/// Time step, s, and sweeps a step.
-const SOLVE: (f64, u32) = (5e-4, 10);
+/// Time step, s, and sweeps a step: with 10 a filling of four diameters lay a twentieth of the saturated mass below the curve.
+const SOLVE: (f64, u32) = (5e-4, 40);
 /// Solid fraction by which grains are counted out.
 const SOLID: f64 = 0.58;
 /// Places of the tube and of the floor in the scene.

@@ -3,10 +3,12 @@
 //! ```text
 //! Law ─> cases ─> Run (a case, a seed) ─> measure ─> Row ─> means over seeds ─> judge ─> Finding
 //!                                          kept at once                        ─> figures, CSV, JSON, table
+//!                                                            CSV, recorded ─> judge ─> a report
 //! ```
 //!
 //! A law is one file that implements `Law` and one line in `all`. What it takes as given (sizes, friction, definitions) is
-//! constant in that file and was chosen before anything was measured; only what the law leaves open is fitted.
+//! constant in that file and was chosen before anything was measured (`validation/docs/laws.md` tells of what was not); only what the
+//! law leaves open is fitted.
 
 mod beverloo;
 mod case;
@@ -15,6 +17,7 @@ mod collapse;
 mod fit;
 mod janssen;
 mod keep;
+mod recorded;
 mod run;
 mod study;
 mod terminal;
@@ -22,6 +25,7 @@ mod write;
 
 pub(crate) use case::{Case, Values};
 pub(crate) use keep::{Plan, carry_out};
+pub(crate) use recorded::published;
 pub(crate) use run::{LawError, Run};
 pub(crate) use study::{LawResult, Mean, Row, Study};
 pub(crate) use terminal::table;

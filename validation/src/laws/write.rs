@@ -36,17 +36,20 @@ pub(crate) fn write(law: &dyn Law, study: &Study, folder: &Path) -> Result<(), W
     Ok(())
 }
 
+/// Columns before the values.
+pub(super) const LEADING: [&str; 7] = ["case", "seed", "grains", "steps", "wall_seconds", "scene_hash", "makadam"];
+
 /// One row a run; the values of all cases by name.
 fn csv(rows: &[Row]) -> String {
     let names: BTreeSet<&str> = rows.iter().flat_map(|row| row.values.keys().map(String::as_str)).collect();
-    let mut text = String::from("case,seed,grains,steps,wall_seconds,scene_hash");
+    let mut text = LEADING.join(",");
     for name in &names {
         text += &format!(",{name}");
     }
     text.push('\n');
     for row in rows {
-        let Row { case, seed, grains, steps, wall_seconds, scene_hash, .. } = row;
-        text += &format!("{case},{seed},{grains},{steps},{wall_seconds:?},{scene_hash}");
+        let Row { case, seed, grains, steps, wall_seconds, scene_hash, makadam, .. } = row;
+        text += &format!("{case},{seed},{grains},{steps},{wall_seconds:?},{scene_hash},{makadam}");
         for name in &names {
             text += &row.values.get(*name).map_or(",".into(), |value| format!(",{value:?}"));
         }

@@ -21,6 +21,7 @@ mod outlines;
 pub(crate) mod page;
 mod pictures;
 pub(crate) mod plot;
+pub mod published;
 mod qualification;
 mod rows;
 mod series;

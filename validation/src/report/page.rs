@@ -1,7 +1,7 @@
 //! The page: everything that the template shows, gathered and named.
 
 use super::qualification::{Qualification, Standing, join};
-use super::{forces, forest, names, numbers, pictures, series, speed, tables};
+use super::{forces, forest, names, numbers, pictures, published, series, speed, tables};
 use crate::compare::{Comparison, Source};
 use minijinja::{AutoEscape, Environment, Value, context};
 
@@ -26,6 +26,7 @@ pub(crate) fn environment() -> Result<Environment<'static>, minijinja::Error> {
 pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja::Error> {
     let mut environment = environment()?;
     environment.add_template("page", include_str!("page.html"))?;
+    environment.add_template("laws", include_str!("laws.html"))?;
     environment.add_template("results", include_str!("results.html"))?;
     environment.add_template("scene", include_str!("scene.html"))?;
     environment.add_template("words", include_str!("words.html"))?;
@@ -49,6 +50,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         notes => qualification.notes,
         outside_spread => qualification.outside_spread,
         sections => sections,
+        laws => qualification.laws.iter().map(published::shown).collect::<Vec<_>>(),
         provenance => provenance(qualification),
     })
 }

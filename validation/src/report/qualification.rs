@@ -1,5 +1,6 @@
 //! What a report is made from: the comparisons of one run, and the verdict that follows from their rows.
 
+use super::published::PublishedLaw;
 use crate::compare::{Comparison, Outcome, Row};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -25,6 +26,9 @@ pub struct Qualification {
     /// Values of live runs of reference codes that lie outside the spread of their recorded runs, one in a sentence.
     #[serde(default)]
     pub outside_spread: Vec<String>,
+    /// What is recorded of published laws; no part of the verdict.
+    #[serde(default)]
+    pub laws: Vec<PublishedLaw>,
 }
 
 /// What a qualification says as a whole.

@@ -6,6 +6,7 @@ use makadam_validation::compare::{
     CodeSummary, Comparison, FinalState, ForceDistribution, Outcome, Row, Series, Source,
 };
 use makadam_validation::report::Qualification;
+use makadam_validation::report::published::{Judged, PublishedLaw};
 use std::path::Path;
 
 pub const CODES: [&str; 3] = ["Makadam", "LIGGGHTS", "YADE"];
@@ -282,6 +283,31 @@ pub fn alone() -> Comparison {
     }
 }
 
+/// A published law with a figure inside its bounds and one outside.
+pub fn outflow() -> PublishedLaw {
+    let judged = |what: &str, value, low, high, holds| Judged {
+        what: what.into(),
+        unit: String::new(),
+        value,
+        low,
+        high,
+        holds,
+    };
+    PublishedLaw {
+        name: "outflow".into(),
+        statement: "the flow goes as the hole's diameter to the power of 2.5".into(),
+        source: "Beverloo et al. (1961)".into(),
+        runs: 4,
+        wall_seconds: 312.0,
+        version: "0.1.0".into(),
+        judged: vec![
+            judged("exponent", 2.57, Some(2.4), Some(2.6), true),
+            judged("largest deviation", 0.081, None, Some(0.05), false),
+        ],
+        figures: vec![("<svg viewBox=\"0 0 2 1\"></svg>".into(), "Flow over the hole's diameter.".into())],
+    }
+}
+
 pub fn qualification(comparisons: Vec<Comparison>) -> Qualification {
     Qualification {
         title: "Qualification of Makadam 0.1.0".into(),
@@ -302,5 +328,6 @@ pub fn qualification(comparisons: Vec<Comparison>) -> Qualification {
         .into(),
         notes: Vec::new(),
         outside_spread: Vec::new(),
+        laws: Vec::new(),
     }
 }

@@ -1,0 +1,120 @@
+//! Rows of the laws that were measured when a version was made ready (`validation/laws/LAW.csv`, the `rows.csv` of `makadam laws`), so
+//! that a report can show them: to measure them again takes an hour of a core.
+
+use super::{Law, LawResult, Row, Values, all};
+use crate::report::published::{Judged, PublishedLaw};
+
+/// The files, in the order of the laws.
+const FILES: [&str; 4] = [
+    include_str!("../../laws/janssen.csv"),
+    include_str!("../../laws/beverloo.csv"),
+    include_str!("../../laws/collapse.csv"),
+    include_str!("../../laws/chute.csv"),
+];
+
+/// Every law with its recorded rows, judged as they would be if they were measured now.
+fn recorded() -> Vec<(&'static dyn Law, LawResult)> {
+    all().into_iter().zip(FILES).map(|(law, text)| (law, LawResult::new(law, rows(text)))).collect()
+}
+
+/// Every law as a report shows it.
+pub(crate) fn published() -> Vec<PublishedLaw> {
+    recorded().into_iter().map(|(law, result)| section(law, &result)).collect()
+}
+
+fn section(law: &dyn Law, result: &LawResult) -> PublishedLaw {
+    let judged = result.findings.iter().filter(|finding| finding.low.is_finite() || finding.high.is_finite());
+    let mut versions: Vec<String> = result.rows.iter().map(|row| row.makadam.clone()).collect();
+    versions.dedup();
+    PublishedLaw {
+        name: law.name().into(),
+        statement: law.statement().into(),
+        source: law.source().into(),
+        runs: result.rows.len(),
+        wall_seconds: result.rows.iter().map(|row| row.wall_seconds).sum(),
+        version: versions.join(", "),
+        judged: judged
+            .map(|finding| Judged {
+                what: finding.what.clone(),
+                unit: finding.unit.into(),
+                value: finding.value,
+                low: finding.low.is_finite().then_some(finding.low),
+                high: finding.high.is_finite().then_some(finding.high),
+                holds: finding.holds(),
+            })
+            .collect(),
+        figures: law.figures(&result.means).into_iter().map(|figure| (figure.svg, figure.caption)).collect(),
+    }
+}
+
+/// The rows of a file; the columns behind the first seven are values, empty where a case has no such value.
+///
+/// # Panics
+/// The file is not one that `makadam laws` has written.
+fn rows(text: &str) -> Vec<Row> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let names = reader.headers().expect("recorded rows have a head").clone();
+    let read = |record: csv::StringRecord| {
+        let cell = |name: &str| {
+            let place = names.iter().position(|known| known == name).expect("a column of recorded rows");
+            record.get(place).expect("all rows are as long")
+        };
+        let number = |name: &str| cell(name).parse::<f64>().expect("a number");
+        let values = names.iter().zip(&record).skip(super::write::LEADING.len());
+        Row {
+            case: cell("case").into(),
+            seed: number("seed") as u64,
+            values: values
+                .filter(|(_, value)| !value.is_empty())
+                .map(|(name, value)| (name.to_string(), value.parse().expect("a number")))
+                .collect::<Values>(),
+            scene_hash: cell("scene_hash").into(),
+            makadam: cell("makadam").into(),
+            grains: number("grains") as usize,
+            steps: number("steps") as u64,
+            wall_seconds: number("wall_seconds"),
+        }
+    };
+    reader.records().map(|record| read(record.expect("a whole row"))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::laws::{Plan, carry_out};
+    use crate::provenance::scene_hash;
+
+    #[test]
+    fn what_is_recorded_is_of_the_scenes_that_would_be_run_now() {
+        for (law, result) in recorded() {
+            let found: Vec<(&str, &str)> =
+                result.rows.iter().map(|row| (row.case.as_str(), row.scene_hash.as_str())).collect();
+            let cases = law.cases(false);
+            let wanted = cases.iter().map(|case| (case.name.as_str(), format!("{:016x}", scene_hash(&case.scene))));
+            // One row a seed, the same number for every case.
+            let seeds = found.len() / cases.len();
+            for ((name, hash), rows) in wanted.zip(found.chunks(seeds)) {
+                assert_eq!(rows, vec![(name, hash.as_str()); seeds], "run `makadam laws {}` again", law.name());
+            }
+            assert_eq!(found.len(), seeds * cases.len(), "{}", law.name());
+        }
+    }
+
+    #[test]
+    fn the_recorded_laws_hold() {
+        for (law, result) in recorded() {
+            assert!(result.holds, "{}: {:?}", law.name(), result.findings);
+        }
+    }
+
+    #[test]
+    fn a_recorded_row_comes_out_with_the_same_bits_again() {
+        let (law, result) = recorded().into_iter().find(|(law, _)| law.name() == "collapse").unwrap();
+        let cases: Vec<_> = law.cases(false).into_iter().filter(|case| case.name == "collapse-0.5-r8").collect();
+        let folder = tempfile::tempdir().unwrap();
+        let plan = Plan { seeds: &[1], again: true, folder: folder.path() };
+        let rows = carry_out(law, &cases, &plan, &|_| ()).unwrap();
+        let row = result.rows.iter().find(|row| row.case == "collapse-0.5-r8").unwrap();
+        assert_eq!((&rows[0].values, rows[0].steps, rows[0].grains), (&row.values, row.steps, row.grains));
+    }
+}
