@@ -74,6 +74,10 @@ impl Law for Beverloo {
         }
     }
 
+    fn recorded(&self) -> &'static str {
+        include_str!("../../laws/beverloo.csv")
+    }
+
     fn measure(&self, case: &Case, run: &mut Run<'_>) -> Result<Values, LawError> {
         let (silo, open) = (case.of("silo"), case.of("open"));
         run.to(open)?;

@@ -82,6 +82,10 @@ impl Law for Janssen {
         }
     }
 
+    fn recorded(&self) -> &'static str {
+        include_str!("../../laws/janssen.csv")
+    }
+
     fn measure(&self, case: &Case, run: &mut Run<'_>) -> Result<Values, LawError> {
         let [radius, start, from, speed] =
             ["radius", "start", "measured_from", "speed_share"].map(|name| case.of(name));

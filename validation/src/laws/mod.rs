@@ -48,6 +48,9 @@ pub(crate) trait Law: Sync {
     /// What is simulated, in the order of tables; fewer and smaller cases if `quick`.
     fn cases(&self, quick: bool) -> Vec<Case>;
 
+    /// Rows of all its cases as they were last recorded: the `rows.csv` of `makadam laws`.
+    fn recorded(&self) -> &'static str;
+
     /// Takes a case through its simulation and measures it.
     ///
     /// # Errors

@@ -1,20 +1,12 @@
-//! Rows of the laws that were measured when a version was made ready (`validation/laws/LAW.csv`, the `rows.csv` of `makadam laws`), so
-//! that a report can show them: to measure them again takes an hour of a core.
+//! Recorded rows of the laws (`validation/laws`), judged anew, so that a report can show them: to measure them again takes more than
+//! an hour of a core.
 
 use super::{Law, LawResult, Row, Values, all};
 use crate::report::published::{Judged, PublishedLaw};
 
-/// The files, in the order of the laws.
-const FILES: [&str; 4] = [
-    include_str!("../../laws/janssen.csv"),
-    include_str!("../../laws/beverloo.csv"),
-    include_str!("../../laws/collapse.csv"),
-    include_str!("../../laws/chute.csv"),
-];
-
 /// Every law with its recorded rows, judged as they would be if they were measured now.
 fn recorded() -> Vec<(&'static dyn Law, LawResult)> {
-    all().into_iter().zip(FILES).map(|(law, text)| (law, LawResult::new(law, rows(text)))).collect()
+    all().into_iter().map(|law| (law, LawResult::new(law, rows(law.recorded())))).collect()
 }
 
 /// Every law as a report shows it.

@@ -97,6 +97,10 @@ impl Law for Chute {
         }
     }
 
+    fn recorded(&self) -> &'static str {
+        include_str!("../../../laws/chute.csv")
+    }
+
     fn measure(&self, case: &Case, run: &mut Run<'_>) -> Result<Values, LawError> {
         let (angle, [from, until]) = (case.of("angle").to_radians(), [case.of("from"), case.of("until")]);
         run.to(from)?;

@@ -88,6 +88,10 @@ impl Law for Collapse {
         std::iter::once(heap()).chain(series.into_iter().flat_map(columns)).collect()
     }
 
+    fn recorded(&self) -> &'static str {
+        include_str!("../../../laws/collapse.csv")
+    }
+
     fn measure(&self, case: &Case, run: &mut Run<'_>) -> Result<Values, LawError> {
         if case.given.is_empty() {
             run.to(case.scene.duration)?;
