@@ -93,6 +93,7 @@ impl Law for Collapse {
     }
 
     fn measure(&self, case: &Case, run: &mut Run<'_>) -> Result<Values, LawError> {
+        // Of the heap nothing is chosen.
         if case.given.is_empty() {
             run.to(case.scene.duration)?;
             return Ok(values([(REPOSE, angle_of_repose(&case.scene, &run.frame()))]));
