@@ -15,7 +15,7 @@ pub(crate) fn published() -> Vec<PublishedLaw> {
 }
 
 fn section(law: &dyn Law, result: &LawResult) -> PublishedLaw {
-    let judged = result.findings.iter().filter(|finding| finding.low.is_finite() || finding.high.is_finite());
+    let judged = result.findings.iter().filter(|finding| finding.bounds() != [None, None]);
     let mut versions: Vec<String> = result.rows.iter().map(|row| row.makadam.clone()).collect();
     versions.dedup();
     PublishedLaw {
@@ -30,8 +30,8 @@ fn section(law: &dyn Law, result: &LawResult) -> PublishedLaw {
                 what: finding.what.clone(),
                 unit: finding.unit.into(),
                 value: finding.value,
-                low: finding.low.is_finite().then_some(finding.low),
-                high: finding.high.is_finite().then_some(finding.high),
+                low: finding.bounds()[0],
+                high: finding.bounds()[1],
                 holds: finding.holds(),
             })
             .collect(),

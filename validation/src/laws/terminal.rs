@@ -2,6 +2,7 @@
 
 use super::{LawResult, Study};
 use crate::report::columns;
+use crate::report::numbers::bounds;
 use crate::stability::Finding;
 
 /// Each law with its figures and bounds.
@@ -19,20 +20,14 @@ fn law(result: &LawResult) -> String {
 }
 
 fn row(finding: &Finding) -> [String; 4] {
-    let Finding { what, unit, value, low, high } = finding;
-    let bounds = match (low.is_finite(), high.is_finite()) {
-        (true, true) => format!("{} to {}", number(*low), number(*high)),
-        (true, false) => format!("at least {}", number(*low)),
-        (false, true) => format!("at most {}", number(*high)),
-        (false, false) => String::new(),
+    let Finding { what, unit, value, .. } = finding;
+    let verdict = match (finding.bounds(), finding.holds()) {
+        ([None, None], _) => "",
+        (_, true) => "within",
+        (_, false) => "OUTSIDE",
     };
-    let judged = low.is_finite() || high.is_finite();
-    let verdict = match (judged, finding.holds()) {
-        (false, _) => "",
-        (true, true) => "within",
-        (true, false) => "OUTSIDE",
-    };
-    [what.clone(), format!("{} {unit}", number(*value)).trim().to_string(), bounds, verdict.to_string()]
+    let value = format!("{} {unit}", number(*value)).trim().to_string();
+    [what.clone(), value, bounds(finding.bounds(), number), verdict.to_string()]
 }
 
 /// Four digits.

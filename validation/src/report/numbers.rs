@@ -161,6 +161,16 @@ pub(crate) fn count(number: usize) -> String {
     text
 }
 
+/// Bounds in words; none is an empty text.
+pub(crate) fn bounds(bounds: [Option<f64>; 2], number: impl Fn(f64) -> String) -> String {
+    match bounds {
+        [Some(low), Some(high)] => format!("{} to {}", number(low), number(high)),
+        [Some(low), None] => format!("at least {}", number(low)),
+        [None, Some(high)] => format!("at most {}", number(high)),
+        [None, None] => String::new(),
+    }
+}
+
 /// A small quantity as a reader writes it: 5×10⁻⁴, or 0.02.
 pub(crate) fn compact(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) && value.is_finite() {

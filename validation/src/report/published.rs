@@ -50,7 +50,7 @@ pub(super) fn shown(law: &PublishedLaw) -> Value {
             what => judged.what,
             value => number(judged.value),
             unit => judged.unit,
-            bounds => bounds(judged),
+            bounds => numbers::bounds([judged.low, judged.high], number),
             holds => judged.holds,
         }
     });
@@ -64,15 +64,6 @@ pub(super) fn shown(law: &PublishedLaw) -> Value {
         version => law.version,
         lines => lines.collect::<Vec<_>>(),
         figures => figures.collect::<Vec<_>>(),
-    }
-}
-
-fn bounds(judged: &Judged) -> String {
-    match (judged.low, judged.high) {
-        (Some(low), Some(high)) => format!("{} to {}", number(low), number(high)),
-        (Some(low), None) => format!("at least {}", number(low)),
-        (None, Some(high)) => format!("at most {}", number(high)),
-        (None, None) => String::new(),
     }
 }
 

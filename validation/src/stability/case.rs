@@ -95,6 +95,11 @@ impl Finding {
         Finding::between(what, unit, value, low, f64::INFINITY)
     }
 
+    /// Its least and its largest right value, where there are any.
+    pub fn bounds(&self) -> [Option<f64>; 2] {
+        [self.low, self.high].map(|bound| bound.is_finite().then_some(bound))
+    }
+
     /// Whether it keeps its bounds; what is not a number keeps none.
     pub fn holds(&self) -> bool {
         self.value >= self.low && self.value <= self.high
