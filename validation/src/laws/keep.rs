@@ -106,6 +106,7 @@ fn measured(
     Ok(row)
 }
 
-fn hash(case: &Case) -> String {
+/// Hash of a case's scene, 16 hexadecimal digits.
+pub(super) fn hash(case: &Case) -> String {
     format!("{:016x}", scene_hash(&case.scene))
 }

@@ -73,8 +73,8 @@ fn rows(text: &str) -> Vec<Row> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::laws::keep::hash;
     use crate::laws::{Plan, carry_out};
-    use crate::provenance::scene_hash;
 
     #[test]
     fn what_is_recorded_is_of_the_scenes_that_would_be_run_now() {
@@ -82,7 +82,7 @@ mod tests {
             let found: Vec<(&str, &str)> =
                 result.rows.iter().map(|row| (row.case.as_str(), row.scene_hash.as_str())).collect();
             let cases = law.cases(false);
-            let wanted = cases.iter().map(|case| (case.name.as_str(), format!("{:016x}", scene_hash(&case.scene))));
+            let wanted = cases.iter().map(|case| (case.name.as_str(), hash(case)));
             // One row a seed, the same number for every case.
             let seeds = found.len() / cases.len();
             for ((name, hash), rows) in wanted.zip(found.chunks(seeds)) {

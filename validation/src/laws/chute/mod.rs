@@ -186,9 +186,8 @@ impl Law for Chute {
         plot.curve("curve neutral", along().map(|inertial| [inertial, friction(inertial)]));
         plot.curve("code-other curve thin", along().map(|inertial| [inertial, friction_of_beads(inertial)]));
         for mean in means.iter().filter(|mean| !repeats(mean, means)) {
-            let by_pressure = ["inertial_number_of_pressure", "friction_of_pressure"].map(|name| mean.of_value(name));
             plot.marker(planes, mean.of_value("inertial_number"), mean.of_value("friction"), 3.6);
-            plot.marker(own, by_pressure[0], by_pressure[1], 4.2);
+            plot.marker(own, mean.of_value("inertial_number_of_pressure"), mean.of_value("friction_of_pressure"), 4.2);
         }
         let title = "Friction of a flowing layer";
         let caption =

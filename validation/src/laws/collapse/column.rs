@@ -13,7 +13,7 @@ const SPREAD: f64 = 0.1;
 /// Friction of the grains: sand's and glass's.
 const FRICTION: f64 = 0.5;
 /// Rolling friction of the grains, by which spheres stand for angular ones: a [`heap`] of them has the angle of repose of sand. With
-/// 0.1 it has that of beads.
+/// 0.1 it has that of rounded grains.
 const ROLLING_FRICTION: f64 = 0.3;
 /// Friction and rolling friction of the plane: a base with grains glued to it holds single grains up to slopes of about 25
 /// degrees, half the normal force.
