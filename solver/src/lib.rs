@@ -33,6 +33,7 @@ pub mod snapshot;
 mod solution_error;
 pub mod solve;
 pub mod sweep;
+mod swept;
 pub mod watch;
 pub mod world;
 
@@ -41,3 +42,4 @@ pub use energy::Energy;
 pub use ledger::Balance;
 pub use simulation::{PhaseSeconds, Simulation, StepReport};
 pub use solution_error::SolutionError;
+pub use swept::Crossing;

@@ -12,8 +12,8 @@ use crate::scene::{Precision, Scene, SceneError, SolverMethod, SolverSettings, S
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::solve::{SolveReport, solve};
 use crate::sweep::{Relaxation, start_driven};
+use crate::swept::Swept;
 use crate::world::{Body, Sphere, World, chunk, chunks};
-use nalgebra::Vector3;
 use rayon::ThreadPoolBuildError;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -35,6 +35,7 @@ pub struct Simulation {
     pub(crate) steps: u64,
     pub(crate) contact_sweeps: u64,
     pub(crate) ledger: Option<Ledger>,
+    pub(crate) swept: Swept,
     phases: PhaseSeconds,
 }
 
@@ -98,6 +99,7 @@ impl Simulation {
             steps: 0,
             contact_sweeps: 0,
             ledger: None,
+            swept: Swept::default(),
             phases: PhaseSeconds::default(),
         }
     }
@@ -123,13 +125,15 @@ impl Simulation {
         let Simulation { world, settings, layout, relaxation, solver, .. } = self;
         let solve = solve(world, layout, relaxation, settings, team, solver);
         let clock = clock.lap(&mut self.phases.sweep);
+        // Walls that grains would pass within the step.
+        let stopped = self.stop_ahead(team);
         if let Some(mut ledger) = self.ledger.take() {
             ledger.note(self, self.constrainer.scheme());
             self.ledger = Some(ledger);
         }
         // Motion with the new velocities.
         self.remember_impulses(team);
-        self.move_bodies(team);
+        self.move_bodies(stopped, team);
         clock.lap(&mut self.phases.integrate);
         let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.sweeps_per_iteration());
         self.contact_sweeps += sweeps * self.layout.contacts as u64;
@@ -142,7 +146,8 @@ impl Simulation {
         let set = self.relaxation.instruction_set;
         let clock = Clock::start();
         // Which grains and walls may touch.
-        if self.candidates.are_stale(&self.world, team) {
+        let unknown = !self.swept.slow && self.candidates.miss_a_wall(&self.world, team);
+        if unknown || self.candidates.are_stale(&self.world, team) {
             self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, team);
         }
         let clock = clock.lap(&mut self.phases.detect);
@@ -218,18 +223,9 @@ impl Simulation {
         self.relaxation.prefetch = self.prefetch.unwrap_or(pays);
     }
 
-    fn move_bodies(&mut self, team: &Team) {
-        let (h, grains) = (self.settings.step, self.world.grains());
-        let World { spheres, bodies, .. } = &mut self.world;
-        let spheres = Disjoint::new(spheres);
-        team.each(Phase::Integrate, chunks(grains), |number| {
-            let places = chunk(number, grains);
-            // SAFETY: chunks do not overlap.
-            let spheres = unsafe { spheres.range(places.clone()) };
-            for (sphere, body) in spheres.iter_mut().zip(&bodies[places]) {
-                sphere.centre += Vector3::from(body.velocity) * h;
-            }
-        });
+    fn move_bodies(&mut self, stopped: bool, team: &Team) {
+        let h = self.settings.step;
+        self.move_grains(stopped, team);
         self.world.drives.iter_mut().for_each(|drive| drive.advance(h));
         self.world.place_driven_walls();
         self.steps += 1;

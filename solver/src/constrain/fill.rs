@@ -131,9 +131,10 @@ impl Kernel for FillWalls<'_> {
                 let wall = candidates.walls[candidate];
                 let sphere = &world.spheres[wall.body as usize];
                 let pose = &poses[wall.surface as usize];
-                let met = self.given.meets(&wall);
-                meets |= u8::from(met.is_some()) << lane;
-                let (gap, normal) = met.unwrap_or_else(|| pose.nearest(&sphere.centre, || self.given.heading(&wall)));
+                let [u, v, w, _] = world.before[wall.body as usize].0;
+                let heading = || self.given.heading(&wall);
+                let (gap, normal, met) = pose.contact(sphere, &Vector3::new(u, v, w), constants.scheme.step, heading);
+                meets |= u8::from(met) << lane;
                 let velocity = pose.velocity_at(&(sphere.centre + normal * gap));
                 let velocity_before = velocity - pose.gain();
                 distances.0[lane] = gap;

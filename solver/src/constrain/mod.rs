@@ -179,9 +179,11 @@ impl Constrainer {
                     let surface = candidates.walls[candidate].surface;
                     let Some(drive) = world.drive_of(surface) else { continue };
                     let WallGroup { body, contacts, .. } = &groups.walls[group];
-                    let centre = &world.spheres[body[lane] as usize].centre;
-                    let normal = Vector3::from(contacts.normal(lane));
-                    let point = centre + normal * self.poses[surface as usize].distance(centre);
+                    let (sphere, [u, v, w, _]) =
+                        (&world.spheres[body[lane] as usize], world.before[body[lane] as usize].0);
+                    let (pose, step) = (&self.poses[surface as usize], self.constants.scheme.step);
+                    let (distance, ..) = pose.contact(sphere, &Vector3::new(u, v, w), step, Vector3::zeros);
+                    let point = sphere.centre + Vector3::from(contacts.normal(lane)) * distance;
                     layout.driven.push(DrivenContact {
                         task: task.number,
                         group: group as u32,

@@ -76,6 +76,9 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
     }
 }
 
+/// Distance of a grain's centre to a wall, over its radius, below which a slow grain may cross it in a step.
+const DEEP: f64 = crate::swept::SHORT;
+
 /// Blocks of candidates whose distances are computed before they are packed.
 const BATCH: usize = 64;
 
@@ -210,6 +213,7 @@ impl Given<'_> {
                     let (group, lane) = packer.place([wall.body]);
                     groups.put_wall((before + group, lane), wall, candidate as u32, dummies);
                     groups.wall_contacts += 1;
+                    groups.deep_walls |= distance < DEEP * sphere.radius;
                 } else if impulses.at(candidate).normal != 0.0 {
                     *impulses.at(candidate) = Impulse::default();
                 }

@@ -8,9 +8,10 @@ use super::search::{Found, PairSearch, WallReach};
 use crate::lanes::{InstructionSet, LANES};
 use crate::partition::{BoxGrid, Plan, PlannedTask, STAGES};
 use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{Pose, Surface, World};
+use crate::world::{Pose, Surface, World, chunk, chunks};
 use nalgebra::Vector3;
 use std::ops::Range;
+use std::sync::Mutex;
 
 /// Reach of the list towards walls over its reach towards grains. Grains drift together, but not with the walls.
 const WALL_SKINS: f64 = 4.0;
@@ -166,6 +167,30 @@ impl Candidates {
         moved.approach > self.skin - self.range
             || 2.0 * moved.shift > far
             || moved.shift + wall_shift > WALL_SKINS * self.skin - self.range
+    }
+
+    /// Whether a grain that is too fast for the step meets a wall on its way that the list does not know.
+    pub(crate) fn miss_a_wall(&self, world: &World, team: &Team) -> bool {
+        let poses: Vec<Pose> = world.surfaces.iter().map(|surface| surface.over(world.time, self.step)).collect();
+        let met = Mutex::new(Vec::new());
+        team.each(Phase::Detect, chunks(world.grains()), |number| {
+            let places = chunk(number, world.grains());
+            let mut own = Vec::new();
+            for ((place, sphere), body) in places.clone().zip(&world.spheres[places.clone()]).zip(&world.bodies[places])
+            {
+                let meets = |pose: &Pose| pose.met_on_the_way(sphere, &body.velocity.into(), self.step).is_some();
+                let met = (0..).zip(&poses).filter(|(_, pose)| meets(pose));
+                own.extend(met.map(|(surface, _)| (place as u32, surface)));
+            }
+            met.lock().expect("no task panics while it looks").extend(own);
+        });
+        let mut met = met.into_inner().expect("no task panics while it looks");
+        if met.is_empty() {
+            return false;
+        }
+        met.sort_unstable();
+        let known = self.walls.iter().filter(|wall| met.binary_search(&(wall.body, wall.surface)).is_ok()).count();
+        known < met.len()
     }
 
     /// Puts the grains in the order of boxes and cells, builds the list anew and plans its tasks, keeping the impulses of

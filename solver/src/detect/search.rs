@@ -62,7 +62,7 @@ impl Found {
         let bodies = &world.bodies[places.clone()];
         let fastest = bodies.iter().map(|body| Vector3::from(body.velocity).norm()).fold(0.0, f64::max);
         for (surface, pose) in poses.iter().enumerate() {
-            let way = (fastest + pose.speed()) * step;
+            let way = (fastest + pose.largest_speed(pose.pivot_distance(&centre) + half)) * step;
             let ahead = if way > radius { way } else { 0.0 };
             if !pose.may_be_within(&centre, (half + radius + skin + ahead) * (1.0 + 1e-9)) {
                 continue;

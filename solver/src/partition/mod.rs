@@ -51,6 +51,8 @@ pub struct TaskGroups {
     pub wall_pulls: Vec<Eight>,
     /// Number of groups at the end of `walls` that are with driven walls: no sweep over lanes relaxes them.
     pub driven_walls: usize,
+    /// Whether some grain is pressed so deep into a wall that it may cross it however slow it is.
+    pub(crate) deep_walls: bool,
     /// Which of the task's pairs of candidates touch, as bits: a byte for eight of them.
     pub(crate) touching: Vec<u8>,
     pub(crate) pair_contacts: usize,

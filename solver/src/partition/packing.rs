@@ -246,7 +246,7 @@ impl TaskGroups {
 
     /// Starts to pack contacts with walls anew.
     pub(crate) fn restart_walls(&mut self, dummies: u32) {
-        (self.walls_used, self.driven_walls, self.wall_contacts) = (0, 0, 0);
+        (self.walls_used, self.driven_walls, self.wall_contacts, self.deep_walls) = (0, 0, 0, false);
         for (group, sources) in self.walls.iter_mut().zip(&mut self.wall_sources) {
             group.clear(dummies);
             *sources = Sources::NONE;

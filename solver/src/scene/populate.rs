@@ -269,14 +269,8 @@ fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
             let arm = centre - Vector3::from(*middle);
             let height = normal.dot(&arm);
             let across = (arm - normal * height).norm();
-            if *hole > 0.0 {
-                // A ring has two sides, so that nothing lies behind it.
-                return grain.radius - (across - across.clamp(*hole, *radius)).hypot(height);
-            }
-            match across < *radius {
-                true => grain.radius - height,
-                false => f64::NEG_INFINITY,
-            }
+            // It has two sides, so that nothing lies behind it.
+            grain.radius - (across - across.clamp(*hole, *radius)).hypot(height)
         }
     }
 }

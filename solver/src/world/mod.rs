@@ -1,8 +1,10 @@
 //! What is simulated: bodies, surfaces and their motion, material pairs, the clock.
 
+mod face;
 mod materials;
 mod surface;
 
+pub(crate) use face::Reached;
 pub use materials::{ContactMaterial, MaterialTable};
 pub use surface::{Pose, Surface};
 
@@ -31,6 +33,11 @@ pub(crate) fn chunks(grains: usize) -> usize {
 /// Places of the grains of one.
 pub(crate) fn chunk(number: usize, grains: usize) -> Range<usize> {
     CHUNK * number..(CHUNK * (number + 1)).min(grains)
+}
+
+/// Number of the one that a grain belongs to.
+pub(crate) fn chunk_of(place: usize) -> usize {
+    place / CHUNK
 }
 
 /// Dynamic state of a grain: one cache line of two quads.
@@ -199,6 +206,12 @@ impl World {
     pub(crate) fn drive_of(&self, surface: u32) -> Option<usize> {
         let wall = self.surfaces[surface as usize].wall;
         self.drives.iter().position(|drive| drive.wall == wall)
+    }
+
+    /// A face at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end.
+    pub(crate) fn pose_through(&self, surface: usize, step: f64) -> Pose {
+        let rate = self.drive_of(surface as u32).map_or(0.0, |drive| self.drives[drive].rate);
+        self.surfaces[surface].through(self.time, step, rate)
     }
 
     /// Number of grains.

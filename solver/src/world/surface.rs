@@ -1,7 +1,7 @@
-//! Faces of walls: where they are at a time, how fast they move, and the nearest point to a grain.
+//! Faces of walls: where they are at a time, how fast they move, and what a grain meets on its way.
 
 use super::Sphere;
-use crate::effects::period::Period;
+use super::face::{Face, Reached, rotated};
 use crate::scene::{Domain, Motion, Shape, Wall};
 use nalgebra::Vector3;
 
@@ -25,39 +25,6 @@ pub struct Surface {
     rate: f64,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Face {
-    Plane {
-        point: Vector,
-        normal: Vector,
-    },
-    Disc {
-        centre: Vector,
-        normal: Vector,
-        radius: f64,
-    },
-    /// A disc with a hole.
-    Ring {
-        centre: Vector,
-        normal: Vector,
-        radius: f64,
-        hole: f64,
-    },
-    /// Its ends lie so far from the base along the axis; there are none where the axis is periodic.
-    Shell {
-        base: Vector,
-        axis: Vector,
-        radius: f64,
-        ends: [f64; 2],
-    },
-    /// A sphere seen from outside, and its images.
-    Ball {
-        centre: Vector,
-        radius: f64,
-        period: Period,
-    },
-}
-
 /// A face at a moment: its geometry and its velocity field.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
@@ -67,6 +34,8 @@ pub struct Pose {
     gain: Vector,
     spin: Vector,
     centre: Vector,
+    /// Whether its spin moves the face, rather than mapping it onto itself.
+    turns: bool,
 }
 
 impl Surface {
@@ -140,7 +109,8 @@ impl Surface {
     /// The face at a time, with its velocity there; a driven one as it was last put.
     pub fn at(&self, time: f64) -> Pose {
         let zero = Vector::zeros();
-        let mut pose = Pose { shape: self.shape, velocity: zero, gain: zero, spin: zero, centre: zero };
+        let mut pose =
+            Pose { shape: self.shape, velocity: zero, gain: zero, spin: zero, centre: zero, turns: !self.in_place };
         match &self.motion {
             Motion::Fixed => {}
             Motion::Translating { velocity, start, stop } => {
@@ -153,8 +123,7 @@ impl Surface {
             Motion::Rotating { point, axis, rate, start, stop, reverse } => {
                 let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
                 if !self.in_place {
-                    let back = reverse.map_or(0.0, |reverse| active_time(time, reverse, *stop));
-                    let turned = active_time(time, *start, *stop) - 2.0 * back;
+                    let turned = turning_time(time, *start, *stop, *reverse);
                     pose.shape = self.shape.turned(centre, axis, rate * turned);
                 }
                 if is_active(time, *start, *stop) {
@@ -198,6 +167,28 @@ impl Surface {
         pose
     }
 
+    /// The face at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end; a driven one
+    /// moves at `rate` (m/s or rad/s).
+    pub(crate) fn through(&self, time: f64, step: f64, rate: f64) -> Pose {
+        let mut pose = self.at(time);
+        match &self.motion {
+            Motion::Translating { velocity, start, stop } => {
+                let moves = active_time(time + step, *start, *stop) - active_time(time, *start, *stop);
+                pose.velocity = Vector::from(*velocity) * (moves / step);
+            }
+            Motion::Rotating { point, axis, rate, start, stop, reverse } if !self.in_place => {
+                let turned = |time| turning_time(time, *start, *stop, *reverse);
+                pose.spin = Vector::from(*axis).normalize() * (rate * (turned(time + step) - turned(time)) / step);
+                pose.centre = Vector::from(*point);
+            }
+            Motion::Vibrating { .. } => pose.velocity = self.over(time, step).velocity,
+            Motion::ForceDriven { axis, .. } => pose.velocity = Vector::from(*axis).normalize() * rate,
+            Motion::TorqueDriven { axis, .. } => pose.spin = Vector::from(*axis).normalize() * rate,
+            Motion::Fixed | Motion::Rotating { .. } => {}
+        }
+        pose
+    }
+
     /// Whether it ever moves.
     pub fn moves(&self) -> bool {
         !matches!(self.motion, Motion::Fixed)
@@ -229,128 +220,45 @@ fn active_time(time: f64, start: f64, stop: Option<f64>) -> f64 {
     (stop.map_or(time, |stop| time.min(stop)) - start).max(0.0)
 }
 
+/// Time spent in turning up to `time`, less that of turning the other way.
+fn turning_time(time: f64, start: f64, stop: Option<f64>, reverse: Option<f64>) -> f64 {
+    let back = reverse.map_or(0.0, |reverse| active_time(time, reverse, stop));
+    active_time(time, start, stop) - 2.0 * back
+}
+
 fn is_active(time: f64, start: f64, stop: Option<f64>) -> bool {
     time >= start && stop.is_none_or(|stop| time < stop)
 }
 
 fn keeps_in_place(shape: &Face, motion: &Motion) -> bool {
-    let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = motion else {
-        return matches!(motion, Motion::Fixed);
-    };
-    let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
-    let along = |direction: Vector| direction.cross(&axis).norm() < 1e-12;
-    let on_axis = |place: Vector| (place - centre).cross(&axis).norm() < 1e-12 * (1.0 + (place - centre).norm());
-    match *shape {
-        Face::Plane { normal, .. } => along(normal),
-        Face::Disc { centre, normal, .. } | Face::Ring { centre, normal, .. } => along(normal) && on_axis(centre),
-        Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
-        Face::Ball { centre, .. } => on_axis(centre),
-    }
-}
-
-/// Rodrigues' rotation of a vector about a unit axis; sine and cosine from a portable library, for equal bits everywhere.
-fn rotated(vector: Vector, axis: Vector, angle: f64) -> Vector {
-    let (sine, cosine) = libm::sincos(angle);
-    vector * cosine + axis.cross(&vector) * sine + axis * (axis.dot(&vector) * (1.0 - cosine))
-}
-
-impl Face {
-    fn moved(self, by: Vector) -> Face {
-        match self {
-            Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
-            Face::Disc { centre, normal, radius } => Face::Disc { centre: centre + by, normal, radius },
-            Face::Ring { centre, normal, radius, hole } => Face::Ring { centre: centre + by, normal, radius, hole },
-            Face::Shell { base, axis, radius, ends } => Face::Shell { base: base + by, axis, radius, ends },
-            Face::Ball { centre, radius, period } => Face::Ball { centre: centre + by, radius, period },
+    match motion {
+        Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => {
+            shape.turns_in_place(Vector::from(*point), Vector::from(*axis).normalize())
         }
-    }
-
-    fn turned(self, centre: Vector, about: Vector, angle: f64) -> Face {
-        let place = |point: Vector| centre + rotated(point - centre, about, angle);
-        let turn = |direction: Vector| rotated(direction, about, angle);
-        match self {
-            Face::Plane { point, normal } => Face::Plane { point: place(point), normal: turn(normal) },
-            Face::Disc { centre: middle, normal, radius } => {
-                Face::Disc { centre: place(middle), normal: turn(normal), radius }
-            }
-            Face::Ring { centre: middle, normal, radius, hole } => {
-                Face::Ring { centre: place(middle), normal: turn(normal), radius, hole }
-            }
-            Face::Shell { base, axis, radius, ends } => {
-                Face::Shell { base: place(base), axis: turn(axis), radius, ends }
-            }
-            Face::Ball { centre: middle, radius, period } => Face::Ball { centre: place(middle), radius, period },
-        }
+        _ => matches!(motion, Motion::Fixed),
     }
 }
 
 impl Pose {
-    /// Distance from a grain's centre to the face, negative behind a plane or disc: see [`Pose::nearest`].
+    /// Distance from a grain's centre to the face, negative behind a plane: see [`Pose::nearest`].
     #[inline]
     pub fn distance(&self, centre: &Vector) -> f64 {
         self.nearest(centre, Vector::zeros).0
     }
 
-    /// Distance from a grain's centre to the face, and the unit normal from the centre to the nearest point. Where a whole circle or
+    /// Distance from a grain's centre to the face (m), and the unit normal from the centre to the nearest point. Where a whole circle or
     /// sphere of points is nearest, as to the axis of a tube, it is the one that the grain is `heading` for, a vector of any length.
     ///
-    /// Behind a plane or disc the distance is negative, so that the grain is pushed back. A shell is thin and has two
-    /// sides; beyond its ends the nearest point lies on its rim. A disc has no rim: beside it the distance is infinite. A disc
-    /// with a hole is thin and has two sides and two rims, so that grains fall through the hole and roll over its edge.
+    /// Behind a plane the distance is negative, so that the grain is pushed back. Discs, with a hole or without, and shells are thin: they
+    /// have two sides, and rims that grains roll over.
     #[inline]
     pub fn nearest(&self, centre: &Vector, heading: impl FnOnce() -> Vector) -> (f64, Vector) {
-        match self.shape {
-            Face::Plane { point, normal } => (normal.dot(&(centre - point)), -normal),
-            Face::Disc { centre: middle, normal, radius } => {
-                let arm = centre - middle;
-                let height = normal.dot(&arm);
-                let beside = (arm - normal * height).norm_squared() > radius * radius;
-                (if beside { f64::INFINITY } else { height }, -normal)
-            }
-            Face::Ring { centre: middle, normal, radius, hole } => {
-                let arm = centre - middle;
-                let height = normal.dot(&arm);
-                let across = arm - normal * height;
-                let distance = across.norm();
-                let outward = if distance > 0.0 { across / distance } else { perpendicular(normal, heading()) };
-                let to_ring = outward * (distance.clamp(hole, radius) - distance) - normal * height;
-                let gap = to_ring.norm();
-                let side = if height >= 0.0 { -normal } else { normal };
-                (gap, if gap > 0.0 { to_ring / gap } else { side })
-            }
-            Face::Shell { base, axis, radius, ends } => {
-                let arm = centre - base;
-                let along = axis.dot(&arm);
-                let across = arm - axis * along;
-                let distance = across.norm();
-                let outward = if distance > 0.0 { across / distance } else { perpendicular(axis, heading()) };
-                let to_shell = outward * (radius - distance) + axis * (along.clamp(ends[0], ends[1]) - along);
-                let gap = to_shell.norm();
-                let side = if distance <= radius { outward } else { -outward };
-                (gap, if gap > 0.0 { to_shell / gap } else { side })
-            }
-            Face::Ball { centre: middle, radius, period } => {
-                let arm = period.arm(centre, &middle);
-                let distance = arm.norm();
-                // Any direction leads out of the middle.
-                let inward = if distance > 0.0 {
-                    arm / distance
-                } else {
-                    -heading().try_normalize(0.0).unwrap_or_else(Vector::z)
-                };
-                (distance - radius, inward)
-            }
-        }
+        self.shape.nearest(centre, heading)
     }
 
     /// False if no point within `reach` (m) of `centre` can lie on the face or behind it.
     pub(crate) fn may_be_within(&self, centre: &Vector, reach: f64) -> bool {
-        match self.shape {
-            Face::Plane { point, normal } | Face::Disc { centre: point, normal, .. } => {
-                normal.dot(&(centre - point)) < reach
-            }
-            Face::Shell { .. } | Face::Ball { .. } | Face::Ring { .. } => self.distance(centre) < reach,
-        }
+        self.shape.may_be_within(centre, reach)
     }
 
     /// What a grain meets that moves by more than its radius against the wall within a step: the distance from its centre to
@@ -358,70 +266,65 @@ impl Pose {
     ///
     /// Such a grain would otherwise be deep behind the face, or on the other side of a shell, before the two are seen to touch.
     pub(crate) fn met_on_the_way(&self, sphere: &Sphere, velocity: &Vector, step: f64) -> Option<(f64, Vector)> {
-        let (shift, reach) = ((velocity - self.velocity) * step, sphere.radius);
+        let (shift, reach) = (self.way(&sphere.centre, velocity, step), sphere.radius);
         if shift.norm_squared() <= reach * reach {
             return None;
         }
-        match self.shape {
-            Face::Plane { point, normal } | Face::Disc { centre: point, normal, .. } => {
-                let arm = sphere.centre - point;
-                let (height, fall) = (normal.dot(&arm), -normal.dot(&shift));
-                let share = (height - reach) / fall;
-                // In front of the face now, at it before the step ends.
-                let meets = height > reach && (0.0..=1.0).contains(&share);
-                let across = arm + shift * share - normal * reach;
-                let beside = matches!(self.shape, Face::Disc { radius, .. } if across.norm() > radius);
-                (meets && !beside).then_some((height, -normal))
-            }
-            Face::Ring { centre: middle, normal, radius, hole } => {
-                let arm = sphere.centre - middle;
-                // The normal on the side that the grain comes from.
-                let normal = if normal.dot(&arm) < 0.0 { -normal } else { normal };
-                let (height, fall) = (normal.dot(&arm), -normal.dot(&shift));
-                let share = (height - reach) / fall;
-                let meets = height > reach && (0.0..=1.0).contains(&share);
-                let across = arm + shift * share - normal * reach;
-                (meets && (hole..=radius).contains(&across.norm())).then_some((height, -normal))
-            }
-            Face::Shell { base, axis, radius, ends } => {
-                let arm = sphere.centre - base;
-                let (across, moved) = (arm - axis * axis.dot(&arm), shift - axis * axis.dot(&shift));
-                // From inside the far crossing with the circle of touch, from outside the near one.
-                let inside = across.norm() < radius;
-                let (side, touch) = if inside { (1.0, radius - reach) } else { (-1.0, radius + reach) };
-                let (square, half) = (moved.norm_squared(), across.dot(&moved));
-                let beyond = across.norm_squared() - touch * touch;
-                let root = half * half - square * beyond;
-                if root < 0.0 || (side * beyond > 0.0 && side * half >= 0.0) || touch <= 0.0 {
-                    return None;
-                }
-                let share = (side * root.sqrt() - half) / square;
-                let along = axis.dot(&(arm + shift * share));
-                if !(0.0..=1.0).contains(&share) || !(ends[0]..=ends[1]).contains(&along) {
-                    return None;
-                }
-                let normal = (across + moved * share) * (side / touch);
-                Some((side * radius - normal.dot(&across), normal))
-            }
-            Face::Ball { centre, radius, period } => {
-                let (arm, touch) = (period.arm(&centre, &sphere.centre), radius + reach);
-                let (square, half, beyond) =
-                    (shift.norm_squared(), arm.dot(&shift), arm.norm_squared() - touch * touch);
-                let root = half * half - square * beyond;
-                // Apart now and nearing, at touch before the step ends.
-                if root < 0.0 || beyond <= 0.0 || half >= 0.0 {
-                    return None;
-                }
-                let share = -(root.sqrt() + half) / square;
-                let normal = -(arm + shift * share) / touch;
-                (share <= 1.0).then(|| (-normal.dot(&arm) - radius, normal))
+        self.shape.reached(&sphere.centre, &shift, reach).map(|met| (met.distance, met.normal))
+    }
+
+    /// The contact of a grain with the face in a step: the distance from its centre to the face, or to the plane that touches the face
+    /// where a grain too fast for the step meets it (m); the unit normal towards it; and whether it is met on the way. `velocity` is
+    /// the grain's at the start of the step, m/s; for `heading` see [`Pose::nearest`].
+    #[inline]
+    pub(crate) fn contact(
+        &self,
+        sphere: &Sphere,
+        velocity: &Vector,
+        step: f64,
+        heading: impl FnOnce() -> Vector,
+    ) -> (f64, Vector, bool) {
+        match self.met_on_the_way(sphere, velocity, step) {
+            Some((distance, normal)) => (distance, normal, true),
+            None => {
+                let (distance, normal) = self.nearest(&sphere.centre, heading);
+                (distance, normal, false)
             }
         }
     }
 
-    /// Speed of the wall's translation, m/s.
-    pub(crate) fn speed(&self) -> f64 {
-        self.velocity.norm()
+    /// The way of a point that moves at `velocity` (m/s) for a step (s), as seen from the face, m.
+    pub(crate) fn way(&self, from: &Vector, velocity: &Vector, step: f64) -> Vector {
+        if self.turns && self.spin != Vector::zeros() {
+            let end = from + (velocity - self.velocity) * step;
+            let turn = self.spin.norm();
+            return self.centre + rotated(end - self.centre, self.spin / turn, -turn * step) - from;
+        }
+        (velocity - self.velocity) * step
+    }
+
+    /// The velocity that takes a point where the wall takes it within a step (s), m/s.
+    pub(crate) fn carries(&self, point: &Vector, step: f64) -> Vector {
+        if self.turns && self.spin != Vector::zeros() {
+            let turn = self.spin.norm();
+            return (self.centre + rotated(point - self.centre, self.spin / turn, turn * step) - point) / step;
+        }
+        self.velocity_at(point)
+    }
+
+    /// Where the way of a point first comes within `level` (m) of the face, having begun farther away.
+    pub(crate) fn reached(&self, from: &Vector, way: &Vector, level: f64) -> Option<Reached> {
+        self.shape.reached(from, way, level)
+    }
+
+    /// Largest speed of a point of the wall within `reach` (m) of the point that it turns about, as far as it moves the face, m/s.
+    pub(crate) fn largest_speed(&self, reach: f64) -> f64 {
+        self.velocity.norm() + if self.turns { self.spin.norm() * reach } else { 0.0 }
+    }
+
+    /// Distance of a point from the one that the wall turns about, m.
+    pub(crate) fn pivot_distance(&self, point: &Vector) -> f64 {
+        (point - self.centre).norm()
     }
 
     /// Velocity of the wall at a point, m/s; in a step that of the step.
@@ -439,14 +342,4 @@ impl Pose {
     pub fn spin(&self) -> Vector {
         self.spin
     }
-}
-
-/// A unit vector across a unit vector: the way that `heading` leads across it, or any if it leads nowhere.
-#[cold]
-fn perpendicular(axis: Vector, heading: Vector) -> Vector {
-    let across = heading - axis * axis.dot(&heading);
-    across.try_normalize(0.0).unwrap_or_else(|| {
-        let other = if axis.x.abs() < 0.9 { Vector::x() } else { Vector::y() };
-        axis.cross(&other).normalize()
-    })
 }

@@ -1,0 +1,394 @@
+//! Grains whose way in a step leads through a wall: they are stopped there, after the solve and before anything moves.
+//!
+//! A solve knows the contacts at the start of a step, and what grains meet that fly on as they are. A grain that another one pushes, that
+//! leaves one wall for the next within the step, or that a load presses through a thin wall goes where the solve has not looked. So with
+//! the velocities of the solve the way of a grain's centre `x + s h u`, 0 <= s <= 1, as seen from each face of the walls, must not come
+//! nearer to the face than a level,
+//!
+//! ```text
+//! level = 9/10 min(r, d)    where the way is longer than r/2          d: distance from the centre to the face at the start
+//! level = 1/10 d            elsewhere, if d < r/2
+//! ```
+//!
+//! A shorter way from farther off cannot cross. A grain that does come nearer takes an impulse of Newton's and Coulomb's impact from the
+//! face that it comes to first, in the one-contact solution, and its new way is looked at again. Prescribed walls take no notice;
+//! driven ones take the opposite impulse at once. No other grain feels it before the next step.
+
+use crate::Simulation;
+use crate::effects::friction::slip_speed;
+use crate::effects::restitution::{at_speed, impact_on_the_way};
+use crate::schedule::{Disjoint, Phase, Team};
+use crate::world::{Body, Pose, Reached, Sphere, World, chunk, chunk_of, chunks};
+use nalgebra::Vector3;
+
+type Vector = Vector3<f64>;
+
+/// Share of its radius up to which a grain that moves no farther in a step, and is no nearer to a face, cannot cross this.
+pub(crate) const SHORT: f64 = 0.5;
+
+/// Level of a long way over the distance at the start, or over the radius.
+const LONG_LEVEL: f64 = 0.9;
+
+/// Level of a short way over the distance at the start.
+const SHORT_LEVEL: f64 = 0.1;
+
+/// Share of the distance to a face by which a grain that is pressed against it may come nearer in a step.
+const PRESSED: f64 = 0.5;
+
+/// Impacts of a grain in one step, after which it is held where it is.
+const MOST_STRIKES: usize = 16;
+
+/// Times that all grains are looked at again because driven walls have taken impulses; then these take no notice, either.
+const ROUNDS: usize = 8;
+
+/// One over the moment of inertia of a solid sphere, over that of its mass at the radius.
+const INVERSE_INERTIA: f64 = 2.5;
+
+/// A grain that crossed a wall although everything was done to hold it: walls that close on each other leave it no place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// Id of the grain.
+    pub grain: u32,
+    /// Number of the wall in the scene.
+    pub wall: u32,
+}
+
+/// An impact that a solve did not know of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Strike {
+    /// Place of the grain.
+    pub place: u32,
+    /// Number of the surface.
+    pub surface: u32,
+    /// Unit normal towards the wall.
+    pub normal: Vector,
+    /// Impulse on the grain, N s.
+    pub impulse: Vector,
+    /// Velocity of the wall at the contact, m/s.
+    pub wall_velocity: Vector,
+}
+
+/// What is kept from step to step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Swept {
+    /// Impacts of the last step.
+    pub strikes: Vec<Strike>,
+    /// Whether all grains of the last step were slow, so that nobody meets a wall that the next step's list does not know.
+    pub slow: bool,
+    /// The first grain that could not be held.
+    crossing: Option<Crossing>,
+    poses: Vec<Pose>,
+    /// Which grains of each chunk are looked at.
+    look: Vec<Look>,
+    /// Places of the grains of each chunk that meet something.
+    met: Vec<Vec<u32>>,
+}
+
+/// Which grains of a chunk may cross a wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Look {
+    /// None.
+    #[default]
+    None,
+    /// Those that are swift.
+    Swift,
+    /// Any: some are pressed deep into walls.
+    All,
+}
+
+/// What of a step decides which grains are looked at.
+#[derive(Clone, Copy)]
+struct Pace {
+    step: f64,
+    /// Largest speed of a face, m/s.
+    walls: f64,
+}
+
+impl Pace {
+    fn of(world: &World, step: f64) -> Pace {
+        let (low, high) = world.domain;
+        let reach = |pose: &Pose| (high - low).norm() + pose.pivot_distance(&((low + high) * 0.5));
+        let moving = (0..world.surfaces.len()).filter(|&number| world.surfaces[number].moves());
+        let speeds = moving.map(|number| {
+            let pose = world.pose_through(number, step);
+            pose.largest_speed(reach(&pose))
+        });
+        Pace { step, walls: speeds.fold(0.0, f64::max) }
+    }
+
+    /// Whether a grain may move against a wall by more than its share of a radius.
+    #[inline(always)]
+    fn is_swift(&self, sphere: &Sphere, body: &Body) -> bool {
+        let [x, y, z] = body.velocity;
+        let limit = sphere.radius * (SHORT / self.step) - self.walls;
+        limit <= 0.0 || x * x + y * y + z * z > limit * limit
+    }
+
+    /// Which of these grains must be looked at.
+    fn look(&self, spheres: &[Sphere], bodies: &[Body]) -> Look {
+        match spheres.iter().zip(bodies).any(|(sphere, body)| self.is_swift(sphere, body)) {
+            true => Look::Swift,
+            false => Look::None,
+        }
+    }
+}
+
+/// What a grain comes to first on its way.
+struct Met {
+    surface: usize,
+    at: Reached,
+    /// Distance from the centre to the face at the start, m.
+    distance: f64,
+    /// Whether the way is longer than its share of the radius.
+    long: bool,
+}
+
+/// What a grain comes to first on the way that its velocity gives it.
+fn first_met(world: &World, poses: &[Pose], place: usize, step: f64) -> Option<Met> {
+    let (sphere, velocity) = (&world.spheres[place], Vector::from(world.bodies[place].velocity));
+    let mut first: Option<Met> = None;
+    for (surface, pose) in poses.iter().enumerate() {
+        let way = pose.way(&sphere.centre, &velocity, step);
+        let (length, distance) = (way.norm(), pose.distance(&sphere.centre));
+        // Behind a plane a grain is pushed back, however deep.
+        if distance > length + sphere.radius || distance <= 0.0 {
+            continue;
+        }
+        let long = length > SHORT * sphere.radius;
+        let level = match long {
+            true => LONG_LEVEL * distance.min(sphere.radius),
+            false if distance < SHORT * sphere.radius => SHORT_LEVEL * distance,
+            false => continue,
+        };
+        // Past a rim a way may come to a face that it did not come near before.
+        let reached = pose.reached(&sphere.centre, &way, level).or_else(|| pose.reached(&sphere.centre, &way, 0.0));
+        if let Some(at) = reached.filter(|at| first.as_ref().is_none_or(|first| at.share < first.at.share)) {
+            first = Some(Met { surface, at, distance, long });
+        }
+    }
+    first
+}
+
+/// Whether the way of a grain at this velocity (m/s) crosses a face, and which.
+fn crossed(world: &World, poses: &[Pose], place: usize, velocity: &Vector, step: f64) -> Option<usize> {
+    let centre = &world.spheres[place].centre;
+    let crosses = |pose: &Pose| pose.reached(centre, &pose.way(centre, velocity, step), 0.0).is_some();
+    poses.iter().position(crosses)
+}
+
+impl Simulation {
+    /// The first grain that crossed a wall although everything was done to hold it, if there is one: what follows is worthless.
+    pub fn crossing(&self) -> Option<Crossing> {
+        self.swept.crossing
+    }
+
+    /// Stops grains at walls before any has moved, where that cannot wait: somebody wants to know of all impulses, driven walls may
+    /// change their minds, or grains are pressed deep into walls. Whether it was done.
+    pub(crate) fn stop_ahead(&mut self, team: &Team) -> bool {
+        self.swept.strikes.clear();
+        let deep = self.layout.tasks().any(|(_, task)| task.deep_walls);
+        if !deep && self.ledger.is_none() && self.world.drives.is_empty() {
+            return false;
+        }
+        let Simulation { world, swept, layout, settings, .. } = self;
+        let (pace, grains) = (Pace::of(world, settings.step), world.grains());
+        swept.look.clear();
+        swept.look.extend((0..chunks(grains)).map(|number| {
+            let places = chunk(number, grains);
+            pace.look(&world.spheres[places.clone()], &world.bodies[places])
+        }));
+        swept.slow = !swept.look.contains(&Look::Swift);
+        for (_, task) in layout.tasks().filter(|(_, task)| task.deep_walls) {
+            for (group, sources) in task.walls.iter().zip(&task.wall_sources) {
+                for (lane, _) in sources.occupied() {
+                    swept.look[chunk_of(group.body[lane] as usize)] = Look::All;
+                }
+            }
+        }
+        self.stop_at_walls(pace, team);
+        true
+    }
+
+    /// Moves the grains by a step; unless that was done ahead, stops those at walls that are too fast for it.
+    pub(crate) fn move_grains(&mut self, stopped: bool, team: &Team) {
+        let Simulation { world, swept, settings, .. } = self;
+        let (h, grains) = (settings.step, world.grains());
+        let pace = (!stopped).then(|| Pace::of(world, h));
+        let World { spheres, bodies, .. } = world;
+        swept.look.clear();
+        swept.look.resize(chunks(grains), Look::None);
+        let (parts, looks) = (Disjoint::new(spheres), Disjoint::new(&mut swept.look));
+        team.each(Phase::Integrate, chunks(grains), |number| {
+            let places = chunk(number, grains);
+            // SAFETY: chunks do not overlap.
+            let (spheres, look) = unsafe { (parts.range(places.clone()), looks.at(number)) };
+            let bodies = &bodies[places];
+            *look = pace.map_or(Look::None, |pace| pace.look(spheres, bodies));
+            if *look == Look::None {
+                move_by(spheres, bodies, h);
+            }
+        });
+        let Some(pace) = pace else { return };
+        swept.slow = !swept.look.contains(&Look::Swift);
+        if swept.slow {
+            return;
+        }
+        let waiting: Vec<usize> = (0..chunks(grains)).filter(|&number| swept.look[number] == Look::Swift).collect();
+        self.stop_at_walls(pace, team);
+        let World { spheres, bodies, .. } = &mut self.world;
+        for places in waiting.into_iter().map(|number| chunk(number, grains)) {
+            move_by(&mut spheres[places.clone()], &bodies[places], h);
+        }
+    }
+
+    /// Stops the grains that are looked at.
+    fn stop_at_walls(&mut self, pace: Pace, team: &Team) {
+        let h = self.settings.step;
+        self.swept.poses.clear();
+        if self.swept.look.iter().any(|look| *look != Look::None) {
+            let poses = (0..self.world.surfaces.len()).map(|surface| self.world.pose_through(surface, h));
+            self.swept.poses.extend(poses);
+        }
+        for round in 0..=ROUNDS {
+            self.find_met(pace, team);
+            let met = std::mem::take(&mut self.swept.met);
+            let mut pushed = false;
+            for &place in met.iter().flatten() {
+                pushed |= self.stop_grain(place as usize, round < ROUNDS);
+            }
+            self.swept.met = met;
+            if !pushed {
+                return;
+            }
+            // A driven wall that was hit goes elsewhere.
+            self.swept.look.fill(Look::All);
+        }
+    }
+
+    /// Looks for grains that meet something.
+    fn find_met(&mut self, pace: Pace, team: &Team) {
+        let Simulation { world, swept, settings, .. } = self;
+        let Swept { poses, look, met, .. } = swept;
+        met.resize_with(look.len(), Vec::new);
+        let (parts, h) = (Disjoint::new(met), settings.step);
+        team.each(Phase::Integrate, look.len(), |number| {
+            // SAFETY: each chunk has its own list.
+            let met = unsafe { parts.at(number) };
+            met.clear();
+            if look[number] == Look::None {
+                return;
+            }
+            for place in chunk(number, world.grains()) {
+                let looked_at = look[number] == Look::All || pace.is_swift(&world.spheres[place], &world.bodies[place]);
+                if looked_at && first_met(world, poses, place, h).is_some() {
+                    met.push(place as u32);
+                }
+            }
+        });
+    }
+
+    /// Gives a grain the impulses of what it meets until it meets nothing more; whether driven walls took any, which they do if they
+    /// `yield`.
+    fn stop_grain(&mut self, place: usize, yields: bool) -> bool {
+        let (h, mut pushed) = (self.settings.step, false);
+        for _ in 0..MOST_STRIKES {
+            let Some(met) = first_met(&self.world, &self.swept.poses, place, h) else { return pushed };
+            let Some(driven) = self.strike(place, &met, yields) else { break };
+            pushed |= driven;
+        }
+        self.hold(place);
+        pushed
+    }
+
+    /// The impact of a grain on what it meets; absent if it does not approach. Whether the wall is a driven one.
+    fn strike(&mut self, place: usize, met: &Met, yields: bool) -> Option<bool> {
+        let (h, normal) = (self.settings.step, met.at.normal);
+        let world = &mut self.world;
+        let (sphere, body) = (world.spheres[place], world.bodies[place]);
+        let (velocity, spin) = (Vector::from(body.velocity), Vector::from(body.surface_speed));
+        let pose = &self.swept.poses[met.surface];
+        let point = sphere.centre + velocity * (met.at.share * h) + normal * sphere.radius;
+        let wall_velocity = pose.velocity_at(&point);
+        let along = normal.dot(&(wall_velocity - velocity));
+        let material = world.table.with_wall(world.materials[place], world.surfaces[met.surface].material);
+        let restitution = at_speed(material.restitution, material.restitution_speed, -along);
+        let scheme = self.constrainer.scheme();
+        let bias = match met.long {
+            true if met.distance > sphere.radius => {
+                impact_on_the_way(scheme, (met.at.distance - sphere.radius).max(0.0), along, restitution)
+            }
+            true => Some(-restitution * along).filter(|bias| *bias > scheme.restitution_threshold).unwrap_or(0.0),
+            false => -PRESSED * met.distance / h,
+        };
+        if bias <= along {
+            return None;
+        }
+        let drive = world.drive_of(met.surface as u32).filter(|_| yields);
+        let (jacobian, yields) = drive.map_or((Vector::zeros(), 0.0), |drive| {
+            (world.drives[drive].jacobian(&point), world.drives[drive].inverse_inertia)
+        });
+        let share = normal.dot(&jacobian);
+        let borne = (bias - along) / (body.inverse_mass + yields * share * share);
+        // Friction, at the velocity that the normal impulse has left.
+        let slip = wall_velocity - jacobian * (yields * share * borne) - velocity
+            + normal * (borne * body.inverse_mass)
+            - spin.cross(&normal);
+        let slip = slip - normal * normal.dot(&slip);
+        let across = (jacobian.norm_squared() - share * share).max(0.0);
+        let sliding = slip.norm() > slip_speed(world.field.largest(), h);
+        let friction = if sliding { material.kinetic_friction } else { material.friction };
+        let sticking = 1.0 / (body.inverse_mass * (1.0 + INVERSE_INERTIA) + yields * across);
+        let tangential = match slip.norm() * sticking {
+            most if most > friction * borne => slip * (friction * borne / slip.norm()),
+            _ => slip * sticking,
+        };
+        let impulse = tangential - normal * borne;
+        let body = &mut world.bodies[place];
+        body.velocity = (velocity + impulse * body.inverse_mass).into();
+        body.surface_speed = (spin + normal.cross(&tangential) * (INVERSE_INERTIA * body.inverse_mass)).into();
+        if let Some(drive) = drive {
+            world.drives[drive].push(-jacobian.dot(&impulse));
+            let wall = world.drives[drive].wall;
+            for surface in (0..world.surfaces.len()).filter(|&surface| world.surfaces[surface].wall == wall) {
+                self.swept.poses[surface] = world.pose_through(surface, h);
+            }
+        }
+        self.note_strike(place, met.surface, normal, impulse, wall_velocity);
+        Some(drive.is_some())
+    }
+
+    /// Holds a grain that impacts did not stop, as between walls that it would cross more often than was looked at in a step: it goes as
+    /// far as the first wall, or with this wall. If it crosses one all the same, that is noted.
+    fn hold(&mut self, place: usize) {
+        let Some(met) = first_met(&self.world, &self.swept.poses, place, self.settings.step) else { return };
+        let (h, world) = (self.settings.step, &mut self.world);
+        let (centre, body) = (world.spheres[place].centre, world.bodies[place]);
+        let velocity = Vector::from(body.velocity);
+        let poses = &self.swept.poses;
+        let wall_velocity = poses[met.surface].carries(&centre, h);
+        let short = velocity * (LONG_LEVEL * met.at.share);
+        // With the wall, and a little away from it.
+        let along = wall_velocity - met.at.normal * (SHORT_LEVEL * met.distance / h);
+        let ways = [short, along, wall_velocity].map(|way| (way, crossed(world, poses, place, &way, h)));
+        let (held, crossed) = ways.iter().find(|(_, crossed)| crossed.is_none()).copied().unwrap_or(ways[1]);
+        if let Some(surface) = crossed {
+            let wall = world.surfaces[surface].wall;
+            self.swept.crossing.get_or_insert(Crossing { grain: world.ids[place], wall });
+        }
+        world.bodies[place].velocity = held.into();
+        let impulse = (held - velocity) / body.inverse_mass;
+        self.note_strike(place, met.surface, met.at.normal, impulse, wall_velocity);
+    }
+
+    fn note_strike(&mut self, place: usize, surface: usize, normal: Vector, impulse: Vector, wall_velocity: Vector) {
+        let (place, surface) = (place as u32, surface as u32);
+        self.swept.strikes.push(Strike { place, surface, normal, impulse, wall_velocity });
+    }
+}
+
+/// Moves grains for a step of length `h` (s).
+fn move_by(spheres: &mut [Sphere], bodies: &[Body], h: f64) {
+    for (sphere, body) in spheres.iter_mut().zip(bodies) {
+        sphere.centre += Vector::from(body.velocity) * h;
+    }
+}
