@@ -87,7 +87,8 @@ impl Simulation {
             }
         };
         let particles = self.places_by_id().into_iter().enumerate().map(particle).collect();
-        let contacts = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force != 0.0);
+        let laid_out = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force != 0.0);
+        let contacts = laid_out.chain(self.struck_walls());
         let driven = world.drives.iter().map(|drive| {
             let Drive { wall, displacement, rate, .. } = *drive;
             DrivenWall { wall, displacement, rate }
@@ -128,6 +129,23 @@ impl Simulation {
                 let point = sphere.centre + Vector3::from(group.contacts.normal(lane)) * sphere.radius;
                 self.contact(world.ids[grain], Partner::Wall(wall), point, (&group.contacts, pulls), lane)
             })
+        })
+    }
+
+    /// Impacts on walls that the solve of the last step did not know of.
+    fn struck_walls(&self) -> impl Iterator<Item = Contact> + '_ {
+        let (world, h) = (&self.world, self.settings.step);
+        self.swept.strikes.iter().map(move |strike| {
+            let sphere = &world.spheres[strike.place as usize];
+            let along = -strike.normal.dot(&strike.impulse);
+            Contact {
+                first: world.ids[strike.place as usize],
+                second: Partner::Wall(world.surfaces[strike.surface as usize].wall),
+                point: world.wrapped(&(sphere.centre + strike.normal * sphere.radius)).into(),
+                normal: strike.normal.into(),
+                normal_force: along / h,
+                tangential_force: (-(strike.impulse + strike.normal * along) / h).into(),
+            }
         })
     }
 

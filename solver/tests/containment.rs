@@ -18,6 +18,10 @@ const FEW: u64 = 200;
 /// Steps of each.
 const STEPS: usize = 40;
 
+/// Rigid contacts, solved to rounding.
+const CONVERGED: &str = "normal_law = { kind = 'rigid' }\nover_relaxation = 1.0\n\
+                         stop = { kind = 'residual', tolerance = 1e-13, max_sweeps = 1000 }";
+
 /// How a container kept its grains.
 #[derive(Debug, PartialEq)]
 enum Outcome {
@@ -141,7 +145,7 @@ fn grains_bounce_off_a_shell_as_newton_says_however_old_the_candidate_list_is() 
     // Smooth and elastic: a grain keeps its speed whatever it hits.
     for number in 0..40 {
         let angle = std::f64::consts::TAU * f64::from(number) / 40.0;
-        let text = lone([angle.cos(), 0.0, angle.sin()], 1.0, "normal_law = { kind = 'rigid' }")
+        let text = lone([angle.cos(), 0.0, angle.sin()], 1.0, CONVERGED)
             .replace("friction = 0.3", "friction = 0.0")
             .replace("restitution = 0.9", "restitution = 1.0");
         let scene = makadam::scene::Scene::parse(&text, Path::new("drum.toml")).unwrap();
@@ -152,5 +156,25 @@ fn grains_bounce_off_a_shell_as_newton_says_however_old_the_candidate_list_is() 
         }
         let [x, _, z] = simulation.snapshot().particles[0].position;
         assert!(x.hypot(z) <= 0.1 && (simulation.energy().kinetic / energy - 1.0).abs() < 1e-9, "direction {number}");
+    }
+}
+
+#[test]
+fn the_drum_keeps_its_grains_at_fifty_diameters_a_step() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum/scene.toml");
+    for diameters in [1.0, 10.0, 50.0] {
+        let mut scene = makadam::scene::Scene::load(&file).unwrap();
+        scene.population[0].agitation = diameters * 0.01 / scene.solver.step;
+        let mut simulation = Simulation::new(&scene, 1, &file).unwrap();
+        for step in 0..60 {
+            simulation.step();
+            assert!(simulation.crossing().is_none());
+            let frame = simulation.snapshot();
+            let outside = frame.particles.iter().find(|grain| {
+                let [x, y, z] = grain.position;
+                x.hypot(z) > 0.1 || y.abs() > 0.06
+            });
+            assert_eq!(outside, None, "{diameters} diameters a step, after step {step}");
+        }
     }
 }

@@ -36,7 +36,7 @@ fn a_grain_bounces_off_the_back_of_a_disc_as_off_its_front() {
     let rebound = |side: f64, speed: f64| {
         let mut simulation = Setup {
             gravity: [0.0; 3],
-            solver: "step = 5e-4\nnormal_law = { kind = 'rigid' }".into(),
+            solver: common::CONVERGED_RIGID.replace("1e-4", "5e-4"),
             body: disc(0.04, "") + &grain(0.005, [0.01, 0.005, 0.021 * side], [0.0, 0.0, -speed * side]),
             ..Setup::default()
         }
