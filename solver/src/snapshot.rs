@@ -137,14 +137,13 @@ impl Simulation {
         let (world, h) = (&self.world, self.settings.step);
         self.swept.strikes.iter().map(move |strike| {
             let sphere = &world.spheres[strike.place as usize];
-            let along = -strike.normal.dot(&strike.impulse);
             Contact {
                 first: world.ids[strike.place as usize],
                 second: Partner::Wall(world.surfaces[strike.surface as usize].wall),
                 point: world.wrapped(&(sphere.centre + strike.normal * sphere.radius)).into(),
                 normal: strike.normal.into(),
-                normal_force: along / h,
-                tangential_force: (-(strike.impulse + strike.normal * along) / h).into(),
+                normal_force: strike.along / h,
+                tangential_force: (strike.tangential / h).into(),
             }
         })
     }

@@ -62,8 +62,10 @@ pub(crate) struct Strike {
     pub surface: u32,
     /// Unit normal towards the wall.
     pub normal: Vector,
-    /// Impulse on the grain, N s.
-    pub impulse: Vector,
+    /// Normal impulse, N s.
+    pub along: f64,
+    /// Tangential impulse on the wall, N s.
+    pub tangential: Vector,
     /// Velocity of the wall at the contact, m/s.
     pub wall_velocity: Vector,
 }
@@ -353,7 +355,7 @@ impl Simulation {
                 self.swept.poses[surface] = world.pose_through(surface, h);
             }
         }
-        self.note_strike(place, met.surface, normal, impulse, wall_velocity);
+        self.note_strike(place, met.surface, normal, (borne, -tangential), wall_velocity);
         Some(drive.is_some())
     }
 
@@ -376,13 +378,21 @@ impl Simulation {
             self.swept.crossing.get_or_insert(Crossing { grain: world.ids[place], wall });
         }
         world.bodies[place].velocity = held.into();
-        let impulse = (held - velocity) / body.inverse_mass;
-        self.note_strike(place, met.surface, met.at.normal, impulse, wall_velocity);
+        let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);
+        let along = normal.dot(&impulse);
+        self.note_strike(place, met.surface, normal, (along, impulse - normal * along), wall_velocity);
     }
 
-    fn note_strike(&mut self, place: usize, surface: usize, normal: Vector, impulse: Vector, wall_velocity: Vector) {
+    fn note_strike(
+        &mut self,
+        place: usize,
+        surface: usize,
+        normal: Vector,
+        (along, tangential): (f64, Vector),
+        wall_velocity: Vector,
+    ) {
         let (place, surface) = (place as u32, surface as u32);
-        self.swept.strikes.push(Strike { place, surface, normal, impulse, wall_velocity });
+        self.swept.strikes.push(Strike { place, surface, normal, along, tangential, wall_velocity });
     }
 }
 
