@@ -146,7 +146,7 @@ impl Simulation {
         let set = self.relaxation.instruction_set;
         let clock = Clock::start();
         // Which grains and walls may touch.
-        let unknown = !self.swept.slow && self.candidates.miss_a_wall(&self.world, team);
+        let unknown = self.may_be_swift() && self.candidates.miss_a_wall(&self.world, team);
         if unknown || self.candidates.are_stale(&self.world, team) {
             self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, team);
         }

@@ -66,8 +66,6 @@ pub(crate) struct Strike {
     pub along: f64,
     /// Tangential impulse on the wall, N s.
     pub tangential: Vector,
-    /// Velocity of the wall at the contact, m/s.
-    pub wall_velocity: Vector,
 }
 
 /// What is kept from step to step.
@@ -75,8 +73,8 @@ pub(crate) struct Strike {
 pub(crate) struct Swept {
     /// Impacts of the last step.
     pub strikes: Vec<Strike>,
-    /// Whether all grains of the last step were slow, so that nobody meets a wall that the next step's list does not know.
-    pub slow: bool,
+    /// The speed of faces at which all grains of the last step were slow, m/s; none where some were swift, or it is not known.
+    slow_at: Option<f64>,
     /// The first grain that could not be held.
     crossing: Option<Crossing>,
     poses: Vec<Pose>,
@@ -111,10 +109,9 @@ impl Pace {
         let (low, high) = world.domain;
         let reach = |pose: &Pose| (high - low).norm() + pose.pivot_distance(&((low + high) * 0.5));
         let moving = (0..world.surfaces.len()).filter(|&number| world.surfaces[number].moves());
-        let speeds = moving.map(|number| {
-            let pose = world.pose_through(number, step);
-            pose.largest_speed(reach(&pose))
-        });
+        let poses =
+            moving.flat_map(|number| [world.surfaces[number].over(world.time, step), world.pose_through(number, step)]);
+        let speeds = poses.map(|pose| pose.largest_speed(reach(&pose)));
         Pace { step, walls: speeds.fold(0.0, f64::max) }
     }
 
@@ -184,6 +181,12 @@ impl Simulation {
         self.swept.crossing
     }
 
+    /// Whether some grain may be too fast for the step that comes, so that it may meet a wall that no list knows.
+    pub(crate) fn may_be_swift(&self) -> bool {
+        let walls = || Pace::of(&self.world, self.settings.step).walls;
+        self.swept.slow_at.is_none_or(|known| walls() > known)
+    }
+
     /// Stops grains at walls before any has moved, where that cannot wait: somebody wants to know of all impulses, driven walls may
     /// change their minds, or grains are pressed deep into walls. Whether it was done.
     pub(crate) fn stop_ahead(&mut self, team: &Team) -> bool {
@@ -199,7 +202,7 @@ impl Simulation {
             let places = chunk(number, grains);
             pace.look(&world.spheres[places.clone()], &world.bodies[places])
         }));
-        swept.slow = !swept.look.contains(&Look::Swift);
+        swept.slow_at = (!swept.look.contains(&Look::Swift)).then_some(pace.walls);
         for (_, task) in layout.tasks().filter(|(_, task)| task.deep_walls) {
             for (group, sources) in task.walls.iter().zip(&task.wall_sources) {
                 for (lane, _) in sources.occupied() {
@@ -231,8 +234,8 @@ impl Simulation {
             }
         });
         let Some(pace) = pace else { return };
-        swept.slow = !swept.look.contains(&Look::Swift);
-        if swept.slow {
+        swept.slow_at = (!swept.look.contains(&Look::Swift)).then_some(pace.walls);
+        if swept.slow_at.is_some() {
             return;
         }
         let waiting: Vec<usize> = (0..chunks(grains)).filter(|&number| swept.look[number] == Look::Swift).collect();
@@ -355,7 +358,7 @@ impl Simulation {
                 self.swept.poses[surface] = world.pose_through(surface, h);
             }
         }
-        self.note_strike(place, met.surface, normal, (borne, -tangential), wall_velocity);
+        self.note_strike(place, met.surface, normal, (borne, -tangential));
         Some(drive.is_some())
     }
 
@@ -380,19 +383,12 @@ impl Simulation {
         world.bodies[place].velocity = held.into();
         let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);
         let along = normal.dot(&impulse);
-        self.note_strike(place, met.surface, normal, (along, impulse - normal * along), wall_velocity);
+        self.note_strike(place, met.surface, normal, (along, impulse - normal * along));
     }
 
-    fn note_strike(
-        &mut self,
-        place: usize,
-        surface: usize,
-        normal: Vector,
-        (along, tangential): (f64, Vector),
-        wall_velocity: Vector,
-    ) {
+    fn note_strike(&mut self, place: usize, surface: usize, normal: Vector, (along, tangential): (f64, Vector)) {
         let (place, surface) = (place as u32, surface as u32);
-        self.swept.strikes.push(Strike { place, surface, normal, along, tangential, wall_velocity });
+        self.swept.strikes.push(Strike { place, surface, normal, along, tangential });
     }
 }
 
