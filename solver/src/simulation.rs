@@ -196,6 +196,8 @@ impl Simulation {
     }
 
     pub(crate) fn constrain(&mut self, team: &Team) {
+        // Bodies, and contacts about as many as in the last step.
+        self.constrainer.fetches = self.layout.prefetch(self.world.bodies.len()) > 0;
         let Simulation { world, candidates, relaxation, constrainer, layout, .. } = self;
         let mut bodies = std::mem::take(&mut world.bodies);
         let parts = Disjoint::new(&mut bodies);

@@ -8,7 +8,7 @@ use super::group::{Block, Visit, Visiting};
 use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
-use crate::effects::{Frictional, Frictionless};
+use crate::effects::with_tangential;
 use crate::lanes::{Eight, LANES};
 use crate::partition::{Layout, STAGES, SingleCopy};
 use crate::scene::{Precision, SolverMethod, SolverSettings};
@@ -265,11 +265,11 @@ pub(crate) fn visit<V: Visit>(
         for place in places {
             // SAFETY: each task has its own groups.
             let groups = unsafe { groups.at(plan.tasks()[place].number as usize) };
-            // Scenes with torques are refused methods other than Gauss-Seidel when they are read.
-            match relaxation.effects.friction() {
-                true => set.run(Visiting::<V, Frictional> { groups, visit: make(place), effects: PhantomData }),
-                false => set.run(Visiting::<V, Frictionless> { groups, visit: make(place), effects: PhantomData }),
-            }
+            // Torques are no part of a state that is put aside or combined: scenes that have any are refused methods other than
+            // Gauss-Seidel.
+            with_tangential!(relaxation.effects, E => {
+                set.run(Visiting::<V, E> { groups, visit: make(place), effects: PhantomData })
+            });
         }
     };
     if V::PUSHES {
