@@ -15,7 +15,7 @@ use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
 use crate::groups::{ContactLanes, Tangential, WallGroup, with_pairs};
-use crate::lanes::{Eight, InstructionSet, Lanes, Number};
+use crate::lanes::{Eight, Available, Lanes, Number};
 use crate::partition::{DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TakenGroups, TaskGroups};
 use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
@@ -108,7 +108,7 @@ impl Constrainer {
         &mut self,
         world: &World,
         candidates: &mut Candidates,
-        set: InstructionSet,
+        set: Available,
         team: &Team,
         layout: &mut Layout,
         then: impl Fn(&TaskGroups) + Sync,
@@ -240,7 +240,7 @@ impl Given<'_> {
         taken: &Disjoint<'_, Taken>,
         groups: &mut TaskGroups,
         remembered: &Remembered<'_>,
-        set: InstructionSet,
+        set: Available,
     ) -> u32 {
         let dummies = self.world.dummies_of(task.home as usize);
         let (packer, periodic) = (Packer::new(taken, base, task.pairs.len()), self.world.period.any());

@@ -5,7 +5,7 @@ use super::drift::Drift;
 use super::grid::DIRECTIONS;
 use super::memory::{OldList, Remembered, resize};
 use super::search::{Found, PairSearch, WallReach};
-use crate::lanes::{InstructionSet, LANES};
+use crate::lanes::{Available, LANES};
 use crate::partition::{BoxGrid, Plan, PlannedTask, STAGES};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Pose, Surface, World};
@@ -170,7 +170,7 @@ impl Candidates {
 
     /// Puts the grains in the order of boxes and cells, builds the list anew and plans its tasks, keeping the impulses of
     /// candidates that stay.
-    pub fn rebuild(&mut self, world: &mut World, plan: &mut Plan, set: InstructionSet, team: &Team) {
+    pub fn rebuild(&mut self, world: &mut World, plan: &mut Plan, set: Available, team: &Team) {
         let order = self.grid.sort(world, team);
         world.reorder(order, team);
         let new_places = &mut self.buffers.new_places;
@@ -211,7 +211,7 @@ impl Candidates {
     }
 
     /// Each box looks for pairs and walls.
-    fn search(&mut self, world: &World, set: InstructionSet, team: &Team) {
+    fn search(&mut self, world: &World, set: Available, team: &Team) {
         let Buffers { found, poses, .. } = &mut self.buffers;
         poses.clear();
         poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.step)));
