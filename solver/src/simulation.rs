@@ -197,6 +197,7 @@ impl Simulation {
     }
 
     pub(crate) fn constrain(&mut self, team: &Team) {
+        self.layout.fit(self.candidates.tasks());
         // Bodies, and contacts about as many as in the last step.
         self.constrainer.fetches = self.layout.prefetch(self.world.bodies.len()) > 0;
         let Simulation { world, candidates, relaxation, constrainer, layout, .. } = self;

@@ -137,8 +137,12 @@ impl World {
 
     /// Puts the dummies of so many boxes behind the grains. Dummies of the two sides of a contact are far apart and at
     /// rest, so that padding lanes bear nothing without being masked. Along a periodic axis half a period is as far as it gets.
+    /// Those that are there already stay.
     pub(crate) fn add_dummies(&mut self, boxes: usize) {
         let grains = self.grains();
+        if self.bodies.len() == grains + boxes * DUMMIES {
+            return;
+        }
         self.bodies.truncate(grains);
         self.spheres.truncate(grains);
         self.materials.truncate(grains);
