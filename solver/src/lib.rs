@@ -22,6 +22,7 @@ pub mod effects;
 mod energy;
 pub mod groups;
 pub mod lanes;
+pub mod interrupt;
 mod ledger;
 pub mod methods;
 pub mod partition;
@@ -39,6 +40,7 @@ pub mod world;
 
 pub use convergence::ConvergencePoint;
 pub use energy::Energy;
+pub use interrupt::Interrupt;
 pub use ledger::Balance;
 pub use setting_error::{Obstacle, SettingError};
 pub use simulation::{PhaseSeconds, Simulation, StepReport};

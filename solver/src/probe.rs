@@ -73,7 +73,7 @@ impl Simulation {
                     Precision::Double => Unknowns::double(&mut world.bodies, &mut layout.groups),
                     Precision::Single => Unknowns::single(single),
                 };
-                sweep_all(&layout.plan, &unknowns, relaxation, 1.0, 1, (Gauge::Off, &mut nowhere), &team);
+                sweep_all(&layout.plan, &unknowns, relaxation, 1.0, (1, || false), (Gauge::Off, &mut nowhere), &team);
                 if !world.drives.is_empty() {
                     relaxation.sweep_driven(&mut world.bodies, layout, &mut world.drives, 1.0, Gauge::Off);
                 }

@@ -5,13 +5,14 @@ use crate::constrain::Constrainer;
 use crate::detect::Candidates;
 use crate::effects::EffectSet;
 use crate::lanes::{Available, InstructionSet, PREFETCH, Quad};
+use crate::interrupt::Interrupt;
 use crate::ledger::Ledger;
 use crate::methods::Solver;
 use crate::partition::{BoxGrid, Layout, Portion};
 use crate::scene::{Precision, Scene, SceneError, SolverMethod, SolverSettings, Stop, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
 use crate::setting_error::{Obstacle, SettingError};
-use crate::solve::{SolveReport, solve};
+use crate::solve::{SolveReport, StopReason, solve};
 use crate::sweep::{Relaxation, start_driven};
 use crate::world::{Body, Sphere, World, chunk, chunks};
 use nalgebra::Vector3;
@@ -36,6 +37,7 @@ pub struct Simulation {
     pub(crate) steps: u64,
     pub(crate) contact_sweeps: u64,
     pub(crate) ledger: Option<Ledger>,
+    pub(crate) interrupt: Interrupt,
     phases: PhaseSeconds,
 }
 
@@ -99,11 +101,12 @@ impl Simulation {
             steps: 0,
             contact_sweeps: 0,
             ledger: None,
+            interrupt: Interrupt::new(),
             phases: PhaseSeconds::default(),
         }
     }
 
-    /// Advances by one time step.
+    /// Advances by one time step, unless it is [interrupted](crate::interrupt): then all is as before it, and the report says so.
     pub fn step(&mut self) -> StepReport {
         let team = self.team.clone();
         team.enter(|| self.step_of(&team))
@@ -121,9 +124,13 @@ impl Simulation {
         self.pose_problem(team);
         let clock = Clock::start();
         // Iterations until the settings say stop.
-        let Simulation { world, settings, layout, relaxation, solver, .. } = self;
-        let solve = solve(world, layout, relaxation, settings, team, solver);
+        let Simulation { world, settings, layout, relaxation, solver, interrupt, .. } = self;
+        let solve = solve(world, layout, relaxation, settings, team, solver, interrupt);
         let clock = clock.lap(&mut self.phases.sweep);
+        if solve.reason == StopReason::Interrupted {
+            self.abandon_step();
+            return StepReport { solve, contacts: 0 };
+        }
         if let Some(mut ledger) = self.ledger.take() {
             ledger.note(self, self.constrainer.scheme());
             self.ledger = Some(ledger);
@@ -165,7 +172,7 @@ impl Simulation {
         let change = self.world.gravity * h;
         let (time, gravity) = (self.world.time, self.world.gravity);
         self.world.drives.iter_mut().for_each(|drive| drive.begin(time, h, &gravity));
-        let spins = self.relaxation.effects.kinetic_friction();
+        let spins = self.keeps_spins();
         let (grains, count) = (self.world.grains(), self.world.bodies.len());
         let World { bodies, before, spins_before, .. } = &mut self.world;
         before.resize(count, Quad::default());

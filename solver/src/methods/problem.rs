@@ -9,6 +9,7 @@ use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
 use crate::effects::with_tangential;
+use crate::interrupt::{Interrupt, is_heeded};
 use crate::lanes::{Eight, LANES};
 use crate::partition::{Layout, STAGES, SingleCopy};
 use crate::scene::{Precision, SolverMethod, SolverSettings};
@@ -39,6 +40,7 @@ pub(crate) struct Problem<'a> {
     pub settings: &'a SolverSettings,
     pub team: &'a Team,
     pub workspace: &'a mut Workspace,
+    pub interrupt: &'a Interrupt,
 }
 
 /// Where tasks leave their sums, and where their vectors begin.
@@ -124,6 +126,8 @@ impl Problem<'_> {
     /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, as far as they are asked for.
     pub fn sweep(&mut self, factor: f64, gauge: Gauge) -> Option<Residuals> {
         let (inner, precision) = (self.settings.inner_sweeps.max(1), self.precision());
+        let (heeds, interrupt) = (is_heeded(self.settings), self.interrupt);
+        let inner = (inner, || heeds && interrupt.is_requested());
         let residuals = (gauge, &mut self.workspace.residuals);
         let unknowns = match precision {
             Precision::Double => Unknowns::double(self.bodies, &mut self.layout.groups),

@@ -17,7 +17,7 @@ const MOST_BOXES: f64 = 64.0;
 
 /// A domain that is so much wider, along each axis, than its grains need is emptier than it pays to cut as a whole: boxes are cut
 /// where grains are.
-const EMPTY_FROM: f64 = 1.5;
+const EMPTY_FROM: f64 = 1.3;
 
 /// Of fewer grains than these, the pairs that share a wide box are few enough to be compared one by one.
 const FEW: usize = 1024;

@@ -76,7 +76,7 @@ pub struct World {
     pub ids: Vec<u32>,
     /// Velocity and inverse mass of every body at the start of the step; between steps, room to reorder grains in.
     pub(crate) before: Vec<Quad>,
-    /// Surface speed of every body at the start of the step, where friction goes by how contacts slide.
+    /// Surface speed of every body at the start of the step, where friction goes by how contacts slide or the step may be abandoned.
     pub(crate) spins_before: Vec<Quad>,
     /// Faces of the scene's walls.
     pub surfaces: Vec<Surface>,
