@@ -14,7 +14,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A request to stop, shared by who asks and who is asked. Clones are one and the same.
 #[derive(Clone, Debug, Default)]
-pub struct Interrupt(Arc<AtomicBool>);
+pub struct Interrupt(Arc<Request>);
+
+#[derive(Debug, Default)]
+struct Request {
+    made: AtomicBool,
+    /// Asks by itself when it is looked at for this time, counted from 1.
+    #[cfg(test)]
+    by_itself: std::sync::atomic::AtomicU64,
+}
 
 impl Interrupt {
     /// One that was not asked for yet.
@@ -24,18 +32,22 @@ impl Interrupt {
 
     /// Asks for a stop; whether it had been asked for before.
     pub fn request(&self) -> bool {
-        self.0.swap(true, Ordering::SeqCst)
+        self.0.made.swap(true, Ordering::SeqCst)
     }
 
     /// Whether a stop was asked for.
     #[inline]
     pub fn is_requested(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        #[cfg(test)]
+        if self.0.by_itself.fetch_sub(1, Ordering::SeqCst) == 1 {
+            self.request();
+        }
+        self.0.made.load(Ordering::Relaxed)
     }
 
     /// Takes the request back, between steps.
     pub fn clear(&self) {
-        self.0.store(false, Ordering::SeqCst);
+        self.0.made.store(false, Ordering::SeqCst);
     }
 }
 
@@ -91,3 +103,6 @@ impl Simulation {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
