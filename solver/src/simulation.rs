@@ -4,8 +4,8 @@ use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
 use crate::effects::EffectSet;
-use crate::lanes::{Available, InstructionSet, PREFETCH, Quad};
 use crate::interrupt::Interrupt;
+use crate::lanes::{Available, InstructionSet, PREFETCH, Quad};
 use crate::ledger::Ledger;
 use crate::methods::Solver;
 use crate::partition::{BoxGrid, Layout, Portion};
@@ -84,12 +84,7 @@ impl Simulation {
         world.add_dummies(boxes.boxes());
         let effects = world.table.effects();
         Simulation {
-            relaxation: Relaxation {
-                instruction_set: Available::detect(),
-                scalar: false,
-                effects,
-                prefetch: PREFETCH,
-            },
+            relaxation: Relaxation { instruction_set: Available::detect(), scalar: false, effects, prefetch: PREFETCH },
             prefetch: None,
             candidates: Candidates::new(&boxes, &world, skin, scene.solver.step, effects.torques()),
             constrainer: Constrainer::new(&world, &scene.solver),

@@ -70,13 +70,7 @@ impl Bounds {
 
 impl Drift {
     /// Bounds the displacements from `reference` to `spheres`, both in the order of the grid.
-    pub fn measure(
-        &mut self,
-        grid: &CellGrid,
-        spheres: &[Sphere],
-        reference: &[Vector3<f64>],
-        team: &Team,
-    ) -> Moved {
+    pub fn measure(&mut self, grid: &CellGrid, spheres: &[Sphere], reference: &[Vector3<f64>], team: &Team) -> Moved {
         let (boxes, per_box) = (grid.boxes(), grid.patches_of_box());
         self.patches.clear();
         self.patches.resize(per_box * boxes.boxes(), Bounds::EMPTY);

@@ -50,7 +50,8 @@ fn stops_leave_no_trace(scene: &Scene, adapt: impl Fn(&mut Simulation)) {
             assert_eq!((broken.state_hash(), broken.steps_taken()), (before, step), "all is as before the step");
             assert!(broken.snapshot().contacts.is_empty(), "nothing half solved is shown");
             if stops % 2 == 0 {
-                broken = Simulation::resume(scene, &broken.checkpoint(), file).unwrap_or_else(|error| panic!("{error}"));
+                broken =
+                    Simulation::resume(scene, &broken.checkpoint(), file).unwrap_or_else(|error| panic!("{error}"));
                 adapt(&mut broken);
             }
             broken.step();

@@ -1,6 +1,6 @@
 //! Linear algebra over the velocities of all bodies, a cache line a body.
 
-use crate::lanes::{Eight, Available, Kernel, Lanes, LANES};
+use crate::lanes::{Available, Eight, Kernel, LANES, Lanes};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, chunk, chunks};
 

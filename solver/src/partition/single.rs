@@ -7,7 +7,7 @@
 use super::{Layout, STAGES, TaskGroups};
 use crate::effects::Effects;
 use crate::groups::{ContactLanes, FrictionLanes, PairGroup, Tangential, WallGroup, padding_places, with_pairs};
-use crate::lanes::{Eight, Available, Kernel, Lanes, Sixteen, LANES, SINGLE_LANES};
+use crate::lanes::{Available, Eight, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, DUMMIES, chunk, chunks};
 

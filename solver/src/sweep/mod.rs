@@ -18,7 +18,7 @@ pub use residual::{Residual, Residuals};
 use crate::detect::{AngularImpulse, Impulse};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
 use crate::groups::{ContactLanes, Kind, Sources, Tangential, WallTorqueLanes, with_pairs};
-use crate::lanes::{Eight, Available, Kernel, Lanes, Quad, cross, prefetch_places, times, PREFETCH};
+use crate::lanes::{Available, Eight, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_places, times};
 use crate::partition::{TaskGroups, overlapped};
 use crate::schedule::Disjoint;
 use crate::world::Body;

@@ -26,9 +26,8 @@ pub fn lattice(domain: [[f64; 3]; 2], periodic: &str, middles: &[[f64; 3]], lone
             true => min[axis] + (position[axis] - min[axis]).rem_euclid(max[axis] - min[axis]),
             false => position[axis],
         });
-        text += &format!(
-            "[[grain]]\nmaterial = 'grain'\nradius = 0.005\nposition = {inside:?}\nvelocity = {velocity:?}\n"
-        );
+        text +=
+            &format!("[[grain]]\nmaterial = 'grain'\nradius = 0.005\nposition = {inside:?}\nvelocity = {velocity:?}\n");
     };
     for middle in middles {
         for number in 0..EDGE * EDGE * EDGE {
