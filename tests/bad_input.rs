@@ -112,6 +112,17 @@ fn usage() {
 }
 
 #[test]
+fn a_precision_that_a_scene_cannot_have_is_refused_before_anything_is_prepared() {
+    let folder = tempfile::tempdir().unwrap();
+    for scene in ["drum-rolling", "oedometer"] {
+        let (code, message) = fails(folder.path(), &["run", scene, "--precision", "single", "--steps", "1"]);
+        assert_eq!(code, 2, "{message}");
+        assert!(message.contains("--precision single") && message.contains("leave it out"), "{message}");
+        assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none(), "nothing was written");
+    }
+}
+
+#[test]
 fn output_that_cannot_be_written() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("file"), "").unwrap();

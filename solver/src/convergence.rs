@@ -31,9 +31,10 @@ impl Simulation {
             copy.pose_problem(&team);
             let mut solver = Solver::new(method);
             let (method, workspace) = solver.parts();
-            let Simulation { world, layout, relaxation, settings, .. } = &mut copy;
+            let Simulation { world, layout, relaxation, settings, interrupt, .. } = &mut copy;
             let World { bodies, drives, .. } = world;
-            let mut problem = Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace };
+            let mut problem =
+                Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace, interrupt };
             let mut points = Vec::with_capacity(iterations as usize + 1);
             points.push(ConvergencePoint { residuals: problem.measure().0, ..ConvergencePoint::default() });
             let mut seconds = 0.0;

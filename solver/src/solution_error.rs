@@ -39,11 +39,11 @@ impl Simulation {
     /// How far the last step's solve stopped from the solution. To be asked before anything else is done to the simulation.
     pub fn solution_error(&mut self) -> SolutionError {
         let team = self.team.clone();
-        let Simulation { world, layout, relaxation, settings, solver, .. } = self;
+        let Simulation { world, layout, relaxation, settings, solver, interrupt, .. } = self;
         let workspace = &mut solver.workspace;
         let unit = residual_unit(world, settings.step);
         let World { bodies, drives, .. } = world;
-        let mut problem = Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace };
+        let mut problem = Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace, interrupt };
         let (residuals, cone) = team.enter(|| problem.measure());
         SolutionError { residuals, cone, largest_overlap: self.largest_overlap(), unit }
     }

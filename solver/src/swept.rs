@@ -75,8 +75,8 @@ pub(crate) struct Strike {
 pub(crate) struct Swept {
     /// Impacts of the last step.
     pub strikes: Vec<Strike>,
-    /// Whether all grains of the last step were slow, so that nobody meets a wall that the next step's list does not know.
-    pub slow: bool,
+    /// The speed of faces at which all grains of the last step were slow, m/s; none where some were swift, or it is not known.
+    slow_at: Option<f64>,
     /// The first grain that could not be held.
     crossing: Option<Crossing>,
     poses: Vec<Pose>,
@@ -111,10 +111,9 @@ impl Pace {
         let (low, high) = world.domain;
         let reach = |pose: &Pose| (high - low).norm() + pose.pivot_distance(&((low + high) * 0.5));
         let moving = (0..world.surfaces.len()).filter(|&number| world.surfaces[number].moves());
-        let speeds = moving.map(|number| {
-            let pose = world.pose_through(number, step);
-            pose.largest_speed(reach(&pose))
-        });
+        let poses =
+            moving.flat_map(|number| [world.surfaces[number].over(world.time, step), world.pose_through(number, step)]);
+        let speeds = poses.map(|pose| pose.largest_speed(reach(&pose)));
         Pace { step, walls: speeds.fold(0.0, f64::max) }
     }
 
@@ -184,6 +183,12 @@ impl Simulation {
         self.swept.crossing
     }
 
+    /// Whether some grain may be too fast for the step that comes, so that it may meet a wall that no list knows.
+    pub(crate) fn may_be_swift(&self) -> bool {
+        let walls = || Pace::of(&self.world, self.settings.step).walls;
+        self.swept.slow_at.is_none_or(|known| walls() > known)
+    }
+
     /// Stops grains at walls before any has moved, where that cannot wait: somebody wants to know of all impulses, driven walls may
     /// change their minds, or grains are pressed deep into walls. Whether it was done.
     pub(crate) fn stop_ahead(&mut self, team: &Team) -> bool {
@@ -199,7 +204,7 @@ impl Simulation {
             let places = chunk(number, grains);
             pace.look(&world.spheres[places.clone()], &world.bodies[places])
         }));
-        swept.slow = !swept.look.contains(&Look::Swift);
+        swept.slow_at = (!swept.look.contains(&Look::Swift)).then_some(pace.walls);
         for (_, task) in layout.tasks().filter(|(_, task)| task.deep_walls) {
             for (group, sources) in task.walls.iter().zip(&task.wall_sources) {
                 for (lane, _) in sources.occupied() {
@@ -231,8 +236,8 @@ impl Simulation {
             }
         });
         let Some(pace) = pace else { return };
-        swept.slow = !swept.look.contains(&Look::Swift);
-        if swept.slow {
+        swept.slow_at = (!swept.look.contains(&Look::Swift)).then_some(pace.walls);
+        if swept.slow_at.is_some() {
             return;
         }
         let waiting: Vec<usize> = (0..chunks(grains)).filter(|&number| swept.look[number] == Look::Swift).collect();

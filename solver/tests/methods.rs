@@ -52,7 +52,7 @@ fn difference(simulation: &Simulation, direct: &makadam::direct::DirectSolution)
 /// Takes a step with a method run to a tight tolerance.
 fn converged(start: &Simulation, method: SolverMethod) -> (Simulation, StopReason, SolutionError) {
     let mut simulation = start.clone();
-    simulation.use_method(method);
+    simulation.use_method(method).unwrap();
     simulation.use_stop(Stop::Residual { tolerance: 1e-11, max_sweeps: 400_000 });
     let report = simulation.step();
     let error = simulation.solution_error();
@@ -122,8 +122,8 @@ fn every_method_has_the_same_bits_everywhere() {
     for method in SolverMethod::ALL {
         let hash = |set: InstructionSet, scheduler: Scheduler, threads: usize| {
             let mut simulation = start.clone();
-            simulation.use_method(method);
-            simulation.use_instruction_set(set);
+            simulation.use_method(method).unwrap();
+            simulation.use_instruction_set(set).unwrap();
             simulation.use_team(scheduler, threads).unwrap();
             steps(&mut simulation, 50);
             simulation.state_hash()
@@ -156,7 +156,7 @@ fn convergence_is_that_of_the_step_and_leaves_no_trace() {
         assert!(
             points.windows(2).all(|two| two[1].seconds > two[0].seconds && two[1].iterations == two[0].iterations + 1)
         );
-        simulation.use_method(method);
+        simulation.use_method(method).unwrap();
         simulation.use_stop(Stop::Sweeps { sweeps: 10 });
         simulation.step();
         let error = simulation.solution_error();

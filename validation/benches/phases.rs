@@ -73,7 +73,7 @@ impl Way {
     fn of(self, state: &Simulation) -> Simulation {
         let mut simulation = state.clone();
         simulation.use_scalar_sweeps(self.scalar);
-        simulation.use_precision(self.precision);
+        simulation.use_precision(self.precision).expect("these scenes go with either precision");
         self.execution.apply(&mut simulation).expect("the set is there and threads can be started");
         simulation
     }

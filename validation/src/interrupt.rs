@@ -1,13 +1,16 @@
-//! Ctrl-C and termination: the step at hand is finished, what was computed is written, and the command ends.
+//! Ctrl-C and termination: the step at hand is finished, or given up where it takes long, what was computed is written, and the
+//! command ends.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use makadam::Interrupt;
+use std::sync::LazyLock;
 
-static REQUESTED: AtomicBool = AtomicBool::new(false);
+static INTERRUPT: LazyLock<Interrupt> = LazyLock::new(Interrupt::new);
 
 /// Starts listening; a second request ends the process at once. Where the system refuses, the default stays.
 pub fn listen() {
-    let _ = ctrlc::set_handler(|| {
-        if REQUESTED.swap(true, Ordering::SeqCst) {
+    let interrupt = handle();
+    let _ = ctrlc::set_handler(move || {
+        if interrupt.request() {
             std::process::exit(1);
         }
     });
@@ -15,5 +18,10 @@ pub fn listen() {
 
 /// Whether the user has asked to stop.
 pub fn requested() -> bool {
-    REQUESTED.load(Ordering::SeqCst)
+    INTERRUPT.is_requested()
+}
+
+/// What a simulation must heed to be stopped inside a step.
+pub fn handle() -> Interrupt {
+    INTERRUPT.clone()
 }

@@ -8,7 +8,8 @@ use super::group::{Block, Visit, Visiting};
 use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
-use crate::effects::{Frictional, Frictionless};
+use crate::effects::with_tangential;
+use crate::interrupt::{Interrupt, is_heeded};
 use crate::lanes::{Eight, LANES};
 use crate::partition::{Layout, STAGES, SingleCopy};
 use crate::scene::{Precision, SolverMethod, SolverSettings};
@@ -39,6 +40,7 @@ pub(crate) struct Problem<'a> {
     pub settings: &'a SolverSettings,
     pub team: &'a Team,
     pub workspace: &'a mut Workspace,
+    pub interrupt: &'a Interrupt,
 }
 
 /// Where tasks leave their sums, and where their vectors begin.
@@ -124,6 +126,8 @@ impl Problem<'_> {
     /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, as far as they are asked for.
     pub fn sweep(&mut self, factor: f64, gauge: Gauge) -> Option<Residuals> {
         let (inner, precision) = (self.settings.inner_sweeps.max(1), self.precision());
+        let (heeds, interrupt) = (is_heeded(self.settings), self.interrupt);
+        let inner = (inner, || heeds && interrupt.is_requested());
         let residuals = (gauge, &mut self.workspace.residuals);
         let unknowns = match precision {
             Precision::Double => Unknowns::double(self.bodies, &mut self.layout.groups),
@@ -265,11 +269,11 @@ pub(crate) fn visit<V: Visit>(
         for place in places {
             // SAFETY: each task has its own groups.
             let groups = unsafe { groups.at(plan.tasks()[place].number as usize) };
-            // Scenes with torques are refused methods other than Gauss-Seidel when they are read.
-            match relaxation.effects.friction() {
-                true => set.run(Visiting::<V, Frictional> { groups, visit: make(place), effects: PhantomData }),
-                false => set.run(Visiting::<V, Frictionless> { groups, visit: make(place), effects: PhantomData }),
-            }
+            // Torques are no part of a state that is put aside or combined: scenes that have any are refused methods other than
+            // Gauss-Seidel.
+            with_tangential!(relaxation.effects, E => {
+                set.run(Visiting::<V, E> { groups, visit: make(place), effects: PhantomData })
+            });
         }
     };
     if V::PUSHES {

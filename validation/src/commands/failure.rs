@@ -2,6 +2,7 @@
 
 use crate::compare::ReferenceError;
 use crate::effects::AblationError;
+use crate::execution::ExecutionError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
@@ -55,6 +56,15 @@ impl From<WriteError> for Failure {
     }
 }
 
+impl From<ExecutionError> for Failure {
+    fn from(error: ExecutionError) -> Failure {
+        match error {
+            ExecutionError::NoInstructionSet(_) => Failure::Usage(error.to_string()),
+            ExecutionError::NoThreads(..) => Failure::Running(error.to_string()),
+        }
+    }
+}
+
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Failure {
         Failure::Running(error.to_string())
@@ -67,7 +77,7 @@ impl From<StartError> for Failure {
             StartError::Scene(error) => Failure::Scene(error),
             StartError::Write(error) => error.into(),
             StartError::Checkpoint(error) => Failure::Running(error.to_string()),
-            StartError::Execution(error) => Failure::Running(error.to_string()),
+            StartError::Execution(error) => error.into(),
             StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
         }
     }
@@ -76,7 +86,8 @@ impl From<StartError> for Failure {
 impl From<MeasureError> for Failure {
     fn from(error: MeasureError) -> Failure {
         match error {
-            MeasureError::Execution(_) | MeasureError::Threads(_) => Failure::Running(error.to_string()),
+            MeasureError::Execution(error) => error.into(),
+            MeasureError::Threads(_) => Failure::Running(error.to_string()),
             MeasureError::Interrupted => Failure::Interrupted("nothing: the measurement was not finished".into()),
         }
     }

@@ -33,6 +33,14 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let start = scene.clone();
     if let Some(precision) = arguments.precision {
         scene.solver.precision = precision.into();
+        // Said before a flow is prepared for minutes.
+        if !scene.accepts(&scene.solver) {
+            return Err(Failure::Usage(format!(
+                "--precision single: {} has contacts that resist turning, driven walls or a method other than gauss-seidel, \
+                 which go with double precision alone; leave it out",
+                scene.name
+            )));
+        }
     }
     let seed = arguments.seed.unwrap_or(scene.seed);
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join(file_stem(&scene.name)));
@@ -56,13 +64,13 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         let kept = place.read(&scene, seed)?;
         let mut simulation = Simulation::resume(&scene, &kept.simulation, place.file())
             .map_err(|error| Failure::Running(error.to_string()))?;
-        execution.apply(&mut simulation).map_err(|error| Failure::Running(error.to_string()))?;
+        execution.apply(&mut simulation)?;
         console.note(&format!("going on from step {} of {}", simulation.steps_taken(), place.file().display()));
         Session::go_on(&scene, seed, simulation, kept.progress, &output, interval)?
     } else {
         // A flowing start is the same for all precisions.
         let (mut simulation, _) = begin(&start, seed, &file, &execution, console)?;
-        simulation.use_precision(scene.solver.precision);
+        simulation.use_precision(scene.solver.precision).map_err(|error| Failure::Usage(error.to_string()))?;
         if arguments.ledger {
             simulation.open_ledger();
         }

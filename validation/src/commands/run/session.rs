@@ -160,6 +160,7 @@ impl<'a> Session<'a> {
 
     /// Takes the steps, with a frame at the start, at every interval and at the end; after an interruption too.
     pub fn play(&mut self, steps: u64, console: &Console) -> Result<(), Failure> {
+        self.simulation.heed(crate::interrupt::handle());
         let bar = console.bar(&self.scene.name);
         let (step_seconds, interval) = (self.simulation.time_step(), self.scene.measure.interval);
         if self.progress.steps == 0 && self.progress.frames.is_empty() {
@@ -170,6 +171,11 @@ impl<'a> Session<'a> {
             let clock = Instant::now();
             let report = self.simulation.step();
             self.progress.wall += clock.elapsed();
+            if report.solve.reason == StopReason::Interrupted {
+                // The step is not taken: all is as before it.
+                self.write_checkpoint()?;
+                return Err(Failure::Interrupted("in the output folder; --resume goes on from there".into()));
+            }
             self.progress.steps += 1;
             self.note(report);
             self.watch(&report, console)?;
