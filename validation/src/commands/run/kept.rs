@@ -1,4 +1,4 @@
-//! What an unfinished run leaves to be continued from: a checkpoint, and the frames that are measured at the end.
+//! What an unfinished run leaves to be continued from.
 
 use super::session::Progress;
 use crate::commands::Failure;
@@ -6,13 +6,11 @@ use crate::output::WriteError;
 use crate::provenance::{VERSION, scene_hash};
 use makadam::checkpoint::{open, seal, write_atomically};
 use makadam::scene::Scene;
-use makadam::snapshot::Snapshot;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// First bytes of a run's checkpoint and of a kept frame; the last one is the version of the format.
-const RUN: [u8; 8] = *b"mkd-run\x01";
-const FRAME: [u8; 8] = *b"mkd-frm\x01";
+/// First bytes of a run's checkpoint; the last one is the version of the format.
+const RUN: [u8; 8] = *b"mkd-run\x02";
 
 /// What a run is continued from.
 #[derive(Serialize, Deserialize)]
@@ -27,15 +25,14 @@ pub(super) struct Kept {
     pub progress: Progress,
 }
 
-/// Where a run keeps it: a file and a folder inside its output folder.
+/// Where a run keeps it: a file inside its output folder.
 pub(super) struct Place {
     file: PathBuf,
-    frames: PathBuf,
 }
 
 impl Place {
     pub fn inside(output: &Path) -> Place {
-        Place { file: output.join("run.checkpoint"), frames: output.join("kept-frames") }
+        Place { file: output.join("run.checkpoint") }
     }
 
     /// Whether an unfinished run was left here.
@@ -43,29 +40,15 @@ impl Place {
         self.file.is_file()
     }
 
-    /// Writes a sealed checkpoint after the frames that it speaks of.
-    pub fn write(&self, sealed: &[u8], frames: &[(usize, &Snapshot)]) -> Result<(), WriteError> {
-        for (number, frame) in frames {
-            let file = self.frame(*number);
-            if !file.is_file() {
-                let body = postcard::to_stdvec(frame).expect("a frame holds only numbers and lists");
-                write_atomically(&file, &seal(FRAME, &body)).map_err(|source| WriteError::new(&file, source))?;
-            }
-        }
-        write_atomically(&self.file, sealed).map_err(|source| WriteError::new(&self.file, source))?;
-        // Earlier frames are measured no more.
-        let first = frames.first().map_or(0, |(number, _)| *number);
-        for number in (0..first).rev().take_while(|&number| self.frame(number).is_file()) {
-            let _ = std::fs::remove_file(self.frame(number));
-        }
-        Ok(())
+    /// Writes a sealed checkpoint; the frames that it speaks of are on the disk already.
+    pub fn write(&self, sealed: &[u8]) -> Result<(), WriteError> {
+        write_atomically(&self.file, sealed).map_err(|source| WriteError::new(&self.file, source))
     }
 
     /// Removes what a finished run no longer needs.
     pub fn clear(&self) {
         // What cannot be removed is found out of date by its seal and scene, or taken up again: no harm in either.
         let _ = std::fs::remove_file(&self.file);
-        let _ = std::fs::remove_dir_all(&self.frames);
     }
 
     /// The checkpoint of a run of this scene and seed.
@@ -83,15 +66,6 @@ impl Place {
             return refuse(format!("was written by version {}, this is {VERSION}; give --restart", kept.version));
         }
         Ok(kept)
-    }
-
-    /// Kept frames, by their numbers.
-    pub fn frames(&self, numbers: &[usize]) -> Result<Vec<Snapshot>, Failure> {
-        numbers.iter().map(|&number| unsealed(FRAME, &self.frame(number))).collect()
-    }
-
-    fn frame(&self, number: usize) -> PathBuf {
-        self.frames.join(format!("{number:05}.frame"))
     }
 
     /// For messages.
