@@ -3,7 +3,8 @@
 use super::session::Progress;
 use crate::commands::Failure;
 use crate::output::WriteError;
-use crate::provenance::{VERSION, scene_hash};
+use crate::provenance::scene_hash;
+use makadam::BUILD;
 use makadam::checkpoint::{open, seal, write_atomically};
 use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -12,13 +13,22 @@ use std::path::{Path, PathBuf};
 /// First bytes of a run's checkpoint; the last one is the version of the format.
 const RUN: [u8; 8] = *b"mkd-run\x02";
 
-/// What a run is continued from.
+/// The way out where a checkpoint cannot be used.
+const ANEW: &str = "give --restart to start anew";
+
+/// What a checkpoint is of. It stands before all else, and its layout stays: every build can tell whose checkpoint it is.
 #[derive(Serialize, Deserialize)]
-pub(super) struct Kept {
-    version: String,
+struct Label {
+    /// [`BUILD`] of the program that wrote it.
+    build: String,
     scene: String,
     scene_hash: u64,
     seed: u64,
+}
+
+/// What a run is continued from.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Kept {
     /// The simulation's own checkpoint.
     pub simulation: Vec<u8>,
     /// The run's account of itself.
@@ -53,19 +63,27 @@ impl Place {
 
     /// The checkpoint of a run of this scene and seed.
     pub fn read(&self, scene: &Scene, seed: u64) -> Result<Kept, Failure> {
-        let kept: Kept = unsealed(RUN, &self.file)?;
+        let failed = |what: String| Failure::Running(format!("{} {what}; {ANEW}", self.file.display()));
+        let bytes = std::fs::read(&self.file).map_err(|error| failed(format!("cannot be read: {error}")))?;
+        let body = open(RUN, &bytes).map_err(failed)?;
+        let unfit = |error| failed(format!("does not hold what it should ({error})"));
+        let (label, rest) = postcard::take_from_bytes::<Label>(body).map_err(unfit)?;
         let refuse = |what: String| Err(Failure::Usage(format!("{}: {what}", self.file.display())));
-        if (kept.scene_hash, kept.seed) != (scene_hash(scene), seed) {
+        if label.build != BUILD {
+            return refuse(format!(
+                "was written by build {}, and this is build {BUILD}, which may give other bits; go on with the former, or {ANEW} \
+                 with this one",
+                label.build
+            ));
+        }
+        if (label.scene_hash, label.seed) != (scene_hash(scene), seed) {
             return refuse(format!(
                 "belongs to {} with seed {} and other settings than {} with seed {seed} now has; give the same scene, seed and \
                  settings, or --restart",
-                kept.scene, kept.seed, scene.name
+                label.scene, label.seed, scene.name
             ));
         }
-        if kept.version != VERSION {
-            return refuse(format!("was written by version {}, this is {VERSION}; give --restart", kept.version));
-        }
-        Ok(kept)
+        postcard::from_bytes(rest).map_err(unfit)
     }
 
     /// For messages.
@@ -77,21 +95,8 @@ impl Place {
 impl Kept {
     /// A checkpoint of a run, sealed.
     pub fn seal(scene: &Scene, seed: u64, simulation: Vec<u8>, progress: Progress) -> Vec<u8> {
-        let kept = Kept {
-            version: VERSION.into(),
-            scene: scene.name.clone(),
-            scene_hash: scene_hash(scene),
-            seed,
-            simulation,
-            progress,
-        };
-        seal(RUN, &postcard::to_stdvec(&kept).expect("a checkpoint holds only numbers, names and lists"))
+        let label = Label { build: BUILD.into(), scene: scene.name.clone(), scene_hash: scene_hash(scene), seed };
+        let parts = (label, Kept { simulation, progress });
+        seal(RUN, &postcard::to_stdvec(&parts).expect("a checkpoint holds only numbers, names and lists"))
     }
-}
-
-fn unsealed<T: for<'a> Deserialize<'a>>(mark: [u8; 8], file: &Path) -> Result<T, Failure> {
-    let refuse = |what: String| Failure::Running(format!("{} {what}; give --restart to start anew", file.display()));
-    let bytes = std::fs::read(file).map_err(|error| refuse(format!("cannot be read: {error}")))?;
-    let body = open(mark, &bytes).map_err(refuse)?;
-    postcard::from_bytes(body).map_err(|error| refuse(format!("does not hold what it should ({error})")))
 }

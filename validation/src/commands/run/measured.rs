@@ -202,7 +202,9 @@ mod tests {
         let mut frames = Vec::new();
         while simulation.time() < 0.3 {
             frames.push(simulation.snapshot());
-            (0..40).for_each(|_| drop(simulation.step()));
+            for _ in 0..40 {
+                simulation.step();
+            }
         }
         (scene, frames)
     }
