@@ -55,10 +55,12 @@ fn computing(lock: &str) -> BTreeSet<String> {
     let packages: Vec<Package<'_>> = lock.split("[[package]]").skip(1).map(Package::of).collect();
     let own = packages.iter().find(|package| package.name == "makadam");
     let computes = |name: &&&str| COMPUTE.contains(&name.split(' ').next().unwrap_or_default());
-    let mut open: Vec<&str> = own.into_iter().flat_map(|own| own.dependencies.iter().filter(computes)).copied().collect();
+    let mut open: Vec<&str> =
+        own.into_iter().flat_map(|own| own.dependencies.iter().filter(computes)).copied().collect();
     let mut found = BTreeSet::new();
     while let Some(asked) = open.pop() {
-        let is_asked = |package: &&Package<'_>| asked == package.name || asked == format!("{} {}", package.name, package.version);
+        let is_asked =
+            |package: &&Package<'_>| asked == package.name || asked == format!("{} {}", package.name, package.version);
         if let Some(package) = packages.iter().find(is_asked)
             && found.insert(format!("{} {} {}", package.name, package.version, package.checksum))
         {
@@ -80,12 +82,18 @@ struct Package<'a> {
 impl<'a> Package<'a> {
     fn of(text: &'a str) -> Package<'a> {
         let value = |key: &str| {
-            let found = text.lines().find_map(|line| line.strip_prefix(key)?.trim().strip_prefix("= \"")?.strip_suffix('"'));
+            let found =
+                text.lines().find_map(|line| line.strip_prefix(key)?.trim().strip_prefix("= \"")?.strip_suffix('"'));
             found.unwrap_or_default()
         };
         let list = text.split_once("dependencies = [").and_then(|(_, rest)| rest.split_once(']'));
         let quoted = list.map_or("", |(list, _)| list).split('"').skip(1).step_by(2);
-        Package { name: value("name"), version: value("version"), checksum: value("checksum"), dependencies: quoted.collect() }
+        Package {
+            name: value("name"),
+            version: value("version"),
+            checksum: value("checksum"),
+            dependencies: quoted.collect(),
+        }
     }
 }
 

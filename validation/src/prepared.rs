@@ -93,7 +93,8 @@ fn private_folder(shared: &Path, user: u32) -> Result<PathBuf, WriteError> {
         () if data.mode() & 0o022 != 0 => "others may write to it",
         () => return Ok(folder),
     };
-    let words = format!("{problem}, so that what is kept there cannot be trusted; set XDG_CACHE_HOME to a folder of your own");
+    let words =
+        format!("{problem}, so that what is kept there cannot be trusted; set XDG_CACHE_HOME to a folder of your own");
     Err(refuse(Error::new(ErrorKind::PermissionDenied, words)))
 }
 
@@ -144,7 +145,10 @@ pub fn start(
     write_atomically(&file, &seal(MARK, &labelled)).map_err(|error| WriteError::new(&file, error))?;
     let mut simulation = Simulation::start_from(scene, &state, &file)?;
     execution.apply(&mut simulation)?;
-    Ok((simulation, refused.map_or_else(|| Start::Prepared(file.clone()), |reason| Start::Remade(file.clone(), reason))))
+    Ok((
+        simulation,
+        refused.map_or_else(|| Start::Prepared(file.clone()), |reason| Start::Remade(file.clone(), reason)),
+    ))
 }
 
 /// Starts from a state that is kept: `None` if there is none, and the reason if it is refused.

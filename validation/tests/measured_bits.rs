@@ -37,7 +37,8 @@ fn alive(mut frame: Snapshot, random: &mut Random) -> Snapshot {
         grain.radius *= 0.95 + 0.12 * random.uniform();
     }
     for pair in close_pairs(&frame.particles, 0.002) {
-        let arm = Vector3::from(frame.particles[pair.second].position) - Vector3::from(frame.particles[pair.first].position);
+        let arm =
+            Vector3::from(frame.particles[pair.second].position) - Vector3::from(frame.particles[pair.first].position);
         let force = -random.uniform().max(1e-6).ln();
         frame.contacts.push(Contact {
             first: pair.first as u32,
@@ -105,7 +106,8 @@ fn measurements_have_the_digits_that_they_had() {
         let run = recording(frames);
         let measured = digits(&measure(&scene, &run));
         let forces = force_distribution(&scene, std::slice::from_ref(&run));
-        let counts: Vec<u64> = forces.density.iter().map(|d| (d * forces.samples as f64 * 0.25).round() as u64).collect();
+        let counts: Vec<u64> =
+            forces.density.iter().map(|d| (d * forces.samples as f64 * 0.25).round() as u64).collect();
         let found = (checksum(measured.as_bytes()), checksum(format!("{counts:?}").as_bytes()));
         assert_eq!(found, expected, "{name}: {found:#018x?}\n{measured}{counts:?}");
     }

@@ -141,11 +141,7 @@ fn pieces(outline: &Loop, free: impl Fn([f64; 2]) -> bool) -> Vec<Segment> {
 ///
 /// Layers are one mean radius thick, volumes exact. Only ratios of volumes enter, so the container's area does not. There is no
 /// bulk where layers would be more work than [`effort::most`]: grains are then too far apart, or too unlike, for a bed.
-fn level<F: Frames + ?Sized>(
-    setting: &Setting<'_>,
-    up: Vector3<f64>,
-    frames: &F,
-) -> Result<FreeSurface, F::Error> {
+fn level<F: Frames + ?Sized>(setting: &Setting<'_>, up: Vector3<f64>, frames: &F) -> Result<FreeSurface, F::Error> {
     let height = |position: &[f64; 3]| Vector3::from(*position).dot(&up);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     frames.each(&mut |frame| {

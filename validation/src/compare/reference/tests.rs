@@ -156,7 +156,10 @@ fn a_number_that_was_changed_by_hand_is_seen_in_every_table() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     reference.save(&scene, folder).unwrap();
-    assert_eq!(Reference::load(folder).unwrap().unwrap(), Reference::read(folder, &|file| std::fs::read(file)).unwrap().unwrap());
+    assert_eq!(
+        Reference::load(folder).unwrap().unwrap(),
+        Reference::read(folder, &|file| std::fs::read(file)).unwrap().unwrap()
+    );
     let refused = |name: &str| {
         let message = Reference::load(folder).unwrap_err().to_string();
         assert!(message.contains(name) && message.contains("checksums.csv"), "{message}");
