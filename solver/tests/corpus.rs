@@ -34,7 +34,7 @@ const SCENES: [(&str, [&str; 4]); 9] = [
     ("periodic", ["friction = 0.5", "periodic = ['x', 'y']", "", ""]),
     (
         "vibrating",
-        ["friction = 0.5", "", "motion = { kind = 'vibrating', amplitude = [0, 0, 0.001], frequency = 20 }", ""],
+        ["friction = 0.5", "", "motion = { kind = 'vibrating', amplitude = [0, 0, 0.0002], frequency = 20 }", ""],
     ),
     ("single", ["friction = 0.5", "", "", "precision = 'single'"]),
     ("ledger", ["friction = 0.5", "", "", ""]),
