@@ -85,7 +85,9 @@ fn a_hundred_kills_change_no_bit() {
             Some(0) => {
                 ends += 1;
                 assert_eq!(results(folder, "broken"), expected, "after {kills} kills");
-                assert!(!folder.join("broken/run.checkpoint").exists() && !folder.join("broken/kept-frames").exists());
+                assert!(
+                    !folder.join("broken/run.checkpoint").exists() && !folder.join("broken/measured-frames").exists()
+                );
                 std::fs::remove_dir_all(folder.join("broken")).unwrap();
             }
             Some(code) => panic!("exit code {code} after {kills} kills: {}", String::from_utf8_lossy(&output.stderr)),

@@ -18,6 +18,9 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub struct Build {
     /// Version of Makadam.
     pub version: String,
+    /// [`makadam::BUILD`], which tells builds apart whose bits may differ; empty in records of before it was there.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub build: String,
     /// Commit of the sources; "unknown" outside a repository.
     pub commit: String,
     /// Whether tracked files differed from that commit; absent where it is not known.
@@ -39,6 +42,7 @@ impl Build {
     pub fn here() -> Build {
         Build {
             version: VERSION.into(),
+            build: makadam::BUILD.into(),
             commit: env!("MAKADAM_COMMIT").into(),
             dirty: env!("MAKADAM_DIRTY").parse().ok(),
             compiler: env!("MAKADAM_COMPILER").into(),
@@ -49,11 +53,12 @@ impl Build {
         }
     }
 
-    /// Version and commit in a few words, such as "0.1.0 (1a2b3c4d, modified)".
+    /// Version, commit and key of the build in a few words, such as "0.1.0 (1a2b3c4d, modified, build 0123456789abcdef)".
     pub fn summary(&self) -> String {
         let commit: String = self.commit.chars().take(8).collect();
         let modified = if self.dirty == Some(true) { ", modified" } else { "" };
-        format!("{} ({commit}{modified})", self.version)
+        let key = self.build.rsplit('-').next().unwrap_or_default();
+        format!("{} ({commit}{modified}, build {key})", self.version)
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
     let settling = match start {
         Start::Fresh => Some(scene.measure.from.unwrap_or(scene.duration)),
-        Start::Prepared(_) => None,
+        Start::Prepared(_) | Start::Remade(..) => None,
     };
     if let Some(seconds) = arguments.settle.or(settling) {
         settle(&mut simulation, seconds, console)?;

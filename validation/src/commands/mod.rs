@@ -79,8 +79,12 @@ fn begin(
 ) -> Result<(Simulation, Start), Failure> {
     let bar = console.bar("preparing the flow");
     let (simulation, start) = start(scene, seed, file, execution, &|share| bar.set(share))?;
-    if let Start::Prepared(file) = &start {
-        console.note(&format!("starting from the flowing state {}", file.display()));
+    match &start {
+        Start::Fresh => {}
+        Start::Prepared(file) => console.note(&format!("starting from the flowing state {}", file.display())),
+        Start::Remade(file, reason) => {
+            console.warn(&format!("{} {reason}; it was made anew, and the run starts from it", file.display()));
+        }
     }
     Ok((simulation, start))
 }

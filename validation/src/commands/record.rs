@@ -37,6 +37,10 @@ fn record_codes(
     let seeds: Vec<u64> = (1..=arguments.seeds.unwrap_or_else(|| reference.seeds().max(FEW_SEEDS))).collect();
     let (factor, hash) = (arguments.stiffness_factor, physics_hash(scene));
     let announce = announce(console);
+    let recordings = match &arguments.recordings {
+        Some(folder) => folder.clone(),
+        None => cache_folder()?.join("recordings"),
+    };
     let runs_of = |missing: &Missing| Runs {
         scene,
         scene_file: file,
@@ -44,7 +48,7 @@ fn record_codes(
         rayleigh_fraction: arguments.rayleigh_fraction,
         stiffness_factor: factor,
         time_limit: Duration::from_secs_f64(arguments.time_limit),
-        recordings: Some(arguments.recordings.clone().unwrap_or_else(|| cache_folder().join("recordings"))),
+        recordings: Some(recordings.clone()),
         announce: &announce,
     };
     // Said before the hours that the runs may take, so that a fraction mistyped is noticed in time.

@@ -3,6 +3,7 @@
 mod budget;
 mod describe;
 mod kept;
+mod measured;
 mod session;
 
 use super::arguments::RunArguments;
@@ -81,7 +82,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let provenance = |scene: &Scene| Provenance::of_run(scene, &file, seed, &execution);
     let steps = |scene: &Scene| arguments.steps.unwrap_or_else(|| steps_in(scene.duration, scene.solver.step));
     let played = session.play(steps(&scene), console);
-    let mut summary = session.summary(provenance(&scene), &output, &played);
+    let mut summary = session.summary(provenance(&scene), &output, &played)?;
     let mut played = played;
     let finer = arguments.time_budget.filter(|_| played.is_ok()).and_then(|budget| {
         let left = budget - summary.wall_seconds;
@@ -98,7 +99,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         }
         let mut again = Session::begin(&finer, seed, simulation, &output, interval)?;
         played = again.play(steps(&finer), console);
-        summary = again.summary(provenance(&finer), &output, &played);
+        summary = again.summary(provenance(&finer), &output, &played)?;
     }
     let text = json(&summary);
     let written = write_whole(&output.join("run.json"), text.as_bytes());

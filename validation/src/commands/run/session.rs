@@ -1,14 +1,14 @@
 //! A run under way: steps, frames, what is watched, and the checkpoints that it can be continued from.
 
 use super::kept::{Kept, Place};
+use super::measured::{Mark, MeasuredFrames};
 use crate::commands::{Console, Failure};
 use crate::observables;
 use crate::output::{
     AlarmSummary, FrameWriter, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary, TimeTable,
 };
 use crate::peers::frame_is_due;
-use crate::provenance::{Provenance, VERSION, peak_bytes};
-use crate::recording::Recording;
+use crate::provenance::{Provenance, peak_bytes};
 use makadam::scene::{Reaction, Scene};
 use makadam::snapshot::Snapshot;
 use makadam::solve::StopReason;
@@ -42,22 +42,14 @@ pub(super) struct Session<'a> {
     progress: Progress,
     frames: FrameWriter,
     table: TimeTable,
-    /// Frames that are measured at the end, with their numbers.
-    kept: Vec<(usize, Snapshot)>,
+    measured: MeasuredFrames,
     watchdog: Watchdog,
     place: Place,
     /// Wall time from one checkpoint to the next.
     interval: Duration,
-    held: Held,
+    /// A sealed checkpoint from before anything was noticed; empty before there is one.
+    held: Vec<u8>,
     phases_before: [f64; 4],
-}
-
-/// A checkpoint from before anything was noticed, held in memory.
-#[derive(Default)]
-struct Held {
-    sealed: Vec<u8>,
-    /// The frame that it speaks of, where only the last one is measured.
-    frame: Option<(usize, Snapshot)>,
 }
 
 /// A run's account of itself: what its summary needs and a simulation does not know.
@@ -78,8 +70,7 @@ pub(super) struct Progress {
     frames: Vec<f64>,
     columns: Vec<String>,
     rows: Vec<Vec<Option<f64>>>,
-    /// Numbers of the frames that are measured at the end.
-    kept: Vec<usize>,
+    measured: Mark,
     /// Steps at which the run was continued.
     continued_at: Vec<u64>,
     alarms: BTreeMap<String, AlarmCount>,
@@ -119,6 +110,17 @@ impl<'a> Session<'a> {
         output: &Path,
         interval: Duration,
     ) -> Result<Session<'a>, Failure> {
+        Session::with(scene, seed, simulation, MeasuredFrames::begin(output), output, interval)
+    }
+
+    fn with(
+        scene: &'a Scene,
+        seed: u64,
+        simulation: Simulation,
+        measured: MeasuredFrames,
+        output: &Path,
+        interval: Duration,
+    ) -> Result<Session<'a>, Failure> {
         let progress = Progress {
             started: simulation.time(),
             contact_sweeps_before: simulation.contact_sweeps(),
@@ -129,9 +131,9 @@ impl<'a> Session<'a> {
             phases_before: phases(&simulation),
             frames: FrameWriter::create(output)?,
             table: TimeTable::new(&output.join("observables.csv"), &COLUMNS),
-            kept: Vec::new(),
+            measured,
             place: Place::inside(output),
-            held: Held::default(),
+            held: Vec::new(),
             scene,
             seed,
             simulation,
@@ -149,13 +151,12 @@ impl<'a> Session<'a> {
         output: &Path,
         interval: Duration,
     ) -> Result<Session<'a>, Failure> {
-        let numbers = progress.kept.clone();
-        let kept = numbers.iter().copied().zip(Place::inside(output).frames(&numbers)?).collect();
+        let measured = MeasuredFrames::go_on(output, std::mem::take(&mut progress.measured))?;
         progress.continued_at.push(progress.steps);
-        let mut session = Session::begin(scene, seed, simulation, output, interval)?;
+        let mut session = Session::with(scene, seed, simulation, measured, output, interval)?;
         session.frames.go_on(&progress.frames);
         session.table.go_on(&progress.columns, &progress.rows);
-        Ok(Session { kept, progress, ..session })
+        Ok(Session { progress, ..session })
     }
 
     /// Takes the steps, with a frame at the start, at every interval and at the end; after an interruption too.
@@ -194,7 +195,6 @@ impl<'a> Session<'a> {
                 return Err(Failure::Interrupted("in the output folder; --resume goes on from there".into()));
             }
         }
-        self.place.clear();
         Ok(())
     }
 
@@ -218,10 +218,9 @@ impl<'a> Session<'a> {
         }
         if let Some(alarm) = alarms.iter().find(|alarm| alarm.reaction == Reaction::Stop) {
             let mut left = String::new();
-            if !self.held.sealed.is_empty() {
-                let frames: Vec<_> =
-                    self.held.frame.iter().chain(&self.kept).map(|(number, frame)| (*number, frame)).collect();
-                self.place.write(&self.held.sealed, &frames)?;
+            if !self.held.is_empty() {
+                self.measured.sync()?;
+                self.place.write(&self.held)?;
                 left = format!("; the state before is in {}", self.place.file().display());
             }
             return Err(Failure::Running(format!("{alarm}{left}")));
@@ -229,8 +228,7 @@ impl<'a> Session<'a> {
         let every = u64::from(self.scene.watch.every);
         // A look has just found nothing wrong.
         if alarms.is_empty() && every > 0 && self.progress.steps.is_multiple_of(every * HELD_EVERY.div_ceil(every)) {
-            let frame = self.kept.last().filter(|_| self.kept.len() == 1).cloned();
-            self.held = Held { sealed: self.checkpoint(), frame };
+            self.held = self.checkpoint();
         }
         Ok(())
     }
@@ -240,15 +238,15 @@ impl<'a> Session<'a> {
         let mut progress = self.progress.clone();
         (progress.columns, progress.rows) = (columns.to_vec(), rows.to_vec());
         progress.frames = self.frames.times().to_vec();
-        progress.kept = self.kept.iter().map(|(number, _)| *number).collect();
+        progress.measured = self.measured.mark();
         progress.phases = self.phases();
         Kept::seal(self.scene, self.seed, self.simulation.checkpoint(), progress)
     }
 
     fn write_checkpoint(&mut self) -> Result<(), Failure> {
         let clock = Instant::now();
-        let kept: Vec<_> = self.kept.iter().map(|(number, frame)| (*number, frame)).collect();
-        self.place.write(&self.checkpoint(), &kept)?;
+        self.measured.sync()?;
+        self.place.write(&self.checkpoint())?;
         self.progress.output_time += clock.elapsed();
         Ok(())
     }
@@ -269,7 +267,6 @@ impl<'a> Session<'a> {
                 self.progress.steps
             )));
         }
-        let number = self.frames.count();
         self.frames.write(&frame)?;
         let energy = self.simulation.energy();
         let (sweeps, residual) = self
@@ -294,26 +291,35 @@ impl<'a> Session<'a> {
         });
         let row: Vec<(String, f64)> = known.chain(measured).chain(driven).collect();
         self.table.push(row)?;
-        let measured = self.scene.measure.from.is_some_and(|from| frame.time - self.progress.started >= from - 1e-9);
-        if !measured {
-            self.kept.clear();
-        }
-        self.kept.push((number, frame));
+        self.measured.push(self.scene, frame)?;
         self.progress.output_time += clock.elapsed();
         Ok(())
     }
 
     /// What the run came to.
-    pub fn summary(&mut self, provenance: Provenance, output: &Path, played: &Result<(), Failure>) -> RunSummary {
+    ///
+    /// # Errors
+    /// [`Failure`] if the frames that are to be measured cannot be read back.
+    pub fn summary(
+        &mut self,
+        provenance: Provenance,
+        output: &Path,
+        played: &Result<(), Failure>,
+    ) -> Result<RunSummary, Failure> {
+        let observables = self.observables()?;
+        if played.is_ok() {
+            self.place.clear();
+            self.measured.clear();
+        }
         let simulation = &self.simulation;
         let [detect, constrain, sweep, integrate] = self.phases();
         let contact_sweeps = simulation.contact_sweeps() - self.progress.contact_sweeps_before;
         let some = contact_sweeps > 0;
-        let last = self.kept.last();
-        let particles = last.map_or(0, |(_, frame)| frame.particles.len());
-        let contacts = last.map_or(0, |(_, frame)| frame.contacts.len());
+        let last = self.measured.last();
+        let particles = last.map_or(0, |frame| frame.particles.len());
+        let contacts = last.map_or(0, |frame| frame.contacts.len());
         let bytes = simulation.memory_bytes() as u64;
-        RunSummary {
+        Ok(RunSummary {
             version: JSON_VERSION,
             command: "run".into(),
             scene: self.scene.name.clone(),
@@ -356,54 +362,28 @@ impl<'a> Session<'a> {
                 worst_normal_rms: self.progress.worst_normal_rms,
             }),
             balance: simulation.balance(),
-            observables: self.measured(),
+            observables,
             output: output.display().to_string(),
             frames: self.frames.count(),
             provenance,
-        }
+        })
     }
 
-    /// Observables over the frames that the scene names, or those of them that were reached.
-    fn measured(&mut self) -> BTreeMap<String, Measured> {
-        let recording = Recording {
-            scene: self.scene.name.clone(),
-            code: "Makadam".into(),
-            version: VERSION.into(),
-            seed: self.seed,
-            time_step: self.simulation.time_step(),
-            rayleigh_fraction: None,
-            stiffness_factor: 1.0,
-            threads: self.simulation.team().threads(),
-            wall_seconds: self.progress.wall.as_secs_f64(),
-            simulated_seconds: self.simulation.time() - self.progress.started,
-            frames: std::mem::take(&mut self.kept).into_iter().map(|(_, frame)| frame).collect(),
-        };
-        let measured = observables::measure(self.scene, &recording).into_iter();
-        measured
+    /// Observables over the frames that the scene names; none if the run has not come that far.
+    fn observables(&self) -> Result<BTreeMap<String, Measured>, Failure> {
+        let measured = self.measured.measure(self.scene)?.unwrap_or_default().into_iter();
+        Ok(measured
             .filter(|m| m.value.is_finite())
             .map(|m| (m.observable, Measured { value: m.value, standard_error: m.standard_error, unit: m.unit }))
-            .collect()
+            .collect())
     }
 }
 
 /// What can be measured of one frame alone.
 fn instant(scene: &Scene, frame: &Snapshot) -> Vec<(String, f64)> {
-    let mut scene = scene.clone();
-    scene.measure.from = None;
-    let recording = Recording {
-        scene: scene.name.clone(),
-        code: "Makadam".into(),
-        version: VERSION.into(),
-        seed: 0,
-        time_step: scene.solver.step,
-        rayleigh_fraction: None,
-        stiffness_factor: 1.0,
-        threads: 1,
-        wall_seconds: 0.0,
-        simulated_seconds: frame.time,
-        frames: vec![frame.clone()],
-    };
-    let measured = observables::measure(&scene, &recording).into_iter();
+    let filled: Vec<&Snapshot> = [frame].into_iter().filter(|frame| !frame.particles.is_empty()).collect();
+    let Ok(measured) = observables::measure_frames(scene, &filled[..]);
+    let measured = measured.into_iter().flatten();
     measured.filter(|m| m.value.is_finite()).map(|m| (m.observable, m.value)).collect()
 }
 

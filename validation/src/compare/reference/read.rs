@@ -20,6 +20,12 @@ pub enum ReferenceError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A table is not the one that was recorded.
+    #[error("{}: not as it was recorded: its checksum is not the one in checksums.csv beside it; restore the file from the repository, or, if the change is meant, delete checksums.csv", file.display())]
+    Changed {
+        /// The file.
+        file: PathBuf,
+    },
     /// A line is not what it should be.
     #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record'", file.display())]
     Line {
@@ -36,8 +42,9 @@ impl Reference {
     /// Reads the references in a folder; `None` if there is no `runs.csv`.
     ///
     /// # Errors
-    /// [`ReferenceError`] if a file is missing or a line is wrong.
+    /// [`ReferenceError`] if a file is missing or not as it was recorded, or a line is wrong.
     pub fn load(folder: &Path) -> Result<Option<Reference>, ReferenceError> {
+        super::checksums::check(folder)?;
         Reference::read(folder, &|file| std::fs::read(file))
     }
 

@@ -50,7 +50,8 @@ impl Reference {
             }
             write_whole(&folder.join(final_state_file(&state.code)), text.as_bytes())?;
         }
-        write_whole(&folder.join("README.md"), self.account(scene).as_bytes())
+        write_whole(&folder.join("README.md"), self.account(scene).as_bytes())?;
+        super::checksums::write(folder)
     }
 
     /// How the numbers were made, for people.
