@@ -35,6 +35,8 @@ pub struct Simulation {
     pub(crate) steps: u64,
     pub(crate) contact_sweeps: u64,
     pub(crate) ledger: Option<Ledger>,
+    /// Work that walls did on grains in the last step besides what the solve tells, J.
+    pub(crate) work_outside_of_the_solve: f64,
     phases: PhaseSeconds,
 }
 
@@ -98,6 +100,7 @@ impl Simulation {
             steps: 0,
             contact_sweeps: 0,
             ledger: None,
+            work_outside_of_the_solve: 0.0,
             phases: PhaseSeconds::default(),
         }
     }
@@ -116,6 +119,7 @@ impl Simulation {
     }
 
     fn step_of(&mut self, team: &Team) -> StepReport {
+        self.work_outside_of_the_solve = 0.0;
         // The contact problem of the step.
         self.pose_problem(team);
         let clock = Clock::start();
@@ -147,7 +151,7 @@ impl Simulation {
         }
         let clock = clock.lap(&mut self.phases.detect);
         if let Some(ledger) = &mut self.ledger {
-            ledger.begin(&self.world);
+            ledger.begin(&self.world, &self.candidates, self.constrainer.scheme());
         }
         // Forces.
         self.apply_gravity(self.settings.step, team);
@@ -235,7 +239,8 @@ impl Simulation {
         self.steps += 1;
         let (time, gravity) = (self.world_time_after(self.steps), self.world.gravity);
         self.world.set_time(time);
-        if let Some(ledger) = self.ledger.as_mut().filter(|_| self.world.gravity != gravity) {
+        if let Some(ledger) = &mut self.ledger {
+            ledger.settle(&self.world, &self.candidates, self.constrainer.scheme());
             ledger.change_gravity(&self.world, gravity, h);
         }
     }
