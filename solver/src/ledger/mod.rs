@@ -117,14 +117,7 @@ impl Ledger {
 
     /// Notes that gravity is no longer what it was `before` (m/s2), after a step of length `h` (s) has moved the grains.
     pub fn change_gravity(&mut self, world: &World, before: Vector3<f64>, h: f64) {
-        let change = world.gravity - before;
-        if change == Vector3::zeros() {
-            return;
-        }
-        for (sphere, body) in world.spheres[..world.grains()].iter().zip(&world.bodies) {
-            let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
-            self.entries.changing_gravity -= change.dot(&place) / body.inverse_mass;
-        }
+        self.entries.changing_gravity += work_of_changing_gravity(world, before, h);
     }
 
     /// Notes what a step's impulses did, before the grains move.
@@ -266,6 +259,22 @@ impl Borne {
             tangential: lanes.tangential_impulse(lane),
         }
     }
+}
+
+/// Potential energy (J) that grains gain where they are because gravity is no longer what it was `before` (m/s2), after a step of
+/// length `h` (s) has moved them; half a step earlier, as all potential energy in a ledger.
+pub(crate) fn work_of_changing_gravity(world: &World, before: Vector3<f64>, h: f64) -> f64 {
+    let change = world.gravity - before;
+    if change == Vector3::zeros() {
+        return 0.0;
+    }
+    let grains = world.spheres[..world.grains()].iter().zip(&world.bodies);
+    grains
+        .map(|(sphere, body)| {
+            let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
+            -change.dot(&place) / body.inverse_mass
+        })
+        .sum()
 }
 
 impl Simulation {
