@@ -39,6 +39,8 @@ pub struct Simulation {
     pub(crate) ledger: Option<Ledger>,
     pub(crate) swept: Swept,
     pub(crate) interrupt: Interrupt,
+    /// Work that walls did on grains in the last step besides what the solve tells, J.
+    pub(crate) work_outside_of_the_solve: f64,
     phases: PhaseSeconds,
 }
 
@@ -99,6 +101,7 @@ impl Simulation {
             ledger: None,
             swept: Swept::default(),
             interrupt: Interrupt::new(),
+            work_outside_of_the_solve: 0.0,
             phases: PhaseSeconds::default(),
         }
     }
@@ -117,6 +120,7 @@ impl Simulation {
     }
 
     fn step_of(&mut self, team: &Team) -> StepReport {
+        self.work_outside_of_the_solve = 0.0;
         // The contact problem of the step.
         self.pose_problem(team);
         let clock = Clock::start();
@@ -128,12 +132,12 @@ impl Simulation {
             self.abandon_step();
             return StepReport { solve, contacts: 0 };
         }
-        // Walls that grains would pass within the step.
-        let stopped = self.stop_ahead(team);
         if let Some(mut ledger) = self.ledger.take() {
             ledger.note(self, self.constrainer.scheme());
             self.ledger = Some(ledger);
         }
+        // Walls that grains would pass within the step.
+        let stopped = self.stop_ahead(team);
         // Motion with the new velocities.
         self.remember_impulses(team);
         self.move_bodies(stopped, team);
@@ -155,7 +159,7 @@ impl Simulation {
         }
         let clock = clock.lap(&mut self.phases.detect);
         if let Some(ledger) = &mut self.ledger {
-            ledger.begin(&self.world);
+            ledger.begin(&self.world, &self.candidates, self.constrainer.scheme());
         }
         // Forces.
         self.apply_gravity(self.settings.step, team);
@@ -237,7 +241,8 @@ impl Simulation {
         self.steps += 1;
         let (time, gravity) = (self.world_time_after(self.steps), self.world.gravity);
         self.world.set_time(time);
-        if let Some(ledger) = self.ledger.as_mut().filter(|_| self.world.gravity != gravity) {
+        if let Some(ledger) = &mut self.ledger {
+            ledger.settle(&self.world, &self.candidates, self.constrainer.scheme());
             ledger.change_gravity(&self.world, gravity, h);
         }
     }

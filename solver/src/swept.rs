@@ -17,6 +17,7 @@
 use crate::Simulation;
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
+use crate::ledger::WallImpulse;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, Pose, Reached, Sphere, World, chunk, chunk_of, chunks};
 use nalgebra::Vector3;
@@ -66,8 +67,6 @@ pub(crate) struct Strike {
     pub along: f64,
     /// Tangential impulse on the wall, N s.
     pub tangential: Vector,
-    /// Velocity of the wall at the contact, m/s.
-    pub wall_velocity: Vector,
 }
 
 /// What is kept from step to step.
@@ -350,6 +349,7 @@ impl Simulation {
             _ => slip * sticking,
         };
         let impulse = tangential - normal * borne;
+        let before = wall_velocity - velocity - spin.cross(&normal);
         let body = &mut world.bodies[place];
         body.velocity = (velocity + impulse * body.inverse_mass).into();
         body.surface_speed = (spin + normal.cross(&tangential) * (INVERSE_INERTIA * body.inverse_mass)).into();
@@ -360,7 +360,7 @@ impl Simulation {
                 self.swept.poses[surface] = world.pose_through(surface, h);
             }
         }
-        self.note_strike(place, met.surface, normal, (borne, -tangential), wall_velocity);
+        self.note_strike(place, met.surface, normal, (borne, -tangential), [wall_velocity, before]);
         Some(drive.is_some())
     }
 
@@ -370,7 +370,7 @@ impl Simulation {
         let Some(met) = first_met(&self.world, &self.swept.poses, place, self.settings.step) else { return };
         let (h, world) = (self.settings.step, &mut self.world);
         let (centre, body) = (world.spheres[place].centre, world.bodies[place]);
-        let velocity = Vector::from(body.velocity);
+        let (velocity, spin) = (Vector::from(body.velocity), Vector::from(body.surface_speed));
         let poses = &self.swept.poses;
         let wall_velocity = poses[met.surface].carries(&centre, h);
         let short = velocity * (LONG_LEVEL * met.at.share);
@@ -384,20 +384,33 @@ impl Simulation {
         }
         world.bodies[place].velocity = held.into();
         let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);
-        let along = normal.dot(&impulse);
-        self.note_strike(place, met.surface, normal, (along, impulse - normal * along), wall_velocity);
+        let (along, before) = (normal.dot(&impulse), wall_velocity - velocity - spin.cross(&normal));
+        self.note_strike(place, met.surface, normal, (along, impulse - normal * along), [wall_velocity, before]);
     }
 
+    /// Notes an impact that a grain has just had, given the impulses on the wall, the wall's velocity at the contact, and this less that
+    /// of the grain's surface before the impact.
     fn note_strike(
         &mut self,
         place: usize,
         surface: usize,
         normal: Vector,
         (along, tangential): (f64, Vector),
-        wall_velocity: Vector,
+        [wall_velocity, before]: [Vector; 2],
     ) {
+        let body = &self.world.bodies[place];
+        let after = wall_velocity - Vector::from(body.velocity) - Vector::from(body.surface_speed).cross(&normal);
+        self.book_wall_impulse(&WallImpulse {
+            mass: 1.0 / body.inverse_mass,
+            normal: normal.into(),
+            before: before.into(),
+            after: after.into(),
+            impulse: (-normal * along - tangential).into(),
+            wall_velocity: wall_velocity.into(),
+            shift: [0.0; 3],
+        });
         let (place, surface) = (place as u32, surface as u32);
-        self.swept.strikes.push(Strike { place, surface, normal, along, tangential, wall_velocity });
+        self.swept.strikes.push(Strike { place, surface, normal, along, tangential });
     }
 }
 

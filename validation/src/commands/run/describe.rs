@@ -13,7 +13,11 @@ fn significant(value: f64) -> String {
 /// The summary for people.
 pub(super) fn describe(summary: &RunSummary) -> String {
     let ended = if summary.complete { "" } else { " (not complete)" };
-    let mut text = format!(
+    let mut text = String::new();
+    for alarm in summary.alarms.iter().filter(|alarm| alarm.grave) {
+        text += &format!("THESE NUMBERS ARE WORTHLESS: {}\n", alarm.first);
+    }
+    text += &format!(
         "{}: {} grains, {} steps of {:e} s, {:.4} s simulated in {:.2} s of wall time{ended}\n",
         summary.scene,
         summary.particles,
