@@ -31,7 +31,8 @@ impl Walk {
             self.path.push(Step::Name(key.clone()));
             let fault = match written.get(key) {
                 Some(there) => self.value(value, there),
-                None => (!self.is_read()).then(|| self.key_fault(key, document, written)),
+                None if self.is_read() => self.value(value, &nothing_of(value)),
+                None => Some(self.key_fault(key, document, written)),
             };
             self.path.pop();
             fault
@@ -46,7 +47,8 @@ impl Walk {
                     self.path.push(Step::Index(index));
                     let fault = match written.get(index) {
                         Some(there) => self.value(value, there),
-                        None => (!self.is_read()).then(|| self.element_fault(document.len(), written.len())),
+                        None if self.is_read() => self.value(value, &nothing_of(value)),
+                        None => Some(self.element_fault(document.len())),
                     };
                     self.path.pop();
                     fault
@@ -96,10 +98,23 @@ impl Walk {
         )
     }
 
-    fn element_fault(&mut self, listed: usize, read: usize) -> Fault {
+    fn element_fault(&mut self, listed: usize) -> Fault {
+        // The first one that is not read: those before it are.
+        let read = match self.path.last() {
+            Some(Step::Index(index)) => *index,
+            _ => 0,
+        };
         let whole = label(&self.path[..self.path.len() - 1]);
         let problem = format!("{whole}: {listed} values are listed, and {read} are read");
         Fault::new(self.path.clone(), problem, format!("give {read} values"))
+    }
+}
+
+/// A table or a list of the same kind that holds nothing, so that each of its entries is tried.
+fn nothing_of(value: &Value) -> Value {
+    match value {
+        Value::Table(_) => Value::Table(Table::new()),
+        _ => Value::Array(Vec::new()),
     }
 }
 

@@ -2,11 +2,10 @@
 
 use crate::scene::Scene;
 
-/// Bytes of a grain in a dense bed while it is simulated, candidate list and contacts included, and as much again while a list is built anew
-/// or a checkpoint is made: `docs/memory.md`.
-const OF_A_GRAIN: f64 = 1_400.0;
-/// Bytes of a grain while the start is placed and checked; the list of grains lives on until the first step.
-const OF_A_START: f64 = 400.0;
+/// Bytes of a grain in a dense bed while it is simulated, candidate list and contacts included: `docs/memory.md`.
+const OF_A_GRAIN: f64 = 1_000.0;
+/// Bytes more of a grain at the process's peak, where the start is placed and frames are written: measured, 450 to 600.
+const OF_A_START: f64 = 500.0;
 /// Bytes of a site of the lattice that a population is placed on.
 const OF_A_SITE: f64 = 24.0;
 
