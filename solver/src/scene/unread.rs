@@ -85,7 +85,7 @@ impl Walk {
             }
             self.path.pop();
         }
-        let kind = match written.get("kind") {
+        let kind = match document.get("kind") {
             Some(Value::String(kind)) => format!(" beside kind = '{kind}'"),
             _ => String::new(),
         };
