@@ -52,6 +52,43 @@ fn value_out_of_range() {
 }
 
 #[test]
+fn what_nobody_reads() {
+    refused(
+        "interval = 0.05",
+        "interval = 0.05\n\n[solver]\nnormal_law = { kind = \"hertz\", zzz = 1 }",
+        "zzz",
+        &["zzz", "hertz"],
+    );
+    refused("max = [0.03, 0.03, 0.3]", "max = [0.03, 0.03, 0.3, 4.0]", "max = [0.03", &["4 values", "give 3"]);
+}
+
+#[test]
+fn two_of_one_name_and_names_of_no_file() {
+    let rules =
+        "[[pair]]\nbetween = [\"grain\", \"wall\"]\n\n[[pair]]\nbetween = [\"wall\", \"grain\"] # again\n\n[measure]";
+    refused("[measure]", rules, "# again", &["pair[0]"]);
+    refused("name = \"smoke\"", "name = \"..\"", "name = \"..\"", &["'..'"]);
+    refused("interval = 0.05", "interval = 0.05\n[solver]\ninner_sweeps = 4294967295", "inner_sweeps", &["1000"]);
+}
+
+#[test]
+fn what_a_scene_cannot_bear_is_told_before_it_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let solver = "[solver]\nstep = 4e-3\n\n[measure]";
+    let scene = changed(folder.path(), "[measure]", solver);
+    let (code, message) = fails(folder.path(), &["run", scene.to_str().unwrap(), "--steps", "1", "--output", "out"]);
+    assert_eq!(code, 0, "{message}");
+    let place = format!("changed.toml:{}:", line_of(&scene, "[[population]]"));
+    for word in [&place, "meets grains of", "lower solver.step to"] {
+        assert!(message.contains(word), "no '{word}' in: {message}");
+    }
+    let summary: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("out/run.json")).unwrap()).unwrap();
+    assert_eq!(summary["findings"][0]["severity"], "warning");
+    assert_eq!(summary["findings"].as_array().unwrap().len(), 1);
+}
+
+#[test]
 fn not_toml() {
     refused("duration = 0.4", "duration = = 0.4", "duration = = 0.4", &[]);
 }

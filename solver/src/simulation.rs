@@ -70,10 +70,10 @@ impl Simulation {
     /// Places the scene's grains and makes ready for the first step.
     ///
     /// # Errors
-    /// [`SceneError`] if the grains do not fit their container or overlap, or if restitution falls with the speed of impacts that the
-    /// step resolves.
+    /// [`SceneError`] if the scene breaks a rule that scenes from files have to keep ([`Scene::check`]), or if its grains do not fit their
+    /// container or overlap.
     pub fn new(scene: &Scene, seed: u64, file: &Path) -> Result<Simulation, SceneError> {
-        scene.refuse_resolved_impacts(file)?;
+        scene.check(file)?;
         let grains = populate(scene, seed, file)?;
         Ok(Simulation::of_world(scene, World::new(scene, &grains)))
     }

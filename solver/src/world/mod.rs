@@ -104,8 +104,8 @@ pub struct World {
 }
 
 impl World {
-    /// Builds the world of a scene at time zero, without dummies.
-    pub fn new(scene: &Scene, grains: &[Grain]) -> World {
+    /// Builds the world of a checked scene at time zero, without dummies.
+    pub(crate) fn new(scene: &Scene, grains: &[Grain]) -> World {
         let table = MaterialTable::new(scene);
         let body = |grain: &Grain| {
             let volume = 4.0 / 3.0 * std::f64::consts::PI * grain.radius * grain.radius * grain.radius;

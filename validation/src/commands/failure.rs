@@ -43,6 +43,8 @@ impl Failure {
     pub fn exit_code(&self) -> u8 {
         match self {
             Failure::Running(_) | Failure::Interrupted(_) | Failure::ClosedOutput => 1,
+            // The scene is sound, and runs where there is more.
+            Failure::Scene(SceneError::Memory { .. }) => 1,
             Failure::Usage(_) => 2,
             Failure::Scene(_) => 3,
             Failure::MissingCode(_) => 5,

@@ -1,6 +1,7 @@
 //! The commands of `makadam`: arguments, exit codes, what is printed.
 
 mod arguments;
+mod beforehand;
 mod compare;
 mod console;
 mod convergence;
@@ -62,10 +63,11 @@ fn roots() -> Vec<PathBuf> {
     here.ancestors().map(PathBuf::from).chain(built.parent().map(PathBuf::from)).collect()
 }
 
-/// Finds, reads and checks a scene.
+/// Finds, reads and checks a scene, which has to find room in memory.
 fn load(name: &str) -> Result<(PathBuf, Scene), Failure> {
     let file = Scene::find(name, &roots())?;
     let scene = Scene::load(&file)?;
+    beforehand::refuse_beyond_memory(&scene, &file)?;
     Ok((file, scene))
 }
 

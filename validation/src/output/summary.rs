@@ -2,6 +2,7 @@
 
 use crate::provenance::Provenance;
 use makadam::Balance;
+use makadam::scene::Finding;
 use makadam::solve::StopReason;
 use makadam::sweep::Residuals;
 use serde::Serialize;
@@ -26,6 +27,8 @@ pub struct RunSummary {
     pub continued_at: Vec<u64>,
     /// What was noticed on the way, one entry a kind.
     pub alarms: Vec<AlarmSummary>,
+    /// What the settings were not expected to bear, told before the run.
+    pub findings: Vec<Finding>,
     /// Hash of positions, velocities and spins at the end, 16 hexadecimal digits.
     pub state_hash: String,
     /// Steps taken.

@@ -7,6 +7,7 @@ mod measured;
 mod session;
 
 use super::arguments::RunArguments;
+use super::beforehand::tell_findings;
 use super::{Console, Failure, begin, json, load};
 use crate::execution::{Execution, cores};
 use crate::output::{create_folder, write_whole};
@@ -31,6 +32,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     if arguments.time_budget.is_some() {
         scene.ask(budget::COARSEST);
     }
+    let findings = tell_findings(&scene, &file, console);
     let start = scene.clone();
     if let Some(precision) = arguments.precision {
         scene.solver.precision = precision.into();
@@ -101,6 +103,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         played = again.play(steps(&finer), console);
         summary = again.summary(provenance(&finer), &output, &played)?;
     }
+    summary.findings = findings;
     let text = json(&summary);
     let written = write_whole(&output.join("run.json"), text.as_bytes());
     console.result(&if arguments.json { text } else { describe(&summary) })?;

@@ -334,6 +334,7 @@ impl<'a> Session<'a> {
             scene: self.scene.name.clone(),
             complete: played.is_ok(),
             continued_at: self.progress.continued_at.clone(),
+            findings: Vec::new(),
             alarms: self
                 .progress
                 .alarms
