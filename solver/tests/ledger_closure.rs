@@ -39,7 +39,14 @@ fn balance(scene: &Scene, steps: usize) -> Balance {
     }
     println!(
         "closure {:e} of {:e} J: walls {:e}, first touch {:e}, turning {:e}, let go {:e}, wall paths {:e}, lost {:e}",
-        last.closure, last.exchanged(), last.walls, last.first_touch, last.turning, last.let_go, last.wall_paths, last.lost()
+        last.closure,
+        last.exchanged(),
+        last.walls,
+        last.first_touch,
+        last.turning,
+        last.let_go,
+        last.wall_paths,
+        last.lost()
     );
     assert!(last.momentum_closure.iter().all(|open| open.abs() < 1e-9 * MASS * steps as f64), "{last:#?}");
     last
@@ -62,8 +69,7 @@ fn the_ledger_closes_in_a_cohesive_heap() {
         [Cohesion::Constant { force: 4.0 * MASS * 9.81, range: 2e-4 }, Cohesion::SurfaceEnergy { work: 0.2 }]
     {
         for solver in [HERTZ, common::CONVERGED_RIGID] {
-            let setup =
-                Setup { solver: solver.into(), body: bed(40), youngs_modulus: 1e6, ..Setup::default() };
+            let setup = Setup { solver: solver.into(), body: bed(40), youngs_modulus: 1e6, ..Setup::default() };
             let mut scene = setup.scene();
             scene.material.values_mut().for_each(|material| material.cohesion = Some(cohesion));
             let balance = balance(&scene, 500);

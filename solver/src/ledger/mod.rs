@@ -43,7 +43,7 @@ use crate::partition::TaskGroups;
 use crate::world::World;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use stored::{Expected, Expectations, Stored};
+use stored::{Expectations, Expected, Stored};
 
 /// A ledger that is kept from step to step.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -117,14 +117,7 @@ impl Ledger {
 
     /// Notes that gravity is no longer what it was `before` (m/s2), after a step of length `h` (s) has moved the grains.
     pub fn change_gravity(&mut self, world: &World, before: Vector3<f64>, h: f64) {
-        let change = world.gravity - before;
-        if change == Vector3::zeros() {
-            return;
-        }
-        for (sphere, body) in world.spheres[..world.grains()].iter().zip(&world.bodies) {
-            let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
-            self.entries.changing_gravity -= change.dot(&place) / body.inverse_mass;
-        }
+        self.entries.changing_gravity += work_of_changing_gravity(world, before, h);
     }
 
     /// Notes what a step's impulses did, before the grains move.
@@ -162,17 +155,13 @@ impl Ledger {
             let distance = pose.distance(&world.spheres[place].centre);
             let (contact, pull) = wall_as_it_is(world, candidate, distance);
             let contact = NormalContact { velocity: dot(normal, approach), ..contact };
-            let borne = Borne {
-                normal,
-                along: one.along(),
-                tangential: one.group.contacts.tangential_impulse(one.lane),
-            };
+            let borne =
+                Borne { normal, along: one.along(), tangential: one.group.contacts.tangential_impulse(one.lane) };
             let passages = [minus(before, grain.before), minus(after, grain.after)];
             let expected = self.contact(&borne, contact, pull, passages, scheme);
             self.expectations.walls[one.source] = expected;
             self.expectations.advances[one.source] = times(normal, scheme.step * dot(normal, after));
-            self.entries.resistance -=
-                dot(one.angular_impulse, minus(one.mean_spin(), self.mean_spin(world, place)));
+            self.entries.resistance -= dot(one.angular_impulse, minus(one.mean_spin(), self.mean_spin(world, place)));
             // The grain bears the opposite.
             self.entries.walls += one.work();
             self.entries.wall_impulse = minus(self.entries.wall_impulse, one.impulse());
@@ -239,8 +228,8 @@ impl Ledger {
             elastic: (contact.overlap > 0.0).then_some(then.elastic),
             cohesive: (-contact.overlap <= pull.range).then_some(then.cohesive),
         };
-        let gained =
-            expected.elastic.map_or(0.0, |then| then - now.elastic) + expected.cohesive.map_or(0.0, |then| then - now.cohesive);
+        let gained = expected.elastic.map_or(0.0, |then| then - now.elastic)
+            + expected.cohesive.map_or(0.0, |then| then - now.cohesive);
         let loss = -along * dot(normal, mean) - gained;
         let impact = contact.velocity < -scheme.restitution_threshold;
         match impact || contact.constraint(scheme).resolves_impact {
@@ -266,6 +255,22 @@ impl Borne {
             tangential: lanes.tangential_impulse(lane),
         }
     }
+}
+
+/// Potential energy (J) that grains gain where they are because gravity is no longer what it was `before` (m/s2), after a step of
+/// length `h` (s) has moved them; half a step earlier, as all potential energy in a ledger.
+pub(crate) fn work_of_changing_gravity(world: &World, before: Vector3<f64>, h: f64) -> f64 {
+    let change = world.gravity - before;
+    if change == Vector3::zeros() {
+        return 0.0;
+    }
+    let grains = world.spheres[..world.grains()].iter().zip(&world.bodies);
+    grains
+        .map(|(sphere, body)| {
+            let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
+            -change.dot(&place) / body.inverse_mass
+        })
+        .sum()
 }
 
 impl Simulation {

@@ -68,6 +68,7 @@ impl From<StartError> for Failure {
             StartError::Write(error) => error.into(),
             StartError::Checkpoint(error) => Failure::Running(error.to_string()),
             StartError::Execution(error) => Failure::Running(error.to_string()),
+            StartError::Worthless(_) => Failure::Running(error.to_string()),
             StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
         }
     }

@@ -75,6 +75,8 @@ pub struct AlarmSummary {
     pub first: String,
     /// Number of looks that found it.
     pub count: u64,
+    /// Whether the numbers of the run mean nothing.
+    pub grave: bool,
 }
 
 /// Wall time by phase, s.

@@ -12,7 +12,7 @@ use crate::recording::Recording;
 use makadam::scene::{Reaction, Scene};
 use makadam::snapshot::Snapshot;
 use makadam::solve::StopReason;
-use makadam::watch::Watchdog;
+use makadam::watch::{Alarm, Watchdog};
 use makadam::{Simulation, StepReport};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -90,6 +90,7 @@ pub(super) struct Progress {
 struct AlarmCount {
     first: String,
     count: u64,
+    grave: bool,
 }
 
 /// What the solves of a run took.
@@ -172,10 +173,18 @@ impl<'a> Session<'a> {
             self.progress.wall += clock.elapsed();
             self.progress.steps += 1;
             self.note(report);
-            self.watch(&report, console)?;
             let interrupted = crate::interrupt::requested();
             let last = self.progress.steps == steps;
-            if last || frame_is_due(self.progress.steps, step_seconds, interval) {
+            let framed = last || frame_is_due(self.progress.steps, step_seconds, interval);
+            let mut alarms = self.watchdog.observe(&self.simulation, &report);
+            // What is measured or left behind is looked at too.
+            if last || interrupted {
+                alarms.extend(self.watchdog.last(&self.simulation));
+            } else if framed {
+                alarms.extend(self.watchdog.look(&self.simulation));
+            }
+            self.heed(&alarms, console)?;
+            if framed {
                 self.frame()?;
             }
             if interrupted || (!last && written.elapsed() >= self.interval) {
@@ -199,14 +208,14 @@ impl<'a> Session<'a> {
         progress.last = Some(report);
     }
 
-    /// Looks for trouble; holds a state from before it ready.
-    fn watch(&mut self, report: &StepReport, console: &Console) -> Result<(), Failure> {
-        let alarms = self.watchdog.observe(&self.simulation, report);
-        for alarm in &alarms {
+    /// Heeds what was noticed; holds a state from before it ready.
+    fn heed(&mut self, alarms: &[Alarm], console: &Console) -> Result<(), Failure> {
+        for alarm in alarms {
             let known = self.progress.alarms.entry(alarm.trouble.kind().into()).or_default();
             known.count += 1;
             if known.count == 1 {
                 known.first = alarm.to_string();
+                known.grave = alarm.trouble.is_grave();
                 console.warn(&known.first);
             }
         }
@@ -317,7 +326,7 @@ impl<'a> Session<'a> {
                 .progress
                 .alarms
                 .values()
-                .map(|a| AlarmSummary { first: a.first.clone(), count: a.count })
+                .map(|a| AlarmSummary { first: a.first.clone(), count: a.count, grave: a.grave })
                 .collect(),
             failure: played.as_ref().err().map(ToString::to_string),
             state_hash: format!("{:016x}", simulation.state_hash()),
