@@ -147,7 +147,7 @@ pub struct Watchdog {
     settings: Watch,
     /// Steps that the simulation had taken when this took note of one for the last time, and when it looked.
     noted: u64,
-    looked: u64,
+    looked: Option<u64>,
     /// Gravity at the end of the last step, m/s2.
     gravity: Vector3<f64>,
     /// What walls and changes of gravity have given the grains so far, J.
@@ -167,7 +167,7 @@ impl Watchdog {
         Watchdog {
             settings: settings.clone(),
             noted: simulation.steps,
-            looked: simulation.steps,
+            looked: None,
             gravity: simulation.world.gravity,
             supplied: 0.0,
             available: f64::INFINITY,
@@ -212,10 +212,10 @@ impl Watchdog {
     /// together since.
     pub fn look(&mut self, simulation: &Simulation) -> Vec<Alarm> {
         let mut troubles = Vec::new();
-        if self.settings.every == 0 || simulation.steps == self.looked {
+        if self.settings.every == 0 || self.looked == Some(simulation.steps) {
             return troubles;
         }
-        self.looked = simulation.steps;
+        self.looked = Some(simulation.steps);
         let mut note = |trouble: Option<Trouble>, reaction: Reaction| {
             if let Some(trouble) = trouble.filter(|_| reaction != Reaction::Ignore) {
                 troubles.push(Alarm { trouble, reaction, step: simulation.steps, time: simulation.world.time });
