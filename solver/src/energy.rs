@@ -85,16 +85,22 @@ impl ContactEnergy {
                 sum.deepest = Some((share, world.ids[grain]));
             }
         };
+        // Most candidates are apart, which takes neither a root nor their materials to see.
+        let range = world.range_of_cohesion();
         for pair in &candidates.pairs {
             let (first, second) = (pair.first as usize, pair.second as usize);
-            let radius = world.spheres[first].radius.min(world.spheres[second].radius);
-            take(pair_as_it_is(world, pair), radius, first);
+            let (a, b) = (world.spheres[first].radius, world.spheres[second].radius);
+            if world.arm(first, second).norm_squared() <= (a + b + range).powi(2) * (1.0 + 1e-9) {
+                take(pair_as_it_is(world, pair), a.min(b), first);
+            }
         }
         let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
         for wall in &candidates.walls {
             let sphere = &world.spheres[wall.body as usize];
             let distance = poses[wall.surface as usize].distance(&sphere.centre);
-            take(wall_as_it_is(world, wall, distance), sphere.radius, wall.body as usize);
+            if distance <= (sphere.radius + range) * (1.0 + 1e-9) {
+                take(wall_as_it_is(world, wall, distance), sphere.radius, wall.body as usize);
+            }
         }
         sum
     }

@@ -1,11 +1,11 @@
 //! Watchdogs: what goes wrong without a word elsewhere is named here, with the grain, the step and the time.
 
-use crate::Simulation;
 use crate::energy::ContactEnergy;
 use crate::ledger::work_of_changing_gravity;
 use crate::scene::{Reaction, Watch};
 use crate::simulation::StepReport;
 use crate::solve::{StopReason, residual_unit};
+use crate::{Crossing, Simulation};
 use nalgebra::Vector3;
 use std::fmt;
 
@@ -147,7 +147,7 @@ pub struct Watchdog {
     settings: Watch,
     /// Steps that the simulation had taken when this took note of one for the last time, and when it looked.
     noted: u64,
-    looked: u64,
+    looked: Option<u64>,
     /// Gravity at the end of the last step, m/s2.
     gravity: Vector3<f64>,
     /// What walls and changes of gravity have given the grains so far, J.
@@ -167,7 +167,7 @@ impl Watchdog {
         Watchdog {
             settings: settings.clone(),
             noted: simulation.steps,
-            looked: simulation.steps,
+            looked: None,
             gravity: simulation.world.gravity,
             supplied: 0.0,
             available: f64::INFINITY,
@@ -180,7 +180,12 @@ impl Watchdog {
     ///
     /// It wants to see every step: after one that it has not seen it knows no longer what walls gave, and judges energy from
     /// there on. Between looks it allocates nothing, and a look no more than a pose a wall.
+    /// A grain that has crossed a wall is noticed in its step, whatever the scene asks for.
     pub fn observe(&mut self, simulation: &Simulation, report: &StepReport) -> Vec<Alarm> {
+        if let Some(Crossing { grain, wall }) = simulation.crossing() {
+            let (trouble, reaction) = (Trouble::Crossing { grain, wall }, Reaction::Stop);
+            return vec![Alarm { trouble, reaction, step: simulation.steps, time: simulation.world.time }];
+        }
         if self.settings.every == 0 {
             return Vec::new();
         }
@@ -212,10 +217,10 @@ impl Watchdog {
     /// together since.
     pub fn look(&mut self, simulation: &Simulation) -> Vec<Alarm> {
         let mut troubles = Vec::new();
-        if self.settings.every == 0 || simulation.steps == self.looked {
+        if self.settings.every == 0 || self.looked == Some(simulation.steps) {
             return troubles;
         }
-        self.looked = simulation.steps;
+        self.looked = Some(simulation.steps);
         let mut note = |trouble: Option<Trouble>, reaction: Reaction| {
             if let Some(trouble) = trouble.filter(|_| reaction != Reaction::Ignore) {
                 troubles.push(Alarm { trouble, reaction, step: simulation.steps, time: simulation.world.time });
@@ -231,6 +236,19 @@ impl Watchdog {
             note(overlap, reaction);
         }
         troubles
+    }
+
+    /// As [`Watchdog::observe`] for a run that is only to end where it has to: looks too where the state is measured, or is the last
+    /// one.
+    ///
+    /// # Errors
+    /// The gravest of what was noticed that ends a run.
+    pub fn check(&mut self, simulation: &Simulation, report: &StepReport, measured: bool) -> Result<(), Alarm> {
+        let mut alarms = self.observe(simulation, report);
+        if measured {
+            alarms.extend(self.look(simulation));
+        }
+        alarms.into_iter().find(|alarm| alarm.reaction == Reaction::Stop).map_or(Ok(()), Err)
     }
 
     /// Adds what walls and gravity that changes gave in the last step.

@@ -146,6 +146,14 @@ fn phases(criterion: &mut Criterion) {
         phase(criterion, ("look", name), &state, contacts, generic, |simulation| {
             black_box(Watchdog::new(&watch, simulation).observe(simulation, &StepReport::default()));
         });
+        // What they take note of in every step.
+        let watch = Watch { every: u32::MAX, ..Watch::default() };
+        let watchdog = Watchdog::new(&watch, &state);
+        let mut next = state.clone();
+        let report = next.step();
+        phase(criterion, ("note", name), &next, contacts, generic, |simulation| {
+            black_box(watchdog.clone().observe(simulation, &report));
+        });
         phase(criterion, ("step", name), &state, contacts, everywhere, |simulation| {
             black_box(simulation.step());
         });

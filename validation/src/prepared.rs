@@ -5,6 +5,7 @@ use crate::output::{WriteError, create_folder};
 use crate::provenance::scene_hash;
 use makadam::checkpoint::{CheckpointError, open, seal, write_atomically};
 use makadam::scene::{Scene, SceneError};
+use makadam::watch::{Alarm, Watchdog};
 use makadam::{BUILD, Simulation};
 use serde::{Deserialize, Serialize};
 use std::fs::DirBuilder;
@@ -27,6 +28,9 @@ pub enum StartError {
     /// The machine cannot run it as asked.
     #[error(transparent)]
     Execution(#[from] ExecutionError),
+    /// The state that was prepared is worth nothing.
+    #[error("while the flowing state was prepared: {0}")]
+    Worthless(Alarm),
     /// The user asked to stop while the state was prepared.
     #[error("interrupted while the flowing state was prepared")]
     Interrupted,
@@ -130,8 +134,10 @@ pub fn start(
     let mut simulation = Simulation::new(&beforehand, seed, scene_file)?;
     execution.apply(&mut simulation)?;
     let steps = steps_in(prepare.duration, prepare.step);
+    let mut watchdog = Watchdog::new(&scene.watch, &simulation);
     for step in 1..=steps {
-        simulation.step();
+        let report = simulation.step();
+        watchdog.check(&simulation, &report, step == steps).map_err(StartError::Worthless)?;
         progress(step as f64 / steps as f64);
         if crate::interrupt::requested() {
             return Err(StartError::Interrupted);

@@ -80,6 +80,7 @@ impl From<StartError> for Failure {
             StartError::Write(error) => error.into(),
             StartError::Checkpoint(error) => Failure::Running(error.to_string()),
             StartError::Execution(error) => error.into(),
+            StartError::Worthless(_) => Failure::Running(error.to_string()),
             StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
         }
     }

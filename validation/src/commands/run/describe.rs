@@ -92,11 +92,20 @@ fn ledger(balance: &Balance) -> String {
         0.0 => String::new(),
         gained => format!(", changing gravity {gained:.4e}"),
     };
+    let paths = match balance.wall_paths {
+        0.0 => String::new(),
+        gained => format!(", paths of walls {gained:.4e}"),
+    };
+    let released = match balance.let_go {
+        0.0 => String::new(),
+        lost => format!(", contacts let go {lost:.4e} J"),
+    };
     let size = |vector: [f64; 3]| vector.iter().map(|component| component * component).sum::<f64>().sqrt();
     format!(
         "energy           {} J\n\
-         lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J{resistance}\n\
-         gained from      walls {:.4e}, overlap at first touch {:.4e}{changes} J; left open {:.2e} J\n\
+         lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J{resistance}{released}\n\
+         gained from      walls {:.4e}, overlap at first touch {:.4e}{changes}, normals that turned {:.4e}{paths} J; \
+         left open {:.2e} J\n\
          momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; left open {:.2e} kg m/s\n",
         states.join(", "),
         balance.friction,
@@ -104,6 +113,7 @@ fn ledger(balance: &Balance) -> String {
         balance.stabilisation,
         balance.walls,
         balance.first_touch,
+        balance.turning,
         balance.closure,
         size(balance.gravity_impulse),
         size(balance.wall_impulse),

@@ -132,7 +132,7 @@ fn processors(runs: &[&MeasuredRun]) -> String {
 pub fn physics_hash(scene: &Scene) -> String {
     let mut physics = serde_json::to_value(scene).expect("a checked scene holds finite numbers");
     if let Some(table) = physics.as_object_mut() {
-        for key in ["name", "description", "seed", "solver", "compare"] {
+        for key in ["name", "description", "seed", "solver", "watch", "compare"] {
             table.remove(key);
         }
         if let Some(measure) = table.get_mut("measure").and_then(|measure| measure.as_object_mut()) {
