@@ -1,7 +1,7 @@
 //! `makadam convergence`: how each method converges on the problem of one step.
 
 use super::arguments::ConvergenceArguments;
-use super::{Console, Failure, begin, json, load, settle};
+use super::{Console, Failure, begin, can_record, json, load, settle};
 use crate::convergence::{self, Curve, Problem, Study};
 use crate::execution::Execution;
 use crate::output::record_folder;
@@ -15,6 +15,9 @@ use std::process::ExitCode;
 /// Solves one problem with every method, writes and says what was found.
 pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.scene)?;
+    if arguments.record {
+        can_record(&file)?;
+    }
     let seed = arguments.seed.unwrap_or(scene.seed);
     let methods = methods(&scene, arguments.methods.as_deref());
     let threads = usize::from(arguments.threads);

@@ -7,6 +7,7 @@ use crate::execution::Execution;
 use crate::output::{JSON_VERSION, create_folder, write_whole};
 use crate::prepared::{Start, file_stem};
 use crate::provenance::Provenance;
+use crate::scenes;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -14,8 +15,7 @@ use std::time::Duration;
 /// Looks, measures, writes and says what was found.
 pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.scene)?;
-    let text = std::fs::read_to_string(&file)
-        .map_err(|error| Failure::Running(format!("{}: {error}; check that it can be read", file.display())))?;
+    let text = scenes::text(&file)?;
     let seed = arguments.seed.unwrap_or(scene.seed);
     let execution = Execution::serial();
     let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;

@@ -21,6 +21,7 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 use crate::compare::Share;
 use crate::execution::Execution;
 use crate::prepared::{Start, start, steps_in};
+use crate::scenes;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use makadam::Simulation;
@@ -55,18 +56,23 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Folders in which `reference-scenes` is looked for: here and above, then where the program was built.
-fn roots() -> Vec<PathBuf> {
-    let here = std::env::current_dir().unwrap_or_default();
-    let built = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    here.ancestors().map(PathBuf::from).chain(built.parent().map(PathBuf::from)).collect()
-}
-
 /// Finds, reads and checks a scene.
 fn load(name: &str) -> Result<(PathBuf, Scene), Failure> {
-    let file = Scene::find(name, &roots())?;
-    let scene = Scene::load(&file)?;
+    let file = scenes::find(name, &scenes::roots())?;
+    let scene = scenes::load(&file)?;
     Ok((file, scene))
+}
+
+/// Refuses to record beside a scene that lies in no folder.
+fn can_record(file: &Path) -> Result<(), Failure> {
+    match scenes::is_built_in(file) {
+        false => Ok(()),
+        true => Err(Failure::Usage(format!(
+            "{} is a scene that the program itself holds, so there is no folder to record into; run where there is a folder \
+             reference-scenes with it, or give the path to a file",
+            file.display()
+        ))),
+    }
 }
 
 /// The simulation at the start of its run, with a progress bar while a flowing state is prepared.

@@ -14,8 +14,8 @@ struct Line<'a> {
     unit: &'a str,
     code: &'a str,
     source: Option<Source>,
-    mean: f64,
-    standard_deviation: f64,
+    mean: Option<f64>,
+    standard_deviation: Option<f64>,
     seeds: usize,
     reference_code: Option<&'a str>,
     difference: Option<f64>,
@@ -26,6 +26,7 @@ struct Line<'a> {
     margin: Option<f64>,
     outcome: Option<&'static str>,
     seeds_needed: Option<usize>,
+    missing: Option<&'a str>,
 }
 
 /// All rows of a qualification as CSV.
@@ -51,6 +52,7 @@ pub(super) fn to_csv(qualification: &Qualification) -> Result<Vec<u8>, csv::Erro
         "margin",
         "outcome",
         "seeds_needed",
+        "missing",
     ])?;
     for comparison in &qualification.comparisons {
         let source = |row: &Row| comparison.codes.iter().find(|code| code.code == row.code).map(|code| code.source);
@@ -84,5 +86,6 @@ fn line<'a>(table: &'static str, row: &'a Row, source: Option<Source>) -> Line<'
         margin: row.margin,
         outcome: row.outcome.map(super::names::outcome),
         seeds_needed: row.seeds_needed,
+        missing: row.missing.as_deref(),
     }
 }
