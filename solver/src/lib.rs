@@ -36,7 +36,7 @@ pub mod sweep;
 pub mod watch;
 pub mod world;
 
-pub use convergence::ConvergencePoint;
+pub use convergence::{ConvergencePoint, UnsuitableMethod};
 pub use energy::Energy;
 pub use ledger::Balance;
 pub use simulation::{PhaseSeconds, Simulation, StepReport};

@@ -16,11 +16,12 @@ mod stability;
 mod tradeoff;
 
 pub use console::Console;
+pub(crate) use console::shown;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
 use crate::compare::Share;
 use crate::execution::Execution;
-use crate::prepared::{Start, start, steps_in};
+use crate::prepared::{Start, cache_folder, is_ready, start, steps_in};
 use crate::scenes;
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -31,7 +32,10 @@ use std::process::ExitCode;
 
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(words) => return tell(&words),
+    };
     let console = Console::new(arguments.quiet, arguments.verbose);
     crate::interrupt::listen();
     let done = match &arguments.command {
@@ -48,6 +52,24 @@ pub fn main() -> ExitCode {
     };
     match done {
         Ok(code) => code,
+        Err(Failure::ClosedOutput) => ExitCode::from(1),
+        Err(failure) => {
+            console.error(&failure.to_string());
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+/// Prints what was asked for in place of a command, such as its help, or what is wrong with the arguments.
+fn tell(words: &clap::Error) -> ExitCode {
+    if words.use_stderr() {
+        words.exit();
+    }
+    let console = Console::new(false, false);
+    let styled = words.render();
+    let text = if console.colour() { styled.ansi().to_string() } else { styled.to_string() };
+    match console.page(text.trim_end()) {
+        Ok(()) => ExitCode::SUCCESS,
         Err(Failure::ClosedOutput) => ExitCode::from(1),
         Err(failure) => {
             console.error(&failure.to_string());
@@ -83,12 +105,28 @@ fn begin(
     execution: &Execution,
     console: &Console,
 ) -> Result<(Simulation, Start), Failure> {
+    if let Some(prepare) = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed)) {
+        console.note(&format!(
+            "{} starts from a flowing state, which is prepared first: {} steps of {:e} s, {} s of simulated time, beside the run's own \
+             steps; it is kept under {} for later runs",
+            scene.name,
+            steps_in(prepare.duration, prepare.step),
+            prepare.step,
+            prepare.duration,
+            prepared_folder().display(),
+        ));
+    }
     let bar = console.bar("preparing the flow");
     let (simulation, start) = start(scene, seed, file, execution, &|share| bar.set(share))?;
     if let Start::Prepared(file) = &start {
         console.note(&format!("starting from the flowing state {}", file.display()));
     }
     Ok((simulation, start))
+}
+
+/// Folder in which flowing states are kept.
+fn prepared_folder() -> PathBuf {
+    cache_folder().join("prepared")
 }
 
 /// Simulates for a time, s.

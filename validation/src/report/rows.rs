@@ -2,6 +2,7 @@
 
 use super::qualification::Qualification;
 use crate::compare::{Row, Source};
+use crate::output::cells::without_formulas;
 use serde::Serialize;
 
 /// A line of `rows.csv`; the names of its fields are the head of the file.
@@ -63,7 +64,8 @@ pub(super) fn to_csv(qualification: &Qualification) -> Result<Vec<u8>, csv::Erro
             writer.serialize(line("stiffness", row, source(row)))?;
         }
     }
-    writer.into_inner().map_err(|error| error.into_error().into())
+    let table = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(without_formulas(table))
 }
 
 fn line<'a>(table: &'static str, row: &'a Row, source: Option<Source>) -> Line<'a> {
