@@ -29,6 +29,12 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     let seed = arguments.seed.unwrap_or(scene.seed);
     let cores = cores();
     let plan = plan(arguments, cores);
+    if plan.traced_steps < arguments.traced_steps {
+        console.note(&format!(
+            "{} steps are traced, as many as there are, not {}",
+            plan.traced_steps, arguments.traced_steps
+        ));
+    }
     if plan.threads.iter().any(|&threads| threads > cores) {
         console.warn(&format!("more threads than the {cores} cores at hand: such times say little"));
     }

@@ -99,7 +99,7 @@ pub struct Curve {
     pub points: Vec<ConvergencePoint>,
 }
 
-/// When a root mean square residual over the three directions was first at or below a tolerance.
+/// When a root mean square residual over the three directions and turning was first at or below a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Reached {
     /// The tolerance, in the study's unit.
