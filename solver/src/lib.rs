@@ -39,7 +39,7 @@ mod swept;
 pub mod watch;
 pub mod world;
 
-pub use convergence::ConvergencePoint;
+pub use convergence::{ConvergencePoint, UnsuitableMethod};
 pub use energy::Energy;
 pub use interrupt::Interrupt;
 pub use ledger::Balance;

@@ -55,7 +55,7 @@ fn every_combination_of_effects_answers_to_all_that_is_asked() {
         let error = simulation.solution_error();
         assert!(error.relative().is_finite() && error.relative() > 0.0, "{effects:?}: {error:?}");
         assert!(error.cone.max < 1e-12, "{effects:?}: {error:?}");
-        let points = simulation.convergence(SolverMethod::GaussSeidel, 40);
+        let points = simulation.convergence(SolverMethod::GaussSeidel, 40).unwrap();
         let rms = |place: usize| points[place].residuals.rms();
         assert!(rms(40) < 0.5 * rms(0), "{effects:?}: {} after {}", rms(40), rms(0));
         assert_eq!(simulation.snapshot().particles.len(), 20);

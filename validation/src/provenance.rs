@@ -1,6 +1,7 @@
 //! Where a result came from: version, commit, compiler, machine, seed, scene, settings.
 
 use crate::execution::Execution;
+use crate::prepared::steps_in;
 use makadam::checkpoint::checksum;
 use makadam::lanes::InstructionSet;
 use makadam::scene::{Scene, SolverSettings, Watch};
@@ -80,10 +81,35 @@ pub struct Provenance {
     pub scene_hash: String,
     /// Solver settings of the run, tolerances included.
     pub solver: SolverSettings,
+    /// What was simulated before the run began, where it starts from a flowing state; no part of the run's steps and times.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prepared: Option<Prepared>,
     /// Start of the run, ISO 8601, UTC.
     pub time: String,
     /// The command line.
     pub command: String,
+}
+
+/// The flowing state that a run starts from: how it is prepared.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Prepared {
+    /// Simulated time, s.
+    pub seconds: f64,
+    /// Steps.
+    pub steps: u64,
+    /// Time step, s.
+    pub time_step: f64,
+}
+
+impl Prepared {
+    /// What a scene prepares, if it does.
+    pub fn of(scene: &Scene) -> Option<Prepared> {
+        scene.prepare.as_ref().map(|prepare| Prepared {
+            seconds: prepare.duration,
+            steps: steps_in(prepare.duration, prepare.step),
+            time_step: prepare.step,
+        })
+    }
 }
 
 impl Provenance {
@@ -97,6 +123,7 @@ impl Provenance {
             scene_file: from_here(scene_file).display().to_string(),
             scene_hash: format!("{:016x}", scene_hash(scene)),
             solver: scene.solver.clone(),
+            prepared: Prepared::of(scene),
             time: utc(SystemTime::now()),
             command: command_line(),
         }

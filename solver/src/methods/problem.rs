@@ -5,10 +5,11 @@
 //! combine alike on both sides; where a projection bends an impulse, the difference is given to the bodies.
 
 use super::group::{Block, Visit, Visiting};
+use super::torques::MeasureTorques;
 use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
-use crate::effects::with_tangential;
+use crate::effects::{with_effects, with_tangential};
 use crate::interrupt::{Interrupt, is_heeded};
 use crate::lanes::{Eight, LANES};
 use crate::partition::{Layout, STAGES, SingleCopy};
@@ -228,7 +229,7 @@ impl Problem<'_> {
         StepSums { scaled, compliant, slope, residuals: total.residual.finish(self.layout.contacts) }
     }
 
-    /// Natural-map residuals of the present state, and by how much impulses leave their cones, m/s.
+    /// Natural-map residuals of the present state, torques included, and by how much impulses leave their cones, m/s.
     pub fn measure(&mut self) -> (Residuals, Residual) {
         tell_driven(self.layout, self.drives);
         let tallies = &mut self.workspace.tallies;
@@ -239,8 +240,29 @@ impl Problem<'_> {
                 Measure { bodies: bodies.as_ptr(), tally: unsafe { tallies.at(place) } }
             });
         }
+        if self.relaxation.effects.torques() {
+            self.measure_torques();
+        }
+        let tallies = &self.workspace.tallies;
         let (total, contacts) = (Tally::total(tallies), self.layout.contacts);
         (total.residual.finish(contacts), total.cone.finish(contacts).normal)
+    }
+
+    /// Adds the residuals of torques to the tallies of all tasks.
+    fn measure_torques(&mut self) {
+        let (plan, groups) = (&self.layout.plan, &self.layout.groups);
+        let (bodies, tallies) = (&*self.bodies, Disjoint::new(&mut self.workspace.tallies));
+        let (set, batches) = (self.relaxation.instruction_set, plan.all_batches());
+        self.team.each(Phase::Sweep, batches.len(), |number| {
+            for place in batches[number].clone() {
+                let (groups, bodies) = (&groups[plan.tasks()[place].number as usize], bodies.as_ptr());
+                // SAFETY: each task has its own tally.
+                let tally = unsafe { tallies.at(place) };
+                with_effects!(self.relaxation.effects.compiled(), E => {
+                    set.run(MeasureTorques::<E> { groups, bodies, tally, effects: PhantomData })
+                });
+            }
+        });
     }
 
     /// `difference = bodies - velocities`, and twice its kinetic energy, J.

@@ -24,7 +24,7 @@ use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact, Pair, push_each};
 use std::marker::PhantomData;
-use torques::Torque;
+pub(crate) use torques::Torque;
 
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
 #[derive(Clone, Copy, Debug)]

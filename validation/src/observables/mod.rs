@@ -30,6 +30,7 @@
 pub mod balances;
 pub mod bed_surface;
 pub mod bulk;
+pub mod catalogue;
 pub mod contact_forces;
 pub mod contour;
 pub mod coordination;

@@ -1,5 +1,6 @@
 //! What `makadam run` leaves on disk: frames for ParaView, observables as CSV, a summary as JSON.
 
+pub(crate) mod cells;
 mod frames;
 mod record;
 mod summary;

@@ -70,7 +70,7 @@ pub struct CompareArguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
     /// Codes to compare.
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam", "yade", "liggghts"])]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
     /// Run YADE and LIGGGHTS here and now instead of reading recorded numbers.
     #[arg(long)]
@@ -97,7 +97,7 @@ pub struct CompareArguments {
     /// Threads for the runs of Makadam.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Folder to write comparison.json and comparison.csv into.
+    /// Folder to write report.html, report.json and rows.csv into; nothing is written, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the comparison as JSON.

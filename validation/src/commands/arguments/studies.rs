@@ -95,7 +95,7 @@ pub struct TradeoffArguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
     /// Codes to run; the converged references are Makadam's in any case.
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam", "yade", "liggghts"])]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
     /// Factors on every Young's modulus; 0.5, 1, 10 and 100, if absent, or 1 with --quick. 1 is always run.
     #[arg(long, value_delimiter = ',', value_parser = positive)]
@@ -146,7 +146,7 @@ pub struct StabilityArguments {
     #[arg(long)]
     pub list: bool,
     /// Codes to run.
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam"])]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam")]
     pub codes: Vec<CodeName>,
     /// Wall time after which a run is stopped, s; 600, if absent, or 60 with --quick.
     #[arg(long, value_parser = positive)]

@@ -20,7 +20,7 @@ pub use merge::MergeError;
 pub use missing::{Missing, Wanted};
 pub use read::ReferenceError;
 
-use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source};
+use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source, Timing};
 use makadam::checkpoint::checksum;
 use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -83,6 +83,7 @@ impl Reference {
         Some(CodeRuns {
             code: code.into(),
             source: Source::Recorded,
+            timing: Timing::Recorded,
             provenance,
             forces: self.forces.iter().find(|forces| forces.code == code).cloned(),
             series: self.series.iter().filter(|series| series.code == code).cloned().collect(),

@@ -5,6 +5,7 @@ use super::{
     SeriesLine, final_state_file,
 };
 use crate::observables::Measurement;
+use crate::output::cells::as_meant;
 use makadam::snapshot::Particle;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
@@ -204,7 +205,9 @@ fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<Vec<(u64, T)>, (u64, Strin
                 return Err((line, format!("'{field}' in column {name} is not a finite number")));
             }
         }
-        lines.push((line, record.deserialize(Some(&headers)).map_err(failed)?));
+        let mut meant: csv::StringRecord = record.iter().map(as_meant).collect();
+        meant.set_position(record.position().cloned());
+        lines.push((line, meant.deserialize(Some(&headers)).map_err(failed)?));
     }
     Ok(lines)
 }

@@ -32,6 +32,7 @@ pub(super) fn sample() -> (Scene, Reference) {
         let runs = |factor| CodeRuns {
             code: code.into(),
             source: Source::Live,
+            timing: crate::compare::Timing::SideBySide,
             provenance: String::new(),
             runs: vec![run(code, 1, factor), run(code, 2, factor)],
             stiff_runs: Vec::new(),
