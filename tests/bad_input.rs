@@ -53,12 +53,7 @@ fn value_out_of_range() {
 
 #[test]
 fn what_nobody_reads() {
-    refused(
-        "interval = 0.05",
-        "interval = 0.05\n\n[solver]\nnormal_law = { kind = \"hertz\", zzz = 1 }",
-        "zzz",
-        &["zzz", "hertz"],
-    );
+    refused("[measure]", "[solver]\nnormal_law = { kind = \"hertz\", zzz = 1 }\n\n[measure]", "zzz", &["zzz", "hertz"]);
     refused("max = [0.03, 0.03, 0.3]", "max = [0.03, 0.03, 0.3, 4.0]", "max = [0.03", &["4 values", "give 3"]);
 }
 
@@ -68,7 +63,7 @@ fn two_of_one_name_and_names_of_no_file() {
         "[[pair]]\nbetween = [\"grain\", \"wall\"]\n\n[[pair]]\nbetween = [\"wall\", \"grain\"] # again\n\n[measure]";
     refused("[measure]", rules, "# again", &["pair[0]"]);
     refused("name = \"smoke\"", "name = \"..\"", "name = \"..\"", &["'..'"]);
-    refused("interval = 0.05", "interval = 0.05\n[solver]\ninner_sweeps = 4294967295", "inner_sweeps", &["1000"]);
+    refused("[measure]", "[solver]\ninner_sweeps = 4294967295\n\n[measure]", "inner_sweeps", &["1000"]);
 }
 
 #[test]

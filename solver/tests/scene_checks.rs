@@ -218,7 +218,7 @@ fn the_step_of_an_accuracy_keeps_to_the_motions() {
 #[test]
 fn reference_scenes_have_no_findings() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let names = known_scenes(&[root.clone()]);
+    let names = known_scenes(std::slice::from_ref(&root));
     assert!(names.len() >= 18, "{names:?}");
     for name in names {
         let file = root.join("reference-scenes").join(&name).join("scene.toml");
