@@ -1,17 +1,18 @@
 //! What an unfinished run leaves to be continued from: a checkpoint, and the frames that are measured at the end.
 
-use super::session::Progress;
+use super::progress::Progress;
 use crate::commands::Failure;
-use crate::output::WriteError;
+use crate::output::{RunFiles, WriteError};
 use crate::provenance::{VERSION, scene_hash};
-use makadam::checkpoint::{open, seal, write_atomically};
-use makadam::scene::Scene;
+use makadam::checkpoint::{open, seal, sync_folder, write_atomically};
+use makadam::scene::{Scene, Watch};
 use makadam::snapshot::Snapshot;
 use serde::{Deserialize, Serialize};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// First bytes of a run's checkpoint and of a kept frame; the last one is the version of the format.
-const RUN: [u8; 8] = *b"mkd-run\x01";
+const RUN: [u8; 8] = *b"mkd-run\x02";
 const FRAME: [u8; 8] = *b"mkd-frm\x01";
 
 /// What a run is continued from.
@@ -35,12 +36,24 @@ pub(super) struct Place {
 
 impl Place {
     pub fn inside(output: &Path) -> Place {
-        Place { file: output.join("run.checkpoint"), frames: output.join("kept-frames") }
+        Place { file: output.join(RunFiles::CHECKPOINT), frames: output.join(RunFiles::KEPT_FRAMES) }
     }
 
     /// Whether an unfinished run was left here.
     pub fn is_taken(&self) -> bool {
         self.file.is_file()
+    }
+
+    /// Removes the checkpoint, so that nobody goes on from it, before what it speaks of changes.
+    pub fn withdraw(&self) -> Result<(), WriteError> {
+        match std::fs::remove_file(&self.file) {
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(WriteError::new(&self.file, error)),
+            Err(_) => Ok(()),
+            Ok(()) => {
+                let folder = self.file.parent().unwrap_or(Path::new(""));
+                sync_folder(folder).map_err(|error| WriteError::new(folder, error))
+            }
+        }
     }
 
     /// Writes a sealed checkpoint after the frames that it speaks of.
@@ -63,16 +76,17 @@ impl Place {
 
     /// Removes what a finished run no longer needs.
     pub fn clear(&self) {
-        // What cannot be removed is found out of date by its seal and scene, or taken up again: no harm in either.
         let _ = std::fs::remove_file(&self.file);
-        let _ = std::fs::remove_dir_all(&self.frames);
+        if let Some(output) = self.file.parent() {
+            let _ = RunFiles::inside(output).remove_kept_frames();
+        }
     }
 
     /// The checkpoint of a run of this scene and seed.
     pub fn read(&self, scene: &Scene, seed: u64) -> Result<Kept, Failure> {
         let kept: Kept = unsealed(RUN, &self.file)?;
         let refuse = |what: String| Err(Failure::Usage(format!("{}: {what}", self.file.display())));
-        if (kept.scene_hash, kept.seed) != (scene_hash(scene), seed) {
+        if (kept.scene_hash, kept.seed) != (hash_to_go_on(scene), seed) {
             return refuse(format!(
                 "belongs to {} with seed {} and other settings than {} with seed {seed} now has; give the same scene, seed and \
                  settings, or --restart",
@@ -106,13 +120,19 @@ impl Kept {
         let kept = Kept {
             version: VERSION.into(),
             scene: scene.name.clone(),
-            scene_hash: scene_hash(scene),
+            scene_hash: hash_to_go_on(scene),
             seed,
             simulation,
             progress,
         };
         seal(RUN, &postcard::to_stdvec(&kept).expect("a checkpoint holds only numbers, names and lists"))
     }
+}
+
+/// Hash of what must be the same to go on. What is watched for changes no bit of a state: a run that its watch has stopped may go on
+/// under another one.
+fn hash_to_go_on(scene: &Scene) -> u64 {
+    scene_hash(&Scene { watch: Watch::default(), ..scene.clone() })
 }
 
 fn unsealed<T: for<'a> Deserialize<'a>>(mark: [u8; 8], file: &Path) -> Result<T, Failure> {
