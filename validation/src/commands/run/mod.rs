@@ -21,6 +21,7 @@ use kept::Place;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::scene::Scene;
+use progress::Progress;
 use session::{Plan, Session};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -152,11 +153,13 @@ impl<'a> Asked<'a> {
         let place = Place::inside(self.output);
         let shown = place.file().display();
         let kept = place.read(scene, self.seed)?;
-        if kept.progress.steps > steps {
+        let Progress { steps: taken, framed_at, .. } = kept.progress;
+        // The forces of a last frame are those of the step before it, which a checkpoint does not hold.
+        let least = if framed_at == Some(taken) { taken } else { taken + 1 };
+        if steps < least {
             return Err(Failure::Usage(format!(
-                "{shown} is {} steps into the run, further than the {steps} that were asked for; it stays: give --steps {} or more, \
-                 or --restart",
-                kept.progress.steps, kept.progress.steps
+                "{shown} is {taken} steps into the run, too far for one of {steps}; it stays: give --steps {least} or more, or \
+                 --restart"
             )));
         }
         let mut simulation = Simulation::resume(scene, &kept.simulation, place.file())

@@ -161,10 +161,6 @@ impl<'a> Session<'a> {
                 return Err(self.interrupted());
             }
         }
-        // A run that goes on for no step more than it had taken.
-        if self.progress.framed_at != Some(steps) {
-            self.frame()?;
-        }
         Ok(())
     }
 
