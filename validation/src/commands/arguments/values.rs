@@ -138,6 +138,14 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Wall time after which something is stopped.
+pub(super) fn time_limit(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value <= 1e9 => Ok(value),
+        _ => Err("give a number of seconds above 0 and at most 1e9".into()),
+    }
+}
+
 pub(super) fn rayleigh_fraction(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value <= 0.5 => Ok(value),

@@ -13,10 +13,7 @@ fn significant(value: f64) -> String {
 /// The summary for people.
 pub(super) fn describe(summary: &RunSummary) -> String {
     let ended = if summary.complete { "" } else { " (not complete)" };
-    let mut text = String::new();
-    for alarm in summary.alarms.iter().filter(|alarm| alarm.grave) {
-        text += &format!("THESE NUMBERS ARE WORTHLESS: {}\n", alarm.first);
-    }
+    let mut text = findings(summary);
     text += &format!(
         "{}: {} grains, {} steps of {:e} s, {:.4} s simulated in {:.2} s of wall time{ended}\n",
         summary.scene,
@@ -68,11 +65,31 @@ pub(super) fn describe(summary: &RunSummary) -> String {
     if let Some(balance) = &summary.balance {
         text += &ledger(balance);
     }
+    if let Some(why) = &summary.not_measured {
+        text += &format!("observables      not measured: {why}\n");
+    }
     for (name, measured) in &summary.observables {
         let error = measured.standard_error.map_or(String::new(), |error| format!(" +- {error:.2}"));
         text += &format!("{name:<36} {}{error} {}\n", significant(measured.value), measured.unit);
     }
     text + &format!("frames, observables.csv and run.json: {}", summary.output)
+}
+
+/// What was noticed on the way, at the head of the summary: it says what the numbers below are worth.
+fn findings(summary: &RunSummary) -> String {
+    if summary.sound {
+        return String::new();
+    }
+    let mut text = String::new();
+    for alarm in summary.alarms.iter().filter(|alarm| alarm.grave) {
+        text += &format!("THESE NUMBERS ARE WORTHLESS: {}\n", alarm.first);
+    }
+    text += "NOT SOUND: what the watch noticed makes the numbers below doubtful\n";
+    for alarm in &summary.alarms {
+        let looks = if alarm.count == 1 { "look" } else { "looks" };
+        text += &format!("{:<16} {}; noticed in {} {looks}\n", alarm.kind, alarm.first, alarm.count);
+    }
+    text
 }
 
 /// The ledger in four lines.

@@ -1,17 +1,18 @@
 //! What an unfinished run leaves to be continued from.
 
-use super::session::Progress;
+use super::progress::Progress;
 use crate::commands::Failure;
-use crate::output::WriteError;
+use crate::output::{RunFiles, WriteError};
 use crate::provenance::scene_hash;
 use makadam::BUILD;
-use makadam::checkpoint::{open, seal, write_atomically};
-use makadam::scene::Scene;
+use makadam::checkpoint::{open, seal, sync_folder, write_atomically};
+use makadam::scene::{Scene, Watch};
 use serde::{Deserialize, Serialize};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// First bytes of a run's checkpoint; the last one is the version of the format.
-const RUN: [u8; 8] = *b"mkd-run\x02";
+const RUN: [u8; 8] = *b"mkd-run\x03";
 
 /// The way out where a checkpoint cannot be used.
 const ANEW: &str = "give --restart to start anew";
@@ -42,12 +43,24 @@ pub(super) struct Place {
 
 impl Place {
     pub fn inside(output: &Path) -> Place {
-        Place { file: output.join("run.checkpoint") }
+        Place { file: output.join(RunFiles::CHECKPOINT) }
     }
 
     /// Whether an unfinished run was left here.
     pub fn is_taken(&self) -> bool {
         self.file.is_file()
+    }
+
+    /// Removes the checkpoint, so that nobody goes on from it, before what it speaks of changes.
+    pub fn withdraw(&self) -> Result<(), WriteError> {
+        match std::fs::remove_file(&self.file) {
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(WriteError::new(&self.file, error)),
+            Err(_) => Ok(()),
+            Ok(()) => {
+                let folder = self.file.parent().unwrap_or(Path::new(""));
+                sync_folder(folder).map_err(|error| WriteError::new(folder, error))
+            }
+        }
     }
 
     /// Writes a sealed checkpoint; the frames that it speaks of are on the disk already.
@@ -76,7 +89,7 @@ impl Place {
                 label.build
             ));
         }
-        if (label.scene_hash, label.seed) != (scene_hash(scene), seed) {
+        if (label.scene_hash, label.seed) != (hash_to_go_on(scene), seed) {
             return refuse(format!(
                 "belongs to {} with seed {} and other settings than {} with seed {seed} now has; give the same scene, seed and \
                  settings, or --restart",
@@ -95,8 +108,14 @@ impl Place {
 impl Kept {
     /// A checkpoint of a run, sealed.
     pub fn seal(scene: &Scene, seed: u64, simulation: Vec<u8>, progress: Progress) -> Vec<u8> {
-        let label = Label { build: BUILD.into(), scene: scene.name.clone(), scene_hash: scene_hash(scene), seed };
+        let label = Label { build: BUILD.into(), scene: scene.name.clone(), scene_hash: hash_to_go_on(scene), seed };
         let parts = (label, Kept { simulation, progress });
         seal(RUN, &postcard::to_stdvec(&parts).expect("a checkpoint holds only numbers, names and lists"))
     }
+}
+
+/// Hash of what must be the same to go on. What is watched for changes no bit of a state: a run that its watch has stopped may go on
+/// under another one.
+fn hash_to_go_on(scene: &Scene) -> u64 {
+    scene_hash(&Scene { watch: Watch::default(), ..scene.clone() })
 }

@@ -120,11 +120,6 @@ impl MeasuredFrames {
         Mark { places: self.places.clone(), last: self.last.clone().filter(|_| self.places.is_empty()) }
     }
 
-    /// The last frame of all.
-    pub fn last(&self) -> Option<&Snapshot> {
-        self.last.as_ref()
-    }
-
     /// Measures the frames from `scene.measure.from` on, or the last one where the scene gives no such time. `None` if the run
     /// has not come that far.
     ///
@@ -238,7 +233,7 @@ mod tests {
         drop(kept);
 
         let mut gone_on = MeasuredFrames::go_on(folder.path(), mark).unwrap();
-        assert_eq!(gone_on.last(), Some(&frames[8]));
+        assert_eq!(gone_on.last.as_ref(), Some(&frames[8]));
         assert_eq!(gone_on.measure(&scene).unwrap().unwrap(), in_memory(&scene, &frames[..9]));
         for frame in &frames[9..] {
             gone_on.push(&scene, frame.clone()).unwrap();
