@@ -6,7 +6,6 @@
 
 use super::grid::{CellGrid, FORWARD};
 use crate::lanes::Number;
-use crate::partition::DIRECTIONS;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::Sphere;
 use nalgebra::Vector3;
@@ -93,7 +92,7 @@ impl Drift {
             if grid.grains_of_box(number).is_empty() {
                 return;
             }
-            let around: [Option<usize>; DIRECTIONS] = std::array::from_fn(|at| boxes.neighbour(number, at));
+            let around = boxes.around(number);
             let mut squares = Moved::default();
             for (patch, own) in patches[per_box * number..per_box * (number + 1)].iter().enumerate() {
                 if own.is_empty() {

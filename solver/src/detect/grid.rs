@@ -218,9 +218,7 @@ impl CellGrid {
 
     /// The boxes around a box.
     pub fn surroundings(&self, number: usize) -> Surroundings {
-        Surroundings(std::array::from_fn(|direction| {
-            self.boxes.neighbour(number, direction).map(|number| number * self.cells_of_box())
-        }))
+        Surroundings(self.boxes.around(number).map(|place| Some(place? * self.cells_of_box())))
     }
 
     /// Fills in the grains of a cell of a box, and the runs of grains in the cells around it that come after it. Grains of one

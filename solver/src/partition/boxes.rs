@@ -1,6 +1,6 @@
 //! Boxes eight diameters wide, and the stage and task of a pair of grains.
 
-use super::occupied::{Occupied, towards};
+use super::occupied::{DIRECTIONS, Occupied, towards};
 use crate::effects::period::Period;
 use crate::world::Sphere;
 use nalgebra::Vector3;
@@ -187,23 +187,25 @@ impl BoxGrid {
         [number % columns, number / columns % rows, number / (columns * rows)].map(|place| place as u32)
     }
 
-    /// Number of the box in a direction from another: see [`towards`]. None where the domain ends or no box is numbered.
+    /// Numbers of the boxes around a box, by direction: see [`towards`]. None where the domain ends or no box is numbered.
     #[inline]
-    pub(crate) fn neighbour(&self, number: usize, direction: usize) -> Option<usize> {
+    pub(crate) fn around(&self, number: usize) -> [Option<usize>; DIRECTIONS] {
         if let Some(occupied) = &self.occupied {
-            return occupied.neighbour(number, direction);
+            return std::array::from_fn(|direction| occupied.neighbour(number, direction));
         }
-        let (at, towards) = (self.at(number), towards(direction));
-        let mut image = [0; 3];
-        for axis in 0..3 {
-            let (next, count) = (at[axis] as i32 + towards[axis], self.count[axis] as i32);
-            let inside = (0..count).contains(&next);
-            if !inside && !self.period.is_periodic(axis) {
-                return None;
-            }
-            image[axis] = next.rem_euclid(count) as u32;
-        }
-        Some(self.number(image))
+        let at = self.at(number);
+        let places: [[Option<usize>; 3]; 3] = std::array::from_fn(|axis| {
+            let (own, last) = (at[axis] as usize, self.count[axis] as usize - 1);
+            let repeats = self.period.is_periodic(axis);
+            let before = if own > 0 { Some(own - 1) } else { repeats.then_some(last) };
+            let after = if own < last { Some(own + 1) } else { repeats.then_some(0) };
+            [before, Some(own), after]
+        });
+        let [columns, rows] = [self.count[0] as usize, self.count[1] as usize];
+        std::array::from_fn(|direction| {
+            let [x, y, z] = [places[0][direction % 3], places[1][direction / 3 % 3], places[2][direction / 9]];
+            Some((z? * rows + y?) * columns + x?)
+        })
     }
 
     /// Task of a contact of grains in a box and in its neighbour in a direction: stage by stage, box by box. It belongs to the
@@ -213,7 +215,7 @@ impl BoxGrid {
         let towards = towards(direction);
         let axes = (0..3).map(|axis| usize::from(towards[axis] != 0) << axis).sum::<usize>();
         let [x, y, z] = towards.map(|along| along.min(0));
-        let home = self.neighbour(number, ((x + 1) + 3 * (y + 1) + 9 * (z + 1)) as usize);
+        let home = self.around(number)[((x + 1) + 3 * (y + 1) + 9 * (z + 1)) as usize];
         STAGE_OF_AXES[axes] * self.boxes() + home.expect("boxes between two that hold grains are numbered")
     }
 
