@@ -49,6 +49,11 @@ fn library() -> &'static Path {
     })
 }
 
+/// A folder in memory where there is one: hundreds of runs sync after every step.
+fn scratch() -> tempfile::TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
 /// Every moment, or one of so many.
 fn stride(sampled: usize) -> usize {
     if std::env::var("MAKADAM_FAULTS").is_ok_and(|which| which == "all") { 1 } else { sampled }
@@ -99,7 +104,7 @@ struct Bench {
 
 impl Bench {
     fn new() -> Bench {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = scratch();
         let place = |name: &str| {
             let place = folder.path().join(name);
             std::fs::create_dir_all(&place).unwrap();
@@ -124,7 +129,7 @@ impl Bench {
 
     /// A copy of one of its folders.
     fn copy(&self, from: &str) -> tempfile::TempDir {
-        let copy = tempfile::tempdir().unwrap();
+        let copy = scratch();
         let from = self.folder.path().join(from);
         assert!(Command::new("cp").arg("-r").arg(from.join(".")).arg(copy.path()).status().unwrap().success());
         copy
@@ -240,7 +245,7 @@ fn no_cut_of_power_shows_a_complete_run_with_something_missing() {
                 if !seen.insert(found.clone()) {
                     continue;
                 }
-                let folder = tempfile::tempdir().unwrap();
+                let folder = scratch();
                 tiny(folder.path());
                 for (path, bytes) in &found {
                     match bytes {

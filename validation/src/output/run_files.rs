@@ -42,7 +42,7 @@ impl<'a> RunFiles<'a> {
     /// # Errors
     /// [`WriteError`] if the folder cannot be read.
     pub fn any(&self) -> Result<bool, WriteError> {
-        Ok(self.of(Kind::Result)?.first().is_some() || self.output.join(Self::SUMMARY).symlink_metadata().is_ok())
+        Ok(!self.of(Kind::Result)?.is_empty() || self.output.join(Self::SUMMARY).symlink_metadata().is_ok())
     }
 
     /// Removes frames, collections, table, checkpoint and drafts, and folders that are empty then; the summary stays, to be
