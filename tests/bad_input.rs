@@ -120,7 +120,7 @@ fn missing_file_and_unknown_scene() {
     let folder = tempfile::tempdir().unwrap();
     let (code, message) = fails(folder.path(), &["run", "nowhere.toml"]);
     assert_eq!(code, 3);
-    assert!(message.contains("nowhere.toml") && message.contains("packing"), "{message}");
+    assert!(message.contains("nowhere.toml") && message.contains("cannot be read"), "{message}");
     let (code, message) = fails(folder.path(), &["compare", "drumm"]);
     assert_eq!(code, 3);
     assert!(message.contains("drumm") && message.contains("drum-caps"), "{message}");

@@ -360,7 +360,9 @@ impl Simulation {
                 self.swept.poses[surface] = world.pose_through(surface, h);
             }
         }
-        self.note_strike(place, met.surface, normal, (borne, -tangential), [wall_velocity, before]);
+        let body = self.world.bodies[place];
+        let after = wall_velocity - Vector::from(body.velocity) - Vector::from(body.surface_speed).cross(&normal);
+        self.note_strike(place, met.surface, normal, (borne, -tangential), wall_velocity, [before, after]);
         Some(drive.is_some())
     }
 
@@ -370,7 +372,7 @@ impl Simulation {
         let Some(met) = first_met(&self.world, &self.swept.poses, place, self.settings.step) else { return };
         let (h, world) = (self.settings.step, &mut self.world);
         let (centre, body) = (world.spheres[place].centre, world.bodies[place]);
-        let (velocity, spin) = (Vector::from(body.velocity), Vector::from(body.surface_speed));
+        let velocity = Vector::from(body.velocity);
         let poses = &self.swept.poses;
         let wall_velocity = poses[met.surface].carries(&centre, h);
         let short = velocity * (LONG_LEVEL * met.at.share);
@@ -384,22 +386,23 @@ impl Simulation {
         }
         world.bodies[place].velocity = held.into();
         let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);
-        let (along, before) = (normal.dot(&impulse), wall_velocity - velocity - spin.cross(&normal));
-        self.note_strike(place, met.surface, normal, (along, impulse - normal * along), [wall_velocity, before]);
+        // It acts on the centre, so that the spin stays.
+        let (along, relative) = (normal.dot(&impulse), [wall_velocity - velocity, wall_velocity - held]);
+        self.note_strike(place, met.surface, normal, (along, impulse - normal * along), wall_velocity, relative);
     }
 
     /// Notes an impact that a grain has just had, given the impulses on the wall, the wall's velocity at the contact, and this less that
-    /// of the grain's surface before the impact.
+    /// of the grain where it was hit, before the impact and after it.
     fn note_strike(
         &mut self,
         place: usize,
         surface: usize,
         normal: Vector,
         (along, tangential): (f64, Vector),
-        [wall_velocity, before]: [Vector; 2],
+        wall_velocity: Vector,
+        [before, after]: [Vector; 2],
     ) {
         let body = &self.world.bodies[place];
-        let after = wall_velocity - Vector::from(body.velocity) - Vector::from(body.surface_speed).cross(&normal);
         self.book_wall_impulse(&WallImpulse {
             mass: 1.0 / body.inverse_mass,
             normal: normal.into(),

@@ -304,7 +304,10 @@ impl Watchdog {
         let mass: f64 = world.bodies[..world.grains()].iter().map(|body| 1.0 / body.inverse_mass).sum();
         let weight = world.field.largest() * mass;
         self.kinetic = self.kinetic.max(energy.kinetic);
-        let scale = self.kinetic + weight * world.largest_and_mean_radius().1;
+        // Where grains are is known to half a step, and potential energy with it.
+        let speeds = world.bodies[..world.grains()].iter().map(|body| Vector3::from(body.velocity).norm());
+        let step = half * speeds.fold(0.0, f64::max);
+        let scale = self.kinetic + weight * world.largest_and_mean_radius().1.max(step);
         let (share, bound) = ((mechanical - self.available) / scale, self.settings.energy);
         let gained = share > bound;
         // What was said is not said again.

@@ -187,7 +187,7 @@ fn torques_are_measured_and_converge_with_the_rest() {
     let points = simulation.convergence(SolverMethod::GaussSeidel, 400).unwrap();
     let turning = |place: usize| points[place].residuals.turning;
     assert!(turning(0).rms > 0.0 && turning(0).max >= turning(0).rms, "{:?}", turning(0));
-    assert!(turning(400).rms < 1e-2 * turning(1).rms, "{:e} to {:e}", turning(1).rms, turning(400).rms);
+    assert!(turning(400).rms < 0.05 * turning(1).rms, "{:e} to {:e}", turning(1).rms, turning(400).rms);
     assert!(points[400].residuals.rms() >= turning(400).rms, "it is a part of the whole");
     // One thread or three, lanes of any width: the same bits.
     let few = simulation.convergence(SolverMethod::GaussSeidel, 3).unwrap();

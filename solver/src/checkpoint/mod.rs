@@ -17,7 +17,7 @@ use state::State;
 use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the last one is the version of the format.
-const MARK: [u8; 8] = *b"makadam\x05";
+const MARK: [u8; 8] = *b"makadam\x06";
 
 /// Why a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]

@@ -85,8 +85,10 @@ fn steps_that_are_stopped_leave_no_trace() {
 
 #[test]
 fn a_step_of_endless_inner_sweeps_ends_when_it_is_asked_to() {
-    let scene = pile("", "stop = { kind = 'sweeps', sweeps = 1 }\ninner_sweeps = 4294967295", "");
+    let scene = pile("", "stop = { kind = 'sweeps', sweeps = 1 }", "");
     let mut simulation = Simulation::new(&scene, 1, Path::new("pile.toml")).unwrap();
+    // No scene may ask for so many.
+    simulation.settings.inner_sweeps = u32::MAX;
     let interrupt = Interrupt::new();
     simulation.heed(interrupt.clone());
     interrupt.0.by_itself.store(10_000, Ordering::SeqCst);

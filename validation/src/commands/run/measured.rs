@@ -111,7 +111,7 @@ impl MeasuredFrames {
     /// # Errors
     /// [`WriteError`] if the system refuses.
     pub fn sync(&self) -> Result<(), WriteError> {
-        let synced = self.file.as_ref().map_or(Ok(()), File::sync_data);
+        let synced = self.file.as_ref().map_or(Ok(()), File::sync_all);
         synced.map_err(|error| WriteError::new(&self.path, error))
     }
 
