@@ -316,13 +316,16 @@ impl Simulation {
         let wall_velocity = pose.velocity_at(&point);
         let along = normal.dot(&(wall_velocity - velocity));
         let material = world.table.with_wall(world.materials[place], world.surfaces[met.surface].material);
-        let restitution = at_speed(material.restitution, material.restitution_speed, -along);
+        // What gravity gives within the step is no speed of impact, as in the solve.
+        let falling = (normal.dot(&world.gravity) * h).max(0.0);
+        let speed = (-along - falling).max(0.0);
+        let restitution = at_speed(material.restitution, material.restitution_speed, speed);
         let scheme = self.constrainer.scheme();
         let bias = match met.long {
             true if met.distance > sphere.radius => {
-                impact_on_the_way(scheme, (met.at.distance - sphere.radius).max(0.0), along, restitution)
+                impact_on_the_way(scheme, (met.at.distance - sphere.radius).max(0.0), -speed, restitution)
             }
-            true => Some(-restitution * along).filter(|bias| *bias > scheme.restitution_threshold).unwrap_or(0.0),
+            true => Some(restitution * speed).filter(|bias| *bias > scheme.restitution_threshold).unwrap_or(0.0),
             false => -PRESSED * met.distance / h,
         };
         if bias <= along {
