@@ -11,7 +11,6 @@ mod support;
 use changed::changed;
 use lines::line_of;
 use small_scene::smoke;
-use std::os::unix::fs::symlink;
 use std::path::Path;
 use support::makadam;
 
@@ -52,6 +51,38 @@ fn value_out_of_range() {
 }
 
 #[test]
+fn what_nobody_reads() {
+    refused("[measure]", "[solver]\nnormal_law = { kind = \"hertz\", zzz = 1 }\n\n[measure]", "zzz", &["zzz", "hertz"]);
+    refused("max = [0.03, 0.03, 0.3]", "max = [0.03, 0.03, 0.3, 4.0]", "max = [0.03", &["4 values", "give 3"]);
+}
+
+#[test]
+fn two_of_one_name_and_names_of_no_file() {
+    let rules =
+        "[[pair]]\nbetween = [\"grain\", \"wall\"]\n\n[[pair]]\nbetween = [\"wall\", \"grain\"] # again\n\n[measure]";
+    refused("[measure]", rules, "# again", &["pair[0]"]);
+    refused("name = \"smoke\"", "name = \"..\"", "name = \"..\"", &["'..'"]);
+    refused("[measure]", "[solver]\ninner_sweeps = 4294967295\n\n[measure]", "inner_sweeps", &["1000"]);
+}
+
+#[test]
+fn what_a_scene_cannot_bear_is_told_before_it_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let solver = "[solver]\nstep = 4e-3\n\n[measure]";
+    let scene = changed(folder.path(), "[measure]", solver);
+    let (code, message) = fails(folder.path(), &["run", scene.to_str().unwrap(), "--steps", "1", "--output", "out"]);
+    assert_eq!(code, 0, "{message}");
+    let place = format!("changed.toml:{}:", line_of(&scene, "[[population]]"));
+    for word in [&place, "meets grains of", "lower solver.step to"] {
+        assert!(message.contains(word), "no '{word}' in: {message}");
+    }
+    let summary: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("out/run.json")).unwrap()).unwrap();
+    assert_eq!(summary["findings"][0]["severity"], "warning");
+    assert_eq!(summary["findings"].as_array().unwrap().len(), 1);
+}
+
+#[test]
 fn not_toml() {
     refused("duration = 0.4", "duration = = 0.4", "duration = = 0.4", &[]);
 }
@@ -89,7 +120,7 @@ fn missing_file_and_unknown_scene() {
     let folder = tempfile::tempdir().unwrap();
     let (code, message) = fails(folder.path(), &["run", "nowhere.toml"]);
     assert_eq!(code, 3);
-    assert!(message.contains("nowhere.toml") && message.contains("packing"), "{message}");
+    assert!(message.contains("nowhere.toml") && message.contains("cannot be read"), "{message}");
     let (code, message) = fails(folder.path(), &["compare", "drumm"]);
     assert_eq!(code, 3);
     assert!(message.contains("drumm") && message.contains("drum-caps"), "{message}");
@@ -112,6 +143,17 @@ fn usage() {
 }
 
 #[test]
+fn a_precision_that_a_scene_cannot_have_is_refused_before_anything_is_prepared() {
+    let folder = tempfile::tempdir().unwrap();
+    for scene in ["drum-rolling", "oedometer"] {
+        let (code, message) = fails(folder.path(), &["run", scene, "--precision", "single", "--steps", "1"]);
+        assert_eq!(code, 2, "{message}");
+        assert!(message.contains("--precision single") && message.contains("leave it out"), "{message}");
+        assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none(), "nothing was written");
+    }
+}
+
+#[test]
 fn output_that_cannot_be_written() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("file"), "").unwrap();
@@ -123,12 +165,12 @@ fn output_that_cannot_be_written() {
 }
 
 #[test]
-fn full_disk_keeps_what_was_there() {
+fn a_frame_that_cannot_be_written_leaves_what_was_there() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("out/frames");
     std::fs::create_dir_all(&frames).unwrap();
-    // The third frame goes to a device that is always full.
-    symlink("/dev/full", frames.join("grains-00002.vtp.part")).unwrap();
+    // The third frame cannot take its place: a folder stands there.
+    std::fs::create_dir_all(frames.join("grains-00002.vtp")).unwrap();
     let scene = smoke();
     let (code, message) = fails(folder.path(), &["run", scene.to_str().unwrap(), "--output", "out"]);
     assert_eq!(code, 1);
@@ -177,7 +219,7 @@ fn an_interrupted_run_stays_readable() {
         assert!(child.try_wait().unwrap().is_none(), "the run ended by itself");
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
-    let interrupted = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let interrupted = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
     assert!(interrupted.success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));

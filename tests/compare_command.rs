@@ -13,9 +13,16 @@ use small_scene::smoke;
 use std::path::{Path, PathBuf};
 use support::makadam;
 
-/// Writes references of the small scene by hand: two codes, three seeds, one observable.
+/// What is recorded of the small scene by hand.
+const RECORDED: [(&str, f64); 1] = [("wall_force_over_weight", 1.0)];
+
+/// Writes references of the small scene by hand: two codes, three seeds, one observable, which alone is compared.
 fn with_references(folder: &Path) -> PathBuf {
     let scene = changed(folder, "name = \"smoke\"", "name = \"changed\"");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let (head, compared) = text.split_once("[[compare]]").unwrap();
+    let first = compared.split("[[compare]]").next().unwrap();
+    std::fs::write(&scene, format!("{head}[[compare]]{first}")).unwrap();
     let references = folder.join("changed-reference");
     std::fs::create_dir(&references).unwrap();
     let mut runs = String::from(
@@ -27,8 +34,10 @@ fn with_references(folder: &Path) -> PathBuf {
     for code in ["YADE", "LIGGGHTS"] {
         for seed in 1..=3 {
             runs += &format!("{code},1.0,{seed},1e-5,0.1,1.0,4.0,0.4,invented,2026-01-01T00:00:00Z,0\n");
-            let value = 1.0 + 0.001 * f64::from(seed);
-            measurements += &format!("{code},1.0,{seed},1e-5,0.1,1.0,wall_force_over_weight,,{value},,1\n");
+            for (observable, middle) in RECORDED {
+                let value = middle + 0.001 * f64::from(seed);
+                measurements += &format!("{code},1.0,{seed},1e-5,0.1,1.0,{observable},,{value},,1\n");
+            }
         }
     }
     let write = |name: &str, text: &str| std::fs::write(references.join(name), text).unwrap();
@@ -94,6 +103,132 @@ fn outside_the_margin_is_exit_code_4() {
     let output = makadam(folder.path()).arg("compare").arg(&scene).output().unwrap();
     assert_eq!(output.status.code(), Some(4));
     assert!(String::from_utf8_lossy(&output.stdout).contains("disagree"));
+}
+
+/// Compares the small scene with references after a change of its text.
+fn compare_changed(from: &str, to: &str) -> (Option<i32>, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = with_references(folder.path());
+    let text = std::fs::read_to_string(&scene).unwrap();
+    assert!(text.contains(from), "{from}");
+    std::fs::write(&scene, text.replacen(from, to, 1)).unwrap();
+    let output = makadam(folder.path()).arg("compare").arg(&scene).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn an_observable_that_nothing_measures_is_an_error_with_its_line_and_the_nearest_name() {
+    let (code, _, message) = compare_changed("\"wall_force_over_weight\"", "\"wall_force_over_wieght\"");
+    assert_eq!(code, Some(3), "{message}");
+    for words in ["changed.toml:", "wall_force_over_wieght", "nearest names are: wall_force_over_weight"] {
+        assert!(message.contains(words), "no '{words}' in: {message}");
+    }
+    // A known one whose group the scene does not measure.
+    let (code, _, message) = compare_changed("\"wall_force_over_weight\"", "\"packing_fraction\"");
+    assert_eq!(code, Some(3), "{message}");
+    assert!(message.contains("add \"packing-fraction\" to measure.observables"), "{message}");
+}
+
+#[test]
+fn hyphens_and_underscores_are_one_spelling() {
+    for (from, to) in [
+        ("\"wall_force_over_weight\"", "\"wall-force-over-weight\""),
+        ("\"coordination-number\"", "\"coordination_number\""),
+    ] {
+        let (code, results, message) = compare_changed(from, to);
+        assert_eq!(code, Some(0), "{message}");
+        assert!(results.contains("agrees with YADE and LIGGGHTS within the margins in all 2 tests"), "{results}");
+    }
+}
+
+#[test]
+fn an_expectation_without_a_recorded_value_is_not_measured_and_does_not_pass() {
+    let more = "[[compare]]\nobservable = \"gini\"\nmargin = 0.02\n\n[[compare]]";
+    let (code, results, message) = compare_changed("[[compare]]", more);
+    assert_eq!(code, Some(4), "{results}{message}");
+    assert!(results.contains("not measured: YADE has no value"), "{results}");
+    assert!(results.contains("Not measured: of 4 tests of 1 scene against YADE and LIGGGHTS, 2 agree"), "{results}");
+    assert!(!results.contains("times faster"), "{results}");
+}
+
+#[test]
+fn the_default_of_codes_can_be_typed_as_it_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = makadam(folder.path()).args(["compare", "--help"]).output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    assert!(help.contains("[default: makadam,yade,liggghts]"), "{help}");
+    assert!(help.contains("report.html, report.json and rows.csv") && !help.contains("comparison.json"), "{help}");
+    let scene = with_references(folder.path());
+    let output =
+        makadam(folder.path()).arg("compare").arg(&scene).args(["--codes", "makadam,yade,liggghts"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn help_that_cannot_be_printed_is_a_failure() {
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    for words in [&["--help"][..], &["--version"], &["compare", "--help"]] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_makadam"));
+        let output = command.args(words).stdout(full.try_clone().unwrap()).output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{words:?}: {message}");
+        assert!(message.contains("standard output") && message.contains("room"), "{message}");
+    }
+    let shown = std::process::Command::new(env!("CARGO_BIN_EXE_makadam")).arg("--help").output().unwrap();
+    assert!(shown.status.success() && String::from_utf8_lossy(&shown.stdout).contains("Exit codes:"));
+}
+
+/// The program alone in a folder, run from another one: the sources that it was built from are not on the way.
+#[test]
+fn the_program_alone_knows_the_reference_scenes() {
+    let (bin, empty) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let program = bin.path().join("makadam");
+    // Copied by another process: see `stand_in` in bad_input.rs.
+    let mut copy = std::process::Command::new("cp");
+    assert!(copy.arg(env!("CARGO_BIN_EXE_makadam")).arg(&program).status().unwrap().success());
+    let run = |words: &[&str]| {
+        let mut command = std::process::Command::new(&program);
+        command.current_dir(empty.path()).env_clear().env("HOME", empty.path()).args(words).output().unwrap()
+    };
+    let output = run(&["run", "packing", "--steps", "1", "--json", "-q"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["provenance"]["scene_file"], "<built-in>/packing/scene.toml");
+    assert!(document["provenance"]["prepared"].is_null());
+    let output = run(&["run", "drumm", "--steps", "1"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(3) && message.contains("drum-rolling"), "{message}");
+    let output = run(&["compare", "packing", "--record", "--codes", "yade"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && message.contains("no folder to record into"), "{message}");
+    // With its references: what is wanting here is the peer alone.
+    let output = run(&["compare", "packing", "--codes", "yade,liggghts", "-q"]);
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && table.contains("packing fraction"), "{table}");
+}
+
+#[test]
+fn a_flowing_state_is_announced_before_it_is_prepared() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(smoke()).unwrap();
+    let scene = folder.path().join("prepared.toml");
+    std::fs::write(&scene, format!("{text}\n[prepare]\nduration = 0.01\nstep = 1e-3\n")).unwrap();
+    let run = |json: &[&str]| {
+        let mut command = makadam(folder.path());
+        command.env("HOME", folder.path()).env_remove("XDG_CACHE_HOME");
+        command.arg("run").arg(&scene).args(["--steps", "1"]).args(json).output().unwrap()
+    };
+    let output = run(&["--json"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{message}");
+    assert!(message.contains("10 steps of 1e-3 s") && message.contains(".cache/makadam/prepared"), "{message}");
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["provenance"]["prepared"]["steps"], 10);
+    // Not a second time.
+    let output = run(&["--restart"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && !message.contains("prepared first"), "{message}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use serde_json::Value;
 use small_scene::smoke;
 use support::makadam;
 
-/// Root mean square residual of a point over the three directions.
+/// Root mean square residual of a point over the three directions, where nothing resists turning.
 fn residual(point: &Value) -> f64 {
     let square = |direction: &str| point["residuals"][direction]["rms"].as_f64().unwrap().powi(2);
     (square("normal") + square("tangential_u") + square("tangential_v")).sqrt()
@@ -94,6 +94,38 @@ fn chosen_methods_are_recorded_beside_the_scene() {
     assert_eq!(study["methods"][1]["parameters"]["memory"], 5, "the scene's own method has its parameters");
     // Without --settle the problem is that of the scene's end.
     assert!((study["start_seconds"].as_f64().unwrap() - 0.4).abs() < 1e-9);
+}
+
+#[test]
+fn methods_that_leave_torques_out_are_not_run_and_the_study_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = changed(folder.path(), "restitution = 0.3", "restitution = 0.3\nrolling_friction = 0.2");
+    let study = |methods: &[&str]| {
+        let mut command = makadam(folder.path());
+        command.arg("convergence").arg(&scene).args(["--settle", "0.3", "--iterations", "20", "--repetitions", "1"]);
+        command.args(["--json", "--output", "out"]).args(methods).output().unwrap()
+    };
+    let output = study(&[]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let methods = document["methods"].as_array().unwrap();
+    assert_eq!(methods.len(), 1);
+    assert_eq!(methods[0]["method"], "gauss-seidel");
+    let turning = |place: usize| methods[0]["points"][place]["residuals"]["turning"]["rms"].as_f64().unwrap();
+    assert!(turning(0) > 0.0 && turning(20) < turning(1), "{} to {}", turning(1), turning(20));
+    let left_out = document["left_out"].as_array().unwrap();
+    assert_eq!(left_out.len(), 5);
+    assert!(left_out.iter().all(|one| one["reason"].as_str().unwrap().contains("torques")));
+    assert!(document["findings"].to_string().contains("anderson was not run: contacts bear torques"));
+    let table = std::fs::read_to_string(folder.path().join("out/convergence.csv")).unwrap();
+    assert!(table.lines().next().unwrap().ends_with(",turning_rms,turning_max"), "{table}");
+    // Asked for by name it is an error, before anything runs.
+    let output = study(&["--methods", "gauss-seidel,anderson"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        output.status.code() == Some(2) && message.contains("anderson") && message.contains("torques"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -18,7 +18,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Value {
     let output = makadam(folder)
         .arg("run")
         .arg(smoke())
-        .args(["--steps", "60", "--json", "--output", "out"])
+        .args(["--steps", "60", "--json", "--restart", "--output", "out"])
         .args(arguments)
         .output()
         .unwrap();
@@ -202,7 +202,7 @@ fn a_prepared_flow_is_made_once() {
         let output = makadam(folder.path())
             .arg("run")
             .arg(&scene)
-            .args(["--steps", "20", "--json", "--output", "out"])
+            .args(["--steps", "20", "--json", "--restart", "--output", "out"])
             .output()
             .unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -62,6 +62,12 @@ fn the_command_prints_a_study() {
 fn a_case_that_does_not_exist_is_a_usage_error() {
     let folder = tempfile::tempdir().unwrap();
     makadam(folder.path()).args(["stability", "no-such-case"]).assert().code(2);
+    // One pattern that matches does not excuse another one.
+    let output = makadam(folder.path()).args(["stability", "groove-smooth", "sizeratio"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("'sizeratio'") && message.contains("size-ratio"), "{message}");
+    assert!(!folder.path().join("results").exists(), "nothing was run");
 }
 
 #[test]

@@ -204,7 +204,7 @@ fn an_interruption_leaves_a_table_of_what_there_is() {
     let folder = tempfile::tempdir().unwrap();
     let child = start(folder.path(), "out", 3);
     let pid = child.id().to_string();
-    assert!(std::process::Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    assert!(std::process::Command::new("kill").args(["-TERM", &pid]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("goes on from there"));

@@ -2,7 +2,7 @@
 
 use crate::Simulation;
 use crate::methods::{Problem, Solver};
-use crate::scene::SolverMethod;
+use crate::scene::{Precision, SolverMethod};
 use crate::solve::{gauge, residual_unit};
 use crate::sweep::Residuals;
 use crate::world::World;
@@ -20,10 +20,28 @@ pub struct ConvergencePoint {
     pub residuals: Residuals,
 }
 
+/// A method that cannot solve the problems of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{method}: {reason}")]
+pub struct UnsuitableMethod {
+    /// The method.
+    pub method: &'static str,
+    /// What it leaves out.
+    pub reason: &'static str,
+}
+
 impl Simulation {
     /// Solves the contact problem of the next step with a method for so many iterations, and measures after each. The first
     /// point is the state that the solve starts from. The simulation itself stays as it is: a copy takes the step.
-    pub fn convergence(&self, method: SolverMethod, iterations: u32) -> Vec<ConvergencePoint> {
+    ///
+    /// # Errors
+    /// [`UnsuitableMethod`] if the method leaves out something that the scene's contacts have, so that it solves another problem.
+    pub fn convergence(
+        &self,
+        method: SolverMethod,
+        iterations: u32,
+    ) -> Result<Vec<ConvergencePoint>, UnsuitableMethod> {
+        self.suits(method)?;
         let mut copy = self.clone();
         copy.settings.method = method;
         let team = copy.team.clone();
@@ -31,9 +49,10 @@ impl Simulation {
             copy.pose_problem(&team);
             let mut solver = Solver::new(method);
             let (method, workspace) = solver.parts();
-            let Simulation { world, layout, relaxation, settings, .. } = &mut copy;
+            let Simulation { world, layout, relaxation, settings, interrupt, .. } = &mut copy;
             let World { bodies, drives, .. } = world;
-            let mut problem = Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace };
+            let mut problem =
+                Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace, interrupt };
             let mut points = Vec::with_capacity(iterations as usize + 1);
             points.push(ConvergencePoint { residuals: problem.measure().0, ..ConvergencePoint::default() });
             let mut seconds = 0.0;
@@ -50,8 +69,25 @@ impl Simulation {
                 problem.leave_precision();
                 points.push(ConvergencePoint { iterations: number, seconds, residuals: problem.measure().0 });
             }
-            points
+            Ok(points)
         })
+    }
+
+    /// Whether a method can solve the problems of this simulation: the rule by which scenes are checked when they are read.
+    ///
+    /// # Errors
+    /// [`UnsuitableMethod`] with what it leaves out.
+    pub fn suits(&self, method: SolverMethod) -> Result<(), UnsuitableMethod> {
+        if method == SolverMethod::GaussSeidel {
+            return Ok(());
+        }
+        let reason = match () {
+            () if self.relaxation.effects.torques() => "contacts bear torques, which go with gauss-seidel alone",
+            () if !self.world.drives.is_empty() => "a wall is driven, which goes with gauss-seidel alone",
+            () if self.settings.precision == Precision::Single => "single precision goes with gauss-seidel alone",
+            () => return Ok(()),
+        };
+        Err(UnsuitableMethod { method: method.name(), reason })
     }
 
     /// Velocity that residuals compare with: g h, or 1 m/s where there is no gravity.

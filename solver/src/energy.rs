@@ -1,8 +1,10 @@
 //! Mechanical energy of a state.
 
 use crate::Simulation;
+use crate::detect::{Candidates, PairCandidate, WallCandidate};
 use crate::effects::cohesion::Pull;
-use crate::effects::compliance::NormalContact;
+use crate::effects::compliance::{NormalContact, NormalLaw};
+use crate::world::World;
 use serde::{Deserialize, Serialize};
 
 /// Mechanical energy, J.
@@ -58,66 +60,81 @@ impl Simulation {
 
     /// Energy of the contacts, and the deepest overlap.
     pub(crate) fn contact_energy(&self) -> ContactEnergy {
-        let law = self.settings.normal_law;
+        ContactEnergy::of(&self.world, &self.candidates, self.settings.normal_law)
+    }
+
+    /// Largest overlap of two grains, or of a grain and a wall, over the smaller radius; a wall's counts as infinite. Above 1 a
+    /// centre lies inside its partner. Zero where nothing overlaps.
+    pub fn largest_overlap(&self) -> f64 {
+        self.contact_energy().deepest.map_or(0.0, |(share, _)| share)
+    }
+}
+
+impl ContactEnergy {
+    /// That of the candidates of a list.
+    pub fn of(world: &World, candidates: &Candidates, law: NormalLaw) -> ContactEnergy {
         let mut sum = ContactEnergy::default();
-        let mut take = |(contact, pull): (NormalContact<f64>, Pull), radius: f64, grain: u32| {
+        let mut take = |(contact, pull): (NormalContact<f64>, Pull), radius: f64, grain: usize| {
+            if contact.overlap <= -pull.range {
+                return;
+            }
             sum.elastic += contact.elastic_energy(law);
             sum.cohesive += pull.energy(-contact.overlap);
             let share = contact.overlap / radius;
             if share > 0.0 && sum.deepest.is_none_or(|(most, _)| share > most) {
-                sum.deepest = Some((share, grain));
+                sum.deepest = Some((share, world.ids[grain]));
             }
         };
-        let world = &self.world;
-        for (grain, radius, contact) in self.close_pairs() {
-            take(contact, radius, world.ids[grain]);
+        // Most candidates are apart, which takes neither a root nor their materials to see.
+        let range = world.range_of_cohesion();
+        for pair in &candidates.pairs {
+            let (first, second) = (pair.first as usize, pair.second as usize);
+            let (a, b) = (world.spheres[first].radius, world.spheres[second].radius);
+            if world.arm(first, second).norm_squared() <= (a + b + range).powi(2) * (1.0 + 1e-9) {
+                take(pair_as_it_is(world, pair), a.min(b), first);
+            }
         }
-        for (grain, radius, contact) in self.close_walls() {
-            take(contact, radius, world.ids[grain]);
+        let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
+        for wall in &candidates.walls {
+            let sphere = &world.spheres[wall.body as usize];
+            let distance = poses[wall.surface as usize].distance(&sphere.centre);
+            if distance <= (sphere.radius + range) * (1.0 + 1e-9) {
+                take(wall_as_it_is(world, wall, distance), sphere.radius, wall.body as usize);
+            }
         }
         sum
     }
+}
 
-    /// Contacts of grains that overlap or cohere, with the first one's place and the smaller radius.
-    fn close_pairs(&self) -> impl Iterator<Item = (usize, f64, (NormalContact<f64>, Pull))> + '_ {
-        let world = &self.world;
-        let contacts = self.candidates.pairs.iter().map(|pair| {
-            let (i, j) = (pair.first as usize, pair.second as usize);
-            let (a, b) = (&world.spheres[i], &world.spheres[j]);
-            let material = world.table.between_grains(world.materials[i], world.materials[j]);
-            let contact = NormalContact {
-                overlap: a.radius + b.radius - world.arm(i, j).norm(),
-                velocity: 0.0,
-                effective_modulus: material.effective_modulus,
-                effective_radius: a.radius * b.radius / (a.radius + b.radius),
-                inverse_mass: world.bodies[i].inverse_mass + world.bodies[j].inverse_mass,
-                damping_ratio: material.damping_ratio,
-            };
-            let pull = material.pull(contact.effective_radius);
-            (i, a.radius.min(b.radius), (contact, pull))
-        });
-        contacts.filter(|(_, _, (contact, pull))| contact.overlap > -pull.range)
-    }
+/// The contact of two grains where they are, and its pull; without its velocity.
+pub(crate) fn pair_as_it_is(world: &World, pair: &PairCandidate) -> (NormalContact<f64>, Pull) {
+    let (i, j) = (pair.first as usize, pair.second as usize);
+    let (a, b) = (&world.spheres[i], &world.spheres[j]);
+    let material = world.table.between_grains(world.materials[i], world.materials[j]);
+    let effective_radius = a.radius * b.radius / (a.radius + b.radius);
+    let contact = NormalContact {
+        overlap: a.radius + b.radius - world.arm(i, j).norm(),
+        velocity: 0.0,
+        effective_modulus: material.effective_modulus,
+        effective_radius,
+        inverse_mass: world.bodies[i].inverse_mass + world.bodies[j].inverse_mass,
+        damping_ratio: material.damping_ratio,
+    };
+    (contact, material.pull(effective_radius))
+}
 
-    /// Contacts with walls that overlap or cohere, with the grain's place and radius.
-    fn close_walls(&self) -> impl Iterator<Item = (usize, f64, (NormalContact<f64>, Pull))> + '_ {
-        let world = &self.world;
-        let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
-        let contacts = self.candidates.walls.iter().map(move |wall| {
-            let (grain, surface) = (wall.body as usize, wall.surface as usize);
-            let sphere = &world.spheres[grain];
-            let material = world.table.with_wall(world.materials[grain], world.surfaces[surface].material);
-            let contact = NormalContact {
-                overlap: sphere.radius - poses[surface].distance(&sphere.centre),
-                velocity: 0.0,
-                effective_modulus: material.effective_modulus,
-                effective_radius: sphere.radius,
-                inverse_mass: world.bodies[grain].inverse_mass,
-                damping_ratio: material.damping_ratio,
-            };
-            let pull = material.pull(sphere.radius);
-            (grain, sphere.radius, (contact, pull))
-        });
-        contacts.filter(|(_, _, (contact, pull))| contact.overlap > -pull.range)
-    }
+/// The contact of a grain with a wall whose face is so far (m) from its centre, and its pull; without its velocity.
+pub(crate) fn wall_as_it_is(world: &World, wall: &WallCandidate, distance: f64) -> (NormalContact<f64>, Pull) {
+    let grain = wall.body as usize;
+    let radius = world.spheres[grain].radius;
+    let material = world.table.with_wall(world.materials[grain], world.surfaces[wall.surface as usize].material);
+    let contact = NormalContact {
+        overlap: radius - distance,
+        velocity: 0.0,
+        effective_modulus: material.effective_modulus,
+        effective_radius: radius,
+        inverse_mass: world.bodies[grain].inverse_mass,
+        damping_ratio: material.damping_ratio,
+    };
+    (contact, material.pull(radius))
 }

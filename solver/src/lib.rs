@@ -21,6 +21,7 @@ pub mod direct;
 pub mod effects;
 mod energy;
 pub mod groups;
+pub mod interrupt;
 pub mod lanes;
 mod ledger;
 pub mod methods;
@@ -28,6 +29,7 @@ pub mod partition;
 pub mod probe;
 pub mod scene;
 pub mod schedule;
+mod setting_error;
 mod simulation;
 pub mod snapshot;
 mod solution_error;
@@ -37,9 +39,17 @@ mod swept;
 pub mod watch;
 pub mod world;
 
-pub use convergence::ConvergencePoint;
+pub use convergence::{ConvergencePoint, UnsuitableMethod};
 pub use energy::Energy;
+pub use interrupt::Interrupt;
 pub use ledger::Balance;
+pub use setting_error::{Obstacle, SettingError};
 pub use simulation::{PhaseSeconds, Simulation, StepReport};
 pub use solution_error::SolutionError;
 pub use swept::Crossing;
+
+/// What tells this build from every other one whose bits may be others: the version and, behind a dash, 16 hexadecimal digits of a
+/// hash over the sources of the solver, the effects that are built in and the packages that compute. Builds of the same sources
+/// have the same, wherever and however they are made, and give the same bits; whatever keeps states or results to go on from
+/// keeps this with them.
+pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "-", env!("MAKADAM_BUILD_KEY"));

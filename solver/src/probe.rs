@@ -5,7 +5,7 @@
 
 use crate::Simulation;
 use crate::effects::EffectSet;
-use crate::lanes::{Eight, InstructionSet, Kernel, Lanes};
+use crate::lanes::{Available, Eight, InstructionSet, Kernel, Lanes};
 use crate::scene::Precision;
 use crate::solve::{Unknowns, sweep_all};
 use crate::sweep::{Gauge, start_driven};
@@ -73,7 +73,7 @@ impl Simulation {
                     Precision::Double => Unknowns::double(&mut world.bodies, &mut layout.groups),
                     Precision::Single => Unknowns::single(single),
                 };
-                sweep_all(&layout.plan, &unknowns, relaxation, 1.0, 1, (Gauge::Off, &mut nowhere), &team);
+                sweep_all(&layout.plan, &unknowns, relaxation, 1.0, (1, || false), (Gauge::Off, &mut nowhere), &team);
                 if !world.drives.is_empty() {
                     relaxation.sweep_driven(&mut world.bodies, layout, &mut world.drives, 1.0, Gauge::Off);
                 }
@@ -88,12 +88,12 @@ pub const MOST_CHAINS: usize = 6;
 
 /// Multiplies and adds in registers, without memory: `chains` chains of eight multiplications and as many of eight
 /// additions, each independent of the others, so many times. Returns the number of operations. A processor that works on
-/// several at a time needs several chains; more chains than registers cost. The instruction set must be available.
+/// several at a time needs several chains; more chains than registers cost.
 ///
 /// # Panics
-/// `chains` is 0 or above [`MOST_CHAINS`].
+/// This processor lacks the instruction set, or `chains` is 0 or above [`MOST_CHAINS`].
 pub fn multiply_and_add(set: InstructionSet, chains: usize, times: u64) -> u64 {
-    assert!(set.is_available(), "this processor has no {}", set.name());
+    let set = available(set);
     let sum = match chains {
         1 => set.run(Arithmetic::<1> { times }),
         2 => set.run(Arithmetic::<2> { times }),
@@ -107,17 +107,26 @@ pub fn multiply_and_add(set: InstructionSet, chains: usize, times: u64) -> u64 {
     times * 2 * chains as u64 * crate::lanes::LANES as u64
 }
 
-/// `a = b + s c`: the triad of the STREAM benchmark, on the shortest of the three. The instruction set must be available.
+/// `a = b + s c`: the triad of the STREAM benchmark, on the shortest of the three.
+///
+/// # Panics
+/// This processor lacks the instruction set.
 pub fn triad(set: InstructionSet, a: &mut [Eight], b: &[Eight], c: &[Eight]) {
-    assert!(set.is_available(), "this processor has no {}", set.name());
+    let set = available(set);
     set.run(Triad { a, b, c });
 }
 
-/// `a = a + s b`: like a sweep it reads what it writes, so that memory carries these three streams and no other. The
-/// instruction set must be available.
+/// `a = a + s b`: like a sweep it reads what it writes, so that memory carries these three streams and no other.
+///
+/// # Panics
+/// This processor lacks the instruction set.
 pub fn update(set: InstructionSet, a: &mut [Eight], b: &[Eight]) {
-    assert!(set.is_available(), "this processor has no {}", set.name());
+    let set = available(set);
     set.run(Update { a, b });
+}
+
+fn available(set: InstructionSet) -> Available {
+    set.on_this_processor().unwrap_or_else(|| panic!("this processor has no {}", set.name()))
 }
 
 struct Arithmetic<const CHAINS: usize> {

@@ -4,13 +4,15 @@ use crate::checkpoint::checksum;
 use crate::constrain::Constrainer;
 use crate::detect::Candidates;
 use crate::effects::EffectSet;
-use crate::lanes::{InstructionSet, PREFETCH, Quad};
+use crate::interrupt::Interrupt;
+use crate::lanes::{Available, InstructionSet, PREFETCH, Quad};
 use crate::ledger::Ledger;
 use crate::methods::Solver;
 use crate::partition::{BoxGrid, Layout, Portion};
 use crate::scene::{Precision, Scene, SceneError, SolverMethod, SolverSettings, Stop, populate};
 use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
-use crate::solve::{SolveReport, solve};
+use crate::setting_error::{Obstacle, SettingError};
+use crate::solve::{SolveReport, StopReason, solve};
 use crate::sweep::{Relaxation, start_driven};
 use crate::swept::Swept;
 use crate::world::{Body, Sphere, World, chunk, chunks};
@@ -36,6 +38,9 @@ pub struct Simulation {
     pub(crate) contact_sweeps: u64,
     pub(crate) ledger: Option<Ledger>,
     pub(crate) swept: Swept,
+    pub(crate) interrupt: Interrupt,
+    /// Work that walls did on grains in the last step besides what the solve tells, J.
+    pub(crate) work_outside_of_the_solve: f64,
     phases: PhaseSeconds,
 }
 
@@ -65,10 +70,10 @@ impl Simulation {
     /// Places the scene's grains and makes ready for the first step.
     ///
     /// # Errors
-    /// [`SceneError`] if the grains do not fit their container or overlap, or if restitution falls with the speed of impacts that the
-    /// step resolves.
+    /// [`SceneError`] if the scene breaks a rule that scenes from files have to keep ([`Scene::check`]), or if its grains do not fit their
+    /// container or overlap.
     pub fn new(scene: &Scene, seed: u64, file: &Path) -> Result<Simulation, SceneError> {
-        scene.refuse_resolved_impacts(file)?;
+        scene.check(file)?;
         let grains = populate(scene, seed, file)?;
         Ok(Simulation::of_world(scene, World::new(scene, &grains)))
     }
@@ -82,12 +87,7 @@ impl Simulation {
         world.add_dummies(boxes.boxes());
         let effects = world.table.effects();
         Simulation {
-            relaxation: Relaxation {
-                instruction_set: InstructionSet::detect(),
-                scalar: false,
-                effects,
-                prefetch: PREFETCH,
-            },
+            relaxation: Relaxation { instruction_set: Available::detect(), scalar: false, effects, prefetch: PREFETCH },
             prefetch: None,
             candidates: Candidates::new(&boxes, &world, skin, scene.solver.step, effects.torques()),
             constrainer: Constrainer::new(&world, &scene.solver),
@@ -100,11 +100,13 @@ impl Simulation {
             contact_sweeps: 0,
             ledger: None,
             swept: Swept::default(),
+            interrupt: Interrupt::new(),
+            work_outside_of_the_solve: 0.0,
             phases: PhaseSeconds::default(),
         }
     }
 
-    /// Advances by one time step.
+    /// Advances by one time step, unless it is [interrupted](crate::interrupt): then all is as before it, and the report says so.
     pub fn step(&mut self) -> StepReport {
         let team = self.team.clone();
         team.enter(|| self.step_of(&team))
@@ -118,19 +120,24 @@ impl Simulation {
     }
 
     fn step_of(&mut self, team: &Team) -> StepReport {
+        self.work_outside_of_the_solve = 0.0;
         // The contact problem of the step.
         self.pose_problem(team);
         let clock = Clock::start();
         // Iterations until the settings say stop.
-        let Simulation { world, settings, layout, relaxation, solver, .. } = self;
-        let solve = solve(world, layout, relaxation, settings, team, solver);
+        let Simulation { world, settings, layout, relaxation, solver, interrupt, .. } = self;
+        let solve = solve(world, layout, relaxation, settings, team, solver, interrupt);
         let clock = clock.lap(&mut self.phases.sweep);
-        // Walls that grains would pass within the step.
-        let stopped = self.stop_ahead(team);
+        if solve.reason == StopReason::Interrupted {
+            self.abandon_step();
+            return StepReport { solve, contacts: 0 };
+        }
         if let Some(mut ledger) = self.ledger.take() {
             ledger.note(self, self.constrainer.scheme());
             self.ledger = Some(ledger);
         }
+        // Walls that grains would pass within the step.
+        let stopped = self.stop_ahead(team);
         // Motion with the new velocities.
         self.remember_impulses(team);
         self.move_bodies(stopped, team);
@@ -152,7 +159,7 @@ impl Simulation {
         }
         let clock = clock.lap(&mut self.phases.detect);
         if let Some(ledger) = &mut self.ledger {
-            ledger.begin(&self.world);
+            ledger.begin(&self.world, &self.candidates, self.constrainer.scheme());
         }
         // Forces.
         self.apply_gravity(self.settings.step, team);
@@ -169,7 +176,7 @@ impl Simulation {
         let change = self.world.gravity * h;
         let (time, gravity) = (self.world.time, self.world.gravity);
         self.world.drives.iter_mut().for_each(|drive| drive.begin(time, h, &gravity));
-        let spins = self.relaxation.effects.kinetic_friction();
+        let spins = self.keeps_spins();
         let (grains, count) = (self.world.grains(), self.world.bodies.len());
         let World { bodies, before, spins_before, .. } = &mut self.world;
         before.resize(count, Quad::default());
@@ -201,6 +208,9 @@ impl Simulation {
     }
 
     pub(crate) fn constrain(&mut self, team: &Team) {
+        self.layout.fit(self.candidates.tasks());
+        // Bodies, and contacts about as many as in the last step.
+        self.constrainer.fetches = self.layout.prefetch(self.world.bodies.len()) > 0;
         let Simulation { world, candidates, relaxation, constrainer, layout, .. } = self;
         let mut bodies = std::mem::take(&mut world.bodies);
         let parts = Disjoint::new(&mut bodies);
@@ -231,7 +241,8 @@ impl Simulation {
         self.steps += 1;
         let (time, gravity) = (self.world_time_after(self.steps), self.world.gravity);
         self.world.set_time(time);
-        if let Some(ledger) = self.ledger.as_mut().filter(|_| self.world.gravity != gravity) {
+        if let Some(ledger) = &mut self.ledger {
+            ledger.settle(&self.world, &self.candidates, self.constrainer.scheme());
             ledger.change_gravity(&self.world, gravity, h);
         }
     }
@@ -284,7 +295,7 @@ impl Simulation {
 
     /// Instruction set of the sweep kernel.
     pub fn instruction_set(&self) -> InstructionSet {
-        self.relaxation.instruction_set
+        self.relaxation.instruction_set.name()
     }
 
     /// Contacts times sweeps, summed over the steps taken.
@@ -355,11 +366,14 @@ impl Simulation {
 
     /// Works on another instruction set than the one found at start; all give the same bits.
     ///
-    /// Ignored where the processor lacks it.
-    pub fn use_instruction_set(&mut self, instruction_set: InstructionSet) {
-        if instruction_set.is_available() {
-            self.relaxation.instruction_set = instruction_set;
-        }
+    /// # Errors
+    /// [`SettingError::NoInstructionSet`] where the processor lacks it.
+    pub fn use_instruction_set(&mut self, instruction_set: InstructionSet) -> Result<(), SettingError> {
+        self.relaxation.instruction_set = instruction_set.on_this_processor().ok_or_else(|| {
+            let available = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
+            SettingError::NoInstructionSet { wanted: instruction_set, available: available.collect() }
+        })?;
+        Ok(())
     }
 
     /// Sweeps one contact at a time instead of eight, with the same bits: the baseline that lanes are measured against.
@@ -367,17 +381,24 @@ impl Simulation {
         self.relaxation.scalar = scalar;
     }
 
-    /// Whether any method and precision can solve it: torques and driven walls go with Gauss-Seidel in double precision alone.
-    fn takes_any_method(&self) -> bool {
-        !self.relaxation.effects.torques() && self.world.drives.is_empty()
+    /// What goes with Gauss-Seidel in double precision alone, if the scene has it.
+    fn obstacle(&self) -> Option<Obstacle> {
+        let torques = self.relaxation.effects.torques().then_some(Obstacle::Torques);
+        torques.or((!self.world.drives.is_empty()).then_some(Obstacle::DrivenWalls))
     }
 
-    /// Sweeps in another precision from the next step on; this changes the result. Methods other than Gauss-Seidel stay in
-    /// double precision, and so do scenes whose contacts bear torques or whose walls are driven.
-    pub fn use_precision(&mut self, precision: Precision) {
-        if self.takes_any_method() {
-            self.settings.precision = precision;
+    /// Sweeps in another precision from the next step on; this changes the result.
+    ///
+    /// # Errors
+    /// [`SettingError::SinglePrecision`] where contacts bear torques, walls are driven or the method is another than Gauss-Seidel:
+    /// these go with double precision alone.
+    pub fn use_precision(&mut self, precision: Precision) -> Result<(), SettingError> {
+        if precision == Precision::Single {
+            let method = (self.settings.method != SolverMethod::GaussSeidel).then_some(Obstacle::Method);
+            self.obstacle().or(method).map_or(Ok(()), |obstacle| Err(SettingError::SinglePrecision(obstacle)))?;
         }
+        self.settings.precision = precision;
+        Ok(())
     }
 
     /// Fetches bodies into the cache so many lane groups before a sweep needs them; 0 leaves it to the processor. Absent, as many
@@ -392,12 +413,27 @@ impl Simulation {
         self.layout.plan.set_portion(portion);
     }
 
-    /// Solves the steps to come with another method; scenes whose contacts bear torques or whose walls are driven stay with
-    /// Gauss-Seidel.
-    pub fn use_method(&mut self, method: SolverMethod) {
-        if self.takes_any_method() {
-            self.settings.method = method;
-            self.solver = Solver::new(method);
+    /// Solves the steps to come with another method.
+    ///
+    /// # Errors
+    /// [`SettingError::Method`] where contacts bear torques, walls are driven or sweeps are in single precision: these go with
+    /// Gauss-Seidel alone.
+    pub fn use_method(&mut self, method: SolverMethod) -> Result<(), SettingError> {
+        self.goes_with(method)?;
+        self.settings.method = method;
+        self.solver = Solver::new(method);
+        Ok(())
+    }
+
+    /// Whether a method can solve the steps to come.
+    ///
+    /// # Errors
+    /// As for [`use_method`](Simulation::use_method).
+    pub fn goes_with(&self, method: SolverMethod) -> Result<(), SettingError> {
+        let single = (self.settings.precision == Precision::Single).then_some(Obstacle::SinglePrecision);
+        match self.obstacle().or(single) {
+            Some(obstacle) if method != SolverMethod::GaussSeidel => Err(SettingError::Method { method, obstacle }),
+            _ => Ok(()),
         }
     }
 
@@ -433,5 +469,29 @@ impl Clock {
         let now = Instant::now();
         *sum += (now - self.0).as_secs_f64();
         Clock(now)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn set_up_fetches_ahead_what_is_too_large_for_the_cache() {
+        let fetches = |count: usize| {
+            let text = format!(
+                "name = 'cloud'\ndescription = ''\nduration = 1\ngravity = [0, 0, 0]\n\
+                 domain = {{ min = [0, 0, 0], max = [1, 1, 1] }}\n\
+                 [material.grain]\ndensity = 2500\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nrestitution = 0.5\nfriction = 0\n\
+                 [[population]]\ncount = {count}\nmaterial = 'grain'\nradius = {{ kind = 'uniform', mean = 0.005, spread = 0 }}\n\
+                 region = {{ kind = 'box', min = [0, 0, 0], max = [1, 1, 1] }}\n"
+            );
+            let file = Path::new("cloud.toml");
+            let mut simulation = Simulation::new(&Scene::parse(&text, file).unwrap(), 1, file).unwrap();
+            assert_eq!(simulation.step().contacts, 0, "bodies alone count");
+            simulation.constrainer.fetches
+        };
+        assert!(!fetches(1_000), "64 KB of bodies");
+        assert!(fetches(20_000), "1.3 MB of bodies");
     }
 }

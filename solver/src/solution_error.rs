@@ -16,7 +16,7 @@ pub struct SolutionError {
     /// By how much impulses attract, or leave the Coulomb disc: `-lambda_n D_n` or `(|lambda_t| - mu lambda_n) D_t`, the larger of
     /// the two and never below zero, m/s.
     pub cone: Residual,
-    /// Largest overlap of two grains over the smaller radius, at the present positions.
+    /// Largest overlap of two grains, or of a grain and a wall, over the smaller radius, at the present positions.
     pub largest_overlap: f64,
     /// Velocity that these compare with: g h, or 1 m/s where there is no gravity.
     pub unit: f64,
@@ -39,23 +39,12 @@ impl Simulation {
     /// How far the last step's solve stopped from the solution. To be asked before anything else is done to the simulation.
     pub fn solution_error(&mut self) -> SolutionError {
         let team = self.team.clone();
-        let Simulation { world, layout, relaxation, settings, solver, .. } = self;
+        let Simulation { world, layout, relaxation, settings, solver, interrupt, .. } = self;
         let workspace = &mut solver.workspace;
         let unit = residual_unit(world, settings.step);
         let World { bodies, drives, .. } = world;
-        let mut problem = Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace };
+        let mut problem = Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace, interrupt };
         let (residuals, cone) = team.enter(|| problem.measure());
         SolutionError { residuals, cone, largest_overlap: self.largest_overlap(), unit }
-    }
-
-    /// Largest overlap of two grains over the smaller radius.
-    fn largest_overlap(&self) -> f64 {
-        let world = &self.world;
-        let overlaps = self.candidates.pairs.iter().map(|pair| {
-            let (i, j) = (pair.first as usize, pair.second as usize);
-            let (a, b) = (&world.spheres[i], &world.spheres[j]);
-            (a.radius + b.radius - world.arm(i, j).norm()) / a.radius.min(b.radius)
-        });
-        overlaps.fold(0.0, f64::max)
     }
 }

@@ -1,5 +1,6 @@
 //! The loop around iterations of a method: when to stop, what to report.
 
+use crate::interrupt::Interrupt;
 use crate::methods::{Problem, Solver};
 use crate::partition::{Layout, Plan, STAGES, SingleBody, SingleCopy, SingleGroups, TaskGroups};
 use crate::scene::{SolverSettings, Stop};
@@ -24,6 +25,8 @@ pub enum StopReason {
     TimeBudget,
     /// The most sweeps are done, the residual or the time budget notwithstanding.
     MaxSweeps,
+    /// It was asked to: see [`interrupt`](crate::interrupt). The step was not taken.
+    Interrupted,
 }
 
 /// What a solve did.
@@ -51,6 +54,7 @@ pub(crate) fn solve(
     settings: &SolverSettings,
     team: &Team,
     solver: &mut Solver,
+    interrupt: &Interrupt,
 ) -> SolveReport {
     let mut report = SolveReport::default();
     if layout.contacts == 0 {
@@ -66,7 +70,7 @@ pub(crate) fn solve(
     let timed = matches!(settings.stop, Stop::TimeBudget { .. });
     let (method, workspace) = solver.parts();
     let World { bodies, drives, .. } = world;
-    let mut problem = Problem { bodies, drives, layout, relaxation, settings, team, workspace };
+    let mut problem = Problem { bodies, drives, layout, relaxation, settings, team, workspace, interrupt };
     method.begin(&mut problem);
     problem.enter_precision();
     report.reason = loop {
@@ -75,6 +79,10 @@ pub(crate) fn solve(
         let gauge = forecast.as_ref().map_or_else(|| gauge(sweep, last), |forecast| forecast.gauge(last));
         let residuals = method.iterate(&mut problem, gauge);
         report.sweeps = sweep;
+        // An iteration may have been cut short, be it the last one.
+        if problem.is_interrupted() {
+            break StopReason::Interrupted;
+        }
         if let Some(residuals) = residuals {
             report.residuals = residuals;
             report.fell_back = method.fell_back();
@@ -182,14 +190,14 @@ impl<'a> Unknowns<'a> {
     }
 }
 
-/// Relaxes every task `inner` times, stage after stage; returns the summed residuals of the last time as the gauge says, with
-/// `residuals` for room.
+/// Relaxes every task `inner` times, or until `stops` says so, stage after stage; returns the summed residuals of the last time as
+/// the gauge says, with `residuals` for room.
 pub(crate) fn sweep_all(
     plan: &Plan,
     unknowns: &Unknowns<'_>,
     relaxation: &Relaxation,
     factor: f64,
-    inner: u32,
+    (inner, stops): (u32, impl Fn() -> bool + Sync),
     (gauge, residuals): (Gauge, &mut Vec<TaskResidual>),
     team: &Team,
 ) -> TaskResidual {
@@ -206,6 +214,9 @@ pub(crate) fn sweep_all(
                     let task = plan.tasks()[place].number as usize;
                     let mut unused = TaskResidual::default();
                     for time in 1..=inner {
+                        if inner > 1 && stops() {
+                            break;
+                        }
                         let last = measured && time == inner;
                         let (gauge, residual) = if last { (gauge, parts.at(place)) } else { (Gauge::Off, &mut unused) };
                         unknowns.sweep(relaxation, task, factor, gauge, residual);

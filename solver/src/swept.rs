@@ -17,6 +17,7 @@
 use crate::Simulation;
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
+use crate::ledger::WallImpulse;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, Pose, Reached, Sphere, World, chunk, chunk_of, chunks};
 use nalgebra::Vector3;
@@ -351,6 +352,7 @@ impl Simulation {
             _ => slip * sticking,
         };
         let impulse = tangential - normal * borne;
+        let before = wall_velocity - velocity - spin.cross(&normal);
         let body = &mut world.bodies[place];
         body.velocity = (velocity + impulse * body.inverse_mass).into();
         body.surface_speed = (spin + normal.cross(&tangential) * (INVERSE_INERTIA * body.inverse_mass)).into();
@@ -361,7 +363,9 @@ impl Simulation {
                 self.swept.poses[surface] = world.pose_through(surface, h);
             }
         }
-        self.note_strike(place, met.surface, normal, (borne, -tangential));
+        let body = self.world.bodies[place];
+        let after = wall_velocity - Vector::from(body.velocity) - Vector::from(body.surface_speed).cross(&normal);
+        self.note_strike(place, met.surface, normal, (borne, -tangential), wall_velocity, [before, after]);
         Some(drive.is_some())
     }
 
@@ -385,11 +389,32 @@ impl Simulation {
         }
         world.bodies[place].velocity = held.into();
         let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);
-        let along = normal.dot(&impulse);
-        self.note_strike(place, met.surface, normal, (along, impulse - normal * along));
+        // It acts on the centre, so that the spin stays.
+        let (along, relative) = (normal.dot(&impulse), [wall_velocity - velocity, wall_velocity - held]);
+        self.note_strike(place, met.surface, normal, (along, impulse - normal * along), wall_velocity, relative);
     }
 
-    fn note_strike(&mut self, place: usize, surface: usize, normal: Vector, (along, tangential): (f64, Vector)) {
+    /// Notes an impact that a grain has just had, given the impulses on the wall, the wall's velocity at the contact, and this less that
+    /// of the grain where it was hit, before the impact and after it.
+    fn note_strike(
+        &mut self,
+        place: usize,
+        surface: usize,
+        normal: Vector,
+        (along, tangential): (f64, Vector),
+        wall_velocity: Vector,
+        [before, after]: [Vector; 2],
+    ) {
+        let body = &self.world.bodies[place];
+        self.book_wall_impulse(&WallImpulse {
+            mass: 1.0 / body.inverse_mass,
+            normal: normal.into(),
+            before: before.into(),
+            after: after.into(),
+            impulse: (-normal * along - tangential).into(),
+            wall_velocity: wall_velocity.into(),
+            shift: [0.0; 3],
+        });
         let (place, surface) = (place as u32, surface as u32);
         self.swept.strikes.push(Strike { place, surface, normal, along, tangential });
     }

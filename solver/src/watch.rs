@@ -1,10 +1,11 @@
 //! Watchdogs: what goes wrong without a word elsewhere is named here, with the grain, the step and the time.
 
-use crate::Simulation;
 use crate::energy::ContactEnergy;
+use crate::ledger::work_of_changing_gravity;
 use crate::scene::{Reaction, Watch};
 use crate::simulation::StepReport;
 use crate::solve::{StopReason, residual_unit};
+use crate::{Crossing, Simulation};
 use nalgebra::Vector3;
 use std::fmt;
 
@@ -25,6 +26,15 @@ pub enum Trouble {
         /// What is tolerated.
         bound: f64,
     },
+    /// A grain overlaps its partner so far that its centre lies inside: a contact that pushes either way no longer means anything.
+    DeepOverlap {
+        /// Its id.
+        grain: u32,
+        /// Overlap over the smaller radius.
+        share: f64,
+        /// What makes numbers worthless.
+        bound: f64,
+    },
     /// Mechanical energy came from nowhere.
     Energy {
         /// Id of the fastest grain.
@@ -41,6 +51,13 @@ pub enum Trouble {
         /// Where it is, m.
         position: [f64; 3],
     },
+    /// A grain has crossed a wall.
+    Crossing {
+        /// Its id.
+        grain: u32,
+        /// Number of the wall in the scene.
+        wall: u32,
+    },
     /// No solve since the last look has come close to a solution.
     Stagnation {
         /// Smallest residual since then, in units of g h.
@@ -56,10 +73,17 @@ impl Trouble {
         match self {
             Trouble::NotFinite { .. } => "not finite",
             Trouble::Overlap { .. } => "overlap",
+            Trouble::DeepOverlap { .. } => "deep overlap",
             Trouble::Energy { .. } => "energy",
             Trouble::Escape { .. } => "escape",
+            Trouble::Crossing { .. } => "crossing",
             Trouble::Stagnation { .. } => "stagnation",
         }
+    }
+
+    /// Whether the numbers of a run in which it was noticed mean nothing, whatever the scene wants done.
+    pub fn is_grave(&self) -> bool {
+        !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. })
     }
 }
 
@@ -87,6 +111,11 @@ impl fmt::Display for Alarm {
                 "grain {grain} overlaps its partner by {share:.3} of the smaller radius, more than {bound}; lower solver.step, \
                  raise youngs_modulus or the sweeps of solver.stop"
             ),
+            Trouble::DeepOverlap { grain, share, bound } => write!(
+                out,
+                "grain {grain} overlaps its partner by {share:.3} of the smaller radius, more than {bound}: its centre lies inside; \
+                 lower solver.step, raise youngs_modulus or the sweeps of solver.stop"
+            ),
             Trouble::Energy { grain, share, bound } => write!(
                 out,
                 "mechanical energy grew by {share:.3} of its scale, more than {bound}, with grain {grain} the fastest; lower \
@@ -96,6 +125,9 @@ impl fmt::Display for Alarm {
                 out,
                 "grain {grain} left the domain at ({x:.4}, {y:.4}, {z:.4}) m; enlarge the domain, close the walls or lower solver.step"
             ),
+            Trouble::Crossing { grain, wall } => {
+                write!(out, "grain {grain} has crossed wall {wall}; lower solver.step, or close the walls")
+            }
             Trouble::Stagnation { residual, bound } => write!(
                 out,
                 "no solve since the last look came below a residual of {residual:.2} g h, more than {bound}; raise the sweeps of \
@@ -106,15 +138,22 @@ impl fmt::Display for Alarm {
     }
 }
 
+/// Overlap over the smaller radius above which a centre lies inside its partner.
+const DEEP: f64 = 1.0;
+
 /// Looks at a simulation every so many steps.
 #[derive(Clone, Debug)]
 pub struct Watchdog {
     settings: Watch,
-    /// Whether mechanical energy cannot come from walls.
-    closed: bool,
-    /// Time of the last look, s.
-    looked_at: f64,
-    /// Smallest mechanical energy so far, J: no later state may have more, its elastic energy left out.
+    /// Steps that the simulation had taken when this took note of one for the last time, and when it looked.
+    noted: u64,
+    looked: Option<u64>,
+    /// Gravity at the end of the last step, m/s2.
+    gravity: Vector3<f64>,
+    /// What walls and changes of gravity have given the grains so far, J.
+    supplied: f64,
+    /// Smallest mechanical energy so far, J, less what was supplied until then: no later state may have more, its elastic energy
+    /// left out.
     available: f64,
     /// Largest kinetic energy so far, J.
     kinetic: f64,
@@ -127,8 +166,10 @@ impl Watchdog {
     pub fn new(settings: &Watch, simulation: &Simulation) -> Watchdog {
         Watchdog {
             settings: settings.clone(),
-            closed: !simulation.world.surfaces.iter().any(|surface| surface.moves()),
-            looked_at: simulation.world.time,
+            noted: simulation.steps,
+            looked: None,
+            gravity: simulation.world.gravity,
+            supplied: 0.0,
             available: f64::INFINITY,
             kinetic: 0.0,
             residual: f64::INFINITY,
@@ -137,18 +178,49 @@ impl Watchdog {
 
     /// Takes note of a step; looks at the state where it is time to. What was noticed comes back, the gravest first.
     ///
-    /// Between looks it allocates nothing, and a look no more than a pose a wall.
+    /// It wants to see every step: after one that it has not seen it knows no longer what walls gave, and judges energy from
+    /// there on. Between looks it allocates nothing, and a look no more than a pose a wall.
+    /// A grain that has crossed a wall is noticed in its step, whatever the scene asks for.
     pub fn observe(&mut self, simulation: &Simulation, report: &StepReport) -> Vec<Alarm> {
-        let mut troubles = Vec::new();
+        if let Some(Crossing { grain, wall }) = simulation.crossing() {
+            let (trouble, reaction) = (Trouble::Crossing { grain, wall }, Reaction::Stop);
+            return vec![Alarm { trouble, reaction, step: simulation.steps, time: simulation.world.time }];
+        }
         if self.settings.every == 0 {
-            return troubles;
+            return Vec::new();
         }
         let unit = residual_unit(&simulation.world, simulation.settings.step);
         let solved = report.solve.reason != StopReason::NoContacts;
         self.residual = self.residual.min(if solved { report.solve.residuals.rms() / unit } else { 0.0 });
-        if !simulation.steps.is_multiple_of(u64::from(self.settings.every)) {
+        if self.settings.on_energy != Reaction::Ignore {
+            self.note_supply(simulation);
+        }
+        match simulation.steps.is_multiple_of(u64::from(self.settings.every)) {
+            true => self.last(simulation),
+            false => Vec::new(),
+        }
+    }
+
+    /// Looks at the state that the last step of a run has left, or one after which it is interrupted, whether it is time to or not.
+    /// A state that was looked at is not looked at again. What was noticed comes back, the gravest first.
+    pub fn last(&mut self, simulation: &Simulation) -> Vec<Alarm> {
+        let mut troubles = self.look(simulation);
+        if self.settings.every > 0 && self.settings.on_stagnation != Reaction::Ignore {
+            let (reaction, step, time) = (self.settings.on_stagnation, simulation.steps, simulation.world.time);
+            troubles.extend(self.stagnation().map(|trouble| Alarm { trouble, reaction, step, time }));
+        }
+        self.residual = f64::INFINITY;
+        troubles
+    }
+
+    /// Looks at a state that is measured, as [`Watchdog::last`] does; solves are judged when it is time to, by all that came
+    /// together since.
+    pub fn look(&mut self, simulation: &Simulation) -> Vec<Alarm> {
+        let mut troubles = Vec::new();
+        if self.settings.every == 0 || self.looked == Some(simulation.steps) {
             return troubles;
         }
+        self.looked = Some(simulation.steps);
         let mut note = |trouble: Option<Trouble>, reaction: Reaction| {
             if let Some(trouble) = trouble.filter(|_| reaction != Reaction::Ignore) {
                 troubles.push(Alarm { trouble, reaction, step: simulation.steps, time: simulation.world.time });
@@ -158,18 +230,56 @@ impl Watchdog {
         note(lost.map(|grain| Trouble::NotFinite { grain }), Reaction::Stop);
         if lost.is_none() {
             note(self.escape(simulation), self.settings.on_escape);
-            let [overlap, energy] = self.overlap_and_energy(simulation);
-            note(overlap, self.settings.on_overlap);
-            note(energy, self.settings.on_energy);
-            note(self.stagnation(), self.settings.on_stagnation);
+            let contacts = simulation.contact_energy();
+            note(self.energy(simulation, &contacts), self.settings.on_energy);
+            let (overlap, reaction) = self.overlap(&contacts);
+            note(overlap, reaction);
         }
-        self.residual = f64::INFINITY;
         troubles
+    }
+
+    /// As [`Watchdog::observe`] for a run that is only to end where it has to: looks too where the state is measured, or is the last
+    /// one.
+    ///
+    /// # Errors
+    /// The gravest of what was noticed that ends a run.
+    pub fn check(&mut self, simulation: &Simulation, report: &StepReport, measured: bool) -> Result<(), Alarm> {
+        let mut alarms = self.observe(simulation, report);
+        if measured {
+            alarms.extend(self.look(simulation));
+        }
+        alarms.into_iter().find(|alarm| alarm.reaction == Reaction::Stop).map_or(Ok(()), Err)
+    }
+
+    /// Adds what walls and gravity that changes gave in the last step.
+    fn note_supply(&mut self, simulation: &Simulation) {
+        if simulation.steps != self.noted + 1 {
+            (self.available, self.supplied) = (f64::INFINITY, 0.0);
+        } else {
+            let (world, h) = (&simulation.world, simulation.settings.step);
+            self.supplied += simulation.work_of_walls() + work_of_changing_gravity(world, self.gravity, h);
+        }
+        (self.noted, self.gravity) = (simulation.steps, simulation.world.gravity);
+    }
+
+    /// The deepest overlap, if it is too deep, and what to do then.
+    fn overlap(&self, contacts: &ContactEnergy) -> (Option<Trouble>, Reaction) {
+        let Watch { overlap: bound, on_overlap, on_deep_overlap, .. } = self.settings;
+        let Some((share, grain)) = contacts.deepest.filter(|(share, _)| *share > bound) else {
+            return (None, on_overlap);
+        };
+        let deep = bound.max(DEEP);
+        if share > deep && on_deep_overlap != Reaction::Ignore {
+            return (Some(Trouble::DeepOverlap { grain, share, bound: deep }), on_deep_overlap);
+        }
+        (Some(Trouble::Overlap { grain, share, bound }), on_overlap)
     }
 
     fn stagnation(&self) -> Option<Trouble> {
         let bound = self.settings.residual;
-        (self.residual > bound).then_some(Trouble::Stagnation { residual: self.residual, bound })
+        // Infinite where no step was seen.
+        (self.residual > bound && self.residual < f64::INFINITY)
+            .then_some(Trouble::Stagnation { residual: self.residual, bound })
     }
 
     fn escape(&self, simulation: &Simulation) -> Option<Trouble> {
@@ -182,36 +292,33 @@ impl Watchdog {
         Some(Trouble::Escape { grain: outside, position })
     }
 
-    /// The deepest overlap and the gain of energy, from one pass over the contacts.
-    fn overlap_and_energy(&mut self, simulation: &Simulation) -> [Option<Trouble>; 2] {
-        let bound = self.settings.overlap;
-        let ContactEnergy { elastic, cohesive, deepest } = simulation.contact_energy();
-        let overlap =
-            deepest.filter(|(share, _)| *share > bound).map(|(share, grain)| Trouble::Overlap { grain, share, bound });
+    /// Energy from nowhere.
+    fn energy(&mut self, simulation: &Simulation, contacts: &ContactEnergy) -> Option<Trouble> {
         let world = &simulation.world;
         let energy = simulation.energy_of_grains();
         // Potential energy where the grains are half a step earlier: then a step without contacts changes nothing.
         let (half, momentum) = (0.5 * simulation.settings.step, simulation.momentum());
         let mechanical =
-            energy.kinetic + energy.potential + cohesive + half * world.gravity.dot(&Vector3::from(momentum));
+            energy.kinetic + energy.potential + contacts.cohesive + half * world.gravity.dot(&Vector3::from(momentum))
+                - self.supplied;
         let mass: f64 = world.bodies[..world.grains()].iter().map(|body| 1.0 / body.inverse_mass).sum();
         let weight = world.field.largest() * mass;
         self.kinetic = self.kinetic.max(energy.kinetic);
-        let scale = self.kinetic + weight * world.largest_and_mean_radius().1;
+        // Where grains are is known to half a step, and potential energy with it.
+        let speeds = world.bodies[..world.grains()].iter().map(|body| Vector3::from(body.velocity).norm());
+        let step = half * speeds.fold(0.0, f64::max);
+        let scale = self.kinetic + weight * world.largest_and_mean_radius().1.max(step);
         let (share, bound) = ((mechanical - self.available) / scale, self.settings.energy);
-        // Gravity that changes gives energy, and takes it.
-        let steady = world.field.is_constant(self.looked_at, world.time);
-        self.looked_at = world.time;
-        let gained = self.closed && steady && share > bound;
+        let gained = share > bound;
         // What was said is not said again.
-        let present = mechanical + elastic;
-        self.available = if gained || !steady { present } else { self.available.min(present) };
+        let present = mechanical + contacts.elastic;
+        self.available = if gained { present } else { self.available.min(present) };
         let fastest = || {
             let squares =
                 world.bodies[..world.grains()].iter().map(|body| body.velocity.iter().map(|v| v * v).sum::<f64>());
             let place = squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(place, _)| place);
             world.ids.get(place).copied().unwrap_or(0)
         };
-        [overlap, gained.then(|| Trouble::Energy { grain: fastest(), share, bound })]
+        gained.then(|| Trouble::Energy { grain: fastest(), share, bound })
     }
 }

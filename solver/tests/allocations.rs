@@ -68,15 +68,15 @@ fn steady_steps_allocate_nothing() {
         assert!(total <= steps as u64 / 16, "{scheduler:?}: {total} allocations in {steps} steps");
     }
 
-    settled.use_precision(Precision::Single);
+    settled.use_precision(Precision::Single).unwrap();
     assert!(allocations(&mut settled, steps).iter().sum::<u64>() > 0, "room for a copy in single precision");
     assert_eq!(allocations(&mut settled, steps).iter().sum::<u64>(), 0, "the same in single precision");
-    settled.use_precision(Precision::Double);
+    settled.use_precision(Precision::Double).unwrap();
 
     // Every method reuses its memory. This is no copy: a copy has no room to spare.
     let mut simulation = settled;
     for method in SolverMethod::ALL {
-        simulation.use_method(method);
+        simulation.use_method(method).unwrap();
         assert!(allocations(&mut simulation, 100).iter().sum::<u64>() > 0, "{} has memory", method.name());
         let total: u64 = allocations(&mut simulation, 200).iter().sum();
         assert_eq!(total, 0, "{} in a settled packing", method.name());

@@ -178,3 +178,29 @@ fn the_drum_keeps_its_grains_at_fifty_diameters_a_step() {
         }
     }
 }
+
+#[test]
+fn the_ledger_closes_over_impacts_that_no_solve_knew_of() {
+    for number in 0..60 {
+        let drawn = Drawn::number(number);
+        let mut simulation = Simulation::new(&drawn.scene(), 1, Path::new("container.toml")).unwrap();
+        simulation.open_ledger();
+        for _ in 0..STEPS {
+            simulation.step();
+        }
+        let balance = simulation.balance().unwrap();
+        // Velocities of single precision are not the sums of their impulses to more than that.
+        let rounding = if drawn.is_single() { 1e-3 } else { 1e-6 };
+        assert!(
+            balance.closure.abs() <= rounding * balance.exchanged(),
+            "container {number} ({}): {:e} J of {:e} J are left open",
+            drawn.summary(),
+            balance.closure,
+            balance.exchanged()
+        );
+        let alone = run(&drawn, 1);
+        if alone.0 == Outcome::Kept {
+            assert_eq!(simulation.state_hash(), alone.1, "container {number}: a ledger changes no bit");
+        }
+    }
+}

@@ -52,7 +52,7 @@ fn difference(simulation: &Simulation, direct: &makadam::direct::DirectSolution)
 /// Takes a step with a method run to a tight tolerance.
 fn converged(start: &Simulation, method: SolverMethod) -> (Simulation, StopReason, SolutionError) {
     let mut simulation = start.clone();
-    simulation.use_method(method);
+    simulation.use_method(method).unwrap();
     simulation.use_stop(Stop::Residual { tolerance: 1e-11, max_sweeps: 400_000 });
     let report = simulation.step();
     let error = simulation.solution_error();
@@ -122,8 +122,8 @@ fn every_method_has_the_same_bits_everywhere() {
     for method in SolverMethod::ALL {
         let hash = |set: InstructionSet, scheduler: Scheduler, threads: usize| {
             let mut simulation = start.clone();
-            simulation.use_method(method);
-            simulation.use_instruction_set(set);
+            simulation.use_method(method).unwrap();
+            simulation.use_instruction_set(set).unwrap();
             simulation.use_team(scheduler, threads).unwrap();
             steps(&mut simulation, 50);
             simulation.state_hash()
@@ -151,12 +151,12 @@ fn convergence_is_that_of_the_step_and_leaves_no_trace() {
     let mut simulation = drum();
     for method in SolverMethod::ALL {
         let hash = simulation.state_hash();
-        let points = simulation.convergence(method, 10);
+        let points = simulation.convergence(method, 10).unwrap();
         assert_eq!(simulation.state_hash(), hash, "a copy took the step");
         assert!(
             points.windows(2).all(|two| two[1].seconds > two[0].seconds && two[1].iterations == two[0].iterations + 1)
         );
-        simulation.use_method(method);
+        simulation.use_method(method).unwrap();
         simulation.use_stop(Stop::Sweeps { sweeps: 10 });
         simulation.step();
         let error = simulation.solution_error();
@@ -171,4 +171,44 @@ fn convergence_is_that_of_the_step_and_leaves_no_trace() {
 fn many_contacts_are_no_case_for_dense_matrices() {
     let message = drum().direct_solution().unwrap_err().to_string();
     assert!(message.contains("at most 500"), "{message}");
+}
+
+/// The drum with grains that resist rolling, after they have come to lie on each other.
+fn rolling_drum() -> Simulation {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum-rolling/scene.toml");
+    let mut simulation = Simulation::new(&Scene::load(&file).unwrap(), 1, &file).unwrap();
+    steps(&mut simulation, 1000);
+    simulation
+}
+
+#[test]
+fn torques_are_measured_and_converge_with_the_rest() {
+    let mut simulation = rolling_drum();
+    let points = simulation.convergence(SolverMethod::GaussSeidel, 400).unwrap();
+    let turning = |place: usize| points[place].residuals.turning;
+    assert!(turning(0).rms > 0.0 && turning(0).max >= turning(0).rms, "{:?}", turning(0));
+    assert!(turning(400).rms < 0.05 * turning(1).rms, "{:e} to {:e}", turning(1).rms, turning(400).rms);
+    assert!(points[400].residuals.rms() >= turning(400).rms, "it is a part of the whole");
+    // One thread or three, lanes of any width: the same bits.
+    let few = simulation.convergence(SolverMethod::GaussSeidel, 3).unwrap();
+    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+        simulation.use_instruction_set(set).unwrap();
+        simulation.use_team(Scheduler::WorkStealing, 3).unwrap();
+        let other = simulation.convergence(SolverMethod::GaussSeidel, 3).unwrap();
+        let residuals = |points: &[makadam::ConvergencePoint]| points.iter().map(|p| p.residuals).collect::<Vec<_>>();
+        assert_eq!(residuals(&other), residuals(&few), "{set:?}");
+    }
+    // A step's own error has them too.
+    simulation.step();
+    assert!(simulation.solution_error().residuals.turning.rms > 0.0);
+    assert_eq!(drum().convergence(SolverMethod::GaussSeidel, 1).unwrap()[1].residuals.turning.rms, 0.0);
+}
+
+#[test]
+fn methods_that_leave_torques_out_are_refused_where_there_are_any() {
+    let simulation = rolling_drum();
+    for method in SolverMethod::ALL.into_iter().filter(|&method| method != SolverMethod::GaussSeidel) {
+        let error = simulation.convergence(method, 1).unwrap_err();
+        assert!(error.to_string().contains("torques") && error.method == method.name(), "{error}");
+    }
 }

@@ -29,7 +29,7 @@ fn hashes(simulation: &mut Simulation) -> Vec<u64> {
 /// Every available instruction set, scheduler and number of threads.
 fn same_bits_everywhere(scene: &str, precision: Precision) {
     let mut start = reference_scene(scene, 1);
-    start.use_precision(precision);
+    start.use_precision(precision).unwrap();
     let expected = hashes(&mut start.clone());
     assert_eq!(expected.len(), STEPS / CHECK_EVERY);
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
@@ -37,7 +37,7 @@ fn same_bits_everywhere(scene: &str, precision: Precision) {
             let threads: &[usize] = if scheduler == Scheduler::Serial { &[1] } else { &[1, 2, 3, 8] };
             for &threads in threads {
                 let mut simulation = start.clone();
-                simulation.use_instruction_set(set);
+                simulation.use_instruction_set(set).unwrap();
                 simulation.use_team(scheduler, threads).unwrap();
                 let found = hashes(&mut simulation);
                 assert_eq!(expected, found, "{scene}: {set:?}, {scheduler:?}, {threads} threads");
@@ -85,7 +85,7 @@ fn single_precision_differs_by_rounding_alone() {
         double.step();
     }
     let mut single = double.clone();
-    single.use_precision(Precision::Single);
+    single.use_precision(Precision::Single).unwrap();
     // Divergence is chaotic, so one step is compared.
     let contacts = [double.step().contacts, single.step().contacts];
     assert_eq!(contacts[0], contacts[1]);

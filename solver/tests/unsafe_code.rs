@@ -31,7 +31,7 @@ fn scene() -> Scene {
 
 fn start(scene: &Scene) -> Simulation {
     let mut simulation = Simulation::new(scene, 1, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error}"));
-    simulation.use_instruction_set(InstructionSet::Generic);
+    simulation.use_instruction_set(InstructionSet::Generic).unwrap();
     simulation
 }
 
@@ -70,11 +70,11 @@ fn every_method_and_precision_steps() {
     let scene = scene();
     for method in SolverMethod::ALL {
         let mut simulation = start(&scene);
-        simulation.use_method(method);
+        simulation.use_method(method).unwrap();
         hash_after(simulation);
     }
     let mut simulation = start(&scene);
-    simulation.use_precision(Precision::Single);
+    simulation.use_precision(Precision::Single).unwrap();
     hash_after(simulation);
 }
 
@@ -85,6 +85,6 @@ fn a_checkpoint_goes_on() {
     simulation.step();
     let mut resumed =
         Simulation::resume(&scene, &simulation.checkpoint(), file).unwrap_or_else(|error| panic!("{error}"));
-    resumed.use_instruction_set(InstructionSet::Generic);
+    resumed.use_instruction_set(InstructionSet::Generic).unwrap();
     assert_eq!(hash_after(resumed), hash_after(simulation));
 }

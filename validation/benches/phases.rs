@@ -73,7 +73,7 @@ impl Way {
     fn of(self, state: &Simulation) -> Simulation {
         let mut simulation = state.clone();
         simulation.use_scalar_sweeps(self.scalar);
-        simulation.use_precision(self.precision);
+        simulation.use_precision(self.precision).expect("these scenes go with either precision");
         self.execution.apply(&mut simulation).expect("the set is there and threads can be started");
         simulation
     }
@@ -145,6 +145,14 @@ fn phases(criterion: &mut Criterion) {
         let watch = Watch { every: 1, ..Watch::default() };
         phase(criterion, ("look", name), &state, contacts, generic, |simulation| {
             black_box(Watchdog::new(&watch, simulation).observe(simulation, &StepReport::default()));
+        });
+        // What they take note of in every step.
+        let watch = Watch { every: u32::MAX, ..Watch::default() };
+        let watchdog = Watchdog::new(&watch, &state);
+        let mut next = state.clone();
+        let report = next.step();
+        phase(criterion, ("note", name), &next, contacts, generic, |simulation| {
+            black_box(watchdog.clone().observe(simulation, &report));
         });
         phase(criterion, ("step", name), &state, contacts, everywhere, |simulation| {
             black_box(simulation.step());

@@ -1,9 +1,9 @@
 //! How a simulation is carried out: threads, scheduler, instruction set. Its result depends on none of them.
 
-use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
 use makadam::schedule::Scheduler;
+use makadam::{SettingError, Simulation};
 
 /// Threads, the way in which they share tasks, and the instruction set of the kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,8 +24,8 @@ pub struct Execution {
 #[derive(Debug, thiserror::Error)]
 pub enum ExecutionError {
     /// The processor lacks the instruction set.
-    #[error("this processor has no {0}; leave --isa out, or give one of: {1}")]
-    NoInstructionSet(&'static str, String),
+    #[error("{0}; leave --isa out, or give one that there is")]
+    NoInstructionSet(#[from] SettingError),
     /// The system gives no more threads.
     #[error("cannot start {0} threads: {1}; give fewer with --threads")]
     NoThreads(usize, String),
@@ -54,12 +54,7 @@ impl Execution {
     /// # Errors
     /// [`ExecutionError`].
     pub fn apply(&self, simulation: &mut Simulation) -> Result<(), ExecutionError> {
-        if !self.instruction_set.is_available() {
-            let available = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
-            let names: Vec<_> = available.map(InstructionSet::name).collect();
-            return Err(ExecutionError::NoInstructionSet(self.instruction_set.name(), names.join(", ")));
-        }
-        simulation.use_instruction_set(self.instruction_set);
+        simulation.use_instruction_set(self.instruction_set)?;
         simulation.use_prefetch(self.prefetch);
         simulation.use_portion(self.portion);
         simulation

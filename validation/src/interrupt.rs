@@ -1,19 +1,50 @@
-//! Ctrl-C and termination: the step at hand is finished, what was computed is written, and the command ends.
+//! Ctrl-C, termination and the end of a terminal: the step at hand is finished, or given up where it takes long, what was computed is
+//! written, and the command ends. A second request ends the process at once.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use libc::{SIG_IGN, SIGHUP, SIGINT, SIGTERM, c_int};
+use makadam::Interrupt;
+use std::sync::OnceLock;
 
-static REQUESTED: AtomicBool = AtomicBool::new(false);
+static INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
 
-/// Starts listening; a second request ends the process at once. Where the system refuses, the default stays.
+/// Starts listening. A signal that the process was started to ignore stays ignored: `nohup` relies on that, and so do jobs in
+/// the background of a script. Where the system refuses, the default stays.
 pub fn listen() {
-    let _ = ctrlc::set_handler(|| {
-        if REQUESTED.swap(true, Ordering::SeqCst) {
-            std::process::exit(1);
+    // A handler may not allocate: what it uses is made before.
+    let _ = handle();
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        // SAFETY: a zeroed `sigaction` is a valid one (default action, empty mask, no flags); both pointers are to such.
+        let inherited = unsafe {
+            let mut inherited: libc::sigaction = std::mem::zeroed();
+            (libc::sigaction(signal, std::ptr::null(), &raw mut inherited) == 0).then_some(inherited.sa_sigaction)
+        };
+        if inherited.is_none_or(|action| action == SIG_IGN) {
+            continue;
         }
-    });
+        // SAFETY: as above; the handler takes one number, as a handler without SA_SIGINFO does, and does nothing but what is
+        // allowed in one: an atomic exchange and `_exit`.
+        unsafe {
+            let mut action: libc::sigaction = std::mem::zeroed();
+            action.sa_sigaction = request as *const () as usize;
+            action.sa_flags = libc::SA_RESTART;
+            libc::sigaction(signal, &raw const action, std::ptr::null_mut());
+        }
+    }
+}
+
+extern "C" fn request(_signal: c_int) {
+    if INTERRUPT.get().is_none_or(Interrupt::request) {
+        // SAFETY: `_exit` runs nothing of this process and may be called in a handler.
+        unsafe { libc::_exit(1) }
+    }
 }
 
 /// Whether the user has asked to stop.
 pub fn requested() -> bool {
-    REQUESTED.load(Ordering::SeqCst)
+    INTERRUPT.get().is_some_and(Interrupt::is_requested)
+}
+
+/// What a simulation must heed to be stopped inside a step.
+pub fn handle() -> Interrupt {
+    INTERRUPT.get_or_init(Interrupt::new).clone()
 }

@@ -1,9 +1,10 @@
 //! Where a result came from: version, commit, compiler, machine, seed, scene, settings.
 
 use crate::execution::Execution;
+use crate::prepared::steps_in;
 use makadam::checkpoint::checksum;
 use makadam::lanes::InstructionSet;
-use makadam::scene::{Scene, SolverSettings};
+use makadam::scene::{Scene, SolverSettings, Watch};
 use makadam::schedule::Scheduler;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -18,6 +19,9 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub struct Build {
     /// Version of Makadam.
     pub version: String,
+    /// [`makadam::BUILD`], which tells builds apart whose bits may differ; empty in records of before it was there.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub build: String,
     /// Commit of the sources; "unknown" outside a repository.
     pub commit: String,
     /// Whether tracked files differed from that commit; absent where it is not known.
@@ -39,6 +43,7 @@ impl Build {
     pub fn here() -> Build {
         Build {
             version: VERSION.into(),
+            build: makadam::BUILD.into(),
             commit: env!("MAKADAM_COMMIT").into(),
             dirty: env!("MAKADAM_DIRTY").parse().ok(),
             compiler: env!("MAKADAM_COMPILER").into(),
@@ -49,11 +54,12 @@ impl Build {
         }
     }
 
-    /// Version and commit in a few words, such as "0.1.0 (1a2b3c4d, modified)".
+    /// Version, commit and key of the build in a few words, such as "0.1.0 (1a2b3c4d, modified, build 0123456789abcdef)".
     pub fn summary(&self) -> String {
         let commit: String = self.commit.chars().take(8).collect();
         let modified = if self.dirty == Some(true) { ", modified" } else { "" };
-        format!("{} ({commit}{modified})", self.version)
+        let key = self.build.rsplit('-').next().unwrap_or_default();
+        format!("{} ({commit}{modified}, build {key})", self.version)
     }
 }
 
@@ -75,10 +81,35 @@ pub struct Provenance {
     pub scene_hash: String,
     /// Solver settings of the run, tolerances included.
     pub solver: SolverSettings,
+    /// What was simulated before the run began, where it starts from a flowing state; no part of the run's steps and times.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prepared: Option<Prepared>,
     /// Start of the run, ISO 8601, UTC.
     pub time: String,
     /// The command line.
     pub command: String,
+}
+
+/// The flowing state that a run starts from: how it is prepared.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Prepared {
+    /// Simulated time, s.
+    pub seconds: f64,
+    /// Steps.
+    pub steps: u64,
+    /// Time step, s.
+    pub time_step: f64,
+}
+
+impl Prepared {
+    /// What a scene prepares, if it does.
+    pub fn of(scene: &Scene) -> Option<Prepared> {
+        scene.prepare.as_ref().map(|prepare| Prepared {
+            seconds: prepare.duration,
+            steps: steps_in(prepare.duration, prepare.step),
+            time_step: prepare.step,
+        })
+    }
 }
 
 impl Provenance {
@@ -92,6 +123,7 @@ impl Provenance {
             scene_file: from_here(scene_file).display().to_string(),
             scene_hash: format!("{:016x}", scene_hash(scene)),
             solver: scene.solver.clone(),
+            prepared: Prepared::of(scene),
             time: utc(SystemTime::now()),
             command: command_line(),
         }
@@ -141,9 +173,11 @@ pub fn account(threads: usize, scenes: &[&Scene]) -> BTreeMap<String, String> {
     account
 }
 
-/// Hash of everything that a scene says (64-bit FNV-1a over its JSON form), the same on every machine.
+/// Hash of everything that a scene says of what is simulated (64-bit FNV-1a over its JSON form), the same on every machine. What a
+/// run watches for is left out: it changes when a run ends, and nothing of what came before.
 pub fn scene_hash(scene: &Scene) -> u64 {
-    let text = serde_json::to_vec(scene).expect("a checked scene holds only finite numbers and plain text");
+    let unwatched = Scene { watch: Watch::default(), ..scene.clone() };
+    let text = serde_json::to_vec(&unwatched).expect("a checked scene holds only finite numbers and plain text");
     checksum(&text)
 }
 

@@ -1,11 +1,12 @@
 //! The whole judgement: every reference scene against the recorded references, live runs of the peers, one report.
 
 use crate::compare::{
-    Announce, CodeRuns, CodeSummary, Comparison, Harvest, Reference, ReferenceError, Runs, comparison, live_checks,
+    Announce, CodeRuns, CodeSummary, Comparison, Harvest, ReferenceError, Runs, Timing, comparison, live_checks,
 };
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
 use crate::provenance::account;
 use crate::report::{Qualification, Standing};
+use crate::scenes;
 use makadam::scene::{Scene, SceneError};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -77,8 +78,17 @@ impl Qualified {
     }
 }
 
+/// What live runs of the peers came to beside their recorded ones, in sentences.
+#[derive(Default)]
+struct AgainstRecorded {
+    outside: Vec<String>,
+    unchecked: Vec<String>,
+}
+
 /// A scene with what is recorded on it.
 struct Case {
+    /// Its folder under `reference-scenes`.
+    name: &'static str,
     file: PathBuf,
     scene: Scene,
     recorded: Vec<CodeRuns>,
@@ -103,11 +113,11 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
         .iter()
         .map(|name| Case::open(name, &settings.roots, &peers))
         .collect::<Result<Vec<Case>, QualifyError>>()?;
-    let (mut outside_spread, mut failed, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+    let mut against_recorded = AgainstRecorded::default();
+    let (mut failed, mut notes) = (Vec::new(), Vec::new());
     // Timed runs have the machine to themselves, one core each, one after the other.
     for name in TIMED {
-        let case = cases.iter_mut().find(|case| case.scene.name == name);
-        let Some(case) = case else { continue };
+        let case = cases.iter_mut().find(|case| case.name == name).expect("what is timed is judged");
         (settings.say)(&format!("{name}: timed runs of seed {LIVE_SEED}, one core each, one after the other"));
         case.time(settings, &Makadam)?;
         if !settings.live {
@@ -115,7 +125,7 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
         }
         for peer in peers.iter().rev() {
             match case.time(settings, peer.as_ref()) {
-                Ok(harvest) => outside_spread.extend(case.check(&harvest)),
+                Ok(harvest) => case.check(&harvest, &mut against_recorded),
                 Err(error @ CodeError::Interrupted { .. }) => return Err(error.into()),
                 Err(error) => failed.push(format!("{name}: the live run of {} failed: {error}", peer.name())),
             }
@@ -140,7 +150,8 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
         comparisons,
         provenance,
         notes,
-        outside_spread,
+        outside_spread: against_recorded.outside,
+        unchecked: against_recorded.unchecked,
         laws: crate::laws::published(),
     };
     Ok(Qualified { qualification, failed })
@@ -159,33 +170,39 @@ fn judge(settings: &Settings<'_>, cases: Vec<Case>) -> Result<Vec<Comparison>, Q
     let mut by_case: Vec<Vec<Harvest>> = cases.iter().map(|_| Vec::new()).collect();
     harvests.into_iter().for_each(|(place, harvest)| by_case[place].push(harvest));
     let threads = rayon::current_num_threads();
-    let mut comparisons: Vec<Comparison> = cases
+    let mut comparisons: Vec<(&str, Comparison)> = cases
         .into_iter()
         .zip(by_case)
         .map(|(case, harvests)| {
-            let provenance = format!("run by this command, up to {threads} runs side by side");
-            let mut codes = vec![CodeRuns::live("Makadam", provenance, harvests)];
+            let mut codes = vec![CodeRuns::live("Makadam", threads, harvests)];
             codes.extend(case.recorded);
             let mut comparison = comparison(&case.scene, &codes, case.notes);
             comparison.codes.extend(case.timings);
-            comparison
+            (case.name, comparison)
         })
         .collect();
-    comparisons.sort_by_key(|comparison| match comparison.scene.name.as_str() {
+    comparisons.sort_by_key(|(name, _)| match *name {
         "packing" => 0,
         "drum" => 1,
         "drum-caps" => 2,
         _ => 3,
     });
-    Ok(comparisons)
+    Ok(comparisons.into_iter().map(|(_, comparison)| comparison).collect())
 }
 
 impl Case {
-    fn open(name: &str, roots: &[PathBuf], peers: &[Box<dyn Code>]) -> Result<Case, QualifyError> {
-        let file = Scene::find(name, roots)?;
-        let scene = Scene::load(&file)?;
-        let reference = Reference::load(&Reference::folder(&file))?.unwrap_or_default();
+    fn open(name: &'static str, roots: &[PathBuf], peers: &[Box<dyn Code>]) -> Result<Case, QualifyError> {
+        let file = scenes::find(name, roots)?;
+        let scene = scenes::load(&file)?;
+        // Without a margin the scene would be judged by nothing, and no count of the others would tell.
+        if scene.compare.iter().all(|expectation| expectation.margin.is_none()) {
+            let problem = "no observable has a margin, so that there is nothing to judge".into();
+            let remedy = "give a margin under [[compare]]".into();
+            return Err(SceneError::Invalid { file, line: None, problem, remedy }.into());
+        }
+        let reference = scenes::reference(&file)?.unwrap_or_default();
         let mut case = Case {
+            name,
             seeds: reference.seeds().max(FEWEST_SEEDS),
             file,
             scene,
@@ -231,36 +248,39 @@ impl Case {
             rayleigh_fraction: run.rayleigh_fraction,
             stiffness_factor: 1.0,
             wall_seconds_per_simulated_second: run.wall_seconds / run.simulated_seconds,
+            timing: Timing::Alone,
             processor: run.processor.clone(),
             provenance: "timed by this command on one core, alone on the machine".into(),
         });
         Ok(harvest)
     }
 
-    /// Holds a live run of a peer against the spread of its recorded runs; what lies outside, in words.
-    fn check(&mut self, harvest: &Harvest) -> Vec<String> {
+    /// Holds a live run of a peer against the spread of its recorded runs.
+    fn check(&mut self, harvest: &Harvest, found: &mut AgainstRecorded) {
         let run = &harvest.run;
-        let Some(recorded) = self.recorded.iter().find(|recorded| recorded.code == run.code) else {
-            return Vec::new();
-        };
-        let checks = live_checks(&self.scene, run, recorded);
+        let recorded = self.recorded.iter().find(|recorded| recorded.code == run.code);
+        let recorded = recorded.expect("a case is opened with what is recorded of every peer");
         let percent = 100.0 * LIVE_FRACTION;
         let head = format!("live {} (seed {}, {percent:.0}% of the Rayleigh step)", run.code, run.seed);
-        let (inside, outside): (Vec<_>, Vec<_>) = checks.iter().partition(|check| check.inside);
-        let words = |check: &&crate::compare::LiveCheck| {
-            let [low, high] = check.interval;
-            format!("{} {:.4} ({low:.4} to {high:.4})", check.observable, check.value)
-        };
+        let (scene, mut inside) = (&self.scene.name, Vec::new());
+        for check in live_checks(&self.scene, run, recorded) {
+            let name = &check.observable;
+            match (check.value, check.interval, check.inside) {
+                (Some(value), Some([low, high]), Some(true)) => {
+                    inside.push(format!("{name} {value:.4} ({low:.4} to {high:.4})"));
+                }
+                (Some(value), Some([low, high]), _) => found.outside.push(format!(
+                    "{scene}: {head} lies outside the 99% interval of the recorded seeds: {name} {value:.4} ({low:.4} to {high:.4})"
+                )),
+                (None, _, _) => found.unchecked.push(format!("{scene}: {head} has no value of {name}")),
+                (Some(_), None, _) => found.unchecked.push(format!(
+                    "{scene}: {name} of the {head} has no recorded spread to be held against"
+                )),
+            }
+        }
         if !inside.is_empty() {
-            let listed = inside.iter().map(words).collect::<Vec<_>>().join(", ");
+            let listed = inside.join(", ");
             self.notes.push(format!("{head} lies inside the 99% interval of the recorded seeds: {listed}"));
         }
-        let scene = &self.scene.name;
-        outside
-            .iter()
-            .map(|check| {
-                format!("{scene}: {head} lies outside the 99% interval of the recorded seeds: {}", words(check))
-            })
-            .collect()
     }
 }

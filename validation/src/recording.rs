@@ -1,9 +1,12 @@
 //! What one run of one code leaves behind: its frames and where they came from.
 
-use makadam::checkpoint::write_atomically;
+use makadam::checkpoint::{open, seal, write_atomically};
 use makadam::snapshot::{Partner, Snapshot};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+
+/// First bytes of a file; the last one is the version of the format.
+const MARK: [u8; 8] = *b"mkd-rec\x01";
 
 /// One run of a scene in one code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,20 +41,23 @@ pub enum RecordingError {
     /// The system refused.
     #[error("{0}: {1}; check that the path is right and the disk has room")]
     Io(String, std::io::Error),
-    /// The bytes are not a recording.
-    #[error("{0}: not a recording: {1}; delete it and run the code again")]
+    /// The bytes are not a recording as it was written.
+    #[error("{0} {1}; delete it and run the code again")]
     Format(String, String),
 }
 
 impl Recording {
+    /// The recording with a seal, by which damage is seen.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        seal(MARK, &postcard::to_stdvec(self).expect("a recording holds only numbers, plain text and lists"))
+    }
+
     /// Writes the recording as one file, through a temporary name so that a half-written file is never read.
     ///
     /// # Errors
     /// [`RecordingError`] if the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), RecordingError> {
-        let bytes =
-            postcard::to_stdvec(self).map_err(|e| RecordingError::Format(path.display().to_string(), e.to_string()))?;
-        write_atomically(path, &bytes).map_err(|e| RecordingError::Io(path.display().to_string(), e))
+        write_atomically(path, &self.to_bytes()).map_err(|e| RecordingError::Io(path.display().to_string(), e))
     }
 
     /// Reads a recording.
@@ -66,9 +72,17 @@ impl Recording {
     /// Reads the bytes of a recording; any bytes are either one that can be measured or an error.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// What is wrong, in words that follow the file's name.
     pub fn parse(bytes: &[u8]) -> Result<Recording, String> {
-        let (recording, rest) = postcard::take_from_bytes::<Recording>(bytes).map_err(|error| error.to_string())?;
+        let body = open(MARK, bytes).map_err(|problem| match postcard::take_from_bytes::<Recording>(bytes) {
+            Ok(_) => "has no seal, so that damage would not be seen: an earlier version wrote it".into(),
+            Err(_) => problem,
+        })?;
+        Recording::of_body(body).map_err(|problem| format!("is not a recording that can be measured: {problem}"))
+    }
+
+    fn of_body(body: &[u8]) -> Result<Recording, String> {
+        let (recording, rest) = postcard::take_from_bytes::<Recording>(body).map_err(|error| error.to_string())?;
         if !rest.is_empty() {
             return Err(format!("{} bytes too many", rest.len()));
         }
@@ -118,4 +132,39 @@ fn check_frame(frame: &Snapshot) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use makadam::snapshot::Particle;
+
+    #[test]
+    fn every_changed_bit_of_a_recording_is_seen_and_one_without_a_seal_is_refused() {
+        let grain = Particle { id: 0, position: [0.1; 3], radius: 0.005, velocity: [0.0; 3], spin: [0.0; 3] };
+        let recording = Recording {
+            scene: "small".into(),
+            code: "YADE".into(),
+            version: "1".into(),
+            seed: 1,
+            time_step: 1e-5,
+            rayleigh_fraction: Some(0.1),
+            stiffness_factor: 1.0,
+            threads: 1,
+            wall_seconds: 2.0,
+            simulated_seconds: 0.2,
+            frames: vec![Snapshot { particles: vec![grain], ..Snapshot::default() }],
+        };
+        let sealed = recording.to_bytes();
+        assert_eq!(Recording::parse(&sealed).unwrap(), recording);
+        for place in 0..sealed.len() {
+            for bit in 0..8 {
+                let mut changed = sealed.clone();
+                changed[place] ^= 1 << bit;
+                assert!(Recording::parse(&changed).is_err(), "bit {bit} of byte {place}");
+            }
+        }
+        let bare = postcard::to_stdvec(&recording).unwrap();
+        assert!(Recording::parse(&bare).unwrap_err().contains("no seal"));
+    }
 }

@@ -93,6 +93,38 @@ fn cylinders_and_discs_have_their_areas_and_fine_facets() {
     assert!((vector.normalize() - Vector3::new(0.0, 1.0, 1.0).normalize()).norm() < 1e-9);
 }
 
+/// Smallest angle of any triangle of a mesh, degrees.
+fn sharpest_angle(mesh: &Mesh) -> f64 {
+    let angles = mesh.triangles.iter().flat_map(|triangle| {
+        let corners = triangle.map(Vector3::from);
+        [0, 1, 2].map(|at| {
+            let [here, one, other] = [0, 1, 2].map(|step| corners[(at + step) % 3]);
+            (one - here).angle(&(other - here)).to_degrees()
+        })
+    });
+    angles.fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn no_mesh_has_triangles_without_an_area_or_like_needles() {
+    // LIGGGHTS refuses meshes with angles of a degree. No grain of 5 mm sees a hole of a micrometre.
+    for hole in [1e-300, 1e-9, 1e-6, 4e-4, 6e-4, 0.001, 0.01, 0.05, 0.099] {
+        let shape = Shape::Disc { centre: [0.1, 0.0, 0.0], normal: [0.0, 1.0, 1.0], radius: 0.1, hole };
+        let mesh = wall_mesh(&shape, &DOMAIN, 0.005);
+        let (vector, area) = areas(&mesh);
+        let exact = std::f64::consts::PI * (0.01 - hole * hole);
+        assert!((area / exact - 1.0).abs() < 0.01 && (vector.norm() / area - 1.0).abs() < 1e-9, "{hole}: {area}");
+        assert!(hole > 0.05 || sharpest_angle(&mesh) > 1.5, "{hole}: {}", sharpest_angle(&mesh));
+        assert!(mesh.triangles.iter().flatten().flatten().all(|number| number.is_finite()));
+    }
+    // A plane through a corner of the domain leaves nothing, or a sliver, of which no triangle is made.
+    for shift in [0.0, 1e-16, 1e-13] {
+        let shape = Shape::Plane { point: [2.0 - shift; 3], normal: [-1.0; 3] };
+        let mesh = wall_mesh(&shape, &DOMAIN, 0.005);
+        assert!(mesh.triangles.is_empty() || sharpest_angle(&mesh) > 0.1, "{mesh:?}");
+    }
+}
+
 #[test]
 fn contacts_with_two_triangles_of_one_face_are_one() {
     let touch = |angle: f64, force: f64| Contact {
@@ -244,6 +276,19 @@ fn a_code_that_crashes_leaves_its_last_words() {
             }
             other => panic!("{other}"),
         }
+    }
+}
+
+#[test]
+fn a_reason_in_the_own_log_of_a_code_is_told_and_stands_in_the_log_that_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let deed = "printf 'Reading mesh\\nERROR: Mesh wall1: a needle\\nLast input line\\n' > engine.log; echo MPI_ABORT was invoked; exit 1";
+    match simulate(&Liggghts::new(fake(folder.path(), deed)), &one_grain(), 0.2, folder.path(), 5.0).unwrap_err() {
+        CodeError::Crashed { log, tail, .. } => {
+            assert!(tail.starts_with("ERROR: Mesh wall1: a needle") && tail.contains("MPI_ABORT"), "{tail}");
+            assert!(std::fs::read_to_string(log).unwrap().contains("ERROR: Mesh wall1: a needle"));
+        }
+        other => panic!("{other}"),
     }
 }
 

@@ -61,15 +61,24 @@ fn scene(gravity: f64, duration: f64, interval: f64, body: &str) -> Scene {
              friction = {friction}\nrestitution = 0.3\n"
         );
     }
-    Scene::parse(&(text + body), Path::new("live.toml")).unwrap_or_else(|error| panic!("{error}"))
+    for (number, part) in body.split(WALL_NAME).enumerate() {
+        if number > 0 {
+            text += &format!("name = 'wall-{number}'");
+        }
+        text += part;
+    }
+    Scene::parse(&text, Path::new("live.toml")).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn grain(position: [f64; 3], velocity: [f64; 3]) -> String {
     format!("[[grain]]\nmaterial = 'grain'\nradius = {RADIUS}\nposition = {position:?}\nvelocity = {velocity:?}\n")
 }
 
+/// Stands for the names of walls, which a scene numbers.
+const WALL_NAME: &str = "name = ?";
+
 fn wall(material: &str, shape: &str, motion: &str) -> String {
-    format!("[[wall]]\nname = 'w'\nmaterial = '{material}'\nshape = {{ {shape} }}\nmotion = {{ {motion} }}\n")
+    format!("[[wall]]\n{WALL_NAME}\nmaterial = '{material}'\nshape = {{ {shape} }}\nmotion = {{ {motion} }}\n")
 }
 
 const FIXED: &str = "kind = 'fixed'";

@@ -3,7 +3,7 @@
 #[path = "support/sample.rs"]
 mod sample;
 
-use makadam_validation::compare::{CodeSummary, Comparison, Outcome, Row, Source};
+use makadam_validation::compare::{CodeSummary, Comparison, Outcome, Row, Source, Timing};
 use makadam_validation::report::{
     Qualification, REPORT_VERSION, ReportDocument, ReportError, Standing, comparison_table, speed_sentence, write,
 };
@@ -279,7 +279,7 @@ fn odd_data_do_not_break_the_drawings() {
     odd.forces[0].density.fill(0.0);
     odd.rows[0].interval_of_verdict = Some([f64::NEG_INFINITY, f64::NAN]);
     odd.rows[1].difference = Some(1e9);
-    odd.rows[2].mean = f64::NAN;
+    odd.rows[2].mean = Some(f64::NAN);
     odd.codes[1].wall_seconds_per_simulated_second = 0.0;
     let page = page(&sample::qualification(vec![odd]));
     parse(&page);
@@ -316,12 +316,13 @@ fn ratios_of_speed_are_taken_from_one_run_only() {
     for (place, wall) in [(0, 0.8), (2, 16.0)] {
         let mut alone = timed.codes[place].clone();
         alone.source = Source::Live;
+        alone.timing = Timing::Alone;
         alone.processor = timed.codes[0].processor.clone();
         alone.provenance = "timed alone".into();
         alone.wall_seconds_per_simulated_second = wall;
         timed.codes.push(alone);
     }
-    timed.codes[0].provenance = "run side by side".into();
+    timed.codes[0].timing = Timing::SideBySide;
     timed.codes[0].wall_seconds_per_simulated_second = 0.7;
     timed.codes.remove(1);
     assert_eq!(
@@ -335,8 +336,72 @@ fn ratios_of_speed_are_taken_from_one_run_only() {
     );
 
     let mut other = sample::drum(false);
-    other.codes.iter_mut().for_each(|code| code.source = Source::Recorded);
+    for code in &mut other.codes {
+        (code.source, code.timing) = (Source::Recorded, Timing::Recorded);
+    }
     assert!(speed_sentence(&other).expect("a sentence").contains("no ratio is taken"));
+}
+
+#[test]
+fn runs_side_by_side_are_not_timed_anywhere() {
+    let mut drum = sample::drum(false);
+    drum.codes.iter_mut().for_each(|code| code.timing = Timing::SideBySide);
+    let sentence = speed_sentence(&drum).expect("a sentence");
+    assert_eq!(
+        sentence,
+        "Makadam, LIGGGHTS and YADE not timed: ran side by side; no ratio is taken, since the codes were not timed in one run."
+    );
+    let text = text(&page(&sample::qualification(vec![drum.clone()])));
+    assert!(text.contains("not timed: ran side by side") && !text.contains("0.92 s"), "{text}");
+    assert!(comparison_table(&drum, false).contains("not timed: ran side by side"));
+    // One code that was timed alone does not make a ratio with one that was not.
+    drum.codes[0].timing = Timing::Alone;
+    let sentence = speed_sentence(&drum).expect("a sentence");
+    assert!(sentence.starts_with("Makadam 0.92 s a simulated second; LIGGGHTS and YADE not timed"), "{sentence}");
+    assert!(!sentence.contains("faster"), "{sentence}");
+}
+
+#[test]
+fn what_was_not_measured_is_said_everywhere_and_does_not_pass() {
+    let mut qualification = all(Outcome::Agree);
+    let missing = |row: &mut Row| {
+        (row.mean, row.standard_deviation, row.seeds) = (None, None, 0);
+        (row.difference, row.interval90, row.interval_of_verdict) = (None, None, None);
+        (row.outcome, row.missing) = (Some(Outcome::NotMeasured), Some("Makadam has no value".into()));
+    };
+    qualification.comparisons[0].rows[..2].iter_mut().for_each(missing);
+    let verdict = qualification.verdict();
+    assert_eq!((verdict.standing, verdict.agree, verdict.not_measured), (Standing::NotMeasured, 6, 2));
+    assert_eq!(
+        verdict.sentence,
+        "Not measured: of 8 tests of 1 scene against LIGGGHTS and YADE, 6 agree, none disagrees, and 2 could not be made, for want \
+         of values."
+    );
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let paths = write(&qualification, folder.path()).expect("a report");
+    let html = fs::read_to_string(&paths.html).expect("the page");
+    assert!(text(&html).contains("not measured") && text(&html).contains("Makadam has no value"));
+    let json = fs::read_to_string(&paths.json).expect("the data");
+    assert!(json.contains(r#""outcome":"not-measured""#) && json.contains(r#""standing":"not-measured""#));
+    assert_eq!(serde_json::from_str::<ReportDocument>(&json).expect("a report").qualification, qualification);
+    let csv = fs::read_to_string(&paths.csv).expect("the rows");
+    assert_eq!(csv.matches(",not measured,,Makadam has no value").count(), 2, "{csv}");
+    let table = comparison_table(&qualification.comparisons[0], false);
+    assert!(table.contains("not measured: Makadam has no value"), "{table}");
+
+    // A disagreement goes before, and still the count is told.
+    qualification.comparisons[0].rows[3].outcome = Some(Outcome::Disagree);
+    let verdict = qualification.verdict();
+    assert_eq!(verdict.standing, Standing::Disagree);
+    assert!(verdict.sentence.contains("2 tests of what was asked for could not be made"), "{}", verdict.sentence);
+
+    // Nothing at all, or a live value that could not be checked.
+    let verdict = all(Outcome::NotMeasured).verdict();
+    assert_eq!((verdict.standing, verdict.not_measured), (Standing::NotMeasured, 8));
+    let mut unchecked = all(Outcome::Agree);
+    unchecked.unchecked.push("drum: live YADE has no gini".into());
+    assert_eq!(unchecked.verdict().standing, Standing::NotMeasured);
+    assert!(page(&unchecked).contains("drum: live YADE has no gini"));
 }
 
 #[test]

@@ -1,9 +1,5 @@
 //! What a file of ours is wrapped in: what kind it is, how long it is, and a checksum.
 
-use std::fs::File;
-use std::io::{Error, Write};
-use std::path::Path;
-
 /// Bytes before the body: a mark of eight bytes, the length of the body and its checksum.
 const HEAD: usize = 24;
 
@@ -40,28 +36,6 @@ pub fn open(mark: [u8; 8], bytes: &[u8]) -> Result<&[u8], String> {
         return Err("is damaged: its checksum does not fit".into());
     }
     Ok(body)
-}
-
-/// Writes a file through a temporary name, and to the disk before it takes its place: whatever happens, the whole new file or
-/// the whole old one is there.
-///
-/// # Errors
-/// What the system says; the old file stays then.
-pub fn write_atomically(file: &Path, bytes: &[u8]) -> Result<(), Error> {
-    if let Some(folder) = file.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
-    let mut name = file.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".part{}", std::process::id()));
-    let draft = file.with_file_name(name);
-    let written = File::create(&draft).and_then(|mut open| {
-        open.write_all(bytes)?;
-        open.sync_all()
-    });
-    written.and_then(|()| std::fs::rename(&draft, file)).inspect_err(|_| {
-        // A draft that cannot be removed does no harm: it is never read.
-        let _ = std::fs::remove_file(&draft);
-    })
 }
 
 /// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).

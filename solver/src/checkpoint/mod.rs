@@ -4,10 +4,12 @@
 //! of its pairs is the order in which contacts are relaxed. The list itself is not written. It follows from where the grains
 //! were when it was built, so these places are, and reading builds it again.
 
+mod draft;
 mod envelope;
 mod state;
 
-pub use envelope::{checksum, open, seal, write_atomically};
+pub use draft::{DRAFT, replace_with, sync_file, sync_folder, write_atomically};
+pub use envelope::{checksum, open, seal};
 
 use crate::Simulation;
 use crate::scene::Scene;
@@ -15,7 +17,7 @@ use state::State;
 use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the last one is the version of the format.
-const MARK: [u8; 8] = *b"makadam\x05";
+const MARK: [u8; 8] = *b"makadam\x06";
 
 /// Why a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]

@@ -15,7 +15,7 @@ use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
 use crate::groups::{ContactLanes, Tangential, WallGroup, with_pairs};
-use crate::lanes::{Eight, InstructionSet, Lanes, Number};
+use crate::lanes::{Available, Eight, Lanes, Number};
 use crate::partition::{DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TakenGroups, TaskGroups};
 use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
@@ -37,6 +37,8 @@ pub struct Constrainer {
     /// Largest gap across which cohesion pulls, m.
     range_of_cohesion: f64,
     effects: EffectSet,
+    /// Whether what a step touches is too large for the cache, and fetched ahead: whoever has a step laid out says so before.
+    pub(crate) fetches: bool,
     taken: TakenGroups,
     poses: Vec<Pose>,
 }
@@ -90,7 +92,7 @@ impl Constrainer {
         let constants = StepConstants { scheme, warm_start: settings.warm_start, reach: 0.0, slip_speed };
         let effects = world.table.effects();
         let (taken, poses) = (TakenGroups::default(), Vec::new());
-        Constrainer { constants, stiffest, range_of_cohesion, effects, taken, poses }
+        Constrainer { constants, stiffest, range_of_cohesion, effects, fetches: false, taken, poses }
     }
 
     /// Goes by gravity as it now is.
@@ -101,12 +103,12 @@ impl Constrainer {
     }
 
     /// Lays out the contacts of a step from the state at its start; `then` is called with the groups of each task as soon
-    /// as they are complete, while no other task uses its bodies.
+    /// as they are complete, while no other task uses its bodies. The world's bodies are with `then` meanwhile, not in the world.
     pub(crate) fn constrain(
         &mut self,
         world: &World,
         candidates: &mut Candidates,
-        set: InstructionSet,
+        set: Available,
         team: &Team,
         layout: &mut Layout,
         then: impl Fn(&TaskGroups) + Sync,
@@ -115,7 +117,6 @@ impl Constrainer {
         self.poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.constants.scheme.step)));
         self.follow(world.gravity.norm());
         self.taken.start(world.grains());
-        let fetches = layout.prefetch(world.bodies.len()) > 0;
         // Each candidate belongs to one task, so their impulses are written without a lock.
         let mut pair_impulses = std::mem::take(&mut candidates.pair_impulses);
         let mut borne = std::mem::take(&mut candidates.pairs_borne);
@@ -129,7 +130,7 @@ impl Constrainer {
                 poses: &self.poses,
                 constants: self.constants,
                 effects: self.effects,
-                fetches,
+                fetches: self.fetches,
                 material: world.table.of_all_grains(),
             };
             let groups = Disjoint::new(&mut layout.groups);
@@ -241,7 +242,7 @@ impl Given<'_> {
         taken: &Disjoint<'_, Taken>,
         groups: &mut TaskGroups,
         remembered: &Remembered<'_>,
-        set: InstructionSet,
+        set: Available,
     ) -> u32 {
         let dummies = self.world.dummies_of(task.home as usize);
         let (packer, periodic) = (Packer::new(taken, base, task.pairs.len()), self.world.period.any());

@@ -2,11 +2,10 @@
 
 use super::CellGrid;
 use super::drift::Drift;
-use super::grid::DIRECTIONS;
 use super::memory::{OldList, Remembered, resize};
 use super::search::{Found, PairSearch, WallReach};
-use crate::lanes::{InstructionSet, LANES};
-use crate::partition::{BoxGrid, Plan, PlannedTask, STAGES};
+use crate::lanes::{Available, LANES};
+use crate::partition::{BoxGrid, DIRECTIONS, Plan, PlannedTask, STAGES};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Pose, Surface, World, chunk, chunks};
 use nalgebra::Vector3;
@@ -81,7 +80,6 @@ pub struct Candidates {
     /// Number of times that the list was built.
     pub rebuilds: u64,
     torques: bool,
-    boxes: BoxGrid,
     skin: f64,
     /// Gap across which candidates matter before they touch, m.
     range: f64,
@@ -122,7 +120,6 @@ impl Candidates {
             wall_torques: Vec::new(),
             torques,
             rebuilds: 0,
-            boxes: boxes.clone(),
             skin,
             range,
             step,
@@ -148,6 +145,11 @@ impl Candidates {
         (self.rebuilds > 0).then_some((&self.reference, self.built_at))
     }
 
+    /// Number of tasks that its pairs can belong to, since the list was built.
+    pub(crate) fn tasks(&self) -> usize {
+        self.grid.boxes().tasks()
+    }
+
     /// Places of the grains of a box, since the list was built.
     pub(crate) fn grains_of_box(&self, number: usize) -> Range<usize> {
         self.grid.grains_of_box(number)
@@ -162,7 +164,7 @@ impl Candidates {
         let shifts = world.surfaces.iter().map(|surface| surface.largest_shift(self.built_at, world.time, reach));
         let wall_shift = shifts.fold(0.0, f64::max);
         let spheres = &world.spheres[..world.grains()];
-        let moved = self.drift.measure(&self.grid, &self.boxes, spheres, &self.reference, team);
+        let moved = self.drift.measure(&self.grid, spheres, &self.reference, team);
         let far = self.grid.patch_width() - self.largest_diameter;
         moved.approach > self.skin - self.range
             || 2.0 * moved.shift > far
@@ -195,7 +197,7 @@ impl Candidates {
 
     /// Puts the grains in the order of boxes and cells, builds the list anew and plans its tasks, keeping the impulses of
     /// candidates that stay.
-    pub fn rebuild(&mut self, world: &mut World, plan: &mut Plan, set: InstructionSet, team: &Team) {
+    pub fn rebuild(&mut self, world: &mut World, plan: &mut Plan, set: Available, team: &Team) {
         let order = self.grid.sort(world, team);
         world.reorder(order, team);
         let new_places = &mut self.buffers.new_places;
@@ -205,6 +207,7 @@ impl Candidates {
                 new_places[old as usize] = new as u32;
             }
         });
+        world.add_dummies(self.grid.boxes().boxes());
         self.remember(world.grains(), plan, team);
         self.search(world, set, team);
         self.plan(plan, team);
@@ -236,11 +239,11 @@ impl Candidates {
     }
 
     /// Each box looks for pairs and walls.
-    fn search(&mut self, world: &World, set: InstructionSet, team: &Team) {
+    fn search(&mut self, world: &World, set: Available, team: &Team) {
         let Buffers { found, poses, .. } = &mut self.buffers;
         poses.clear();
         poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.step)));
-        let boxes = self.boxes.boxes();
+        let boxes = self.grid.boxes().boxes();
         found.resize_with(boxes, Found::default);
         let parts = Disjoint::new(found);
         let (grid, skin) = (&self.grid, self.skin);
@@ -258,7 +261,7 @@ impl Candidates {
 
     /// Counts the candidates of each task and finds their places in the list.
     fn plan(&mut self, plan: &mut Plan, team: &Team) {
-        let (boxes, grid) = (&self.boxes, &self.grid);
+        let (boxes, grid) = (self.grid.boxes(), &self.grid);
         let Buffers { found, pair_starts, wall_starts, .. } = &mut self.buffers;
         team.alone(Phase::Detect, || {
             pair_starts.clear();

@@ -4,9 +4,8 @@
 //! the space of displacements; two grains of the same or of adjacent patches have come closer by no more than the largest
 //! distance between points of the two boxes. Grains of patches that are not adjacent start a patch apart.
 
-use super::grid::{CellGrid, FORWARD, around};
+use super::grid::{CellGrid, FORWARD};
 use crate::lanes::Number;
-use crate::partition::BoxGrid;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::Sphere;
 use nalgebra::Vector3;
@@ -15,7 +14,8 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drift {
     patches: Vec<Bounds>,
-    layers: Vec<Moved>,
+    /// Of each box.
+    moved: Vec<Moved>,
 }
 
 /// Smallest and largest displacement along each axis, m.
@@ -69,62 +69,54 @@ impl Bounds {
 
 impl Drift {
     /// Bounds the displacements from `reference` to `spheres`, both in the order of the grid.
-    pub fn measure(
-        &mut self,
-        grid: &CellGrid,
-        boxes: &BoxGrid,
-        spheres: &[Sphere],
-        reference: &[Vector3<f64>],
-        team: &Team,
-    ) -> Moved {
-        let counts = grid.patch_counts();
-        let [columns, rows, layers] = counts.map(|count| count as usize);
+    pub fn measure(&mut self, grid: &CellGrid, spheres: &[Sphere], reference: &[Vector3<f64>], team: &Team) -> Moved {
+        let (boxes, per_box) = (grid.boxes(), grid.patches_of_box());
         self.patches.clear();
-        self.patches.resize(columns * rows * layers, Bounds::EMPTY);
+        self.patches.resize(per_box * boxes.boxes(), Bounds::EMPTY);
         let patches = Disjoint::new(&mut self.patches);
         team.each(Phase::Detect, boxes.boxes(), |number| {
+            // SAFETY: each box has its own patches.
+            let patches = unsafe { patches.range(per_box * number..per_box * (number + 1)) };
             grid.for_each_cell(number, |patch, places| {
-                // SAFETY: a patch belongs to one box.
-                let bounds = unsafe { patches.at(patch) };
-                let mut own = *bounds;
+                let mut own = patches[patch];
                 for (sphere, then) in spheres[places.clone()].iter().zip(&reference[places]) {
                     own.add(sphere.centre - then);
                 }
-                *bounds = own;
+                patches[patch] = own;
             });
         });
-        self.layers.resize(layers, Moved::default());
-        let (patches, parts) = (&self.patches, Disjoint::new(&mut self.layers));
-        team.each(Phase::Detect, layers, |layer| {
+        self.moved.clear();
+        self.moved.resize(boxes.boxes(), Moved::default());
+        let (patches, parts) = (&self.patches, Disjoint::new(&mut self.moved));
+        team.each(Phase::Detect, boxes.boxes(), |number| {
+            if grid.grains_of_box(number).is_empty() {
+                return;
+            }
+            let around = boxes.around(number);
             let mut squares = Moved::default();
-            for row in 0..rows {
-                for column in 0..columns {
-                    let own = &patches[(layer * rows + row) * columns + column];
-                    if own.is_empty() {
-                        continue;
-                    }
-                    squares.shift = squares.shift.larger(own.largest_squared());
-                    for step in std::iter::once([0; 3]).chain(FORWARD) {
-                        let at = [column as i32 + step[0], row as i32 + step[1], layer as i32 + step[2]];
-                        if let Some(at) = around(at, counts.map(|count| count as i32), boxes.period()) {
-                            let other = (at[2] as usize * rows + at[1] as usize) * columns + at[0] as usize;
-                            if !patches[other].is_empty() {
-                                squares.approach =
-                                    squares.approach.larger(own.largest_distance_squared(&patches[other]));
-                            }
-                        }
+            for (patch, own) in patches[per_box * number..per_box * (number + 1)].iter().enumerate() {
+                if own.is_empty() {
+                    continue;
+                }
+                squares.shift = squares.shift.larger(own.largest_squared());
+                for step in std::iter::once([0; 3]).chain(FORWARD) {
+                    let (direction, place) = grid.patch_beside(patch, step);
+                    let Some(neighbour) = around[direction] else { continue };
+                    let other = &patches[per_box * neighbour + place];
+                    if !other.is_empty() {
+                        squares.approach = squares.approach.larger(own.largest_distance_squared(other));
                     }
                 }
             }
-            // SAFETY: each layer has its own entry.
-            *unsafe { parts.at(layer) } = squares;
+            // SAFETY: each box has its own entry.
+            *unsafe { parts.at(number) } = squares;
         });
-        let largest = |value: fn(&Moved) -> f64| self.layers.iter().map(value).fold(0.0, f64::max).sqrt();
+        let largest = |value: fn(&Moved) -> f64| self.moved.iter().map(value).fold(0.0, f64::max).sqrt();
         Moved { shift: largest(|moved| moved.shift), approach: largest(|moved| moved.approach) }
     }
 
     pub fn memory_bytes(&self) -> usize {
-        self.patches.capacity() * size_of::<Bounds>()
+        self.patches.capacity() * size_of::<Bounds>() + self.moved.capacity() * size_of::<Moved>()
     }
 }
 

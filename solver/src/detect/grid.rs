@@ -1,8 +1,7 @@
 //! Grains sorted into cells by counting. Cells are a whole part of a box, so that grains in the order of cells are in the
 //! order of boxes too.
 
-use crate::effects::period::Period;
-use crate::partition::BoxGrid;
+use crate::partition::{BoxGrid, DIRECTIONS, SAME_BOX};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{World, chunk, chunks};
 use nalgebra::Vector3;
@@ -12,6 +11,8 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct CellGrid {
     boxes: BoxGrid,
+    /// Least width of a cell, m.
+    reach: f64,
     /// Cells of a box along an axis.
     per_box: u32,
     size: [f64; 3],
@@ -42,41 +43,76 @@ pub(super) const FORWARD: [[i32; 3]; 13] = [
 impl CellGrid {
     /// Cells no smaller than `reach` (m) in the boxes of a world of so many grains.
     pub fn new(boxes: &BoxGrid, grains: usize, reach: f64) -> CellGrid {
+        let mut grid = CellGrid {
+            boxes: boxes.clone(),
+            reach,
+            per_box: 1,
+            size: boxes.widths(),
+            start: Vec::new(),
+            order: Vec::new(),
+            cell_of: Vec::new(),
+        };
+        grid.cut_boxes(grains);
+        grid
+    }
+
+    /// The boxes, as they were when grains were last sorted.
+    pub fn boxes(&self) -> &BoxGrid {
+        &self.boxes
+    }
+
+    /// Cuts each box into cells.
+    fn cut_boxes(&mut self, grains: usize) {
+        let boxes = &self.boxes;
         // Empty cells cost time too: no more than about eight a grain.
         let most = libm::cbrt((8.0 * grains as f64 + 4096.0) / boxes.boxes() as f64);
         // Around a periodic axis a cell's two neighbours must be different ones.
         let around = |axis: usize| f64::from(3_u32.div_ceil(boxes.counts()[axis]));
         let least = (0..3).filter(|&axis| boxes.period().is_periodic(axis)).map(around).fold(1.0, f64::max);
         let narrowest = boxes.widths().into_iter().fold(f64::INFINITY, f64::min);
-        let per_box = (narrowest / reach.max(1e-300)).floor().min(most.floor()).clamp(least, 1024.0);
-        CellGrid {
-            boxes: boxes.clone(),
-            per_box: per_box as u32,
-            size: boxes.widths().map(|width| width / per_box),
-            start: Vec::new(),
-            order: Vec::new(),
-            cell_of: Vec::new(),
-        }
+        let per_box = (narrowest / self.reach.max(1e-300)).floor().min(most.floor()).clamp(least, 1024.0);
+        self.per_box = per_box as u32;
+        self.size = boxes.widths().map(|width| width / per_box);
     }
 
-    /// Sorts the grains of a world; grains outside the domain count to its outermost cells, or where their image is inside. Returns the old place of the
-    /// grain that belongs at each new place. Grains of a cell keep their order.
+    /// Sorts the grains of a world; grains outside the domain count to its outermost cells, or where their image is inside, unless
+    /// boxes are cut where grains are. Returns the old place of the grain that belongs at each new place. Grains of a cell keep
+    /// their order.
     pub fn sort(&mut self, world: &World, team: &Team) -> &[u32] {
         let grains = world.grains();
-        self.cell_of.resize(grains, 0);
         let mut cell_of = std::mem::take(&mut self.cell_of);
+        cell_of.resize(grains, 0);
+        let follows = team.alone(Phase::Detect, || self.boxes.follow(&world.spheres[..grains], &mut cell_of));
+        if follows {
+            self.cut_boxes(grains);
+        }
         let cells = Disjoint::new(&mut cell_of);
-        team.each(Phase::Detect, chunks(world.grains()), |number| {
-            let places = chunk(number, world.grains());
+        team.each(Phase::Detect, chunks(grains), |number| {
+            let places = chunk(number, grains);
             // SAFETY: chunks do not overlap.
             let cells = unsafe { cells.range(places.clone()) };
             for (cell, sphere) in cells.iter_mut().zip(&world.spheres[places]) {
-                *cell = self.cell(&sphere.centre);
+                *cell = match follows {
+                    true => self.cell_in_box(*cell, &sphere.centre),
+                    false => self.cell(&sphere.centre),
+                };
             }
         });
         self.cell_of = cell_of;
         team.alone(Phase::Detect, || self.count());
         &self.order
+    }
+
+    /// Number of the cell of a point in the box of a number.
+    fn cell_in_box(&self, number: u32, point: &Vector3<f64>) -> u32 {
+        let origin = self.boxes.origin();
+        let point = self.boxes.period().wrapped(point, &origin);
+        let (first, widths) = (self.boxes.box_of(&point), self.boxes.widths());
+        let at = [0, 1, 2].map(|axis| {
+            let inside = point[axis] - origin[axis] - f64::from(first[axis]) * widths[axis];
+            (inside / self.size[axis]).floor().clamp(0.0, f64::from(self.per_box - 1)) as u32
+        });
+        number * self.cells_of_box() as u32 + self.inside(at) as u32
     }
 
     /// Sorts by counting.
@@ -103,6 +139,7 @@ impl CellGrid {
 
     pub(super) fn memory_bytes(&self) -> usize {
         (self.start.capacity() + self.order.capacity() + self.cell_of.capacity()) * size_of::<u32>()
+            + self.boxes.memory_bytes()
     }
 
     /// Number of cells along each axis.
@@ -143,9 +180,9 @@ impl CellGrid {
         (self.per_box / 2).max(1)
     }
 
-    /// Number of patches of all boxes along each axis.
-    pub fn patch_counts(&self) -> [u32; 3] {
-        self.boxes.counts().map(|count| count * self.patches_per_box())
+    /// Number of patches of a box.
+    pub fn patches_of_box(&self) -> usize {
+        self.patches_per_box().pow(3) as usize
     }
 
     /// Width of the narrowest patch, m.
@@ -154,21 +191,24 @@ impl CellGrid {
         f64::from(self.per_box / self.patches_per_box()) * narrowest
     }
 
-    /// Calls `visit(patch, places)` for each cell of a box that holds grains; patches are numbered layer by layer over
-    /// the whole domain.
+    /// Calls `visit(patch, places)` for each cell of a box that holds grains; patches are numbered inside the box.
     #[inline]
     pub fn for_each_cell(&self, number: usize, mut visit: impl FnMut(usize, Range<usize>)) {
-        let [columns, rows, _] = self.patch_counts().map(|count| count as usize);
         let (per_box, patches) = (self.per_box as usize, self.patches_per_box() as usize);
-        let first = self.boxes.at(number).map(|place| place as usize * patches);
         for cell in 0..self.cells_of_box() {
             let places = self.grains(number * self.cells_of_box() + cell);
             if !places.is_empty() {
                 let inside = [cell % per_box, cell / per_box % per_box, cell / (per_box * per_box)];
-                let [x, y, z] = std::array::from_fn(|axis| first[axis] + inside[axis] * patches / per_box);
-                visit((z * rows + y) * columns + x, places);
+                let [x, y, z] = inside.map(|at| at * patches / per_box);
+                visit((z * patches + y) * patches + x, places);
             }
         }
+    }
+
+    /// The patch that lies a step from one of a box, as the direction of its box and its number there.
+    #[inline]
+    pub fn patch_beside(&self, patch: usize, step: [i32; 3]) -> (usize, usize) {
+        beside(patch, self.patches_per_box() as usize, step)
     }
 
     /// Number of cells of a box.
@@ -178,14 +218,7 @@ impl CellGrid {
 
     /// The boxes around a box.
     pub fn surroundings(&self, number: usize) -> Surroundings {
-        let home = self.boxes.at(number).map(|place| place as i32);
-        let counts = self.boxes.counts().map(|count| count as i32);
-        Surroundings(std::array::from_fn(|direction| {
-            let towards = [direction % 3, direction / 3 % 3, direction / 9];
-            let at = std::array::from_fn(|axis| home[axis] + towards[axis] as i32 - 1);
-            let image = around(at, counts, self.boxes.period())?;
-            Some(self.boxes.number(image.map(|place| place as u32)) * self.cells_of_box())
-        }))
+        Surroundings(self.boxes.around(number).map(|place| Some(place? * self.cells_of_box())))
     }
 
     /// Fills in the grains of a cell of a box, and the runs of grains in the cells around it that come after it. Grains of one
@@ -196,20 +229,8 @@ impl CellGrid {
         if found.home.is_empty() {
             return;
         }
-        let per_box = self.per_box as usize;
-        let inside = [cell % per_box, cell / per_box % per_box, cell / (per_box * per_box)];
         for step in FORWARD {
-            let (mut direction, mut place) = (0, 0);
-            for axis in (0..3).rev() {
-                // One cell further may be the first or last one of the next box.
-                let (towards, next) = match (step[axis], inside[axis]) {
-                    (-1, 0) => (0, per_box - 1),
-                    (1, last) if last + 1 == per_box => (2, 0),
-                    (step, at) => (1, at.wrapping_add_signed(step as isize)),
-                };
-                direction = 3 * direction + towards;
-                place = per_box * place + next;
-            }
+            let (direction, place) = beside(cell, self.per_box as usize, step);
             if let Some(first) = surroundings.0[direction] {
                 found.add(self.grains(first + place), direction);
             }
@@ -218,24 +239,27 @@ impl CellGrid {
 
     /// Task of the pairs of a box in a direction of a neighbourhood.
     pub fn task(&self, number: usize, direction: usize) -> usize {
-        let towards = [direction % 3, direction / 3 % 3, direction / 9].map(|shift| shift as i32 - 1);
-        self.boxes.task(self.boxes.at(number), towards)
+        self.boxes.task(number, direction)
     }
 }
 
-/// The cell or patch that lies at these coordinates, among so many along each axis; none where the domain ends.
-#[inline]
-pub(super) fn around(at: [i32; 3], counts: [i32; 3], period: &Period) -> Option<[i32; 3]> {
-    let mut image = at;
-    for axis in 0..3 {
-        if at[axis] < 0 || at[axis] >= counts[axis] {
-            if !period.is_periodic(axis) {
-                return None;
-            }
-            image[axis] = at[axis].rem_euclid(counts[axis]);
-        }
+/// The cell, or patch, that lies a step from one of a box that is cut into so many along each axis: the direction of its box, which
+/// may be the next one, and its number there.
+#[inline(always)]
+fn beside(number: usize, per_box: usize, step: [i32; 3]) -> (usize, usize) {
+    let inside = [number % per_box, number / per_box % per_box, number / (per_box * per_box)];
+    let (mut direction, mut place) = (0, 0);
+    for axis in (0..3).rev() {
+        // One cell further may be the first or last one of the next box.
+        let (towards, next) = match (step[axis], inside[axis]) {
+            (-1, 0) => (0, per_box - 1),
+            (1, last) if last + 1 == per_box => (2, 0),
+            (step, at) => (1, at.wrapping_add_signed(step as isize)),
+        };
+        direction = 3 * direction + towards;
+        place = per_box * place + next;
     }
-    Some(image)
+    (direction, place)
 }
 
 /// Numbers of the first cells of a box and of those around it, by direction as in [`Neighbourhood::runs`]; none where the domain
@@ -273,8 +297,95 @@ impl Neighbourhood {
     }
 }
 
-/// Direction of a pair inside one box.
-pub const SAME_BOX: usize = 13;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Simulation;
+    use crate::scene::Scene;
+    use crate::world::Sphere;
+    use std::path::Path;
 
-/// Number of directions.
-pub const DIRECTIONS: usize = 27;
+    /// Radius of the grains, m.
+    const RADIUS: f64 = 0.005;
+    /// Width of a cell at least, m.
+    const REACH: f64 = 2.2 * RADIUS;
+    /// Grains along an edge of a block.
+    const EDGE: i32 = 16;
+
+    /// What sorting and searching have to do.
+    #[derive(Debug)]
+    struct Work {
+        boxes: usize,
+        cells: usize,
+        comparisons: usize,
+    }
+
+    /// The work for blocks of grains around these middles and lone grains, m, in a cube around the origin.
+    fn work(half: f64, middles: &[[f64; 3]], lone: &[[f64; 3]]) -> Work {
+        let text = format!(
+            "name = 'blocks'\ndescription = ''\nduration = 1\ngravity = [0, 0, 0]\n\
+             domain = {{ min = [{0:?}, {0:?}, {0:?}], max = [{half:?}, {half:?}, {half:?}] }}\n\
+             [material.grain]\ndensity = 2500\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nrestitution = 0.5\nfriction = 0\n\
+             [[grain]]\nmaterial = 'grain'\nradius = {RADIUS:?}\nposition = [0, 0, 0]\n",
+            -half
+        );
+        let scene = Scene::parse(&text, Path::new("blocks.toml")).unwrap();
+        let pattern = Simulation::new(&scene, 1, Path::new("blocks.toml")).unwrap().world;
+        let blocks = middles.iter().flat_map(|middle| {
+            (0..EDGE * EDGE * EDGE).map(|number| {
+                let at = [number % EDGE, number / EDGE % EDGE, number / (EDGE * EDGE)];
+                std::array::from_fn(|axis| middle[axis] + 2.0 * RADIUS * f64::from(at[axis] - EDGE / 2))
+            })
+        });
+        let spheres: Vec<_> = (blocks.chain(lone.iter().copied()))
+            .map(|centre: [f64; 3]| Sphere { centre: centre.into(), radius: RADIUS })
+            .collect();
+        let grains = spheres.len();
+        let world = World { ids: (0..grains as u32).collect(), spheres, ..pattern };
+        let boxes = BoxGrid::new(&world.domain, &world.period, grains, RADIUS, REACH - 2.0 * RADIUS);
+        let mut grid = CellGrid::new(&boxes, grains, REACH);
+        grid.sort(&world, &Team::default());
+        let (mut comparisons, mut found) = (0, Neighbourhood::default());
+        for number in 0..grid.boxes().boxes() {
+            let surroundings = grid.surroundings(number);
+            for cell in 0..grid.cells_of_box() {
+                grid.neighbourhood(&surroundings, cell, &mut found);
+                let own = found.home.len();
+                let others: usize = found.runs().iter().map(|(run, _)| run.len()).sum();
+                comparisons += own * own.saturating_sub(1) / 2 + own * if own > 0 { others } else { 0 };
+            }
+        }
+        Work { boxes: grid.boxes().boxes(), cells: grid.start.len() - 1, comparisons }
+    }
+
+    /// Grains far from the rest, in all directions and at all distances.
+    fn scattered(count: usize) -> Vec<[f64; 3]> {
+        (0..count)
+            .map(|number| {
+                let (angle, far) = (number as f64, 10.0 * 1.3_f64.powi(number as i32 % 40));
+                [far * angle.cos(), far * angle.sin(), far * (2.3 * angle).sin()]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn an_empty_domain_and_lone_grains_cost_nothing() {
+        let tight = work(0.1, &[[0.0; 3]], &[]);
+        let grains = (EDGE * EDGE * EDGE) as usize;
+        assert!(tight.comparisons < 60 * grains, "{tight:?}");
+        for half in [0.5, 1.0, 3.0, 1e3, 9e5] {
+            let wide = work(half, &[[0.0; 3]], &[]);
+            assert!(wide.comparisons * 10 <= tight.comparisons * 12, "{half} m: {wide:?}, {tight:?}");
+            assert!(wide.boxes <= 64 + grains / 4 && wide.cells <= 10 * grains, "{half} m: {wide:?}");
+        }
+        let lone = work(9e5, &[[0.0; 3]], &scattered(1));
+        assert!(lone.comparisons * 10 <= tight.comparisons * 12, "one escaped: {lone:?}, {tight:?}");
+        let lone = work(9e5, &[[0.0; 3]], &scattered(100));
+        assert!(lone.comparisons * 10 <= tight.comparisons * 20, "a hundred: {lone:?}, {tight:?}");
+        let two = work(9e5, &[[0.0; 3], [7e5, -3e5, 20.0]], &[]);
+        assert!(two.comparisons * 10 <= 2 * tight.comparisons * 12, "two blocks: {two:?}, {tight:?}");
+        // Grains that are everywhere apart share wider boxes, and are compared with none.
+        let gas = work(9e5, &[], &scattered(8_000));
+        assert!(gas.boxes < 2_000 && gas.cells <= 10 * 8_000, "{gas:?}");
+    }
+}

@@ -1,8 +1,9 @@
 //! The search of one box: pairs of grains and grains at walls that are within reach.
 
-use super::grid::{CellGrid, DIRECTIONS, Neighbourhood, SAME_BOX};
+use super::grid::{CellGrid, Neighbourhood};
 use super::{PairCandidate, WallCandidate};
 use crate::lanes::{Kernel, LANES, Lanes, Quad, dot, minus};
+use crate::partition::{DIRECTIONS, SAME_BOX};
 use crate::world::{Pose, World};
 use nalgebra::Vector3;
 

@@ -130,15 +130,22 @@ impl EffectSet {
         self.rolling() || self.twisting()
     }
 
-    /// The kernel that is run for it: grains that resist turning carry their spin, as with friction.
+    /// Whether contacts have a tangential part: with friction, and where grains resist turning, because they carry their spin. Whoever
+    /// lays contacts out and whoever works on them goes by this, and by nothing else.
+    #[inline(always)]
+    pub fn tangential(&self) -> bool {
+        self.friction() || self.torques()
+    }
+
+    /// The kernel that is run for it.
     pub fn compiled(&self) -> EffectSet {
         let (rolling, twisting) = (self.rolling(), self.twisting());
-        EffectSet { friction: self.friction() || self.torques(), rolling, twisting, ..EffectSet::NONE }
+        EffectSet { friction: self.tangential(), rolling, twisting, ..EffectSet::NONE }
     }
 
     /// Its effects in words.
     pub fn name(&self) -> &'static str {
-        match (self.compiled().friction(), self.rolling(), self.twisting()) {
+        match (self.tangential(), self.rolling(), self.twisting()) {
             (_, true, true) => "friction, rolling and twisting resistance",
             (_, true, false) => "friction and rolling resistance",
             (_, false, true) => "friction and twisting resistance",
@@ -151,26 +158,36 @@ impl EffectSet {
 /// Evaluates an expression with `$effects` as the type that is compiled for the choice.
 macro_rules! with_effects {
     ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::effects::{Frictional, Frictionless, Rolling, RollingTwisting, Twisting};
+        use $crate::effects::{Rolling, RollingTwisting, Twisting, with_tangential};
         let set = $set;
-        match (set.friction(), set.rolling(), set.twisting()) {
-            (_, true, true) => {
+        match (set.rolling(), set.twisting()) {
+            (true, true) => {
                 type $effects = RollingTwisting;
                 $body
             }
-            (_, true, false) => {
+            (true, false) => {
                 type $effects = Rolling;
                 $body
             }
-            (_, false, true) => {
+            (false, true) => {
                 type $effects = Twisting;
                 $body
             }
-            (true, false, false) => {
+            (false, false) => with_tangential!(set, $effects => $body),
+        }
+    }};
+}
+
+/// The same for work on forces alone, which knows nothing of torques: contacts have a tangential part or have none.
+macro_rules! with_tangential {
+    ($set:expr, $effects:ident => $body:expr) => {{
+        use $crate::effects::{Frictional, Frictionless};
+        match $set.tangential() {
+            true => {
                 type $effects = Frictional;
                 $body
             }
-            (false, false, false) => {
+            false => {
                 type $effects = Frictionless;
                 $body
             }
@@ -179,3 +196,4 @@ macro_rules! with_effects {
 }
 
 pub(crate) use with_effects;
+pub(crate) use with_tangential;

@@ -155,9 +155,9 @@ impl PairGroups {
         with_pairs!(self, groups => groups.truncate(count));
     }
 
-    /// Becomes groups with friction, or without; what there was is dropped if it was of the other kind.
-    pub(crate) fn suit(&mut self, friction: bool) {
-        match (friction, &self) {
+    /// Becomes groups with a tangential part, or without; what there was is dropped if it was of the other kind.
+    pub(crate) fn suit(&mut self, tangential: bool) {
+        match (tangential, &self) {
             (true, PairGroups::Smooth(_)) => *self = PairGroups::Frictional(Vec::new()),
             (false, PairGroups::Frictional(_)) => *self = PairGroups::Smooth(Vec::new()),
             _ => {}

@@ -125,7 +125,7 @@ macro_rules! registers {
 }
 
 registers!(
-    /// Eight numbers in two registers. Code that makes one runs where AVX2 was found: only [`super::InstructionSet::run`]
+    /// Eight numbers in two registers. Code that makes one runs where AVX2 was found: only [`super::Available::run`]
     /// names this type.
     Avx2, Avx2Mask, __m256d, f64,
     arithmetic: _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd,

@@ -125,7 +125,7 @@ macro_rules! operator {
 }
 
 register!(
-    /// Eight numbers in a register. Code that makes one runs where AVX-512F was found: only [`super::InstructionSet::run`]
+    /// Eight numbers in a register. Code that makes one runs where AVX-512F was found: only [`super::Available::run`]
     /// names this type.
     Avx512(__m512d), Avx512Mask(__mmask8), f64,
     arithmetic: _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd _mm512_abs_pd,

@@ -1,6 +1,55 @@
 //! Every operation gives the same bits on every instruction set.
 
 use super::*;
+use crate::{SettingError, Simulation};
+use std::cell::Cell;
+
+thread_local! {
+    /// Instruction sets from this one on are hidden from whoever asks on this thread.
+    static HIDDEN_FROM: Cell<usize> = const { Cell::new(usize::MAX) };
+}
+
+/// Whether a test plays a processor that lacks it.
+pub(super) fn is_hidden(set: InstructionSet) -> bool {
+    set as usize >= HIDDEN_FROM.get()
+}
+
+/// Does something as on a processor that lacks an instruction set and those above it.
+fn on_a_processor_without<R>(set: InstructionSet, work: impl FnOnce() -> R) -> R {
+    HIDDEN_FROM.set(set as usize);
+    let result = work();
+    HIDDEN_FROM.set(usize::MAX);
+    result
+}
+
+/// Kernels take nothing but [`Available`], so what these refuse to make cannot be run.
+#[test]
+fn what_the_processor_lacks_is_refused_and_never_chosen() {
+    let scene = "name = 'lone'\ndescription = ''\nduration = 1\ngravity = [0, 0, -9.81]\n\
+                 domain = { min = [-1, -1, -1], max = [1, 1, 1] }\n\
+                 [material.grain]\ndensity = 2500\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nrestitution = 0.5\nfriction = 0\n\
+                 [[grain]]\nmaterial = 'grain'\nradius = 0.01\nposition = [0, 0, 0]\n";
+    let file = std::path::Path::new("lone.toml");
+    let scene = crate::scene::Scene::parse(scene, file).unwrap();
+    for lacking in [InstructionSet::Avx2, InstructionSet::Avx512] {
+        on_a_processor_without(lacking, || {
+            assert!(!lacking.is_available() && lacking.on_this_processor().is_none());
+            assert!((InstructionSet::detect() as usize) < lacking as usize, "the widest of those that are left");
+            assert_eq!(Available::detect().name(), InstructionSet::detect());
+            let mut simulation = Simulation::new(&scene, 1, file).unwrap();
+            let before = simulation.instruction_set();
+            assert!(before.is_available());
+            let error = simulation.use_instruction_set(lacking).unwrap_err();
+            assert!(matches!(error, SettingError::NoInstructionSet { wanted, .. } if wanted == lacking), "{error}");
+            assert!(error.to_string().starts_with(&format!("this processor has no {}", lacking.name())), "{error}");
+            assert_eq!(simulation.instruction_set(), before, "what was refused changes nothing");
+            simulation.step();
+            let probe = std::panic::catch_unwind(|| crate::probe::multiply_and_add(lacking, 1, 1));
+            assert!(probe.is_err(), "a probe of what is not there does not run");
+        });
+    }
+    assert!(InstructionSet::Generic.on_this_processor().is_some());
+}
 
 const VALUES: [f64; 8] = [1.5, -0.0, 0.0, -2.25, 1e-310, f64::INFINITY, f64::NAN, 3.0];
 const OTHERS: [f64; 8] = [0.1, 0.0, -0.0, -2.25, 7.0, 2.0, 1.0, -4.0];
@@ -134,6 +183,7 @@ impl Kernel for Operations<'_> {
 #[test]
 fn instruction_sets_agree_on_every_operation() {
     let run = |set: InstructionSet| {
+        let set = set.on_this_processor().expect("it was asked for");
         let (mut results, mut singles, mut bits) = (Vec::new(), Vec::new(), Vec::new());
         set.run(Operations { results: &mut results, singles: &mut singles, bits: &mut bits });
         // Every NaN is as good as any other: IEEE leaves their payload open.

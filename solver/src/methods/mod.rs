@@ -36,6 +36,7 @@ mod jacobi;
 mod nonlinear_conjugate_gradients;
 mod problem;
 mod projected_conjugate_gradients;
+mod torques;
 mod velocities;
 mod visits;
 

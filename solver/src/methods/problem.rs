@@ -5,10 +5,12 @@
 //! combine alike on both sides; where a projection bends an impulse, the difference is given to the bodies.
 
 use super::group::{Block, Visit, Visiting};
+use super::torques::MeasureTorques;
 use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
-use crate::effects::{Frictional, Frictionless};
+use crate::effects::{with_effects, with_tangential};
+use crate::interrupt::{Interrupt, is_heeded};
 use crate::lanes::{Eight, LANES};
 use crate::partition::{Layout, STAGES, SingleCopy};
 use crate::scene::{Precision, SolverMethod, SolverSettings};
@@ -39,6 +41,7 @@ pub(crate) struct Problem<'a> {
     pub settings: &'a SolverSettings,
     pub team: &'a Team,
     pub workspace: &'a mut Workspace,
+    pub interrupt: &'a Interrupt,
 }
 
 /// Where tasks leave their sums, and where their vectors begin.
@@ -124,6 +127,8 @@ impl Problem<'_> {
     /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, as far as they are asked for.
     pub fn sweep(&mut self, factor: f64, gauge: Gauge) -> Option<Residuals> {
         let (inner, precision) = (self.settings.inner_sweeps.max(1), self.precision());
+        let (heeds, interrupt) = (is_heeded(self.settings), self.interrupt);
+        let inner = (inner, || heeds && interrupt.is_requested());
         let residuals = (gauge, &mut self.workspace.residuals);
         let unknowns = match precision {
             Precision::Double => Unknowns::double(self.bodies, &mut self.layout.groups),
@@ -224,7 +229,7 @@ impl Problem<'_> {
         StepSums { scaled, compliant, slope, residuals: total.residual.finish(self.layout.contacts) }
     }
 
-    /// Natural-map residuals of the present state, and by how much impulses leave their cones, m/s.
+    /// Natural-map residuals of the present state, torques included, and by how much impulses leave their cones, m/s.
     pub fn measure(&mut self) -> (Residuals, Residual) {
         tell_driven(self.layout, self.drives);
         let tallies = &mut self.workspace.tallies;
@@ -235,8 +240,29 @@ impl Problem<'_> {
                 Measure { bodies: bodies.as_ptr(), tally: unsafe { tallies.at(place) } }
             });
         }
+        if self.relaxation.effects.torques() {
+            self.measure_torques();
+        }
+        let tallies = &self.workspace.tallies;
         let (total, contacts) = (Tally::total(tallies), self.layout.contacts);
         (total.residual.finish(contacts), total.cone.finish(contacts).normal)
+    }
+
+    /// Adds the residuals of torques to the tallies of all tasks.
+    fn measure_torques(&mut self) {
+        let (plan, groups) = (&self.layout.plan, &self.layout.groups);
+        let (bodies, tallies) = (&*self.bodies, Disjoint::new(&mut self.workspace.tallies));
+        let (set, batches) = (self.relaxation.instruction_set, plan.all_batches());
+        self.team.each(Phase::Sweep, batches.len(), |number| {
+            for place in batches[number].clone() {
+                let (groups, bodies) = (&groups[plan.tasks()[place].number as usize], bodies.as_ptr());
+                // SAFETY: each task has its own tally.
+                let tally = unsafe { tallies.at(place) };
+                with_effects!(self.relaxation.effects.compiled(), E => {
+                    set.run(MeasureTorques::<E> { groups, bodies, tally, effects: PhantomData })
+                });
+            }
+        });
     }
 
     /// `difference = bodies - velocities`, and twice its kinetic energy, J.
@@ -265,11 +291,11 @@ pub(crate) fn visit<V: Visit>(
         for place in places {
             // SAFETY: each task has its own groups.
             let groups = unsafe { groups.at(plan.tasks()[place].number as usize) };
-            // Scenes with torques are refused methods other than Gauss-Seidel when they are read.
-            match relaxation.effects.friction() {
-                true => set.run(Visiting::<V, Frictional> { groups, visit: make(place), effects: PhantomData }),
-                false => set.run(Visiting::<V, Frictionless> { groups, visit: make(place), effects: PhantomData }),
-            }
+            // Torques are no part of a state that is put aside or combined: scenes that have any are refused methods other than
+            // Gauss-Seidel.
+            with_tangential!(relaxation.effects, E => {
+                set.run(Visiting::<V, E> { groups, visit: make(place), effects: PhantomData })
+            });
         }
     };
     if V::PUSHES {

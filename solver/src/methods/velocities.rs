@@ -1,6 +1,6 @@
 //! Linear algebra over the velocities of all bodies, a cache line a body.
 
-use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes};
+use crate::lanes::{Available, Eight, Kernel, LANES, Lanes};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, chunk, chunks};
 
@@ -30,7 +30,7 @@ fn write<L: Lanes>(value: L, body: &mut Body) {
 }
 
 /// `to = sum of coefficients[i] from[i]`, velocities only. No allocation; `from` has at most [`MOST`] states.
-pub(crate) fn combine(to: &mut [Body], coefficients: &[f64], from: &[&[Body]], set: InstructionSet, team: &Team) {
+pub(crate) fn combine(to: &mut [Body], coefficients: &[f64], from: &[&[Body]], set: Available, team: &Team) {
     let count = to.len();
     let to = Disjoint::new(to);
     team.each(Phase::Sweep, chunks(count), |number| {
@@ -67,7 +67,7 @@ impl Kernel for Combine<'_> {
 }
 
 /// Replaces three states by combinations of themselves.
-pub(crate) fn transform(states: [&mut [Body]; 3], coefficients: &Coefficients, set: InstructionSet, team: &Team) {
+pub(crate) fn transform(states: [&mut [Body]; 3], coefficients: &Coefficients, set: Available, team: &Team) {
     let count = states[0].len();
     let states = states.map(Disjoint::new);
     team.each(Phase::Sweep, chunks(count), |number| {
@@ -109,7 +109,7 @@ pub(crate) fn difference(
     difference: &mut [Body],
     [a, b]: [&[Body]; 2],
     sums: &mut Vec<[Eight; MOST]>,
-    set: InstructionSet,
+    set: Available,
     team: &Team,
 ) -> f64 {
     combine(difference, &[1.0, -1.0], &[a, b], set, team);
@@ -121,7 +121,7 @@ pub(crate) fn products(
     one: &[Body],
     others: &[&[Body]],
     sums: &mut Vec<[Eight; MOST]>,
-    set: InstructionSet,
+    set: Available,
     team: &Team,
 ) -> [f64; MOST] {
     let count = one.len();

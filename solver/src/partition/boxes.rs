@@ -1,6 +1,8 @@
 //! Boxes eight diameters wide, and the stage and task of a pair of grains.
 
+use super::occupied::{DIRECTIONS, Occupied, towards};
 use crate::effects::period::Period;
+use crate::world::Sphere;
 use nalgebra::Vector3;
 
 /// Number of conflict-free stages in three dimensions.
@@ -13,16 +15,33 @@ const WIDTH: f64 = 8.0;
 /// empty must not have millions.
 const MOST_BOXES: f64 = 64.0;
 
+/// A domain that is so much wider, along each axis, than its grains need is emptier than it pays to cut as a whole: boxes are cut
+/// where grains are.
+const EMPTY_FROM: f64 = 1.3;
+
+/// Of fewer grains than these, the pairs that share a wide box are few enough to be compared one by one.
+const FEW: usize = 1024;
+
+/// Furthest box from the corner of the domain, along an axis that does not repeat itself. What is beyond counts to it.
+const FURTHEST: f64 = 1e9;
+
 /// Stage of a contact by the set of axes (x = 1, y = 2, z = 4) along which its two boxes differ.
 const STAGE_OF_AXES: [usize; 8] = [0, 1, 2, 4, 3, 6, 5, 7];
 
-/// The boxes that cut the domain.
-#[derive(Clone, Debug, PartialEq)]
+/// The boxes that cut the domain: all of it, or, where it is mostly empty, what holds grains.
+#[derive(Clone, Debug)]
 pub struct BoxGrid {
     origin: Vector3<f64>,
+    size: Vector3<f64>,
     width: [f64; 3],
     count: [u32; 3],
     period: Period,
+    /// Least width of a box, m.
+    narrowest: f64,
+    /// Boxes that are worth their while.
+    affordable: usize,
+    /// Those that are numbered where not all of them are.
+    occupied: Option<Box<Occupied>>,
 }
 
 impl BoxGrid {
@@ -41,27 +60,97 @@ impl BoxGrid {
         // In a domain that is mostly empty, wider boxes: empty ones cost time and memory.
         let boxes = 64.0 + grains as f64 / 8.0;
         let sparse = libm::cbrt(size.product() / boxes);
-        let mut width = (2.0 * WIDTH * largest_radius).max(3.0 * (2.0 * largest_radius + skin)).max(sparse).max(1e-12);
-        let count_at = |width: f64| {
-            [0, 1, 2].map(|axis| {
-                let count = size[axis] / width;
-                if period.is_periodic(axis) { count.floor() } else { count.ceil() }.clamp(1.0, 1024.0)
-            })
+        let narrowest = (2.0 * WIDTH * largest_radius).max(3.0 * (2.0 * largest_radius + skin)).max(1e-12);
+        let mut grid = BoxGrid {
+            origin: domain.0,
+            size,
+            width: [0.0; 3],
+            count: [0; 3],
+            period: *period,
+            narrowest,
+            affordable: boxes as usize,
+            occupied: None,
         };
-        while count_at(width).iter().product::<f64>() > MOST_BOXES * boxes {
+        let mut width = narrowest.max(sparse);
+        let product = |count: [f64; 3]| count.iter().product::<f64>();
+        while product(grid.count_at(width).map(|count| count.min(1024.0))) > MOST_BOXES * boxes {
             width *= 2.0;
         }
-        let count = count_at(width);
-        let width = [0, 1, 2].map(|axis| if period.is_periodic(axis) { size[axis] / count[axis] } else { width });
-        BoxGrid { origin: domain.0, width, count: count.map(|count| count as u32), period: *period }
+        if grains >= FEW && width > EMPTY_FROM * narrowest {
+            (grid.occupied, width) = (Some(Box::default()), narrowest);
+        }
+        grid.set_width(width);
+        grid
+    }
+
+    /// Number of boxes of a width (m) along each axis of the domain.
+    fn count_at(&self, width: f64) -> [f64; 3] {
+        [0, 1, 2].map(|axis| {
+            let count = self.size[axis] / width;
+            if self.period.is_periodic(axis) { count.floor() } else { count.ceil() }.max(1.0)
+        })
+    }
+
+    /// Cuts boxes of a width, m.
+    fn set_width(&mut self, width: f64) {
+        let most = if self.occupied.is_some() { FURTHEST } else { 1024.0 };
+        let count = self.count_at(width).map(|count| count.min(most));
+        let periodic = |axis| self.period.is_periodic(axis);
+        self.width = [0, 1, 2].map(|axis| if periodic(axis) { self.size[axis] / count[axis] } else { width });
+        self.count = count.map(|count| count as u32);
+    }
+
+    /// Cuts boxes anew where grains are, if not everywhere: as narrow as boxes may be, or wider by powers of two if grains are so
+    /// scattered that there would be more boxes than it pays to have. Leaves the number of each grain's box in `number_of`; returns
+    /// whether boxes are cut where grains are. It all depends on the places of the grains alone.
+    pub(crate) fn follow(&mut self, spheres: &[Sphere], number_of: &mut [u32]) -> bool {
+        let Some(mut occupied) = self.occupied.take() else { return false };
+        let mut width = self.narrowest;
+        loop {
+            self.occupied = Some(Box::default());
+            self.set_width(width);
+            let grains = spheres.iter().map(|sphere| self.box_of(&self.period.wrapped(&sphere.centre, &self.origin)));
+            let done = occupied.number(grains, number_of, self.affordable, |at, towards| self.step(at, towards));
+            // All are in one box sooner or later.
+            if done {
+                break;
+            }
+            width *= 2.0;
+        }
+        self.occupied = Some(occupied);
+        true
+    }
+
+    /// Coordinates of the box of a point that is wrapped into the domain.
+    #[inline]
+    pub(crate) fn box_of(&self, point: &Vector3<f64>) -> [i32; 3] {
+        [0, 1, 2].map(|axis| {
+            let place = ((point[axis] - self.origin[axis]) / self.width[axis]).floor();
+            let (least, most) = match self.period.is_periodic(axis) {
+                true => (0.0, f64::from(self.count[axis] - 1)),
+                false => (-FURTHEST, FURTHEST),
+            };
+            place.clamp(least, most) as i32
+        })
+    }
+
+    /// Coordinates of the box so many boxes further along each axis.
+    fn step(&self, at: [i32; 3], towards: [i32; 3]) -> [i32; 3] {
+        [0, 1, 2].map(|axis| {
+            let next = at[axis] + towards[axis];
+            if self.period.is_periodic(axis) { next.rem_euclid(self.count[axis] as i32) } else { next }
+        })
     }
 
     /// Number of boxes.
     pub fn boxes(&self) -> usize {
-        self.count.iter().map(|&count| count as usize).product()
+        match &self.occupied {
+            Some(occupied) => occupied.boxes(),
+            None => self.count.iter().map(|&count| count as usize).product(),
+        }
     }
 
-    /// Number of boxes along each axis.
+    /// Number of boxes along each axis, empty ones among them.
     pub(crate) fn counts(&self) -> [u32; 3] {
         self.count
     }
@@ -86,31 +175,51 @@ impl BoxGrid {
         STAGES * self.boxes()
     }
 
-    /// Number of the box with these coordinates.
+    /// Number of the box with these coordinates, where all boxes are numbered.
     #[inline]
     pub fn number(&self, at: [u32; 3]) -> usize {
         (at[2] as usize * self.count[1] as usize + at[1] as usize) * self.count[0] as usize + at[0] as usize
     }
 
-    /// Coordinates of a box.
-    pub(crate) fn at(&self, number: usize) -> [u32; 3] {
+    /// Coordinates of a box, where all boxes are numbered.
+    fn at(&self, number: usize) -> [u32; 3] {
         let (columns, rows) = (self.count[0] as usize, self.count[1] as usize);
         [number % columns, number / columns % rows, number / (columns * rows)].map(|place| place as u32)
     }
 
-    /// Task of a contact of grains in a box and in its neighbour that lies so many boxes (-1, 0 or 1) further along each axis:
-    /// stage by stage, box by box.
+    /// Numbers of the boxes around a box, by direction: see [`towards`]. None where the domain ends or no box is numbered.
     #[inline]
-    pub fn task(&self, at: [u32; 3], towards: [i32; 3]) -> usize {
-        let mut axes = 0;
-        let mut lower = at;
-        for axis in 0..3 {
-            axes |= usize::from(towards[axis] != 0) << axis;
-            if towards[axis] < 0 {
-                // Before the first box of a periodic axis comes the last one.
-                lower[axis] = at[axis].checked_sub(1).unwrap_or(self.count[axis] - 1);
-            }
+    pub(crate) fn around(&self, number: usize) -> [Option<usize>; DIRECTIONS] {
+        if let Some(occupied) = &self.occupied {
+            return std::array::from_fn(|direction| occupied.neighbour(number, direction));
         }
-        STAGE_OF_AXES[axes] * self.boxes() + self.number(lower)
+        let at = self.at(number);
+        let places: [[Option<usize>; 3]; 3] = std::array::from_fn(|axis| {
+            let (own, last) = (at[axis] as usize, self.count[axis] as usize - 1);
+            let repeats = self.period.is_periodic(axis);
+            let before = if own > 0 { Some(own - 1) } else { repeats.then_some(last) };
+            let after = if own < last { Some(own + 1) } else { repeats.then_some(0) };
+            [before, Some(own), after]
+        });
+        let [columns, rows] = [self.count[0] as usize, self.count[1] as usize];
+        std::array::from_fn(|direction| {
+            let [x, y, z] = [places[0][direction % 3], places[1][direction / 3 % 3], places[2][direction / 9]];
+            Some((z? * rows + y?) * columns + x?)
+        })
+    }
+
+    /// Task of a contact of grains in a box and in its neighbour in a direction: stage by stage, box by box. It belongs to the
+    /// lowest corner of the two; before the first box of a periodic axis comes the last one.
+    #[inline]
+    pub(crate) fn task(&self, number: usize, direction: usize) -> usize {
+        let towards = towards(direction);
+        let axes = (0..3).map(|axis| usize::from(towards[axis] != 0) << axis).sum::<usize>();
+        let [x, y, z] = towards.map(|along| along.min(0));
+        let home = self.around(number)[((x + 1) + 3 * (y + 1) + 9 * (z + 1)) as usize];
+        STAGE_OF_AXES[axes] * self.boxes() + home.expect("boxes between two that hold grains are numbered")
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.occupied.as_ref().map_or(0, |occupied| occupied.memory_bytes())
     }
 }

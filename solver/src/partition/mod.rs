@@ -13,12 +13,14 @@
 //! lane groups of eight that share no body. All of this depends on the scene alone, never on threads or machine.
 
 mod boxes;
+mod occupied;
 mod packing;
 mod plan;
 mod single;
 mod waits;
 
 pub use boxes::{BoxGrid, STAGES};
+pub(crate) use occupied::{DIRECTIONS, SAME_BOX};
 pub(crate) use packing::{Packer, Taken, TakenGroups};
 pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
@@ -111,6 +113,13 @@ impl Layout {
     /// An empty layout for so many tasks.
     pub fn new(tasks: usize) -> Layout {
         Layout { groups: vec![TaskGroups::default(); tasks], ..Layout::default() }
+    }
+
+    /// Makes room for so many tasks, or for more.
+    pub(crate) fn fit(&mut self, tasks: usize) {
+        if tasks > self.groups.len() {
+            self.groups.resize_with(tasks, TaskGroups::default);
+        }
     }
 
     /// Stage and lane groups of the tasks that have any, in the order of their stages.

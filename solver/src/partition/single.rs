@@ -7,7 +7,7 @@
 use super::{Layout, STAGES, TaskGroups};
 use crate::effects::Effects;
 use crate::groups::{ContactLanes, FrictionLanes, PairGroup, Tangential, WallGroup, padding_places, with_pairs};
-use crate::lanes::{Eight, InstructionSet, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
+use crate::lanes::{Available, Eight, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Body, DUMMIES, chunk, chunks};
 
@@ -85,7 +85,7 @@ impl SingleBody {
 
 impl SingleCopy {
     /// Rounds bodies and the lane groups that a step has laid out.
-    pub fn take(&mut self, bodies: &[Body], layout: &Layout, set: InstructionSet, team: &Team) {
+    pub fn take(&mut self, bodies: &[Body], layout: &Layout, set: Available, team: &Team) {
         // Behind the grains lie the dummies of the boxes.
         let grains = bodies.len() - layout.groups.len() / STAGES * DUMMIES;
         self.bodies.resize(bodies.len(), SingleBody::default());

@@ -26,7 +26,7 @@ impl Kernel for FindWaits<'_> {
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_waits, .. } = self.groups;
         // What was packed for an earlier step waits as it did then.
-        if pair_waits.len() == pairs.len() || !overlapped::<L>(self.effects.friction(), self.effects.torques()) {
+        if pair_waits.len() == pairs.len() || !overlapped::<L>(self.effects.tangential(), self.effects.torques()) {
             return;
         }
         // As much room as the groups have, so that it grows no oftener.

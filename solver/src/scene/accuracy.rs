@@ -13,6 +13,7 @@
 //!
 //! Sweeps are not fixed: a solve goes on until its residual is small, in proportion to the overlap that is tolerated.
 
+use super::bearable::longest_step;
 use super::{NormalLaw, RadiusDistribution, Scene, Stop};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -87,6 +88,8 @@ impl Accuracy {
             (false, true) => by_fraction,
             _ => by_angle.min(by_fraction),
         };
+        // Whatever is tolerated, walls move as they are said to.
+        let step = step.min(longest_step(scene));
         // A grain that still moves with the residual sinks by h times it; the error adds up over the layers of the bed.
         let layers = (bed.depth / (2.0 * bed.radius)).max(1.0);
         let sinking = bed.gravity.max(1e-300) * step * step * layers / bed.radius;

@@ -1,6 +1,8 @@
 //! Range checks of a scene, before anything is simulated.
 
 use super::built;
+use super::error::short;
+use super::names;
 use super::periodic;
 use super::place::{Checked, Place};
 use super::{
@@ -13,11 +15,16 @@ const MOST_GRAINS: f64 = 1e8;
 const MOST_MATERIALS: usize = 256;
 /// Most frames of a run.
 const MOST_FRAMES: f64 = 1e6;
+/// Most sweeps of a step, those inside boxes counted: within a step nobody listens to an interrupt.
+const MOST_SWEEPS: f64 = 1e6;
+/// Most sweeps over a box for each over all boxes: more than one does not pay (`docs/memory.md`).
+const MOST_INNER_SWEEPS: f64 = 1e3;
 /// Standard deviations of a normal distribution over the width that its radii are redrawn into: beyond it, drawing takes long.
 const MOST_DEVIATIONS: f64 = 100.0;
 
 /// Checks every value of a scene against the range in which it has a meaning.
 pub(super) fn check(scene: &Scene) -> Checked {
+    names::check(scene)?;
     built::check(scene)?;
     let root = Place::default();
     root.key("duration").range(scene.duration, 0.0, 1e5, "s")?;
@@ -47,7 +54,7 @@ fn gravity(scene: &Scene) -> Checked {
         at.key("gravity").finite(&change.gravity)?;
         at.key("time").range(change.time, 0.0, 1e6, "s")?;
         if change.time <= before {
-            let problem = format!("{} s is not after {before} s, the time before it", change.time);
+            let problem = format!("{} s is not after {} s, the time before it", short(change.time), short(before));
             return Err(at
                 .key("time")
                 .fault(problem, "list the changes in the order of their times, the first above 0"));
@@ -282,7 +289,12 @@ fn radii(at: &Place, distribution: &RadiusDistribution) -> Checked {
             match *deviation <= MOST_DEVIATIONS * (max - min) {
                 true => Ok(()),
                 false => Err(at.key("deviation").fault(
-                    format!("{deviation} m is far wider than the radii from {min} to {max} m that are kept"),
+                    format!(
+                        "{} m is far wider than the radii from {} to {} m that are kept",
+                        short(*deviation),
+                        short(*min),
+                        short(*max)
+                    ),
                     "lower it, or use kind = 'uniform'",
                 )),
             }
@@ -357,15 +369,26 @@ pub(super) fn solver(scene: &Scene) -> Checked {
         return Err(at.key(key).fault(problem, &remedy));
     }
     let stop = at.key("stop");
-    match settings.stop {
-        Stop::Sweeps { sweeps } => stop.key("sweeps").range(f64::from(sweeps), 1.0, 1e6, "sweeps"),
-        Stop::Residual { tolerance, max_sweeps } => {
+    let most = match settings.stop {
+        Stop::Sweeps { .. } => stop.key("sweeps"),
+        Stop::Residual { tolerance, .. } => {
             stop.key("tolerance").range(tolerance, 1e-16, 1e6, "g h")?;
-            stop.key("max_sweeps").range(f64::from(max_sweeps), 1.0, 1e6, "sweeps")
+            stop.key("max_sweeps")
         }
-        Stop::TimeBudget { seconds, max_sweeps } => {
+        Stop::TimeBudget { seconds, .. } => {
             stop.key("seconds").range(seconds, 1e-9, 1e3, "s")?;
-            stop.key("max_sweeps").range(f64::from(max_sweeps), 1.0, 1e6, "sweeps")
+            stop.key("max_sweeps")
+        }
+    };
+    let (sweeps, inner) = (f64::from(settings.stop.max_sweeps()), f64::from(settings.inner_sweeps));
+    most.range(sweeps, 1.0, MOST_SWEEPS, "sweeps")?;
+    at.key("inner_sweeps").range(inner, 1.0, MOST_INNER_SWEEPS, "sweeps over a box for each over all")?;
+    match sweeps * inner <= MOST_SWEEPS {
+        true => Ok(()),
+        false => {
+            let problem = format!("{inner} for each of {sweeps} sweeps are {} sweeps a step", short(sweeps * inner));
+            let remedy = format!("lower it or solver.stop, to at most {} sweeps a step", short(MOST_SWEEPS));
+            Err(at.key("inner_sweeps").fault(problem, &remedy))
         }
     }
 }
@@ -375,7 +398,8 @@ fn measure(scene: &Scene) -> Checked {
     at.key("interval").range(scene.measure.interval, 1e-6, 1e5, "s")?;
     at.key("from").range(scene.measure.from.unwrap_or(0.0), 0.0, scene.duration, "s")?;
     if scene.duration / scene.measure.interval > MOST_FRAMES {
-        let problem = format!("{} s within {} s are too many frames", scene.measure.interval, scene.duration);
+        let [interval, duration] = [scene.measure.interval, scene.duration].map(short);
+        let problem = format!("{interval} s within {duration} s are too many frames");
         return Err(at.key("interval").fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
     }
     for (index, expectation) in scene.compare.iter().enumerate() {

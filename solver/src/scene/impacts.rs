@@ -1,26 +1,14 @@
 //! Restitution that falls with the speed of impact needs impacts that are over within a step: whether a scene has those.
 
 use super::error::{Fault, Step};
-use super::{NormalLaw, Scene, SceneError};
+use super::{NormalLaw, Scene};
 use crate::effects::compliance::{NormalContact, NormalScheme, damping_ratio};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 impl Scene {
-    /// Refuses a restitution that falls where the step resolves impacts as slow as its speed; `file` is named in errors.
-    ///
-    /// # Errors
-    /// [`SceneError::Invalid`] if so.
-    pub(crate) fn refuse_resolved_impacts(&self, file: &Path) -> Result<(), SceneError> {
-        self.resolved_impact().map_or(Ok(()), |fault| {
-            let text = std::fs::read_to_string(file).unwrap_or_default();
-            Err(fault.locate(file, &text))
-        })
-    }
-
     /// The largest grains are the softest against their inertia, and the slowest impacts that matter the longest.
-    fn resolved_impact(&self) -> Option<Fault> {
+    pub(super) fn resolved_impact(&self) -> Option<Fault> {
         if self.solver.normal_law == NormalLaw::Rigid {
             return None;
         }
@@ -76,7 +64,7 @@ impl Scene {
                 settings.step
             );
             let remedy = "use normal_law = { kind = 'rigid' }, a longer step or a higher youngs_modulus";
-            Fault { path: self.says_restitution_speed(first, second), problem, remedy: remedy.into() }
+            Fault::new(self.says_restitution_speed(first, second), problem, remedy)
         })
     }
 

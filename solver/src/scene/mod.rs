@@ -2,18 +2,21 @@
 //!
 //! [`Scene::load`] is the door. A file that is wrong yields a [`SceneError`] that names the file, the
 //! line, what is wrong and what would be right. [`populate`](populate()) turns a scene and a seed into the grains
-//! that every code starts from.
+//! that every code starts from; [`Scene::findings`] tells what its settings are not expected to bear.
 
 mod accuracy;
+mod bearable;
 mod built;
 mod check;
 mod error;
 mod impacts;
+mod names;
 mod periodic;
 mod place;
 mod populate;
 mod settings;
 mod types;
+mod unread;
 mod watch;
 
 pub use crate::effects::cohesion::Cohesion;
@@ -21,6 +24,7 @@ pub use crate::effects::compliance::NormalLaw;
 use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
 pub use accuracy::Accuracy;
+pub use bearable::{Finding, Severity};
 pub use error::{SceneError, line_of};
 pub(crate) use periodic::REACHES;
 pub use populate::{Grain, populate};
@@ -116,7 +120,8 @@ impl Scene {
     /// Reads and checks a scene file.
     ///
     /// # Errors
-    /// [`SceneError`] if the file is missing, is not TOML, has an unknown key, or holds a value out of range.
+    /// [`SceneError`] if the file is missing, is not TOML, says something that is not read, holds a value out of range, or prescribes a
+    /// motion that its step passes over.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
         let text =
             std::fs::read_to_string(path).map_err(|source| SceneError::Missing { file: path.to_path_buf(), source })?;
@@ -129,12 +134,14 @@ impl Scene {
     /// As [`Scene::load`].
     pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
         let mut scene: Scene = toml::from_str(text).map_err(|error| SceneError::from_toml(file, text, &error))?;
-        check::check(&scene).map_err(|fault| fault.locate(file, text))?;
+        let refuse = |fault: error::Fault| fault.locate(file, Some(text));
+        unread::first_unread(text, &scene).map_or(Ok(()), |fault| Err(refuse(fault)))?;
+        check::check(&scene).map_err(refuse)?;
         if let Some(accuracy) = scene.accuracy {
-            check::chosen_twice(text).map_err(|fault| fault.locate(file, text))?;
+            check::chosen_twice(text).map_err(refuse)?;
             scene.ask(accuracy);
         }
-        Ok(scene)
+        scene.unbearable().map_or(Ok(scene), |fault| Err(refuse(fault)))
     }
 
     /// Asks for an accuracy, which decides on the solver's step and stop by the law of [`Accuracy`].

@@ -1,5 +1,6 @@
 //! Whether a scene can repeat itself along the axes that its domain says.
 
+use super::error::short;
 use super::place::{Checked, Place};
 use super::{Axis, Motion, Scene, Shape, Wall};
 use nalgebra::Vector3;
@@ -20,8 +21,9 @@ pub(super) fn check(scene: &Scene) -> Checked {
         let (length, number) = (domain.max[axis.number()] - domain.min[axis.number()], axis.number());
         let least = REACHES * (largest * (2.0 + scene.solver.skin) + range_of_cohesion(scene, largest));
         if length < least {
+            let (length, least) = (short(length), short(least));
             let problem = format!("{length} m along {} are too short a period for grains of this size", axis.name());
-            return Err(at.key("max").fault(problem, &format!("make the domain at least {least:.4} m long there")));
+            return Err(at.key("max").fault(problem, &format!("make the domain at least {least} m long there")));
         }
         for (index, wall) in scene.wall.iter().enumerate() {
             if let Some(why) = breaks(wall, *axis, [domain.min[number], domain.max[number]]) {

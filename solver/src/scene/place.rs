@@ -1,6 +1,6 @@
 //! A place in a scene's document, and the ranges that its value can be checked against.
 
-use super::error::{Fault, Step};
+use super::error::{Fault, Step, label, short};
 
 pub(super) type Checked = Result<(), Fault>;
 
@@ -27,26 +27,19 @@ impl Place {
         Place(path)
     }
 
-    fn label(&self) -> String {
-        let mut label = String::new();
-        for step in &self.0 {
-            match step {
-                Step::Key(key) => label += &format!(".{key}"),
-                Step::Name(name) => label += &format!(".{name}"),
-                Step::Index(index) => label += &format!("[{index}]"),
-            }
-        }
-        label.trim_start_matches('.').to_string()
+    pub(super) fn path(&self) -> Vec<Step> {
+        self.0.clone()
     }
 
     pub(super) fn fault(&self, problem: String, remedy: &str) -> Fault {
-        Fault { path: self.0.clone(), problem: format!("{}: {problem}", self.label()), remedy: remedy.to_string() }
+        Fault::new(self.path(), format!("{}: {problem}", label(&self.0)), remedy)
     }
 
     pub(super) fn range(&self, value: f64, low: f64, high: f64, unit: &str) -> Checked {
         match value.is_finite() && value >= low && value <= high {
             true => Ok(()),
             false => {
+                let [value, low, high] = [value, low, high].map(short);
                 Err(self
                     .fault(format!("{value} is out of range"), &format!("give a number from {low} to {high} {unit}")))
             }

@@ -35,36 +35,67 @@ pub struct Grain {
 /// [`SceneError::Invalid`] if a population does not fit its region, a grain lies outside the domain or its
 /// container, or two grains overlap by more than `largest_start_overlap` of the smaller radius.
 pub fn populate(scene: &Scene, seed: u64, file: &Path) -> Result<Vec<Grain>, SceneError> {
-    place(scene, seed).map_err(|fault| {
-        let text = std::fs::read_to_string(file).unwrap_or_default();
-        fault.locate(file, &text)
+    let place = || {
+        let grains = placed(scene, seed)?;
+        inside_container(scene, &grains)?;
+        no_overlap(scene, &grains)?;
+        Ok(grains)
+    };
+    place().map_err(|unplaced| match unplaced {
+        Unplaced::Fault(fault) => fault.locate(file, std::fs::read_to_string(file).ok().as_deref()),
+        Unplaced::Memory(bytes) => SceneError::Memory { file: file.to_path_buf(), bytes },
     })
 }
 
-fn place(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Fault> {
+/// The grains, wherever they come to lie.
+pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut grains: Vec<Grain> = scene
-        .grain
-        .iter()
-        .map(|entry| Grain {
-            material: entry.material.clone(),
-            radius: entry.radius,
-            position: entry.position,
-            velocity: entry.velocity,
-            spin: entry.spin,
-        })
-        .collect();
-    let mut origin: Vec<Vec<Step>> =
-        (0..grains.len()).map(|i| vec![Step::Key("grain"), Step::Index(i), Step::Key("position")]).collect();
+    let mut grains = Vec::new();
+    let all = scene.population.iter().fold(scene.grain.len(), |all, population| all.saturating_add(population.count));
+    reserve(&mut grains, all.min(MOST_SITES as usize))?;
+    grains.extend(scene.grain.iter().map(|entry| Grain {
+        material: entry.material.clone(),
+        radius: entry.radius,
+        position: entry.position,
+        velocity: entry.velocity,
+        spin: entry.spin,
+    }));
     for (index, population) in scene.population.iter().enumerate() {
-        let at = vec![Step::Key("population"), Step::Index(index)];
-        let placed = lattice_gas(scene, population, &mut random).map_err(|misfit| misfit.fault(&at, population))?;
-        origin.resize(grains.len() + placed.len(), at);
-        grains.extend(placed);
+        lattice_gas(scene, population, &mut random, &mut grains)
+            .map_err(|misfit| misfit.unplaced(index, population))?;
     }
-    inside_container(scene, &grains, &origin)?;
-    no_overlap(scene, &grains, &origin)?;
     Ok(grains)
+}
+
+/// Where the scene says of a grain what it is.
+pub(super) fn origin(scene: &Scene, grain: usize) -> Vec<Step> {
+    let mut before = scene.grain.len();
+    if grain < before {
+        return vec![Step::Key("grain"), Step::Index(grain), Step::Key("position")];
+    }
+    let index = scene.population.iter().position(|population| {
+        before += population.count;
+        grain < before
+    });
+    vec![Step::Key("population"), Step::Index(index.unwrap_or(0))]
+}
+
+/// Why the grains of a scene cannot be placed.
+pub(super) enum Unplaced {
+    Fault(Fault),
+    /// So many bytes are not to be had.
+    Memory(usize),
+}
+
+impl From<Fault> for Unplaced {
+    fn from(fault: Fault) -> Unplaced {
+        Unplaced::Fault(fault)
+    }
+}
+
+/// Asks for room, which may not be there.
+fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Unplaced> {
+    list.try_reserve(more).map_err(|_| Unplaced::Memory(more.saturating_mul(size_of::<T>())))
 }
 
 /// Why a population cannot be placed.
@@ -73,10 +104,12 @@ enum Misfit {
     TooSmall(usize),
     /// Its region has so many lattice sites that they cannot be listed.
     TooLarge(f64),
+    /// So many bytes are not to be had.
+    Memory(usize),
 }
 
 impl Misfit {
-    fn fault(self, at: &[Step], population: &Population) -> Fault {
+    fn unplaced(self, index: usize, population: &Population) -> Unplaced {
         let (key, problem, remedy) = match self {
             Misfit::TooSmall(sites) => (
                 "count",
@@ -88,8 +121,9 @@ impl Misfit {
                 format!("the region has {sites:e} lattice sites, more than {MOST_SITES:e}"),
                 "make the region smaller, or the radius or the spacing larger",
             ),
+            Misfit::Memory(bytes) => return Unplaced::Memory(bytes),
         };
-        Fault { path: [at, &[Step::Key(key)]].concat(), problem, remedy: remedy.into() }
+        Unplaced::Fault(Fault::new(vec![Step::Key("population"), Step::Index(index), Step::Key(key)], problem, remedy))
     }
 }
 
@@ -131,21 +165,23 @@ fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f6
 }
 
 /// Fills the lowest lattice sites of the region.
-fn lattice_gas(scene: &Scene, population: &Population, random: &mut ChaCha8Rng) -> Result<Vec<Grain>, Misfit> {
-    let largest = population.radius.bounds().1;
-    let pitch = 2.0 * largest * population.spacing;
-    let jitter = 0.5 * (pitch - 2.0 * largest);
-    let mut sites = lattice_sites(&population.region, pitch, largest, jitter)?;
+fn lattice_gas(
+    scene: &Scene,
+    population: &Population,
+    random: &mut ChaCha8Rng,
+    grains: &mut Vec<Grain>,
+) -> Result<(), Misfit> {
+    let lattice = Lattice::of(population);
+    let mut sites = lattice.sites(&population.region)?;
     if sites.len() < population.count {
         return Err(Misfit::TooSmall(sites.len()));
     }
     // Lowest first, so that the bed forms without a long fall; ties keep lattice order.
     let up = -Vector3::from(scene.gravity);
-    let layer = |site: &Vector3<f64>| (site.dot(&up) / (up.norm().max(1e-300) * 0.5 * pitch)).round() as i64;
+    let layer = |site: &Vector3<f64>| (site.dot(&up) / (up.norm().max(1e-300) * 0.5 * lattice.pitch)).round() as i64;
     sites.sort_by_key(layer);
-    sites.truncate(population.count);
-    let grains = sites.into_iter().map(|site| {
-        let offset = Vector3::from_fn(|_, _| jitter * symmetric(random));
+    grains.extend(sites[..population.count].iter().map(|site| {
+        let offset = Vector3::from_fn(|_, _| lattice.jitter * symmetric(random));
         let velocity = Vector3::from_fn(|_, _| population.agitation * symmetric(random));
         Grain {
             material: population.material.clone(),
@@ -154,63 +190,97 @@ fn lattice_gas(scene: &Scene, population: &Population, random: &mut ChaCha8Rng) 
             velocity: velocity.into(),
             spin: [0.0; 3],
         }
-    });
-    Ok(grains.collect())
+    }));
+    Ok(())
 }
 
-/// Sites of a cubic lattice of the given pitch, centred, whose grains stay inside the region wherever the jitter moves them.
-fn lattice_sites(region: &Region, pitch: f64, largest: f64, jitter: f64) -> Result<Vec<Vector3<f64>>, Misfit> {
-    let reach = largest + jitter;
-    let (min, max) = match region {
-        Region::Box { min, max } => (Vector3::from(*min), Vector3::from(*max)),
-        Region::Cylinder { base, axis, radius, length } => {
-            let axis = Vector3::from(*axis).normalize();
-            let (a, b) = (Vector3::from(*base), Vector3::from(*base) + axis * *length);
-            let side = axis.map(|c| radius * (1.0 - c * c).max(0.0).sqrt());
-            (a.inf(&b) - side, a.sup(&b) + side)
-        }
-    };
-    let inside = |site: &Vector3<f64>| match region {
-        Region::Box { .. } => true,
-        Region::Cylinder { base, axis, radius, length } => {
-            let axis = Vector3::from(*axis).normalize();
-            let arm = site - Vector3::from(*base);
-            let along = arm.dot(&axis);
-            // The jitter may move a grain along a diagonal of the cross-section.
-            let spare = largest + jitter * std::f64::consts::SQRT_2;
-            (arm - axis * along).norm() <= radius - spare && along >= reach && along <= length - reach
-        }
-    };
-    let room = (max - min).map(|width| width - 2.0 * reach);
-    if room.min() < 0.0 {
-        return Ok(Vec::new());
+/// A cubic lattice, centred in a region, whose grains stay inside it wherever the jitter moves them.
+struct Lattice {
+    /// Distance of neighbours, m.
+    pitch: f64,
+    /// How far a grain may be off its site along each axis, m.
+    jitter: f64,
+    /// Largest radius, m.
+    largest: f64,
+    /// The first site, m.
+    start: Vector3<f64>,
+    /// Sites beyond the first along each axis; negative where not one fits.
+    beyond: Vector3<f64>,
+}
+
+impl Lattice {
+    fn of(population: &Population) -> Lattice {
+        let largest = population.radius.bounds().1;
+        let pitch = 2.0 * largest * population.spacing;
+        let jitter = 0.5 * (pitch - 2.0 * largest);
+        let reach = largest + jitter;
+        let (min, max) = match &population.region {
+            Region::Box { min, max } => (Vector3::from(*min), Vector3::from(*max)),
+            Region::Cylinder { base, axis, radius, length } => {
+                let axis = Vector3::from(*axis).normalize();
+                let (a, b) = (Vector3::from(*base), Vector3::from(*base) + axis * *length);
+                let side = axis.map(|c| radius * (1.0 - c * c).max(0.0).sqrt());
+                (a.inf(&b) - side, a.sup(&b) + side)
+            }
+        };
+        let room = (max - min).map(|width| width - 2.0 * reach);
+        let beyond = room.map(|width| if width < 0.0 { -1.0 } else { (width / pitch + 1e-9).floor() });
+        let start = min + (max - min - beyond * pitch) * 0.5;
+        Lattice { pitch, jitter, largest, start, beyond }
     }
-    let count = room.map(|width| (width / pitch + 1e-9).floor());
-    let all = count.map(|sites| sites + 1.0).product();
-    if all > MOST_SITES {
-        return Err(Misfit::TooLarge(all));
+
+    /// Sites of the box around the region.
+    fn in_box(&self) -> f64 {
+        self.beyond.map(|sites| sites + 1.0).product()
     }
-    let start = min + (max - min - count * pitch) * 0.5;
-    let mut sites = Vec::new();
-    for k in 0..=count.z as usize {
-        for j in 0..=count.y as usize {
-            for i in 0..=count.x as usize {
-                let site = start + Vector3::new(i as f64, j as f64, k as f64) * pitch;
-                if inside(&site) {
-                    sites.push(site);
+
+    fn sites(&self, region: &Region) -> Result<Vec<Vector3<f64>>, Misfit> {
+        let reach = self.largest + self.jitter;
+        let inside = |site: &Vector3<f64>| match region {
+            Region::Box { .. } => true,
+            Region::Cylinder { base, axis, radius, length } => {
+                let axis = Vector3::from(*axis).normalize();
+                let arm = site - Vector3::from(*base);
+                let along = arm.dot(&axis);
+                // The jitter may move a grain along a diagonal of the cross-section.
+                let spare = self.largest + self.jitter * std::f64::consts::SQRT_2;
+                (arm - axis * along).norm() <= radius - spare && along >= reach && along <= length - reach
+            }
+        };
+        let all = self.in_box();
+        if all > MOST_SITES {
+            return Err(Misfit::TooLarge(all));
+        }
+        let mut sites: Vec<Vector3<f64>> = Vec::new();
+        if self.beyond.min() < 0.0 {
+            return Ok(sites);
+        }
+        sites.try_reserve(all as usize).map_err(|_| Misfit::Memory(all as usize * size_of::<Vector3<f64>>()))?;
+        for k in 0..=self.beyond.z as usize {
+            for j in 0..=self.beyond.y as usize {
+                for i in 0..=self.beyond.x as usize {
+                    let site = self.start + Vector3::new(i as f64, j as f64, k as f64) * self.pitch;
+                    if inside(&site) {
+                        sites.push(site);
+                    }
                 }
             }
         }
+        Ok(sites)
     }
-    Ok(sites)
+}
+
+impl Population {
+    /// Sites of the lattice that it is placed on, those of the box around its region.
+    pub(super) fn sites(&self) -> f64 {
+        Lattice::of(self).in_box().clamp(0.0, MOST_SITES)
+    }
 }
 
 /// Every grain starts inside the domain and on the right side of every wall.
-fn inside_container(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Result<(), Fault> {
-    let fault = |index: usize, what: String, remedy: &str| Fault {
-        path: origin[index].clone(),
-        problem: format!("grain {index} at {:?} {what}", grains[index].position),
-        remedy: remedy.into(),
+fn inside_container(scene: &Scene, grains: &[Grain]) -> Result<(), Fault> {
+    let fault = |index: usize, what: String, remedy: &str| {
+        Fault::new(origin(scene, index), format!("grain {index} at {:?} {what}", grains[index].position), remedy)
     };
     let period = scene.domain.period();
     for (index, grain) in grains.iter().enumerate() {
@@ -275,30 +345,33 @@ fn wall_overlap(shape: &Shape, period: &Period, grain: &Grain) -> f64 {
     }
 }
 
-fn no_overlap(scene: &Scene, grains: &[Grain], origin: &[Vec<Step>]) -> Result<(), Fault> {
+fn no_overlap(scene: &Scene, grains: &[Grain]) -> Result<(), Unplaced> {
     let size = 2.0 * grains.iter().map(|grain| grain.radius).fold(1e-12, f64::max);
     let cell = |position: &[f64; 3]| position.map(|x| (x / size).floor() as i64);
-    let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    // The last grain of each cell, and of each grain the one before it in its cell.
+    let mut last: HashMap<[i64; 3], usize> = HashMap::new();
+    let mut before: Vec<Option<usize>> = Vec::new();
+    reserve(&mut before, grains.len())?;
     let period = scene.domain.period();
     for (index, grain) in grains.iter().enumerate() {
         for neighbour in images(&grain.position, &period, &scene.domain, size).flat_map(|image| around(cell(&image))) {
-            for &other in cells.get(&neighbour).into_iter().flatten() {
+            let newest = last.get(&neighbour).copied();
+            for other in std::iter::successors(newest, |&other| before[other]) {
                 let there = &grains[other];
                 let distance = period.arm(&grain.position.into(), &there.position.into()).norm();
                 let overlap = grain.radius + there.radius - distance;
                 if overlap > scene.largest_start_overlap * grain.radius.min(there.radius) {
-                    return Err(Fault {
-                        path: origin[index].clone(),
-                        problem: format!("grains {other} and {index} overlap by {overlap:.3e} m at the start"),
-                        remedy: format!(
-                            "move them apart: at most {} of the smaller radius is accepted (largest_start_overlap)",
-                            scene.largest_start_overlap
-                        ),
-                    });
+                    let problem = format!("grains {other} and {index} overlap by {overlap:.3e} m at the start");
+                    let remedy = format!(
+                        "move them apart: at most {} of the smaller radius is accepted (largest_start_overlap)",
+                        scene.largest_start_overlap
+                    );
+                    return Err(Fault::new(origin(scene, index), problem, remedy).into());
                 }
             }
         }
-        cells.entry(cell(&grain.position)).or_default().push(index);
+        last.try_reserve(1).map_err(|_| Unplaced::Memory(2 * last.len() * size_of::<([i64; 3], usize)>()))?;
+        before.push(last.insert(cell(&grain.position), index));
     }
     Ok(())
 }

@@ -14,7 +14,14 @@ pub enum Reaction {
     Ignore,
 }
 
-/// What is watched for. A state that is not finite always ends a run.
+impl Reaction {
+    fn is_stop(&self) -> bool {
+        *self == Reaction::Stop
+    }
+}
+
+/// What is watched for. What makes the numbers of a run worthless ends it unless the scene says otherwise; a state that
+/// is not finite, or a grain that has crossed a wall, always does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Watch {
@@ -24,8 +31,11 @@ pub struct Watch {
     pub overlap: f64,
     /// When it is larger.
     pub on_overlap: Reaction,
-    /// Largest gain of mechanical energy, over the largest kinetic energy so far and what gravity gives the grains over a radius.
-    /// Only where no wall moves: walls do work.
+    /// When it is so large that a centre lies inside its partner: above the smaller radius, and above `overlap`.
+    #[serde(skip_serializing_if = "Reaction::is_stop")]
+    pub on_deep_overlap: Reaction,
+    /// Largest gain of mechanical energy that neither walls nor changes of gravity gave, over the largest kinetic energy so far and
+    /// what gravity gives the grains over a radius.
     pub energy: f64,
     /// When it is larger.
     pub on_energy: Reaction,
@@ -43,9 +53,10 @@ impl Default for Watch {
             every: 64,
             overlap: 0.5,
             on_overlap: Reaction::Warn,
+            on_deep_overlap: Reaction::Stop,
             energy: 0.02,
-            on_energy: Reaction::Warn,
-            on_escape: Reaction::Warn,
+            on_energy: Reaction::Stop,
+            on_escape: Reaction::Stop,
             residual: 1.0,
             on_stagnation: Reaction::Warn,
         }

@@ -26,14 +26,16 @@ impl<'a, T> Disjoint<'a, T> {
         self.start
     }
 
-    /// One element.
+    /// One element. In every build an index beyond the slice panics.
     ///
     /// # Safety
     /// Nothing else may use this element while the reference lives.
     #[allow(clippy::mut_from_ref)]
     #[inline(always)]
     pub unsafe fn at(&self, index: usize) -> &mut T {
-        debug_assert!(index < self.len);
+        if index >= self.len {
+            beyond(index, self.len);
+        }
         // SAFETY: inside the slice, and the caller's promise.
         unsafe { &mut *self.start.add(index) }
     }
@@ -47,5 +49,38 @@ impl<'a, T> Disjoint<'a, T> {
         assert!(range.start <= range.end && range.end <= self.len);
         // SAFETY: inside the slice, and the caller's promise.
         unsafe { std::slice::from_raw_parts_mut(self.start.add(range.start), range.len()) }
+    }
+}
+
+/// Kept out of the way of loops that ask for elements.
+#[cold]
+#[inline(never)]
+fn beyond(index: usize, length: usize) -> ! {
+    panic!("a task asked for part {index} of {length}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_those_of_the_slice() {
+        let mut numbers = [1, 2, 3];
+        let parts = Disjoint::new(&mut numbers);
+        // SAFETY: no other thread uses the numbers.
+        unsafe {
+            *parts.at(2) += 10;
+            parts.range(0..2)[0] += 20;
+        }
+        assert_eq!(numbers, [21, 2, 13]);
+    }
+
+    #[test]
+    #[should_panic(expected = "a task asked for part 3 of 3")]
+    fn a_part_beyond_the_slice_is_refused_in_every_build() {
+        let mut numbers = [1, 2, 3];
+        let parts = Disjoint::new(&mut numbers);
+        // SAFETY: no other thread uses the numbers.
+        unsafe { *parts.at(3) = 0 };
     }
 }

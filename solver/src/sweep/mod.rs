@@ -18,19 +18,19 @@ pub use residual::{Residual, Residuals};
 use crate::detect::{AngularImpulse, Impulse};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
 use crate::groups::{ContactLanes, Kind, Sources, Tangential, WallTorqueLanes, with_pairs};
-use crate::lanes::{Eight, InstructionSet, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_places, times};
+use crate::lanes::{Available, Eight, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_places, times};
 use crate::partition::{TaskGroups, overlapped};
 use crate::schedule::Disjoint;
 use crate::world::Body;
 use kernel::{Bodies, Contact, Pair, push_each};
 use std::marker::PhantomData;
-use torques::Torque;
+pub(crate) use torques::Torque;
 
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Relaxation {
     /// Instruction set of the kernel.
-    pub instruction_set: InstructionSet,
+    pub instruction_set: Available,
     /// One contact at a time instead of eight: what lanes are measured against. In double precision only.
     pub scalar: bool,
     /// Effects that the kernels are compiled with; without friction bodies carry no spin through the sweep.

@@ -3,7 +3,7 @@
 use super::Relaxation;
 use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{Gauge, Gauged, LaneResidual, TaskResidual, with_gauge};
-use crate::effects::{Effects, Frictional, Frictionless};
+use crate::effects::{Effects, with_tangential};
 use crate::lanes::{Kernel, Lanes, Number, SingleLanes, prefetch_lines, prefetch_places};
 use crate::partition::{SingleBody, SingleGroups, SinglePairGroup};
 use std::marker::PhantomData;
@@ -32,10 +32,9 @@ impl Relaxation {
         residual: &mut TaskResidual,
     ) {
         // Scenes with torques are refused single precision when they are read.
-        with_gauge!(gauge, G => match self.effects.friction() {
-            true => self.run_single::<Frictional, G>(bodies, groups, factor, residual),
-            false => self.run_single::<Frictionless, G>(bodies, groups, factor, residual),
-        });
+        with_gauge!(gauge, G => with_tangential!(self.effects, E => {
+            self.run_single::<E, G>(bodies, groups, factor, residual)
+        }));
     }
 
     fn run_single<E: Effects, G: Gauged>(

@@ -84,8 +84,12 @@ impl MaterialTable {
     }
 
     /// Number of a material that the scene's check has found to exist.
+    ///
+    /// # Panics
+    /// It does not.
     pub(super) fn number(&self, name: &str) -> u8 {
-        self.names.iter().position(|known| known == name).unwrap_or(0) as u8
+        let number = self.names.iter().position(|known| known == name);
+        number.unwrap_or_else(|| panic!("the scene has no material '{name}', and was not checked")) as u8
     }
 
     /// Properties of a contact of two grains.

@@ -83,7 +83,7 @@ pub struct World {
     pub ids: Vec<u32>,
     /// Velocity and inverse mass of every body at the start of the step; between steps, room to reorder grains in.
     pub(crate) before: Vec<Quad>,
-    /// Surface speed of every body at the start of the step, where friction goes by how contacts slide.
+    /// Surface speed of every body at the start of the step, where friction goes by how contacts slide or the step may be abandoned.
     pub(crate) spins_before: Vec<Quad>,
     /// Faces of the scene's walls.
     pub surfaces: Vec<Surface>,
@@ -104,8 +104,8 @@ pub struct World {
 }
 
 impl World {
-    /// Builds the world of a scene at time zero, without dummies.
-    pub fn new(scene: &Scene, grains: &[Grain]) -> World {
+    /// Builds the world of a checked scene at time zero, without dummies.
+    pub(crate) fn new(scene: &Scene, grains: &[Grain]) -> World {
         let table = MaterialTable::new(scene);
         let body = |grain: &Grain| {
             let volume = 4.0 / 3.0 * std::f64::consts::PI * grain.radius * grain.radius * grain.radius;
@@ -144,8 +144,12 @@ impl World {
 
     /// Puts the dummies of so many boxes behind the grains. Dummies of the two sides of a contact are far apart and at
     /// rest, so that padding lanes bear nothing without being masked. Along a periodic axis half a period is as far as it gets.
+    /// Those that are there already stay.
     pub(crate) fn add_dummies(&mut self, boxes: usize) {
         let grains = self.grains();
+        if self.bodies.len() == grains + boxes * DUMMIES {
+            return;
+        }
         self.bodies.truncate(grains);
         self.spheres.truncate(grains);
         self.materials.truncate(grains);

@@ -39,7 +39,7 @@ pub fn same_bits_everywhere(scene: &Scene, count: usize) -> u64 {
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
         for (scheduler, threads) in [(Scheduler::CentralQueue, 2), (Scheduler::WorkStealing, 3)] {
             let found = hash_after(scene, count, |simulation| {
-                simulation.use_instruction_set(set);
+                simulation.use_instruction_set(set).unwrap();
                 simulation.use_team(scheduler, threads).unwrap();
             });
             assert_eq!(found, expected, "{set:?}, {scheduler:?}, {threads} threads");

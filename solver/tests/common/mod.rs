@@ -61,11 +61,16 @@ impl Setup {
 
     /// The scene.
     pub fn scene(&self) -> Scene {
+        self.scene_with("")
+    }
+
+    /// The scene, with further lines of TOML for both of its materials.
+    pub fn scene_with(&self, lines: &str) -> Scene {
         let [x, y, z] = self.gravity;
         let material = |name: &str, friction: f64| {
             format!(
                 "[material.{name}]\ndensity = {DENSITY}\nyoungs_modulus = {:e}\npoisson_ratio = 0.3\nfriction = {friction}\n\
-                 restitution = {}\n",
+                 restitution = {}\n{lines}",
                 self.youngs_modulus, self.restitution
             )
         };

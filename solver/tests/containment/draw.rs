@@ -159,6 +159,11 @@ impl Drawn {
         }
     }
 
+    /// Whether its solves are in single precision.
+    pub fn is_single(&self) -> bool {
+        self.solver.contains("single")
+    }
+
     /// In a few words.
     pub fn summary(&self) -> String {
         format!(

@@ -8,6 +8,7 @@ use crate::output::JSON_VERSION;
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
 use crate::provenance::account;
 use crate::report::{self, Qualification, Standing, Verdict};
+use crate::scenes;
 use makadam::scene::Scene;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -44,8 +45,14 @@ pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result
 }
 
 fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
+    if scene.compare.is_empty() {
+        return Err(Failure::Usage(format!(
+            "{} names nothing to compare; add observables under [[compare]], or measure it with 'makadam run'",
+            scene.name
+        )));
+    }
     let clock = Instant::now();
-    let reference = Reference::load(&Reference::folder(file))?;
+    let reference = scenes::reference(file)?;
     let seeds = arguments.seeds.or_else(|| reference.as_ref().map(Reference::seeds)).unwrap_or(FEW_SEEDS);
     let announce = announce(console);
     let runs = Runs {
@@ -71,6 +78,7 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
         }
     }
     let simulated: Vec<_> = live.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
+    let side_by_side = rayon::current_num_threads().min(live.len() * runs.seeds.len());
     let (mut measured, mut failure) = (Vec::new(), None);
     for (code, simulated) in simulated {
         for (seed, error) in simulated.failures {
@@ -80,8 +88,7 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
             }
             failure = failure.or(Some(Failure::from(error)));
         }
-        let provenance = format!("run by this command, up to {} runs side by side", rayon::current_num_threads());
-        measured.push(CodeRuns::live(code, provenance, simulated.harvests));
+        measured.push(CodeRuns::live(code, side_by_side, simulated.harvests));
     }
     if let Some(Failure::Scene(error)) = failure {
         return Err(Failure::Scene(error));
@@ -97,6 +104,7 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
         provenance: account(threads, &[scene]),
         notes: Vec::new(),
         outside_spread: Vec::new(),
+        unchecked: Vec::new(),
         laws: Vec::new(),
     };
     let verdict = qualification.verdict();
@@ -115,7 +123,9 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
     match (failure, verdict.standing) {
         (Some(failure), _) => Err(failure),
         (None, Standing::Agree | Standing::NothingCompared) => Ok(ExitCode::SUCCESS),
-        (None, Standing::Disagree | Standing::Undecided) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
+        (None, Standing::Disagree | Standing::Undecided | Standing::NotMeasured) => {
+            Ok(ExitCode::from(OUTSIDE_TOLERANCE))
+        }
     }
 }
 

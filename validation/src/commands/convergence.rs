@@ -1,13 +1,13 @@
 //! `makadam convergence`: how each method converges on the problem of one step.
 
 use super::arguments::ConvergenceArguments;
-use super::{Console, Failure, begin, json, load, settle};
-use crate::convergence::{self, Curve, Problem, Study};
+use super::{Console, Failure, begin, can_record, json, load, settle};
+use crate::convergence::{self, Curve, LeftOut, Problem, Study};
 use crate::execution::Execution;
 use crate::output::record_folder;
 use crate::prepared::{Start, file_stem};
 use crate::provenance::Provenance;
-use makadam::scene::{Scene, SolverMethod};
+use makadam::scene::{Precision, Scene, SolverMethod, SolverSettings};
 use makadam::schedule::Scheduler;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,19 +15,44 @@ use std::process::ExitCode;
 /// Solves one problem with every method, writes and says what was found.
 pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.scene)?;
+    if arguments.record {
+        can_record(&file)?;
+    }
     let seed = arguments.seed.unwrap_or(scene.seed);
-    let methods = methods(&scene, arguments.methods.as_deref());
+    let wanted = methods(&scene, arguments.methods.as_deref());
     let threads = usize::from(arguments.threads);
     let scheduler = if threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
     let execution = Execution { scheduler, threads, ..Execution::serial() };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
+    // Told before the minutes that a flowing state may take.
+    if arguments.methods.is_some()
+        && let Some(unsuitable) = wanted.iter().find(|method| !scene.accepts(&with(&scene, **method)))
+    {
+        let scene_words = match scene.solver.precision {
+            Precision::Single => "single precision goes",
+            Precision::Double => "its torques or driven walls go",
+        };
+        return Err(Failure::Usage(format!(
+            "{} cannot be solved with {}: {scene_words} with gauss-seidel alone; leave that method out of --methods",
+            scene.name,
+            unsuitable.name()
+        )));
+    }
     let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
     let settling = match start {
         Start::Fresh => Some(scene.measure.from.unwrap_or(scene.duration)),
-        Start::Prepared(_) => None,
+        Start::Prepared(_) | Start::Remade(..) => None,
     };
     if let Some(seconds) = arguments.settle.or(settling) {
         settle(&mut simulation, seconds, console)?;
+    }
+    let mut left_out = Vec::new();
+    let mut methods = Vec::new();
+    for method in wanted {
+        match simulation.suits(method) {
+            Ok(()) => methods.push(method),
+            Err(unsuitable) => left_out.push(LeftOut { method: unsuitable.method, reason: unsuitable.reason }),
+        }
     }
     let problem = Problem::next(&scene, &simulation);
     if problem.contacts == 0 {
@@ -44,7 +69,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
             let share = place as f64 / methods.len() as f64;
             bar.say(method.name().into());
             bar.set((repetition as f64 + share) / f64::from(arguments.repetitions));
-            solves[place].push(simulation.convergence(method, arguments.iterations));
+            solves[place].push(simulation.convergence(method, arguments.iterations).expect("it suits"));
             if crate::interrupt::requested() {
                 return Err(Failure::Interrupted("nothing: the methods were not finished".into()));
             }
@@ -53,7 +78,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     drop(bar);
     let unit = problem.residual_unit;
     let curves = methods.into_iter().zip(solves).map(|(method, solves)| Curve::new(method, solves, unit)).collect();
-    let study = Study::new(problem, [arguments.iterations, arguments.repetitions], curves, provenance);
+    let study = Study::new(problem, [arguments.iterations, arguments.repetitions], curves, left_out, provenance);
 
     let folder = arguments
         .output
@@ -71,6 +96,11 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
         console.note(&format!("table: {}", folder.display()));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The scene's settings with another method.
+fn with(scene: &Scene, method: SolverMethod) -> SolverSettings {
+    SolverSettings { method, ..scene.solver.clone() }
 }
 
 /// The methods of these names, each once; the scene's own method has its parameters, others have the defaults.

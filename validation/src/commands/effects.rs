@@ -1,12 +1,13 @@
 //! `makadam effects`: which effects a scene calls for, what each costs, and whether it matters.
 
 use super::arguments::EffectsArguments;
-use super::{Console, Failure, announce, begin, json, load, settle, use_threads};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, begin, json, load, settle, use_threads};
 use crate::effects::{Ablation, Costs, Look, Plan, Study, called, markdown, table, warnings};
 use crate::execution::Execution;
 use crate::output::{JSON_VERSION, create_folder, write_whole};
 use crate::prepared::{Start, file_stem};
 use crate::provenance::Provenance;
+use crate::scenes;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -14,8 +15,13 @@ use std::time::Duration;
 /// Looks, measures, writes and says what was found.
 pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.scene)?;
-    let text = std::fs::read_to_string(&file)
-        .map_err(|error| Failure::Running(format!("{}: {error}; check that it can be read", file.display())))?;
+    let text = scenes::text(&file)?;
+    if arguments.ablate && scene.compare.iter().all(|expectation| expectation.margin.is_none()) {
+        return Err(Failure::Usage(format!(
+            "{} has no observable with a margin, so --ablate could judge nothing; give margins under [[compare]]",
+            scene.name
+        )));
+    }
     let seed = arguments.seed.unwrap_or(scene.seed);
     let execution = Execution::serial();
     let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
@@ -68,5 +74,10 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
         write_whole(&folder.join("ablation.md"), markdown(&study).as_bytes())?;
     }
     console.result(&if arguments.json { document } else { table(&study) })?;
+    let lacking = study.ablation.iter().flat_map(|ablation| &ablation.rows).find(|row| row.mean.is_none());
+    if let Some(row) = lacking {
+        console.warn(&format!("{} was not measured in every seed of the scene as it is", row.observable));
+        return Ok(ExitCode::from(OUTSIDE_TOLERANCE));
+    }
     Ok(ExitCode::SUCCESS)
 }

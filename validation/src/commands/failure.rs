@@ -2,6 +2,7 @@
 
 use crate::compare::ReferenceError;
 use crate::effects::AblationError;
+use crate::execution::ExecutionError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
@@ -42,6 +43,8 @@ impl Failure {
     pub fn exit_code(&self) -> u8 {
         match self {
             Failure::Running(_) | Failure::Interrupted(_) | Failure::ClosedOutput => 1,
+            // The scene is sound, and runs where there is more.
+            Failure::Scene(SceneError::Memory { .. }) => 1,
             Failure::Usage(_) => 2,
             Failure::Scene(_) => 3,
             Failure::MissingCode(_) => 5,
@@ -52,6 +55,15 @@ impl Failure {
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Failure {
         Failure::Running(error.to_string())
+    }
+}
+
+impl From<ExecutionError> for Failure {
+    fn from(error: ExecutionError) -> Failure {
+        match error {
+            ExecutionError::NoInstructionSet(_) => Failure::Usage(error.to_string()),
+            ExecutionError::NoThreads(..) => Failure::Running(error.to_string()),
+        }
     }
 }
 
@@ -67,7 +79,8 @@ impl From<StartError> for Failure {
             StartError::Scene(error) => Failure::Scene(error),
             StartError::Write(error) => error.into(),
             StartError::Checkpoint(error) => Failure::Running(error.to_string()),
-            StartError::Execution(error) => Failure::Running(error.to_string()),
+            StartError::Execution(error) => error.into(),
+            StartError::Worthless(_) => Failure::Running(error.to_string()),
             StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
         }
     }
@@ -76,7 +89,8 @@ impl From<StartError> for Failure {
 impl From<MeasureError> for Failure {
     fn from(error: MeasureError) -> Failure {
         match error {
-            MeasureError::Execution(_) | MeasureError::Threads(_) => Failure::Running(error.to_string()),
+            MeasureError::Execution(error) => error.into(),
+            MeasureError::Threads(_) => Failure::Running(error.to_string()),
             MeasureError::Interrupted => Failure::Interrupted("nothing: the measurement was not finished".into()),
         }
     }

@@ -1,6 +1,7 @@
 //! The commands of `makadam`: arguments, exit codes, what is printed.
 
 mod arguments;
+mod beforehand;
 mod compare;
 mod console;
 mod convergence;
@@ -16,11 +17,13 @@ mod stability;
 mod tradeoff;
 
 pub use console::Console;
+pub(crate) use console::shown;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
 use crate::compare::Share;
 use crate::execution::Execution;
-use crate::prepared::{Start, start, steps_in};
+use crate::prepared::{Start, cache_folder, is_ready, start, steps_in};
+use crate::scenes;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use makadam::Simulation;
@@ -30,7 +33,10 @@ use std::process::ExitCode;
 
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(words) => return tell(&words),
+    };
     let console = Console::new(arguments.quiet, arguments.verbose);
     crate::interrupt::listen();
     let done = match &arguments.command {
@@ -55,18 +61,42 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Folders in which `reference-scenes` is looked for: here and above, then where the program was built.
-fn roots() -> Vec<PathBuf> {
-    let here = std::env::current_dir().unwrap_or_default();
-    let built = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    here.ancestors().map(PathBuf::from).chain(built.parent().map(PathBuf::from)).collect()
+/// Prints what was asked for in place of a command, such as its help, or what is wrong with the arguments.
+fn tell(words: &clap::Error) -> ExitCode {
+    if words.use_stderr() {
+        words.exit();
+    }
+    let console = Console::new(false, false);
+    let styled = words.render();
+    let text = if console.colour() { styled.ansi().to_string() } else { styled.to_string() };
+    match console.page(text.trim_end()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::ClosedOutput) => ExitCode::from(1),
+        Err(failure) => {
+            console.error(&failure.to_string());
+            ExitCode::from(failure.exit_code())
+        }
+    }
 }
 
-/// Finds, reads and checks a scene.
+/// Finds, reads and checks a scene, which has to find room in memory.
 fn load(name: &str) -> Result<(PathBuf, Scene), Failure> {
-    let file = Scene::find(name, &roots())?;
-    let scene = Scene::load(&file)?;
+    let file = scenes::find(name, &scenes::roots())?;
+    let scene = scenes::load(&file)?;
+    beforehand::refuse_beyond_memory(&scene, &file)?;
     Ok((file, scene))
+}
+
+/// Refuses to record beside a scene that lies in no folder.
+fn can_record(file: &Path) -> Result<(), Failure> {
+    match scenes::is_built_in(file) {
+        false => Ok(()),
+        true => Err(Failure::Usage(format!(
+            "{} is a scene that the program itself holds, so there is no folder to record into; run where there is a folder \
+             reference-scenes with it, or give the path to a file",
+            file.display()
+        ))),
+    }
 }
 
 /// The simulation at the start of its run, with a progress bar while a flowing state is prepared.
@@ -77,12 +107,32 @@ fn begin(
     execution: &Execution,
     console: &Console,
 ) -> Result<(Simulation, Start), Failure> {
+    if let Some(prepare) = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed)) {
+        console.note(&format!(
+            "{} starts from a flowing state, which is prepared first: {} steps of {:e} s, {} s of simulated time, beside the run's own \
+             steps; it is kept under {} for later runs",
+            scene.name,
+            steps_in(prepare.duration, prepare.step),
+            prepare.step,
+            prepare.duration,
+            prepared_folder()?.display(),
+        ));
+    }
     let bar = console.bar("preparing the flow");
     let (simulation, start) = start(scene, seed, file, execution, &|share| bar.set(share))?;
-    if let Start::Prepared(file) = &start {
-        console.note(&format!("starting from the flowing state {}", file.display()));
+    match &start {
+        Start::Fresh => {}
+        Start::Prepared(file) => console.note(&format!("starting from the flowing state {}", file.display())),
+        Start::Remade(file, reason) => {
+            console.warn(&format!("{} {reason}; it was made anew, and the run starts from it", file.display()));
+        }
     }
     Ok((simulation, start))
+}
+
+/// Folder in which flowing states are kept.
+fn prepared_folder() -> Result<PathBuf, Failure> {
+    Ok(cache_folder()?.join("prepared"))
 }
 
 /// Simulates for a time, s.

@@ -1,12 +1,13 @@
 //! `makadam qualify`: the reference scenes judged together, one report.
 
 use super::arguments::{QualifyArguments, Tier};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, roots, use_threads};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, use_threads};
 use crate::compare::Comparison;
 use crate::output::JSON_VERSION;
 use crate::qualify::{Qualified, QualifyError, Settings, quick};
 use crate::report::published::PublishedLaw;
 use crate::report::{self, Verdict};
+use crate::scenes;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -22,6 +23,7 @@ struct QualifyDocument<'a> {
     passes: bool,
     verdict: &'a Verdict,
     outside_spread: &'a [String],
+    unchecked: &'a [String],
     failed: &'a [String],
     laws: &'a [PublishedLaw],
     wall_seconds: f64,
@@ -40,7 +42,7 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     crate::output::create_folder(&folder)?;
     let announce = announce(console);
     let settings = Settings {
-        roots: roots(),
+        roots: scenes::roots(),
         live: arguments.live,
         time_limit: Duration::from_secs_f64(arguments.time_limit),
         announce: &announce,
@@ -73,6 +75,7 @@ fn document<'a>(qualified: &'a Qualified, verdict: &'a Verdict, report: String) 
         passes: qualified.passes(),
         verdict,
         outside_spread: &qualified.qualification.outside_spread,
+        unchecked: &qualified.qualification.unchecked,
         failed: &qualified.failed,
         laws: &qualification.laws,
         wall_seconds: qualification.wall_seconds,
@@ -99,8 +102,8 @@ fn describe(qualified: &Qualified, verdict: &Verdict, report: &str, console: &Co
     }
     let word = if qualified.passes() { "pass" } else { "not passed" };
     text += &format!("verdict: {}: {}\n", console.paint(word, qualified.passes()), verdict.sentence);
-    for outside in &qualified.qualification.outside_spread {
-        text += &format!("         {outside}\n");
+    for sentence in qualification.outside_spread.iter().chain(&qualification.unchecked) {
+        text += &format!("         {sentence}\n");
     }
     text + &format!("report:  {report} ({:.0} s of wall time)", qualification.wall_seconds)
 }

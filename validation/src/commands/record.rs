@@ -2,7 +2,7 @@
 
 use super::arguments::CompareArguments;
 use super::compare::{FEW_SEEDS, codes};
-use super::{Console, Failure, announce};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record};
 use crate::compare::{CodeRuns, Missing, Reference, Runs, Simulated, Wanted, physics_hash};
 use crate::peers::{Code, CodeError};
 use crate::prepared::cache_folder;
@@ -32,11 +32,16 @@ fn record_codes(
     file: &Path,
     console: &Console,
 ) -> Result<ExitCode, Failure> {
+    can_record(file)?;
     let folder = Reference::folder(file);
     let mut reference = Reference::load(&folder)?.unwrap_or_default();
     let seeds: Vec<u64> = (1..=arguments.seeds.unwrap_or_else(|| reference.seeds().max(FEW_SEEDS))).collect();
     let (factor, hash) = (arguments.stiffness_factor, physics_hash(scene));
     let announce = announce(console);
+    let recordings = match &arguments.recordings {
+        Some(folder) => folder.clone(),
+        None => cache_folder()?.join("recordings"),
+    };
     let runs_of = |missing: &Missing| Runs {
         scene,
         scene_file: file,
@@ -44,7 +49,7 @@ fn record_codes(
         rayleigh_fraction: arguments.rayleigh_fraction,
         stiffness_factor: factor,
         time_limit: Duration::from_secs_f64(arguments.time_limit),
-        recordings: Some(arguments.recordings.clone().unwrap_or_else(|| cache_folder().join("recordings"))),
+        recordings: Some(recordings.clone()),
         announce: &announce,
     };
     // Said before the hours that the runs may take, so that a fraction mistyped is noticed in time.
@@ -57,7 +62,7 @@ fn record_codes(
         })
         .collect();
     let simulated: Vec<_> = plans.par_iter().map(|(code, missing)| runs_of(missing).simulate(code.as_ref())).collect();
-    let (mut failure, mut changed) = (None, false);
+    let (mut failure, mut changed, mut whole) = (None, false, true);
     for ((code, missing), simulated) in plans.iter().zip(simulated) {
         let code = code.name();
         let (new, failed) = split(code, simulated, console);
@@ -70,7 +75,7 @@ fn record_codes(
                 failure = failure.or(Some(Failure::Running(problem)));
             }
         }
-        show(&reference, code, factor, scene, console)?;
+        whole &= show(&reference, code, factor, scene, console)?;
     }
     // Nothing new leaves the files alone, down to their dates.
     if changed {
@@ -78,7 +83,11 @@ fn record_codes(
     }
     let state = if changed { "" } else { " (unchanged)" };
     console.result(&format!("references: {}{state}", folder.display()))?;
-    failure.map_or(Ok(ExitCode::SUCCESS), Err)
+    match (failure, whole) {
+        (Some(failure), _) => Err(failure),
+        (None, true) => Ok(ExitCode::SUCCESS),
+        (None, false) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
+    }
 }
 
 /// What has to be measured or run of a code.
@@ -123,7 +132,7 @@ fn split(code: &str, simulated: Simulated, console: &Console) -> (CodeRuns, Opti
             other => Failure::from(other),
         }));
     }
-    (CodeRuns::live(code, String::new(), simulated.harvests), failure)
+    (CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests), failure)
 }
 
 /// Puts new runs beside the recorded ones or in their place; whether anything changed, or why the references stay.
@@ -149,19 +158,28 @@ fn take_in(
     Ok(true)
 }
 
-/// Prints mean and standard deviation of what is recorded of a code.
-fn show(reference: &Reference, code: &str, factor: f64, scene: &Scene, console: &Console) -> Result<(), Failure> {
+/// Prints mean and standard deviation of what is recorded of a code; whether every run has a value of all that is compared.
+fn show(reference: &Reference, code: &str, factor: f64, scene: &Scene, console: &Console) -> Result<bool, Failure> {
+    let runs = reference.at(code, factor).count();
+    let mut whole = true;
     for expectation in &scene.compare {
         let observable = &expectation.observable;
         let values: Vec<f64> = reference.at(code, factor).filter_map(|run| run.value(observable)).collect();
-        if let Some(ensemble) = Ensemble::of(&values) {
-            console.result(&format!(
-                "{code:<10} {observable:<28} {:.5} +- {:.5} ({} seeds)",
+        let lacking = match runs - values.len() {
+            0 => String::new(),
+            _ => format!("; not measured in {} of {runs}", runs - values.len()),
+        };
+        whole &= lacking.is_empty() && runs > 0;
+        let text = match Ensemble::of(&values) {
+            Some(ensemble) => format!(
+                "{:.5} +- {:.5} ({} seeds{lacking})",
                 ensemble.mean, ensemble.standard_deviation, ensemble.seeds
-            ))?;
-        }
+            ),
+            None => format!("not measured in any of {runs} seeds"),
+        };
+        console.result(&format!("{code:<10} {observable:<28} {text}"))?;
     }
-    Ok(())
+    Ok(whole)
 }
 
 #[cfg(test)]

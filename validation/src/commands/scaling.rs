@@ -1,7 +1,7 @@
 //! `makadam scaling`: how a scene's step scales, measured on the cores at hand and replayed beyond them.
 
 use super::arguments::ScalingArguments;
-use super::{Console, Failure, begin, json, load, settle};
+use super::{Console, Failure, begin, can_record, json, load, settle};
 use crate::execution::{Execution, cores};
 use crate::output::record_folder;
 use crate::prepared::{Start, file_stem};
@@ -16,6 +16,9 @@ use std::process::ExitCode;
 /// Measures, replays, writes and says what was found; different bits are a failure.
 pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.scene)?;
+    if arguments.record {
+        can_record(&file)?;
+    }
     if matches!(scene.solver.stop, Stop::TimeBudget { .. }) {
         return Err(Failure::Usage(format!(
             "the solves of {} stop when their wall time is spent, so no two runs do the same work; set solver.stop to \
@@ -26,6 +29,12 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     let seed = arguments.seed.unwrap_or(scene.seed);
     let cores = cores();
     let plan = plan(arguments, cores);
+    if plan.traced_steps < arguments.traced_steps {
+        console.note(&format!(
+            "{} steps are traced, as many as there are, not {}",
+            plan.traced_steps, arguments.traced_steps
+        ));
+    }
     if plan.threads.iter().any(|&threads| threads > cores) {
         console.warn(&format!("more threads than the {cores} cores at hand: such times say little"));
     }

@@ -3,6 +3,7 @@
 use super::arguments::StabilityArguments;
 use super::compare::codes;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json, use_threads};
+use crate::nearest::nearest;
 use crate::output::{JSON_VERSION, create_folder, write_whole};
 use crate::peers::Code;
 use crate::provenance::account;
@@ -95,11 +96,21 @@ fn chosen(arguments: &StabilityArguments) -> Result<Vec<Case>, Failure> {
             || filters.any(|filter| case.name.contains(filter.as_str()) || case.group.contains(filter.as_str()));
         named && !(arguments.quick && case.long)
     };
-    let cases: Vec<Case> = catalogue().into_iter().filter(wanted).collect();
-    match cases.is_empty() {
-        true => Err(Failure::Usage("no case has such a name; makadam stability --list shows all".into())),
-        false => Ok(cases),
+    let all = catalogue();
+    for filter in &arguments.cases {
+        let mut matched =
+            all.iter().filter(|case| case.name.contains(filter.as_str()) || case.group.contains(filter.as_str()));
+        let near = || nearest(filter, all.iter().map(|case| case.name.as_str()), 5).join(", ");
+        let refuse = |words: String| Err(Failure::Usage(format!("{words}; makadam stability --list shows all")));
+        match matched.next() {
+            None => return refuse(format!("no case or group has '{filter}' in its name; the nearest are {}", near())),
+            Some(first) if arguments.quick && first.long && matched.all(|case| case.long) => {
+                return refuse(format!("every case that '{filter}' names is left out by --quick"));
+            }
+            Some(_) => {}
+        }
     }
+    Ok(all.into_iter().filter(wanted).collect())
 }
 
 /// Runs every case in every code, several side by side, and keeps those that are finished.

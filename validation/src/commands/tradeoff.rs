@@ -3,6 +3,7 @@
 use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
 use super::compare::{FEW_SEEDS, codes};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json, load};
+use crate::observables::catalogue::group_of;
 use crate::prepared::file_stem;
 use crate::provenance::{account, processor};
 use crate::tradeoff::{
@@ -24,6 +25,17 @@ const BOUNDS: [(&str, f64); 3] =
 pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.scene)?;
     refuse(&scene)?;
+    for bound in &arguments.bound {
+        let name = &bound.observable;
+        if let Some((group, words)) = group_of(name)
+            && !scene.measure.observables.contains(&group)
+        {
+            return Err(Failure::Usage(format!(
+                "--bound {name}: {} does not measure it; add \"{words}\" to its measure.observables",
+                scene.name
+            )));
+        }
+    }
     let wanted = codes(&arguments.codes);
     if let Some(code) = wanted.iter().find(|code| code.version().is_none()) {
         return Err(Failure::MissingCode(format!(
@@ -88,7 +100,16 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         true => json(&study),
         false => format!("{}\npage: {}", tradeoff::table(&study), page.display()),
     })?;
+    // A bound that was asked for and that no reference has a value for was kept by nothing.
+    let unmeasured = arguments.bound.iter().find(|bound| study.reference(&bound.observable, 1.0).is_none());
     match (study.complete, study.reaches_bounds("Makadam")) {
+        (true, _) if unmeasured.is_some() => {
+            console.warn(&format!(
+                "{} is bounded and was not measured in the reference",
+                unmeasured.map_or("", |bound| &bound.observable)
+            ));
+            Ok(ExitCode::from(OUTSIDE_TOLERANCE))
+        }
         (false, _) => {
             Err(Failure::Interrupted(format!("kept in {}; the same command goes on from there", folder.display())))
         }

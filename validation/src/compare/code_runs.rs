@@ -1,6 +1,6 @@
 //! All runs of one code on one scene: what a comparison knows of it.
 
-use super::{CodeSummary, FinalState, ForceDistribution, Harvest, MeasuredRun, Series, Source};
+use super::{CodeSummary, FinalState, ForceDistribution, Harvest, MeasuredRun, Series, Source, Timing};
 use crate::observables::ForcePool;
 
 /// Bins of a force distribution and their width in mean forces.
@@ -13,6 +13,8 @@ pub struct CodeRuns {
     pub code: String,
     /// Live or recorded.
     pub source: Source,
+    /// How the runs were timed.
+    pub timing: Timing,
     /// In a sentence, where the numbers came from.
     pub provenance: String,
     /// Runs at the scene's stiffness.
@@ -28,8 +30,8 @@ pub struct CodeRuns {
 }
 
 impl CodeRuns {
-    /// The runs made here and now.
-    pub fn live(code: &str, provenance: String, mut harvests: Vec<Harvest>) -> CodeRuns {
+    /// The runs made here and now, up to `side_by_side` of them at a time.
+    pub fn live(code: &str, side_by_side: usize, mut harvests: Vec<Harvest>) -> CodeRuns {
         harvests.sort_by_key(|harvest| harvest.run.seed);
         let mut pool = ForcePool::new(code);
         harvests.iter().for_each(|harvest| pool.merge(&harvest.forces));
@@ -37,7 +39,11 @@ impl CodeRuns {
         CodeRuns {
             code: code.into(),
             source: Source::Live,
-            provenance,
+            timing: if side_by_side > 1 { Timing::SideBySide } else { Timing::Alone },
+            provenance: match side_by_side {
+                0 | 1 => "run by this command, one run after the other".into(),
+                several => format!("run by this command, up to {several} runs side by side"),
+            },
             forces: (pool.samples() > 0).then(|| pool.distribution(bins, width)),
             series: harvests.first().map(|first| first.series.clone()).unwrap_or_default(),
             final_state: harvests.first().and_then(|first| first.final_state.clone()),
@@ -66,6 +72,7 @@ impl CodeRuns {
             rayleigh_fraction: first.rayleigh_fraction,
             stiffness_factor: first.stiffness_factor,
             wall_seconds_per_simulated_second: middle,
+            timing: self.timing,
             processor: first.processor.clone(),
             provenance: self.provenance.clone(),
         })

@@ -24,6 +24,21 @@ pub enum Outcome {
     Disagree,
     /// The interval straddles the margin: too few seeds to tell.
     Undecided,
+    /// One of the codes has no value of the observable, or one of fewer seeds than it was run with: there is no test.
+    NotMeasured,
+}
+
+/// How the wall times of a code's runs came about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Timing {
+    /// One run after the other, each alone as far as this command goes: what a ratio of speeds can be taken of.
+    Alone,
+    /// Several runs at a time, which share the machine's memory and caches: no measure of speed.
+    #[default]
+    SideBySide,
+    /// Some time ago, on the processor that is named with it.
+    Recorded,
 }
 
 /// One observable of one code, and its difference from a reference code.
@@ -37,11 +52,11 @@ pub struct Row {
     pub unit: String,
     /// The code.
     pub code: String,
-    /// Mean over seeds.
-    pub mean: f64,
-    /// Standard deviation over seeds.
-    pub standard_deviation: f64,
-    /// Number of seeds.
+    /// Mean over seeds; absent where no seed has a value.
+    pub mean: Option<f64>,
+    /// Standard deviation over seeds; absent where no seed has a value.
+    pub standard_deviation: Option<f64>,
+    /// Number of seeds that have a value.
     pub seeds: usize,
     /// The code that this one is compared with; absent on rows that stand alone.
     pub reference_code: Option<String>,
@@ -53,8 +68,11 @@ pub struct Row {
     pub interval_of_verdict: Option<[f64; 2]>,
     /// Margin of equivalence, from the scene; absent where the observable is reported without a verdict.
     pub margin: Option<f64>,
-    /// Verdict; absent where there is no margin or no reference code.
+    /// Verdict; absent where there is no margin or no reference code, unless the observable was not measured.
     pub outcome: Option<Outcome>,
+    /// Whose values are missing and how many, where the outcome is [`Outcome::NotMeasured`].
+    #[serde(default)]
+    pub missing: Option<String>,
     /// Seeds that would decide, where the outcome is undecided.
     pub seeds_needed: Option<usize>,
 }
@@ -78,6 +96,9 @@ pub struct CodeSummary {
     pub stiffness_factor: f64,
     /// Median over runs of wall time over simulated time, one core.
     pub wall_seconds_per_simulated_second: f64,
+    /// How that wall time came about.
+    #[serde(default)]
+    pub timing: Timing,
     /// Processor on which these runs were timed.
     pub processor: String,
     /// In a word or a sentence, where the numbers came from.

@@ -1,6 +1,6 @@
 //! From runs to rows: means, differences, verdicts, the bias of soft grains, live runs against the recorded spread.
 
-use super::{CodeRuns, Comparison, MeasuredRun, Row};
+use super::{CodeRuns, Comparison, MeasuredRun, Outcome, Row};
 use crate::statistics::{Ensemble, equivalence, inside_recorded_spread};
 use makadam::scene::{Expectation, Scene};
 
@@ -21,29 +21,20 @@ pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comp
     }
 }
 
-/// Rows of one observable: each code against each one after it, then the last code by itself.
+/// Rows of one observable: each code against each one after it, then the last code by itself. A code that lacks a value of a
+/// seed that it was run with has no test: its rows say what is missing.
 fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
     let name = &expectation.observable;
-    let known: Vec<(&CodeRuns, Ensemble)> =
-        codes.iter().filter_map(|code| Some((code, Ensemble::of(&code.values(name))?))).collect();
+    let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(&code.code, name, &code.runs)).collect();
+    let whole = asked.iter().filter(|asked| asked.missing.is_none()).count();
     let mut rows = Vec::new();
-    for (place, (code, ensemble)) in known.iter().enumerate() {
-        let alone = row(scene, name, &code.code, &code.runs, ensemble);
-        for (reference, other) in &known[place + 1..] {
-            let test = equivalence(ensemble, other, expectation.margin, known.len());
-            rows.push(Row {
-                reference_code: Some(reference.code.clone()),
-                difference: Some(test.difference),
-                interval90: test.interval90,
-                interval_of_verdict: test.interval_of_verdict,
-                margin: expectation.margin,
-                outcome: test.outcome,
-                seeds_needed: test.seeds_needed,
-                ..alone.clone()
-            });
+    for (place, one) in asked.iter().enumerate() {
+        let alone = Row { margin: expectation.margin, ..one.row(scene, name) };
+        for other in &asked[place + 1..] {
+            rows.push(one.against(other, &alone, expectation, whole));
         }
-        if place + 1 == known.len() {
-            rows.push(Row { margin: expectation.margin, ..alone });
+        if place + 1 == asked.len() {
+            rows.push(one.judged(alone));
         }
     }
     rows
@@ -51,40 +42,88 @@ fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row
 
 /// How far each compared observable of a code shifts where its grains are ten times as stiff.
 fn soft_bias(scene: &Scene, code: &CodeRuns) -> Vec<Row> {
-    let shifts = scene.compare.iter().filter_map(|expectation| {
+    if code.stiff_runs.is_empty() {
+        return Vec::new();
+    }
+    let shift = |expectation: &Expectation| {
         let name = &expectation.observable;
-        let stiff: Vec<f64> = code.stiff_runs.iter().filter_map(|run| run.value(name)).collect();
-        let (stiff, soft) = (Ensemble::of(&stiff)?, Ensemble::of(&code.values(name))?);
-        let test = equivalence(&stiff, &soft, expectation.margin, 2);
-        Some(Row {
-            reference_code: Some(code.code.clone()),
-            difference: Some(test.difference),
-            interval90: test.interval90,
-            margin: expectation.margin,
-            ..row(scene, name, &code.code, &code.stiff_runs, &stiff)
-        })
-    });
-    shifts.collect()
+        let [stiff, soft] = [&code.stiff_runs, &code.runs].map(|runs| Asked::of(&code.code, name, runs));
+        let alone = Row { margin: expectation.margin, ..stiff.row(scene, name) };
+        let row = stiff.against(&soft, &alone, expectation, 2);
+        // A bias is not judged.
+        let outcome = row.outcome.filter(|outcome| *outcome == Outcome::NotMeasured);
+        Row { outcome, interval_of_verdict: None, seeds_needed: None, ..row }
+    };
+    scene.compare.iter().map(shift).collect()
 }
 
-/// A row that stands alone.
-fn row(scene: &Scene, observable: &str, code: &str, runs: &[MeasuredRun], ensemble: &Ensemble) -> Row {
-    let unit = runs.iter().flat_map(|run| &run.measurements).find(|measurement| measurement.observable == observable);
-    Row {
-        scene: scene.name.clone(),
-        observable: observable.into(),
-        unit: unit.map(|measurement| measurement.unit.clone()).unwrap_or_default(),
-        code: code.into(),
-        mean: ensemble.mean,
-        standard_deviation: ensemble.standard_deviation,
-        seeds: ensemble.seeds,
-        reference_code: None,
-        difference: None,
-        interval90: None,
-        interval_of_verdict: None,
-        margin: None,
-        outcome: None,
-        seeds_needed: None,
+/// What the runs of a code have of an observable that is asked for.
+struct Asked<'a> {
+    code: &'a str,
+    unit: &'a str,
+    ensemble: Option<Ensemble>,
+    /// What they lack, in words; absent where every run has a value.
+    missing: Option<String>,
+}
+
+impl<'a> Asked<'a> {
+    fn of(code: &'a str, observable: &str, runs: &'a [MeasuredRun]) -> Asked<'a> {
+        let found = || runs.iter().flat_map(|run| &run.measurements).filter(|found| found.observable == observable);
+        let values: Vec<f64> = runs.iter().filter_map(|run| run.value(observable)).collect();
+        let missing = match (values.len(), runs.len()) {
+            (_, 0) => Some(format!("{code} has no runs")),
+            (found, all) if found == all => None,
+            (0, _) => Some(format!("{code} has no value")),
+            (found, all) => Some(format!("{code} has a value in {found} of {all} seeds")),
+        };
+        Asked { code, unit: found().next().map_or("", |found| &found.unit), ensemble: Ensemble::of(&values), missing }
+    }
+
+    /// A row that stands alone.
+    fn row(&self, scene: &Scene, observable: &str) -> Row {
+        Row {
+            scene: scene.name.clone(),
+            observable: observable.into(),
+            unit: self.unit.into(),
+            code: self.code.into(),
+            mean: self.ensemble.map(|ensemble| ensemble.mean),
+            standard_deviation: self.ensemble.map(|ensemble| ensemble.standard_deviation),
+            seeds: self.ensemble.map_or(0, |ensemble| ensemble.seeds),
+            reference_code: None,
+            difference: None,
+            interval90: None,
+            interval_of_verdict: None,
+            margin: None,
+            outcome: None,
+            missing: None,
+            seeds_needed: None,
+        }
+    }
+
+    /// The row that stands alone, with what it lacks.
+    fn judged(&self, alone: Row) -> Row {
+        let outcome = self.missing.as_ref().map(|_| Outcome::NotMeasured);
+        Row { outcome, missing: self.missing.clone(), ..alone }
+    }
+
+    /// The row of the difference from another code, `codes` codes being compared in all.
+    fn against(&self, other: &Asked<'_>, alone: &Row, expectation: &Expectation, codes: usize) -> Row {
+        let pair = Row { reference_code: Some(other.code.into()), ..alone.clone() };
+        let missing: Vec<&str> = [self, other].iter().filter_map(|asked| asked.missing.as_deref()).collect();
+        match (&self.ensemble, &other.ensemble) {
+            (Some(own), Some(others)) if missing.is_empty() => {
+                let test = equivalence(own, others, expectation.margin, codes);
+                Row {
+                    difference: Some(test.difference),
+                    interval90: test.interval90,
+                    interval_of_verdict: test.interval_of_verdict,
+                    outcome: test.outcome,
+                    seeds_needed: test.seeds_needed,
+                    ..pair
+                }
+            }
+            _ => Row { outcome: Some(Outcome::NotMeasured), missing: Some(missing.join("; ")), ..pair },
+        }
     }
 }
 
@@ -93,29 +132,36 @@ fn row(scene: &Scene, observable: &str, code: &str, runs: &[MeasuredRun], ensemb
 pub struct LiveCheck {
     /// Observable.
     pub observable: String,
-    /// Value of the live run.
-    pub value: f64,
-    /// 99% interval that the recorded runs predict.
-    pub interval: [f64; 2],
-    /// Whether the value lies inside.
-    pub inside: bool,
+    /// Value of the live run, if it has one.
+    pub value: Option<f64>,
+    /// 99% interval that the recorded runs predict, if there are enough of them.
+    pub interval: Option<[f64; 2]>,
+    /// Whether the value lies inside; absent where there is nothing to tell it from.
+    pub inside: Option<bool>,
 }
 
 /// Checks every observable that has a margin.
 pub fn live_checks(scene: &Scene, live: &MeasuredRun, recorded: &CodeRuns) -> Vec<LiveCheck> {
-    let checked = scene.compare.iter().filter(|expectation| expectation.margin.is_some()).filter_map(|expectation| {
-        let value = live.value(&expectation.observable)?;
-        let spread = inside_recorded_spread(value, &recorded.values(&expectation.observable))?;
-        let observable = expectation.observable.clone();
-        Some(LiveCheck { observable, value, interval: spread.interval, inside: spread.inside })
-    });
-    checked.collect()
+    let check = |expectation: &Expectation| {
+        let value = live.value(&expectation.observable);
+        let values = recorded.values(&expectation.observable);
+        // A spread of some of the runs is none of all of them.
+        let whole = values.len() == recorded.runs.len();
+        let spread = inside_recorded_spread(value.unwrap_or(f64::NAN), &values).filter(|_| whole);
+        LiveCheck {
+            observable: expectation.observable.clone(),
+            value,
+            interval: spread.map(|spread| spread.interval),
+            inside: value.and(spread).map(|spread| spread.inside),
+        }
+    };
+    scene.compare.iter().filter(|expectation| expectation.margin.is_some()).map(check).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::{Outcome, Source};
+    use crate::compare::{Source, Timing};
     use crate::observables::Measurement;
     use std::path::Path;
 
@@ -149,6 +195,7 @@ mod tests {
         CodeRuns {
             code: name.into(),
             source: Source::Live,
+            timing: Timing::SideBySide,
             provenance: String::new(),
             runs,
             stiff_runs: Vec::new(),
@@ -165,7 +212,7 @@ mod tests {
             code("YADE", &[0.584, 0.586, 0.586, 0.585]),
             code("LIGGGHTS", &[0.605, 0.606, 0.607, 0.606]),
         ];
-        let comparison = comparison(&packing(), &codes, Vec::new());
+        let comparison = comparison(&packing_fraction(), &codes, Vec::new());
         let pairs: Vec<_> =
             comparison.rows.iter().map(|row| (row.code.as_str(), row.reference_code.as_deref(), row.outcome)).collect();
         assert_eq!(
@@ -188,21 +235,79 @@ mod tests {
         assert_eq!(comparison.rows[0].outcome, Some(Outcome::Undecided));
     }
 
+    /// The packing, compared by its packing fraction alone.
+    fn packing_fraction() -> Scene {
+        let mut scene = packing();
+        scene.compare.truncate(1);
+        scene
+    }
+
+    fn outcomes(codes: &[CodeRuns]) -> Vec<(String, Option<String>, Option<Outcome>, String)> {
+        let rows = comparison(&packing_fraction(), codes, Vec::new()).rows.into_iter();
+        rows.map(|row| (row.code, row.reference_code, row.outcome, row.missing.unwrap_or_default())).collect()
+    }
+
     #[test]
-    fn a_code_that_measured_nothing_is_left_out() {
-        let codes = [code("Makadam", &[0.585, 0.586]), code("YADE", &[])];
+    fn an_expectation_that_nobody_measured_is_a_row_that_says_so() {
+        let codes = [code("Makadam", &[0.585, 0.586]), code("YADE", &[0.585, 0.586])];
         let comparison = comparison(&packing(), &codes, Vec::new());
-        assert_eq!(comparison.rows.len(), 1);
-        assert_eq!(comparison.rows[0].reference_code, None);
-        assert_eq!(comparison.codes.len(), 1);
+        let of =
+            |name: &str| comparison.rows.iter().find(|row| row.observable == name && row.code == "Makadam").unwrap();
+        for name in ["coordination_number", "share_below_mean", "gini", "wall_force_over_weight"] {
+            let row = of(name);
+            assert_eq!((row.outcome, row.mean, row.seeds), (Some(Outcome::NotMeasured), None, 0), "{name}");
+            assert_eq!(row.missing.as_deref(), Some("Makadam has no value; YADE has no value"));
+        }
+        assert_eq!(of("packing_fraction").missing, None);
+    }
+
+    #[test]
+    fn a_seed_without_a_value_is_no_smaller_ensemble() {
+        let mut short = code("Makadam", &[0.585, 0.586, 0.585]);
+        short.runs[1].measurements.clear();
+        let whole = code("YADE", &[0.585, 0.586, 0.585]);
+        let said = "Makadam has a value in 2 of 3 seeds".to_string();
+        let not = Some(Outcome::NotMeasured);
+        let rows = outcomes(&[short.clone(), whole.clone()]);
+        assert_eq!(rows[0], ("Makadam".into(), Some("YADE".into()), not, said.clone()));
+        assert_eq!(rows[1], ("YADE".into(), None, None, String::new()));
+        // A peer as well as the judged code, and the judged code by itself.
+        short.code = "LIGGGHTS".into();
+        let rows = outcomes(&[code("Makadam", &[0.585, 0.586]), whole, short.clone()]);
+        let words: Vec<&str> = rows.iter().map(|row| row.3.as_str()).collect();
+        let said = "LIGGGHTS has a value in 2 of 3 seeds";
+        assert_eq!(words, ["", said, said, said]);
+        assert_eq!(rows[0].2, Some(Outcome::Agree), "what is whole is judged");
+        assert_eq!(outcomes(&[short])[0].2, not);
+    }
+
+    #[test]
+    fn a_code_without_runs_is_said() {
+        let codes = [code("Makadam", &[0.585, 0.586]), code("YADE", &[])];
+        let rows = outcomes(&codes);
+        assert_eq!(rows[0].2, Some(Outcome::NotMeasured));
+        assert_eq!(rows[0].3, "YADE has no runs");
+        assert_eq!(comparison(&packing(), &codes, Vec::new()).codes.len(), 1);
+    }
+
+    #[test]
+    fn a_bias_of_soft_grains_that_was_not_measured_is_said() {
+        let mut yade = code("YADE", &[0.584, 0.586]);
+        yade.stiff_runs = code("YADE", &[0.590, 0.591]).runs;
+        let bias = comparison(&packing(), &[yade], Vec::new()).soft_bias;
+        assert_eq!(bias.len(), 5);
+        assert!(bias[0].difference.is_some() && bias[0].outcome.is_none());
+        assert!(bias[1..].iter().all(|row| row.difference.is_none() && row.outcome == Some(Outcome::NotMeasured)));
     }
 
     #[test]
     fn a_live_run_is_held_against_the_recorded_spread() {
         let recorded = code("YADE", &[0.584, 0.586, 0.586, 0.585]);
         let inside = live_checks(&packing(), &code("YADE", &[0.587]).runs[0], &recorded);
-        assert!(inside[0].inside);
+        assert_eq!(inside[0].inside, Some(true));
+        assert_eq!(inside.len(), 4, "one a margin");
+        assert!(inside[1..].iter().all(|check| check.inside.is_none()), "none of these was measured");
         let outside = live_checks(&packing(), &code("YADE", &[0.62]).runs[0], &recorded);
-        assert!(!outside[0].inside);
+        assert_eq!(outside[0].inside, Some(false));
     }
 }

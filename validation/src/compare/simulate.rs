@@ -4,7 +4,7 @@ use super::{Harvest, physics_hash};
 use crate::peers::{Code, CodeError, Job};
 use crate::prepared::{cache_folder, file_stem};
 use crate::provenance::utc;
-use crate::recording::Recording;
+use crate::recording::{Recording, RecordingError};
 use makadam::scene::Scene;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -67,19 +67,27 @@ impl Runs<'_> {
     pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
         let name = self.file_stem(code.name(), seed);
         let kept = self.recordings.as_ref().map(|folder| folder.join(format!("{name}.rec")));
+        let mut again = String::new();
         if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
-            let recording = Recording::load(file)?;
-            // Versions do not mix: what another one left behind is run again, unless no code is there to run.
-            if code.version().is_none_or(|installed| installed == recording.version) {
-                let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
-                return Ok(Harvest::of(scene, &recording, utc(ended)));
+            let installed = code.version();
+            match self.kept(code, seed, file) {
+                // Versions do not mix: what another one left behind is run again, unless no code is there to run.
+                Ok(recording) if installed.as_ref().is_none_or(|installed| *installed == recording.version) => {
+                    let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
+                    return Ok(Harvest::of(scene, &recording, utc(ended)));
+                }
+                Ok(recording) => again = format!(" (again: recorded with {})", recording.version),
+                Err(error) if installed.is_none() => return Err(error.into()),
+                // It can be made again.
+                Err(error) => again = format!(" (again: {error})"),
             }
         }
         if crate::interrupt::requested() {
             return Err(CodeError::Interrupted { code: code.name() });
         }
-        let progress = (self.announce)(&format!("{} {} seed {seed}", scene.name, code.name()));
-        let work_folder = cache_folder().join("runs").join(format!("{name}-{}", std::process::id()));
+        let progress = (self.announce)(&format!("{} {} seed {seed}{again}", scene.name, code.name()));
+        let work_folder = cache_folder().map_err(|error| CodeError::Io { path: error.path, source: error.source })?;
+        let work_folder = work_folder.join("runs").join(format!("{name}-{}", std::process::id()));
         let recording = code.simulate(&Job {
             scene,
             scene_file: self.scene_file,
@@ -96,6 +104,17 @@ impl Runs<'_> {
         // The raw output of a run that ended well is in the recording; a folder that stays does no harm.
         let _ = std::fs::remove_dir_all(&work_folder);
         Ok(Harvest::of(scene, &recording, utc(SystemTime::now())))
+    }
+
+    /// A recording that is kept, if it is the one that its name says.
+    fn kept(&self, code: &dyn Code, seed: u64, file: &Path) -> Result<Recording, RecordingError> {
+        let recording = Recording::load(file)?;
+        let found = (recording.code.as_str(), recording.seed, recording.stiffness_factor);
+        if found == (code.name(), seed, self.stiffness_factor) {
+            return Ok(recording);
+        }
+        let problem = format!("is of {} with seed {} at {} times the stiffness", found.0, found.1, found.2);
+        Err(RecordingError::Format(file.display().to_string(), problem))
     }
 
     /// Name of a recording without its extension; the hash tells the scene from what it was before a change.

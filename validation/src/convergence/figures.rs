@@ -15,11 +15,12 @@ const HIGHEST: f64 = 10.0;
 /// A residual of a state.
 type Part = fn(&Residuals) -> f64;
 
-/// The three directions: name, class of the curve, its value.
-const DIRECTIONS: [(&str, &str, Part); 3] = [
+/// The three directions, and turning: name, class of the curve, its value.
+const DIRECTIONS: [(&str, &str, Part); 4] = [
     ("normal", "direction-normal curve", |residuals| residuals.normal.rms),
     ("tangent u", "direction-tangent-u curve", |residuals| residuals.tangential_u.rms),
     ("tangent v", "direction-tangent-v curve", |residuals| residuals.tangential_v.rms),
+    ("turning", "direction-turning curve", |residuals| residuals.turning.rms),
 ];
 
 /// Class of a method's curve.
@@ -54,11 +55,16 @@ pub(super) fn figures(study: &Study) -> Vec<Figure> {
 
 /// Normal and tangential residuals of one method against iterations, as in the thesis's figure 6.1.
 fn directions(study: &Study, curve: &Curve) -> Figure {
-    let parts = DIRECTIONS.map(|(_, _, part)| part);
-    let keys = DIRECTIONS.map(|(name, class, _)| Key::Line(class, name));
+    // Where nothing resists turning there is no curve of it.
+    let shown: Vec<_> = DIRECTIONS
+        .into_iter()
+        .filter(|(name, _, part)| *name != "turning" || curve.points.iter().any(|point| part(&point.residuals) > 0.0))
+        .collect();
+    let parts: Vec<Part> = shown.iter().map(|(_, _, part)| *part).collect();
+    let keys: Vec<Key<'_>> = shown.iter().map(|(name, class, _)| Key::Line(class, name)).collect();
     let x = Axis::linear("iterations", 0.0, f64::from(study.iterations));
     let mut plot = Plot::with_legend(x, residual_axis(study, std::slice::from_ref(curve), &parts), &keys);
-    for (_, class, part) in DIRECTIONS {
+    for (_, class, part) in shown {
         plot.curve(class, line(curve, part, |point| f64::from(point.iterations)));
     }
     let about = format!("Residuals of {} against iterations, by direction", title(curve.method));
@@ -69,7 +75,7 @@ fn directions(study: &Study, curve: &Curve) -> Figure {
     }
 }
 
-/// The residuals of all methods over the three directions, against iterations or against wall time.
+/// The residuals of all methods over all directions, against iterations or against wall time.
 fn all_methods(study: &Study, against_time: bool) -> Figure {
     let names: Vec<String> = study.methods.iter().map(|curve| title(curve.method)).collect();
     let keys: Vec<Key<'_>> =
@@ -97,7 +103,7 @@ fn all_methods(study: &Study, against_time: bool) -> Figure {
     Figure {
         name: format!("methods-{name}"),
         svg: plot.finish(&about),
-        caption: format!("{about}: root mean square over contacts and the three directions.{how}"),
+        caption: format!("{about}: root mean square over contacts and all directions.{how}"),
     }
 }
 

@@ -30,6 +30,8 @@ pub(super) fn findings(study: &Study) -> Vec<String> {
         }
         sentences.push(sentence + ".");
     }
+    let not_run = study.left_out.iter();
+    sentences.extend(not_run.map(|one| format!("{} was not run: {}.", one.method, one.reason)));
     sentences
 }
 

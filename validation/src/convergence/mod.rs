@@ -16,6 +16,6 @@ mod study;
 mod terminal;
 mod write;
 
-pub use study::{Curve, Problem, Reached, Study, TOLERANCES};
+pub use study::{Curve, LeftOut, Problem, Reached, Study, TOLERANCES};
 pub use terminal::table;
 pub use write::{write, write_tables};

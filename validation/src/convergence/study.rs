@@ -30,10 +30,21 @@ pub struct Study {
     pub tolerances: Vec<f64>,
     /// One a method.
     pub methods: Vec<Curve>,
+    /// Methods that cannot solve the scene, and were not run.
+    pub left_out: Vec<LeftOut>,
     /// What was found, in sentences.
     pub findings: Vec<String>,
     /// Where it came from.
     pub provenance: Provenance,
+}
+
+/// A method that was not run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// Its name.
+    pub method: &'static str,
+    /// Why it cannot solve the scene.
+    pub reason: &'static str,
 }
 
 /// The problem of one step.
@@ -88,7 +99,7 @@ pub struct Curve {
     pub points: Vec<ConvergencePoint>,
 }
 
-/// When a root mean square residual over the three directions was first at or below a tolerance.
+/// When a root mean square residual over the three directions and turning was first at or below a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Reached {
     /// The tolerance, in the study's unit.
@@ -131,6 +142,7 @@ impl Study {
         problem: Problem,
         [iterations, repetitions]: [u32; 2],
         methods: Vec<Curve>,
+        left_out: Vec<LeftOut>,
         provenance: Provenance,
     ) -> Study {
         let mut study = Study {
@@ -141,6 +153,7 @@ impl Study {
             repetitions,
             tolerances: TOLERANCES.into(),
             methods,
+            left_out,
             findings: Vec::new(),
             provenance,
         };

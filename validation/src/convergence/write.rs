@@ -24,6 +24,8 @@ struct Row {
     tangential_u_max: f64,
     tangential_v_rms: f64,
     tangential_v_max: f64,
+    turning_rms: f64,
+    turning_max: f64,
 }
 
 impl Row {
@@ -39,6 +41,8 @@ impl Row {
             tangential_u_max: residuals.tangential_u.max,
             tangential_v_rms: residuals.tangential_v.rms,
             tangential_v_max: residuals.tangential_v.max,
+            turning_rms: residuals.turning.rms,
+            turning_max: residuals.turning.max,
         }
     }
 }

@@ -63,7 +63,7 @@ pub enum Need {
     NotNeeded,
     /// Too few seeds to tell.
     Undecided,
-    /// The change leaves nothing to measure.
+    /// Not every seed has a value: the change leaves nothing to measure, or there was nothing from the start.
     NotMeasurable,
 }
 
@@ -88,8 +88,8 @@ pub struct Ablated {
     pub change: String,
     /// The observable.
     pub observable: String,
-    /// Mean with the scene as it is.
-    pub mean: f64,
+    /// Mean with the scene as it is; absent where not every seed has a value.
+    pub mean: Option<f64>,
     /// Mean with the change; absent where it cannot be measured.
     pub changed_mean: Option<f64>,
     /// 90% interval of the difference.
@@ -183,18 +183,20 @@ impl Plan<'_> {
 
     /// The observables that have a margin, under one variation.
     fn judged(&self, version: &Variation, base: &[Option<MeasuredRun>], runs: &[Option<MeasuredRun>]) -> Vec<Ablated> {
+        // A mean of those seeds that could be measured is none of all of them.
         let ensemble = |runs: &[Option<MeasuredRun>], observable: &str| {
-            Ensemble::of(&runs.iter().flatten().filter_map(|run| run.value(observable)).collect::<Vec<_>>())
+            let values = runs.iter().map(|run| run.as_ref().and_then(|run| run.value(observable)));
+            Ensemble::of(&values.collect::<Option<Vec<f64>>>()?)
         };
         let row = |expectation: &Expectation| {
             let (margin, observable) = (expectation.margin?, &expectation.observable);
-            let (own, other) = (ensemble(base, observable)?, ensemble(runs, observable));
-            let test = other.as_ref().map(|other| equivalence(&own, other, Some(margin), 2));
+            let (own, other) = (ensemble(base, observable), ensemble(runs, observable));
+            let test = own.zip(other).map(|(own, other)| equivalence(&own, &other, Some(margin), 2));
             Some(Ablated {
                 effect: version.effect,
                 change: version.change.clone(),
                 observable: observable.clone(),
-                mean: own.mean,
+                mean: own.map(|own| own.mean),
                 changed_mean: other.map(|other| other.mean),
                 interval90: test.as_ref().and_then(|test| test.interval90),
                 margin,

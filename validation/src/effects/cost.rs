@@ -45,7 +45,7 @@ impl Costs {
         let called = simulation.effects().compiled();
         let mut compiled = EffectSet::COMPILED.map(|effects| {
             let mut own = simulation.clone();
-            own.use_precision(Precision::Double);
+            own.use_precision(Precision::Double).expect("every scene goes with double precision");
             own.compile_effects(effects);
             (effects, own)
         });

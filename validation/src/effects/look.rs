@@ -1,7 +1,6 @@
 //! A look at a stretch of the run: where its energy goes, how deep its grains overlap, and what that says of the effects.
 
 use makadam::scene::{NormalLaw, Scene};
-use makadam::snapshot::Snapshot;
 use makadam::{Balance, Simulation};
 use serde::Serialize;
 
@@ -25,7 +24,7 @@ pub struct Look {
     pub resistance: f64,
     /// Share of it that impacts took.
     pub impacts: f64,
-    /// Largest overlap of two grains at the end, over the smaller radius.
+    /// Largest overlap of two grains, or of a grain and a wall, at the end, over the smaller radius.
     pub largest_overlap: f64,
 }
 
@@ -41,24 +40,9 @@ impl Look {
             friction: share(friction),
             resistance: share(resistance),
             impacts: share(restitution),
-            largest_overlap: largest_overlap(&simulation.snapshot()),
+            largest_overlap: simulation.largest_overlap(),
         })
     }
-}
-
-/// Largest overlap of two grains that bear a force, over the smaller radius.
-fn largest_overlap(frame: &Snapshot) -> f64 {
-    let pairs = frame.contacts.iter().filter_map(|contact| match contact.second {
-        makadam::snapshot::Partner::Grain(second) => {
-            Some((&frame.particles[contact.first as usize], &frame.particles[second as usize]))
-        }
-        makadam::snapshot::Partner::Wall(_) => None,
-    });
-    let overlap = |(a, b): (&makadam::snapshot::Particle, &makadam::snapshot::Particle)| {
-        let square: f64 = (0..3).map(|axis| (a.position[axis] - b.position[axis]).powi(2)).sum();
-        (a.radius + b.radius - square.sqrt()) / a.radius.min(b.radius)
-    };
-    pairs.map(overlap).fold(0.0, f64::max)
 }
 
 /// What a user should know: effects that are declared but cannot matter, and ones that are absent where the numbers call

@@ -26,7 +26,7 @@ fn rows(ablation: &Ablation) -> impl Iterator<Item = String> + '_ {
             row.effect,
             row.change,
             row.observable,
-            rounding.value(row.mean),
+            row.mean.map_or("not measured".into(), |mean| rounding.value(mean)),
             row.margin,
             row.need.words()
         )

@@ -67,7 +67,7 @@ fn verdicts(ablation: &Ablation) -> String {
             row.effect,
             row.change,
             row.observable,
-            rounding.value(row.mean),
+            row.mean.map_or("not measured".into(), |mean| rounding.value(mean)),
             row.margin,
             row.need.words()
         );

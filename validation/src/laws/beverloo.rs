@@ -10,7 +10,7 @@ use crate::report::figure::Figure;
 use crate::report::names::{CodeStyle, Marker};
 use crate::report::plot::{Axis, Key, Plot};
 use crate::stability::{Finding, GRAVITY, Sketch};
-use makadam::scene::{Motion, Population, RadiusDistribution, Region, Shape, Wall};
+use makadam::scene::{Motion, Population, RadiusDistribution, Reaction, Region, Shape, Wall};
 use makadam::snapshot::{Particle, Snapshot};
 use std::f64::consts::PI;
 
@@ -226,6 +226,8 @@ fn case(hole: f64, least: f64) -> Case {
         .interval(0.05)
         .wall(Shape::Cylinder { base: [0.0; 3], axis: up, radius, length: room })
         .with(|scene| {
+            // What has flowed out may roll away.
+            scene.watch.on_escape = Reaction::Ignore;
             scene.description = format!("A silo of {} grain diameters with a hole of {hole}.", silo / DIAMETER);
             scene.material.get_mut("grain").expect("a sketch has it").density = DENSITY;
             let mut wall = |name: &str, shape: Shape, motion: Motion| {

@@ -3,7 +3,9 @@
 use super::{Case, Law, LawError, Row, Run};
 use crate::output::{create_folder, write_whole};
 use crate::provenance::{VERSION, scene_hash};
+use makadam::BUILD;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -69,14 +71,22 @@ fn file(case: &Case, seed: u64, plan: &Plan<'_>) -> PathBuf {
     plan.folder.join("runs").join(format!("{}-s{seed}.json", case.name))
 }
 
-/// The row of an earlier start, if it is of the same scene and version.
+/// A row on disk, and the build that measured it.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    build: String,
+    #[serde(flatten)]
+    row: Row,
+}
+
+/// The row of an earlier start, if it is of the same scene and build.
 fn kept(case: &Case, seed: u64, plan: &Plan<'_>) -> Option<Row> {
     if plan.again {
         return None;
     }
     let text = std::fs::read_to_string(file(case, seed, plan)).ok()?;
-    let row: Row = serde_json::from_str(&text).ok()?;
-    let same = row.scene_hash == hash(case) && row.seed == seed && row.makadam == VERSION;
+    let Kept { build, row } = serde_json::from_str(&text).ok()?;
+    let same = row.scene_hash == hash(case) && row.seed == seed && build == BUILD;
     same.then_some(row)
 }
 
@@ -101,9 +111,10 @@ fn measured(
         steps: run.steps(),
         wall_seconds: start.elapsed().as_secs_f64(),
     };
-    let text = serde_json::to_vec_pretty(&row).expect("a row is made of numbers and plain text");
+    let kept = Kept { build: BUILD.into(), row };
+    let text = serde_json::to_vec_pretty(&kept).expect("a row is made of numbers and plain text");
     write_whole(&file(case, seed, plan), &text)?;
-    Ok(row)
+    Ok(kept.row)
 }
 
 /// Hash of a case's scene, 16 hexadecimal digits.

@@ -7,6 +7,7 @@ use crate::prepared::steps_in;
 use makadam::Simulation;
 use makadam::scene::SceneError;
 use makadam::snapshot::Snapshot;
+use makadam::watch::{Alarm, Watchdog};
 use std::path::Path;
 
 /// Why a law could not be measured.
@@ -21,15 +22,13 @@ pub(crate) enum LawError {
     /// A row cannot be kept.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The simulation broke down.
-    #[error("{case}: grain {grain} is not finite after {time} s; run its scene with a smaller solver.step to see why")]
-    NotFinite {
+    /// The simulation came to a state that makes its numbers worthless.
+    #[error("{case}: {alarm}")]
+    Worthless {
         /// The case.
         case: String,
-        /// The grain.
-        grain: u32,
-        /// Simulated time, s.
-        time: f64,
+        /// What was noticed.
+        alarm: Alarm,
     },
     /// The user asked to stop.
     #[error("interrupted")]
@@ -39,13 +38,14 @@ pub(crate) enum LawError {
 /// A simulation under way.
 pub(crate) struct Run<'a> {
     simulation: Simulation,
+    watchdog: Watchdog,
     name: &'a str,
     duration: f64,
     progress: &'a (dyn Fn(f64) + Sync),
 }
 
 impl<'a> Run<'a> {
-    /// Steps from one look for interruption, and for numbers that are not finite, to the next.
+    /// Steps from one look for interruption to the next.
     const LOOK: u64 = 20;
 
     /// A simulation at its start; `progress` is told the share that is done.
@@ -55,7 +55,8 @@ impl<'a> Run<'a> {
     pub(crate) fn start(case: &'a Case, seed: u64, progress: &'a (dyn Fn(f64) + Sync)) -> Result<Run<'a>, LawError> {
         let mut simulation = Simulation::new(&case.scene, seed, Path::new(&case.name))?;
         Execution::serial().apply(&mut simulation)?;
-        Ok(Run { simulation, name: &case.name, duration: case.scene.duration, progress })
+        let watchdog = Watchdog::new(&case.scene.watch, &simulation);
+        Ok(Run { simulation, watchdog, name: &case.name, duration: case.scene.duration, progress })
     }
 
     /// Simulated time, s.
@@ -81,11 +82,15 @@ impl<'a> Run<'a> {
     /// Goes on to a time, s.
     ///
     /// # Errors
-    /// [`LawError`] if the user asked to stop or a number is not finite.
+    /// [`LawError`] if the user asked to stop, or the watchdog found a state that ends a run.
     pub(crate) fn to(&mut self, time: f64) -> Result<(), LawError> {
         while !self.has_reached(time) {
-            self.simulation.step();
-            if self.steps().is_multiple_of(Self::LOOK) || self.has_reached(time) {
+            let report = self.simulation.step();
+            let reached = self.has_reached(time);
+            self.watchdog
+                .check(&self.simulation, &report, reached)
+                .map_err(|alarm| LawError::Worthless { case: self.name.into(), alarm })?;
+            if self.steps().is_multiple_of(Self::LOOK) || reached {
                 self.look()?;
             }
         }
@@ -113,12 +118,9 @@ impl<'a> Run<'a> {
 
     fn look(&self) -> Result<(), LawError> {
         (self.progress)(self.time() / self.duration);
-        if crate::interrupt::requested() {
-            return Err(LawError::Interrupted);
-        }
-        match self.simulation.not_finite() {
-            Some(grain) => Err(LawError::NotFinite { case: self.name.into(), grain, time: self.time() }),
-            None => Ok(()),
+        match crate::interrupt::requested() {
+            true => Err(LawError::Interrupted),
+            false => Ok(()),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The files of a law: rows as CSV, the study as JSON, figures as SVG, scenes as TOML.
 
 use super::{Case, Law, Row, Study};
+use crate::output::cells::without_formulas;
 use crate::output::{WriteError, create_folder, write_whole};
 use crate::report::svg::standalone;
 use std::collections::BTreeSet;
@@ -27,7 +28,7 @@ pub(crate) fn write(law: &dyn Law, study: &Study, folder: &Path) -> Result<(), W
     let json = serde_json::to_vec_pretty(study).expect("a study holds only numbers, plain text and lists");
     write_whole(&folder.join("laws.json"), &json)?;
     for result in &study.laws {
-        write_whole(&folder.join("rows.csv"), csv(&result.rows).as_bytes())?;
+        write_whole(&folder.join("rows.csv"), &without_formulas(csv(&result.rows).into_bytes()))?;
         for figure in law.figures(&result.means) {
             let path = folder.join(format!("{}.svg", figure.name));
             write_whole(&path, standalone(&figure.svg).as_bytes())?;

@@ -4,6 +4,7 @@ use super::contour::{self, Loop, Segment};
 use super::drum::Drum;
 use super::effort;
 use super::field::Field;
+use super::frames::Frames;
 use super::line::{Line, clip};
 use super::setting::Setting;
 use crate::statistics::block_count;
@@ -25,21 +26,30 @@ pub struct BedFields {
 }
 
 impl BedFields {
-    /// Averages the frames, of which there is at least one; absent where [`mean_field`] is.
-    pub fn new(setting: &Setting<'_>, drum: &Drum, frames: &[&Snapshot]) -> Option<Self> {
-        let count = block_count(frames.len()).unwrap_or(1);
-        let border = |block: usize| block * frames.len() / count;
+    /// Averages the frames, of which there is at least one; absent where a block has no [`MeanField`].
+    ///
+    /// # Errors
+    /// Where a frame cannot be shown.
+    pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, drum: &Drum, frames: &F) -> Result<Option<Self>, F::Error> {
+        let all = frames.count();
+        let count = block_count(all).unwrap_or(1);
+        let border = |block: usize| block * all / count;
         let blocks: Vec<Range<usize>> = (0..count).map(|block| border(block)..border(block + 1)).collect();
-        let field = |block: &Range<usize>| mean_field(setting, drum, frames[block.clone()].iter().copied());
-        let fields: Vec<Field> = blocks.iter().map(field).collect::<Option<_>>()?;
+        let mut fields = Vec::with_capacity(count);
+        for block in &blocks {
+            let mut mean = MeanField::new(setting, drum, frames.grains(block.clone()));
+            frames.visit(block.clone(), &mut |frame| mean.add(frame))?;
+            let Some(field) = mean.finish() else { return Ok(None) };
+            fields.push(field);
+        }
         let mut whole = fields[0].clone();
         whole.scale(0.0);
         for (block, field) in blocks.iter().zip(&fields) {
             let mut part = field.clone();
-            part.scale(block.len() as f64 / frames.len() as f64);
+            part.scale(block.len() as f64 / all as f64);
             whole.add(&part);
         }
-        Some(Self { blocks, fields, whole })
+        Ok(Some(Self { blocks, fields, whole }))
     }
 }
 
@@ -61,33 +71,52 @@ pub struct BedSurface {
 /// Cells are half a radius wide and smoothed once with weights 1, 2, 1. Cells of a radius without smoothing are as
 /// noisy, but pull the surface towards their own lines: by half a degree at 12 degrees.
 ///
-/// Absent where the grains are so much smaller than the drum, or some so much larger than the mean, that it would be more work
-/// than [`effort::most`].
-pub fn mean_field<'a>(
-    setting: &Setting<'_>,
-    drum: &Drum,
-    frames: impl Iterator<Item = &'a Snapshot> + Clone,
-) -> Option<Field> {
-    let reach = drum.radius;
-    let most = effort::most(frames.clone().map(|frame| frame.particles.len()).sum());
-    let mut field = Field::new([-reach; 2], [reach; 2], 0.25 * setting.diameter, most)?;
-    let grains = frames.clone().flat_map(|frame| &frame.particles);
-    let visits = |grain: &Particle| field.reached(drum.section(&Vector3::from(grain.position)), grain.radius);
-    let is_large = |grain: &Particle| effort::too_large(grain.radius, field.cell);
-    if grains.clone().any(is_large) || grains.map(visits).fold(0, usize::saturating_add) > most {
-        return None;
+/// There is none where the grains are so much smaller than the drum, or some so much larger than the mean, that it would be more
+/// work than [`effort::most`].
+pub struct MeanField<'a> {
+    drum: &'a Drum,
+    /// Sums; absent once it is known that there is no mean.
+    field: Option<Field>,
+    /// Visits to cells that may still be made.
+    left: usize,
+    /// Of a cell over the drum's length, m3.
+    volume: f64,
+    frames: u32,
+}
+
+impl<'a> MeanField<'a> {
+    /// Begins the mean over frames that hold `grains` grains together.
+    pub fn new(setting: &Setting<'_>, drum: &'a Drum, grains: usize) -> Self {
+        let (reach, left) = (drum.radius, effort::most(grains));
+        let field = Field::new([-reach; 2], [reach; 2], 0.25 * setting.diameter, left);
+        let volume = field.as_ref().map_or(0.0, |field| field.cell * field.cell * drum.length);
+        Self { drum, field, left, volume, frames: 0 }
     }
-    let volume = field.cell * field.cell * drum.length;
-    let mut count = 0;
-    for frame in frames {
+
+    /// Adds a frame.
+    pub fn add(&mut self, frame: &Snapshot) {
+        let Some(field) = &mut self.field else { return };
+        let place = |grain: &Particle| self.drum.section(&Vector3::from(grain.position));
+        let visits = frame.particles.iter().map(|grain| field.reached(place(grain), grain.radius));
+        let left = self.left.checked_sub(visits.fold(0, usize::saturating_add));
+        let is_large = |grain: &Particle| effort::too_large(grain.radius, field.cell);
+        let Some(left) = left.filter(|_| !frame.particles.iter().any(is_large)) else {
+            self.field = None;
+            return;
+        };
         for grain in &frame.particles {
-            field.add_sphere(drum.section(&Vector3::from(grain.position)), grain.radius, volume);
+            field.add_sphere(place(grain), grain.radius, self.volume);
         }
-        count += 1;
+        (self.left, self.frames) = (left, self.frames + 1);
     }
-    field.scale(1.0 / f64::from(count.max(1)));
-    field.smooth();
-    Some(field)
+
+    /// The mean.
+    pub fn finish(self) -> Option<Field> {
+        let mut field = self.field?;
+        field.scale(1.0 / f64::from(self.frames.max(1)));
+        field.smooth();
+        Some(field)
+    }
 }
 
 /// The surface of the bed in a field; absent where the bed has none.

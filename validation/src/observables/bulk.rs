@@ -4,9 +4,10 @@ use super::bed_surface::BedFields;
 use super::contour::{self, Loop, Segment};
 use super::drum::Drum;
 use super::effort;
+use super::frames::Frames;
 use super::setting::Setting;
 use super::sphere_volume::half_space;
-use super::static_angle::{self, HeapFrame};
+use super::static_angle::{HeapFields, HeapFrame};
 use super::walls::PlacedWalls;
 use makadam::scene::Observable;
 use makadam::snapshot::{Particle, Snapshot};
@@ -39,15 +40,24 @@ enum FreeSurface {
 impl Bulk {
     /// Finds the free surface of the measured frames, and how far inside it the bulk begins.
     ///
-    /// `bed` holds the fields of these frames where the scene has a drum.
-    pub fn new(setting: &Setting<'_>, bed: Option<&BedFields>, frames: &[&Snapshot]) -> Self {
-        let surface = FreeSurface::find(setting, bed, frames);
+    /// `bed` holds the fields of these frames where the scene has a drum, `heap` where it asks for a heap's angle.
+    ///
+    /// # Errors
+    /// Where a frame cannot be shown.
+    pub fn new<F: Frames + ?Sized>(
+        setting: &Setting<'_>,
+        bed: Option<&BedFields>,
+        heap: Option<HeapFields>,
+        frames: &F,
+    ) -> Result<Self, F::Error> {
+        let surface = FreeSurface::find(setting, bed, heap, frames)?;
         let deep = Bulk { inset: 2.0 * setting.diameter, surface };
-        let inside: usize = frames.iter().map(|frame| deep.grains(setting, frame)).sum();
-        match inside >= FEWEST * frames.len() {
+        let mut inside = 0;
+        frames.each(&mut |frame| inside += deep.grains(setting, frame))?;
+        Ok(match inside >= FEWEST * frames.count() {
             true => deep,
             false => Bulk { inset: setting.diameter, ..deep },
-        }
+        })
     }
 
     /// No bulk, where none is asked for.
@@ -75,30 +85,33 @@ impl Bulk {
 }
 
 impl FreeSurface {
-    fn find(setting: &Setting<'_>, bed: Option<&BedFields>, frames: &[&Snapshot]) -> FreeSurface {
+    fn find<F: Frames + ?Sized>(
+        setting: &Setting<'_>,
+        bed: Option<&BedFields>,
+        heap: Option<HeapFields>,
+        frames: &F,
+    ) -> Result<FreeSurface, F::Error> {
         let Some(up) = setting.up else {
-            return FreeSurface::None;
+            return Ok(FreeSurface::None);
         };
         let diameter = setting.diameter;
         if let Some(drum) = &setting.drum {
             let Some(bed) = bed else {
-                return FreeSurface::Nowhere;
+                return Ok(FreeSurface::Nowhere);
             };
             let Some(outline) = contour::outline(&bed.whole, 0.5 * bed.whole.largest()) else {
-                return FreeSurface::None;
+                return Ok(FreeSurface::None);
             };
             let free = pieces(&outline, |point| point[0].hypot(point[1]) < drum.radius - diameter);
-            return FreeSurface::Drum(drum.clone(), outline, free);
+            return Ok(FreeSurface::Drum(drum.clone(), outline, free));
         }
-        if setting.scene.measure.observables.contains(&Observable::StaticAngleOfRepose)
-            && let Some(heap) = HeapFrame::new(setting, frames[frames.len() - 1])
-        {
-            let Some(fields) = static_angle::sector_fields(setting, &heap, frames) else {
-                return FreeSurface::Nowhere;
+        if setting.scene.measure.observables.contains(&Observable::StaticAngleOfRepose) {
+            let Some(fields) = heap else {
+                return Ok(FreeSurface::Nowhere);
             };
-            if let Some(outline) = static_angle::heap_outline(&fields) {
+            if let Some(outline) = fields.outline() {
                 let free = pieces(&outline, |point| point[1] > diameter);
-                return FreeSurface::Heap(heap, outline, free);
+                return Ok(FreeSurface::Heap(fields.heap, outline, free));
             }
         }
         level(setting, up, frames)
@@ -128,17 +141,19 @@ fn pieces(outline: &Loop, free: impl Fn([f64; 2]) -> bool) -> Vec<Segment> {
 ///
 /// Layers are one mean radius thick, volumes exact. Only ratios of volumes enter, so the container's area does not. There is no
 /// bulk where layers would be more work than [`effort::most`]: grains are then too far apart, or too unlike, for a bed.
-fn level(setting: &Setting<'_>, up: Vector3<f64>, frames: &[&Snapshot]) -> FreeSurface {
-    let grains = || frames.iter().flat_map(|frame| &frame.particles);
+fn level<F: Frames + ?Sized>(setting: &Setting<'_>, up: Vector3<f64>, frames: &F) -> Result<FreeSurface, F::Error> {
     let height = |position: &[f64; 3]| Vector3::from(*position).dot(&up);
-    let (low, high) = grains().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), grain| {
-        let at = height(&grain.position);
-        (low.min(at - grain.radius), high.max(at + grain.radius))
-    });
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    frames.each(&mut |frame| {
+        for grain in &frame.particles {
+            let at = height(&grain.position);
+            (low, high) = (low.min(at - grain.radius), high.max(at + grain.radius));
+        }
+    })?;
     let layer = 0.5 * setting.diameter;
-    let (count, most) = (((high - low) / layer).ceil().max(1.0), effort::most(grains().count()));
+    let (count, most) = (((high - low) / layer).ceil().max(1.0), effort::most(frames.grains(0..frames.count())));
     if count > most as f64 {
-        return FreeSurface::Nowhere;
+        return Ok(FreeSurface::Nowhere);
     }
     let count = count as usize;
     // The layers that a grain reaches, and where it lies among them.
@@ -148,18 +163,24 @@ fn level(setting: &Setting<'_>, up: Vector3<f64>, frames: &[&Snapshot]) -> FreeS
         let last = count.min((bottom + reach).ceil() as usize);
         (bottom, reach, first.min(last)..last)
     };
-    if grains().map(|grain| reached(grain).2.len()).fold(0, usize::saturating_add) > most {
-        return FreeSurface::Nowhere;
-    }
     let mut volume = vec![0.0; count];
-    for grain in grains() {
-        let (bottom, reach, layers) = reached(grain);
-        let beyond = |plane: f64| half_space((plane - bottom) / reach) * grain.radius.powi(3);
-        let first = layers.start;
-        for (offset, layer) in volume[layers].iter_mut().enumerate() {
-            let index = (first + offset) as f64;
-            *layer += beyond(index) - beyond(index + 1.0);
+    // Visits to layers that may still be made; absent once there were too many.
+    let mut left = Some(most);
+    frames.each(&mut |frame| {
+        let visits = frame.particles.iter().map(|grain| reached(grain).2.len()).fold(0, usize::saturating_add);
+        left = left.and_then(|left| left.checked_sub(visits));
+        for grain in frame.particles.iter().filter(|_| left.is_some()) {
+            let (bottom, reach, layers) = reached(grain);
+            let beyond = |plane: f64| half_space((plane - bottom) / reach) * grain.radius.powi(3);
+            let first = layers.start;
+            for (offset, layer) in volume[layers].iter_mut().enumerate() {
+                let index = (first + offset) as f64;
+                *layer += beyond(index) - beyond(index + 1.0);
+            }
         }
+    })?;
+    if left.is_none() {
+        return Ok(FreeSurface::Nowhere);
     }
     let mean_above = |floor: f64| {
         let full: Vec<f64> = volume.iter().copied().filter(|volume| *volume > floor).collect();
@@ -170,10 +191,10 @@ fn level(setting: &Setting<'_>, up: Vector3<f64>, frames: &[&Snapshot]) -> FreeS
         bulk = mean_above(0.5 * bulk);
     }
     let Some(last) = volume.iter().rposition(|volume| *volume >= 0.5 * bulk) else {
-        return FreeSurface::None;
+        return Ok(FreeSurface::None);
     };
     let above = volume.get(last + 1).copied().unwrap_or(0.0);
     // Linear between the middles of the two layers.
     let share = (volume[last] - 0.5 * bulk) / (volume[last] - above).max(f64::MIN_POSITIVE);
-    FreeSurface::Level(up, low + (last as f64 + 0.5 + share) * layer)
+    Ok(FreeSurface::Level(up, low + (last as f64 + 0.5 + share) * layer))
 }

@@ -1,9 +1,11 @@
 //! Flow in a rotating drum: slip at the shell, the flowing layer, torque, mixing.
 
 use super::balances::force_on_partner;
-use super::bed_surface::{BedFields, BedSurface, surface};
+use super::bed_surface::{BedFields, surface};
 use super::drum::Drum;
 use super::field::Field;
+use super::frames::Frames;
+use super::line::Line;
 use super::measurement::{Measurement, Quantity, Readings};
 use super::mixing::{MIXING_CELL, lacey_index};
 use super::setting::Setting;
@@ -85,54 +87,96 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
 /// - `surface_speed` (m/s): velocity down the slope of the uppermost half diameter there.
 /// - `lacey_mixing_index`: of the grains on either side of their median across the drum at the first measured frame,
 ///   at the last ([`mixing`](super::mixing)).
-pub fn measure_span(setting: &Setting<'_>, bed: &BedFields, frames: &[&Snapshot]) -> Vec<Measurement> {
+///
+/// # Errors
+/// Where a frame cannot be shown.
+pub fn measure_span<F: Frames + ?Sized>(
+    setting: &Setting<'_>,
+    bed: &BedFields,
+    frames: &F,
+) -> Result<Vec<Measurement>, F::Error> {
     let Some(drum) = &setting.drum else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
-    let layer = |field: &Field, part: &[&Snapshot]| flowing_layer(setting, drum, &surface(setting, drum, field)?, part);
+    let profile = |field: &Field| Some(Profile::new(setting, drum, surface(setting, drum, field)?.line));
+    let mut whole = profile(&bed.whole);
+    let mut parts: Vec<Option<Profile<'_>>> = bed.fields.iter().map(profile).collect();
+    let mut ends: [Option<Snapshot>; 2] = [None, None];
+    let mut number = 0;
+    frames.each(&mut |frame| {
+        let block = bed.blocks.iter().position(|block| block.contains(&number));
+        number += 1;
+        whole.iter_mut().chain(block.and_then(|block| parts[block].as_mut())).for_each(|profile| profile.add(frame));
+        if number == 1 {
+            ends[0] = Some(frame.clone());
+        }
+        if number == frames.count() {
+            ends[1] = Some(frame.clone());
+        }
+    })?;
     let mut measurements = Vec::new();
-    if let Some((thickness, speed)) = layer(&bed.whole, frames) {
-        let parts: Vec<(f64, f64)> = (bed.blocks.iter().zip(&bed.fields))
-            .filter_map(|(block, field)| layer(field, &frames[block.clone()]))
-            .collect();
+    if let Some((thickness, speed)) = whole.and_then(|profile| profile.flowing_layer()) {
+        let parts: Vec<(f64, f64)> = parts.iter().flatten().filter_map(Profile::flowing_layer).collect();
         let error = |pick: fn(&(f64, f64)) -> f64| standard_error(&parts.iter().map(pick).collect::<Vec<_>>());
-        measurements.push(THICKNESS.measured(thickness, error(|part| part.0), frames.len()));
-        measurements.push(SURFACE_SPEED.measured(speed, error(|part| part.1), frames.len()));
+        measurements.push(THICKNESS.measured(thickness, error(|part| part.0), number));
+        measurements.push(SURFACE_SPEED.measured(speed, error(|part| part.1), number));
     }
-    if let Some(index) = mixing_of_sides(setting, drum, frames[0], frames[frames.len() - 1]) {
-        measurements.push(LACEY.measured(index, None, frames.len()));
+    if let [Some(first), Some(last)] = &ends
+        && let Some(index) = mixing_of_sides(setting, drum, first, last)
+    {
+        measurements.push(LACEY.measured(index, None, number));
     }
-    measurements
+    Ok(measurements)
 }
 
-/// Thickness of the flowing layer (diameters) and speed at the surface (m/s).
-fn flowing_layer(setting: &Setting<'_>, drum: &Drum, surface: &BedSurface, frames: &[&Snapshot]) -> Option<(f64, f64)> {
-    let line = surface.line;
-    let middle = line.foot([0.0; 2]);
-    let bin = 0.5 * setting.diameter;
-    let bins = (drum.radius / bin).ceil() as usize;
-    let (mut sums, mut counts) = (vec![0.0; bins], vec![0_usize; bins]);
-    let downhill = -(drum.across * line.direction[0] + drum.up * line.direction[1]);
-    for grain in frames.iter().flat_map(|frame| &frame.particles) {
-        let place = drum.section(&grain.position.into());
-        let along = line.along(place) - line.along(middle);
-        let depth = -line.above(place);
-        if along.abs() < HALF_STRIP * setting.diameter && depth > -bin {
-            let index = (depth.max(0.0) / bin) as usize;
-            if index < bins {
-                sums[index] += Vector3::from(grain.velocity).dot(&downhill);
-                counts[index] += 1;
+/// Velocity down the slope against depth below a surface, in bins of half a mean diameter.
+struct Profile<'a> {
+    setting: &'a Setting<'a>,
+    drum: &'a Drum,
+    line: Line,
+    sums: Vec<f64>,
+    counts: Vec<usize>,
+}
+
+impl<'a> Profile<'a> {
+    fn new(setting: &'a Setting<'a>, drum: &'a Drum, line: Line) -> Self {
+        let bins = (drum.radius / (0.5 * setting.diameter)).ceil() as usize;
+        Self { setting, drum, line, sums: vec![0.0; bins], counts: vec![0; bins] }
+    }
+
+    fn bin(&self) -> f64 {
+        0.5 * self.setting.diameter
+    }
+
+    fn add(&mut self, frame: &Snapshot) {
+        let (line, drum, bin) = (self.line, self.drum, self.bin());
+        let middle = line.foot([0.0; 2]);
+        let downhill = -(drum.across * line.direction[0] + drum.up * line.direction[1]);
+        for grain in &frame.particles {
+            let place = drum.section(&grain.position.into());
+            let along = line.along(place) - line.along(middle);
+            let depth = -line.above(place);
+            if along.abs() < HALF_STRIP * self.setting.diameter && depth > -bin {
+                let index = (depth.max(0.0) / bin) as usize;
+                if index < self.sums.len() {
+                    self.sums[index] += Vector3::from(grain.velocity).dot(&downhill);
+                    self.counts[index] += 1;
+                }
             }
         }
     }
-    let profile: Vec<(f64, f64)> = (0..bins)
-        .filter(|&index| counts[index] > 0)
-        .map(|index| ((index as f64 + 0.5) * bin, sums[index] / counts[index] as f64))
-        .collect();
-    let turn = profile.windows(2).find(|pair| pair[0].1 > 0.0 && pair[1].1 <= 0.0)?;
-    let [(shallow, fast), (deep, slow)] = [turn[0], turn[1]];
-    let depth = shallow + (deep - shallow) * fast / (fast - slow);
-    Some((depth / setting.diameter, profile[0].1))
+
+    /// Thickness of the flowing layer (diameters) and speed at the surface (m/s).
+    fn flowing_layer(&self) -> Option<(f64, f64)> {
+        let profile: Vec<(f64, f64)> = (0..self.sums.len())
+            .filter(|&index| self.counts[index] > 0)
+            .map(|index| ((index as f64 + 0.5) * self.bin(), self.sums[index] / self.counts[index] as f64))
+            .collect();
+        let turn = profile.windows(2).find(|pair| pair[0].1 > 0.0 && pair[1].1 <= 0.0)?;
+        let [(shallow, fast), (deep, slow)] = [turn[0], turn[1]];
+        let depth = shallow + (deep - shallow) * fast / (fast - slow);
+        Some((depth / self.setting.diameter, profile[0].1))
+    }
 }
 
 fn mixing_of_sides(setting: &Setting<'_>, drum: &Drum, first: &Snapshot, last: &Snapshot) -> Option<f64> {

@@ -15,7 +15,7 @@
 //! two points a fifth of the drum apart is about twice as noisy as the fitted line; it feels the S-shape of a fast
 //! surface less.
 
-use super::bed_surface::{BedFields, BedSurface, mean_field, surface};
+use super::bed_surface::{BedFields, BedSurface, MeanField, surface};
 use super::field::Field;
 use super::measurement::{Measurement, Quantity};
 use super::setting::Setting;
@@ -50,8 +50,12 @@ pub fn over_time(setting: &Setting<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> 
     let Some(drum) = &setting.drum else {
         return Vec::new();
     };
-    let fields: Vec<Option<Field>> =
-        frames.iter().map(|frame| mean_field(setting, drum, std::iter::once(frame))).collect();
+    let field = |frame: &Snapshot| {
+        let mut mean = MeanField::new(setting, drum, frame.particles.len());
+        mean.add(frame);
+        mean.finish()
+    };
+    let fields: Vec<Option<Field>> = frames.iter().map(field).collect();
     let at = |index: usize| {
         let reach = (WINDOW / 2).min(index).min(frames.len() - 1 - index);
         let mut field = fields[index - reach].clone()?;

@@ -1,10 +1,9 @@
 //! Distribution of normal forces over their mean, pooled run by run.
 
-use super::bed_surface::BedFields;
 use super::bulk::Bulk;
-use super::measured_frames;
-use super::setting::Setting;
+use super::frames::Frames;
 use super::view::View;
+use super::{bed_of, heap_of, measured_frames, setting_of};
 use crate::compare::ForceDistribution;
 use crate::recording::Recording;
 use makadam::scene::Scene;
@@ -35,18 +34,25 @@ impl ForcePool {
 
     /// Adds the bulk contacts between grains of a recording's measured frames.
     pub fn add_recording(&mut self, scene: &Scene, recording: &Recording) {
-        let frames = measured_frames(scene, recording);
-        if frames.is_empty() {
-            return;
-        }
-        let setting = Setting::new(scene, frames[0]);
-        let bed = setting.drum.as_ref().and_then(|drum| BedFields::new(&setting, drum, &frames));
-        let bulk = Bulk::new(&setting, bed.as_ref(), &frames);
-        for frame in frames {
+        let Ok(()) = self.add_frames(scene, &measured_frames(scene, recording)[..]);
+    }
+
+    /// Adds the bulk contacts between grains of these frames of one run.
+    ///
+    /// # Errors
+    /// Where a frame cannot be shown.
+    pub fn add_frames<F: Frames + ?Sized>(&mut self, scene: &Scene, frames: &F) -> Result<(), F::Error> {
+        let Some(setting) = setting_of(scene, frames)? else {
+            return Ok(());
+        };
+        let bed = bed_of(&setting, frames)?;
+        let heap = heap_of(&setting, frames)?;
+        let bulk = Bulk::new(&setting, bed.as_ref(), heap, frames)?;
+        frames.each(&mut |frame| {
             let view = View::new(&setting, &bulk, frame);
             let forces: Vec<f64> = view.bulk_contacts().iter().map(|contact| contact.normal_force).collect();
             self.add(&forces);
-        }
+        })
     }
 
     /// Adds forces (any unit) over their own mean.

@@ -5,6 +5,9 @@
 //!                        └─> time-smoothed solid fraction ─> free surface ─> angle, bulk
 //! ```
 //!
+//! Frames are [looked at](frames::Frames) one after the other and added up; none is held. What grows with their number is a number
+//! a frame and quantity.
+//!
 //! Nothing is taken from a simulator's own estimators: every quantity follows from the two tables of a
 //! [`Snapshot`] and from the scene. Directions come from the scene: up is against
 //! gravity, a drum is the cylinder that turns about its own level axis.
@@ -27,6 +30,7 @@
 pub mod balances;
 pub mod bed_surface;
 pub mod bulk;
+pub mod catalogue;
 pub mod contact_forces;
 pub mod contour;
 pub mod coordination;
@@ -37,6 +41,7 @@ pub mod dynamic_angle;
 pub mod effort;
 pub mod field;
 pub mod force_distribution;
+pub mod frames;
 pub mod line;
 pub mod literature;
 pub mod measurement;
@@ -57,51 +62,59 @@ use crate::compare::Series;
 use crate::recording::Recording;
 use bed_surface::BedFields;
 use bulk::Bulk;
+use frames::Frames;
 use makadam::scene::{Observable, Scene};
 use makadam::snapshot::Snapshot;
 use measurement::Readings;
 use setting::Setting;
+use static_angle::HeapFields;
 use view::View;
 
-/// Measures a recording: the quantities of `scene.measure.observables`, over the frames from `scene.measure.from` on,
-/// or over the last frame alone where the scene gives no such time.
+/// Measures a recording: [`measure_frames`] of its [`measured_frames`]; nothing where it has none.
+pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
+    let Ok(measured) = measure_frames(scene, &measured_frames(scene, recording)[..]);
+    measured.unwrap_or_default()
+}
+
+/// Measures frames: the quantities of `scene.measure.observables`, over all of them. `None` if there is no frame, so that what
+/// was never measured is told from what could not be.
 ///
 /// A quantity that cannot be measured (no bulk, no drum, no contacts, grains too far apart or too unlike for a grid of
 /// [`effort::most`] cells) is left out of the list; none is NaN.
-pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
-    let frames = measured_frames(scene, recording);
-    if frames.is_empty() {
-        return Vec::new();
-    }
-    let setting = Setting::new(scene, frames[0]);
+///
+/// # Errors
+/// Where a frame cannot be shown.
+pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<Option<Vec<Measurement>>, F::Error> {
+    let Some(setting) = setting_of(scene, frames)? else {
+        return Ok(None);
+    };
     let asks = |observable| scene.measure.observables.contains(&observable);
     let mut measurements = Vec::new();
 
     let asks_bulk = [Observable::PackingFraction, Observable::CoordinationNumber, Observable::ContactForces];
     let needs_bulk = asks_bulk.into_iter().any(asks);
     let needs_bed = needs_bulk || asks(Observable::DynamicAngleOfRepose) || asks(Observable::DrumFlow);
-    let bed = setting.drum.as_ref().filter(|_| needs_bed).and_then(|drum| BedFields::new(&setting, drum, &frames));
+    let bed = if needs_bed { bed_of(&setting, frames)? } else { None };
 
     // Quantities of the whole span: they rest on fields averaged over time.
     if let Some(bed) = &bed {
         if asks(Observable::DynamicAngleOfRepose) {
-            measurements.extend(dynamic_angle::measure(&setting, bed, frames.len()));
+            measurements.extend(dynamic_angle::measure(&setting, bed, frames.count()));
         }
         if asks(Observable::DrumFlow) {
-            measurements.extend(drum_flow::measure_span(&setting, bed, &frames));
+            measurements.extend(drum_flow::measure_span(&setting, bed, frames)?);
         }
     }
-    if asks(Observable::StaticAngleOfRepose) {
-        measurements.extend(static_angle::measure(&setting, &frames));
-    }
+    let heap = heap_of(&setting, frames)?;
+    measurements.extend(heap.iter().flat_map(|heap| static_angle::measure(&setting, heap)));
 
     // Quantities of single frames, averaged afterwards.
     let bulk = match needs_bulk {
-        true => Bulk::new(&setting, bed.as_ref(), &frames),
+        true => Bulk::new(&setting, bed.as_ref(), heap, frames)?,
         false => Bulk::nowhere(),
     };
     let mut readings = Readings::default();
-    for frame in &frames {
+    frames.each(&mut |frame| {
         let view = View::new(&setting, &bulk, frame);
         if asks(Observable::PackingFraction) {
             packing_fraction::read(&view, &mut readings);
@@ -124,9 +137,29 @@ pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
         if asks(Observable::Balances) {
             balances::read(&view, &mut readings);
         }
-    }
+    })?;
     measurements.extend(readings.averages());
-    measurements
+    Ok(Some(measurements))
+}
+
+/// The setting at the first frame; `None` if there is none.
+fn setting_of<'a, F: Frames + ?Sized>(scene: &'a Scene, frames: &F) -> Result<Option<Setting<'a>>, F::Error> {
+    let mut setting = None;
+    frames.visit(0..frames.count().min(1), &mut |first| setting = Some(Setting::new(scene, first)))?;
+    Ok(setting)
+}
+
+/// The bed in a drum, where there is one.
+fn bed_of<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Option<BedFields>, F::Error> {
+    setting.drum.as_ref().map_or(Ok(None), |drum| BedFields::new(setting, drum, frames))
+}
+
+/// The heap, where its angle is asked for.
+fn heap_of<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Option<HeapFields>, F::Error> {
+    match setting.scene.measure.observables.contains(&Observable::StaticAngleOfRepose) {
+        true => HeapFields::new(setting, frames),
+        false => Ok(None),
+    }
 }
 
 /// Quantities over time, one point a frame, over the whole run: the dynamic angle of repose (degrees) where the scene
@@ -150,12 +183,20 @@ pub fn series(scene: &Scene, recording: &Recording) -> Vec<Series> {
     }
 }
 
-/// Frames that are measured: those from `scene.measure.from` on, or the last one.
+/// Frames that are measured: those from `scene.measure.from` on, which are none if the run ended before; the last one where the
+/// scene gives no such time.
 pub fn measured_frames<'a>(scene: &Scene, recording: &'a Recording) -> Vec<&'a Snapshot> {
+    let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| !frame.particles.is_empty()).collect();
+    let first = match scene.measure.from {
+        Some(_) => filled.iter().position(|frame| is_measured(scene, frame.time)).unwrap_or(filled.len()),
+        None => filled.len().saturating_sub(1),
+    };
+    filled[first..].to_vec()
+}
+
+/// Whether a frame at a time (s) is one of those from `scene.measure.from` on; none is where the scene gives no such time.
+pub fn is_measured(scene: &Scene, time: f64) -> bool {
     // Times are sums of steps: a frame due at `from` may bear a time just below it.
     let slack = 1e-3 * scene.measure.interval;
-    let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| !frame.particles.is_empty()).collect();
-    let from = scene.measure.from.unwrap_or(f64::INFINITY);
-    let late = filled.iter().position(|frame| frame.time >= from - slack);
-    filled[late.unwrap_or(filled.len().saturating_sub(1))..].to_vec()
+    scene.measure.from.is_some_and(|from| time >= from - slack)
 }

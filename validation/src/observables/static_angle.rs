@@ -10,10 +10,11 @@
 use super::contour::{self, Loop, Segment};
 use super::effort;
 use super::field::Field;
+use super::frames::Frames;
 use super::line::{Line, clip};
 use super::measurement::{Measurement, Quantity};
 use super::setting::Setting;
-use crate::statistics::standard_error;
+use crate::statistics::{ranked, standard_error};
 use makadam::scene::Shape;
 use makadam::snapshot::Snapshot;
 use nalgebra::Vector3;
@@ -86,72 +87,93 @@ fn median_along(frame: &Snapshot, axis: &Vector3<f64>) -> f64 {
 }
 
 /// Angle (degrees) and height (m) of a heap; nothing where there is none.
-pub fn measure(setting: &Setting<'_>, frames: &[&Snapshot]) -> Vec<Measurement> {
-    let Some(heap) = HeapFrame::new(setting, frames[frames.len() - 1]) else {
-        return Vec::new();
-    };
-    let Some(fields) = sector_fields(setting, &heap, frames) else {
-        return Vec::new();
-    };
-    let Some(outline) = outline(&average(&fields)) else {
+pub fn measure(setting: &Setting<'_>, fields: &HeapFields) -> Vec<Measurement> {
+    let Some(outline) = fields.outline() else {
         return Vec::new();
     };
     let Some(angle) = flank_angle(&outline, setting.diameter) else {
         return Vec::new();
     };
     let of_sector = |field: &Field| flank_angle(&self::outline(field)?, setting.diameter);
-    let sectors: Vec<f64> = fields.iter().filter_map(of_sector).collect();
+    let sectors: Vec<f64> = fields.sectors.iter().filter_map(of_sector).collect();
     vec![
-        ANGLE.measured(angle, standard_error(&sectors), frames.len()),
-        HEIGHT.measured(top(&outline), None, frames.len()),
+        ANGLE.measured(angle, standard_error(&sectors), fields.frames),
+        HEIGHT.measured(top(&outline), None, fields.frames),
     ]
 }
 
-/// The outline of a heap in (r, z), mirrored at the axis, m; averaged over the sectors of azimuth.
-pub fn heap_outline(sectors: &[Field]) -> Option<Loop> {
-    outline(&average(sectors))
+/// Solid fraction of a heap in (r, z), averaged over frames, in each sector of azimuth.
+pub struct HeapFields {
+    /// The axis of the heap in the last frame.
+    pub heap: HeapFrame,
+    sectors: Vec<Field>,
+    frames: usize,
 }
 
-fn average(fields: &[Field]) -> Field {
-    let mut sum = fields[0].clone();
-    fields[1..].iter().for_each(|field| sum.add(field));
-    sum.scale(1.0 / fields.len() as f64);
-    sum
-}
+impl HeapFields {
+    /// Averages the frames, of which there is at least one; absent without gravity, and where grains lie so far apart that it
+    /// would take more cells than [`effort::most`].
+    ///
+    /// # Errors
+    /// Where a frame cannot be shown.
+    pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Option<Self>, F::Error> {
+        let (count, cell) = (frames.count(), 0.5 * setting.diameter);
+        let mut heap = None;
+        frames.visit(count - 1..count, &mut |last| heap = HeapFrame::new(setting, last))?;
+        let Some(heap) = heap else { return Ok(None) };
+        // Nine tenths of the grains set the width; what rolled farther is no part of the heap.
+        let grains = frames.grains(0..count);
+        let mut highest = 0.0_f64;
+        let reach = ranked((grains * 9 / 10) as u64, |look| {
+            frames.each(&mut |frame| {
+                for grain in &frame.particles {
+                    let [distance, up] = heap.meridian(&Vector3::from(grain.position));
+                    highest = highest.max(up);
+                    look(distance);
+                }
+            })
+        })?;
+        let (width, height) = (2.0 * reach + 4.0 * cell, highest + 4.0 * cell);
+        // Mirrored at the axis, so that the axis is not taken for a surface. An even number of columns keeps it a border.
+        let half_width = (width / cell).ceil() * cell;
+        let top = (height / cell).ceil() * cell;
+        let Some(field) = Field::new([-half_width, 0.0], [half_width, top], cell, effort::most(grains)) else {
+            return Ok(None);
+        };
+        let mut fields = Self { heap, sectors: vec![field; SECTORS], frames: count };
+        let ball = unit_ball();
+        frames.each(&mut |frame| fields.add(frame, &ball))?;
+        Ok(Some(fields))
+    }
 
-/// Solid fraction in (r, z) in each sector of azimuth; absent where grains lie so far apart that it would take more cells than
-/// [`effort::most`].
-pub fn sector_fields(setting: &Setting<'_>, heap: &HeapFrame, frames: &[&Snapshot]) -> Option<Vec<Field>> {
-    let cell = 0.5 * setting.diameter;
-    let places = || frames.iter().flat_map(|frame| &frame.particles).map(|grain| Vector3::from(grain.position));
-    // Nine tenths of the grains set the width; what rolled farther is no part of the heap.
-    let mut radii: Vec<f64> = places().map(|place| heap.meridian(&place)[0]).collect();
-    radii.sort_by(f64::total_cmp);
-    let width = 2.0 * radii[radii.len() * 9 / 10] + 4.0 * cell;
-    let height = places().map(|place| heap.meridian(&place)[1]).fold(0.0, f64::max) + 4.0 * cell;
-    // Mirrored at the axis, so that the axis is not taken for a surface. An even number of columns keeps it a border.
-    let half_width = (width / cell).ceil() * cell;
-    let most = effort::most(radii.len());
-    let field = Field::new([-half_width, 0.0], [half_width, (height / cell).ceil() * cell], cell, most)?;
-    let mut fields = vec![field; SECTORS];
-    let ball = unit_ball();
-    for grain in frames.iter().flat_map(|frame| &frame.particles) {
-        let share = super::sphere_volume::sphere(grain.radius) / ball.len() as f64;
-        for offset in &ball {
-            let point = Vector3::from(grain.position) + offset * grain.radius;
-            let [distance, up] = heap.meridian(&point);
-            let field = &mut fields[heap.sector(&point)];
-            let (column, row) = ((distance / cell) as usize, ((up - field.origin[1]) / cell).floor());
-            if column < field.columns / 2 && row >= 0.0 && (row as usize) < field.rows {
-                let ring = TAU / SECTORS as f64 * (column as f64 + 0.5) * cell * cell * cell;
-                let (middle, start) = (field.columns / 2, row as usize * field.columns);
-                let value = share / (ring * frames.len() as f64);
-                field.values[start + middle + column] += value;
-                field.values[start + middle - 1 - column] += value;
+    /// Spreads the volumes of a frame's grains by the points of a `ball`.
+    fn add(&mut self, frame: &Snapshot, ball: &[Vector3<f64>]) {
+        for grain in &frame.particles {
+            let share = super::sphere_volume::sphere(grain.radius) / ball.len() as f64;
+            for offset in ball {
+                let point = Vector3::from(grain.position) + offset * grain.radius;
+                let [distance, up] = self.heap.meridian(&point);
+                let field = &mut self.sectors[self.heap.sector(&point)];
+                let cell = field.cell;
+                let (column, row) = ((distance / cell) as usize, ((up - field.origin[1]) / cell).floor());
+                if column < field.columns / 2 && row >= 0.0 && (row as usize) < field.rows {
+                    let ring = TAU / SECTORS as f64 * (column as f64 + 0.5) * cell * cell * cell;
+                    let (middle, start) = (field.columns / 2, row as usize * field.columns);
+                    let value = share / (ring * self.frames as f64);
+                    field.values[start + middle + column] += value;
+                    field.values[start + middle - 1 - column] += value;
+                }
             }
         }
     }
-    Some(fields)
+
+    /// The outline of the heap in (r, z), mirrored at the axis, m; averaged over the sectors of azimuth.
+    pub fn outline(&self) -> Option<Loop> {
+        let mut sum = self.sectors[0].clone();
+        self.sectors[1..].iter().for_each(|field| sum.add(field));
+        sum.scale(1.0 / self.sectors.len() as f64);
+        outline(&sum)
+    }
 }
 
 /// Points evenly spread in the unit ball.

@@ -1,26 +1,42 @@
 //! What `makadam run` leaves on disk: frames for ParaView, observables as CSV, a summary as JSON.
 
+pub(crate) mod cells;
+mod collection;
 mod frames;
+mod lock;
 mod record;
+mod run_files;
 mod summary;
 mod table;
 mod vtk;
 
-pub use frames::FrameWriter;
+pub use frames::{FrameWriter, FramesWritten};
+pub use lock::{FolderLock, LockError};
 pub use record::record_folder;
+pub use run_files::RunFiles;
 pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
-pub use table::TimeTable;
+pub use table::{TableWritten, TimeTable};
 
+use makadam::checkpoint::{replace_with, write_atomically};
+use std::io::Write;
 use std::path::Path;
 
 /// Why something could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("{path}: {source}; check that the path is writable and the disk has room")]
+#[error("{path}: {source}{}", remedy(source))]
 pub struct WriteError {
     /// What was being written.
     pub path: String,
     /// What the system said.
     pub source: std::io::Error,
+}
+
+/// What to do about it. Data that do not fit say so themselves.
+fn remedy(source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        std::io::ErrorKind::InvalidData => "",
+        _ => "; check that the path is writable and the disk has room",
+    }
 }
 
 impl WriteError {
@@ -38,20 +54,18 @@ pub fn create_folder(path: &Path) -> Result<(), WriteError> {
     std::fs::create_dir_all(path).map_err(|source| WriteError::new(path, source))
 }
 
-/// Writes a file through a temporary name, so that what stood there before stays whole until the new one is.
+/// Writes a file through a draft, so that what stood there before stays whole until the new one is.
 ///
 /// # Errors
 /// [`WriteError`] if the system refuses; the half-written file is removed then.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".part");
-    let draft = path.with_file_name(name);
-    let written = std::fs::write(&draft, bytes).and_then(|()| std::fs::rename(&draft, path));
-    written.map_err(|source| {
-        // Only a regular file is ours to remove.
-        if draft.symlink_metadata().is_ok_and(|data| data.is_file()) {
-            let _ = std::fs::remove_file(&draft);
-        }
-        WriteError::new(path, source)
-    })
+    replace_with(path, |draft| draft.write_all(bytes)).map_err(|source| WriteError::new(path, source))
+}
+
+/// Writes a file as [`write_whole`] does, and to the disk: it outlasts a cut of power.
+///
+/// # Errors
+/// [`WriteError`] if the system refuses.
+pub fn write_durably(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    write_atomically(path, bytes).map_err(|source| WriteError::new(path, source))
 }

@@ -2,6 +2,7 @@
 
 use crate::provenance::Provenance;
 use makadam::Balance;
+use makadam::scene::Finding;
 use makadam::solve::StopReason;
 use makadam::sweep::Residuals;
 use serde::Serialize;
@@ -22,10 +23,14 @@ pub struct RunSummary {
     pub complete: bool,
     /// Why it did not.
     pub failure: Option<String>,
-    /// Steps at which the run was continued from a checkpoint.
-    pub continued_at: Vec<u64>,
+    /// Whether nothing was noticed on the way that makes the numbers doubtful.
+    pub sound: bool,
     /// What was noticed on the way, one entry a kind.
     pub alarms: Vec<AlarmSummary>,
+    /// What the settings were not expected to bear, told before the run.
+    pub findings: Vec<Finding>,
+    /// Steps at which the run was continued from a checkpoint.
+    pub continued_at: Vec<u64>,
     /// Hash of positions, velocities and spins at the end, 16 hexadecimal digits.
     pub state_hash: String,
     /// Steps taken.
@@ -60,6 +65,8 @@ pub struct RunSummary {
     pub balance: Option<Balance>,
     /// Measured over the frames that the scene names, by name.
     pub observables: std::collections::BTreeMap<String, Measured>,
+    /// Why nothing was measured, where the run ended before the state that the scene wants measured.
+    pub not_measured: Option<String>,
     /// Folder of frames, CSV and JSON.
     pub output: String,
     /// Frames written.
@@ -71,10 +78,14 @@ pub struct RunSummary {
 /// Alarms of one kind.
 #[derive(Clone, Debug, Serialize)]
 pub struct AlarmSummary {
+    /// What kind of thing was noticed, such as "overlap".
+    pub kind: String,
     /// The first one: what, which grain, step and time.
     pub first: String,
     /// Number of looks that found it.
     pub count: u64,
+    /// Whether the numbers of the run mean nothing.
+    pub grave: bool,
 }
 
 /// Wall time by phase, s.

@@ -1,84 +1,202 @@
 //! Observables over time as CSV, one row a frame.
 
+use super::collection::{check_length, does_not_fit, open_to_grow};
 use super::{WriteError, write_whole};
+use makadam::checkpoint::{replace_with, sync_file};
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Error, Write};
+use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
-/// A table whose columns may appear as the run goes on; the whole file is written anew with each row, so that it can be
-/// read at any time.
+const MEMORY: &str = "memory takes any number of bytes";
+
+/// A table that grows by a row at a time and can be read at any time. Columns may appear as the run goes on, which is rare: then the
+/// whole file is written anew, the rows before with empty cells.
 pub struct TimeTable {
     path: PathBuf,
-    columns: Vec<String>,
-    rows: Vec<Vec<Option<f64>>>,
+    file: File,
+    written: TableWritten,
+}
+
+/// How far a [`TimeTable`] has come, for a checkpoint.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TableWritten {
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Number of rows below the names.
+    pub rows: u64,
+    /// Length of the file, bytes.
+    pub length: u64,
 }
 
 impl TimeTable {
-    /// A table that will be written to `path`, with these columns first.
-    pub fn new(path: &Path, columns: &[&str]) -> TimeTable {
-        let columns = columns.iter().map(ToString::to_string).collect();
-        TimeTable { path: path.to_path_buf(), columns, rows: Vec::new() }
-    }
-
-    /// Takes the columns and rows that an earlier part of the run has written.
-    pub fn go_on(&mut self, columns: &[String], rows: &[Vec<Option<f64>>]) {
-        (self.columns, self.rows) = (columns.to_vec(), rows.to_vec());
-    }
-
-    /// Columns and rows so far.
-    pub fn contents(&self) -> (&[String], &[Vec<Option<f64>>]) {
-        (&self.columns, &self.rows)
-    }
-
-    /// Adds a row of named values and writes the file. What a row does not name stays empty.
+    /// A table without rows in `path`, with these columns first.
     ///
     /// # Errors
-    /// [`WriteError`] if the system refuses; the file before it stays as it was.
+    /// [`WriteError`] if the system refuses.
+    pub fn create(path: &Path, columns: &[&str]) -> Result<TimeTable, WriteError> {
+        let names = line(columns);
+        write_whole(path, &names)?;
+        let columns = columns.iter().map(ToString::to_string).collect();
+        let written = TableWritten { columns, rows: 0, length: names.len() as u64 };
+        Ok(TimeTable { path: path.to_path_buf(), file: open_to_grow(path)?, written })
+    }
+
+    /// Goes on where an earlier part of the run was: what it wrote later is taken back.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses, or the file does not begin with what it then held.
+    pub fn go_on(path: &Path, written: TableWritten) -> Result<TimeTable, WriteError> {
+        let refused = |source| WriteError::new(path, source);
+        let file = open_to_grow(path)?;
+        let names = csv::Reader::from_reader(&file).headers().map_err(|error| refused(error.into()))?.clone();
+        if !written.columns.iter().eq(names.iter().take(written.columns.len())) {
+            return Err(does_not_fit(path, "its columns are others"));
+        }
+        let mut table = TimeTable { path: path.to_path_buf(), file, written };
+        if names.len() == table.written.columns.len() {
+            check_length(path, &table.file, table.written.length)?;
+            table.file.set_len(table.written.length).map_err(refused)?;
+        } else {
+            // It has got columns since.
+            let TableWritten { rows, length, .. } = table.written;
+            table.rewrite()?;
+            if (table.written.rows, table.written.length) != (rows, length) {
+                return Err(does_not_fit(path, "its rows are others"));
+            }
+        }
+        Ok(table)
+    }
+
+    /// How far it has come.
+    pub fn written(&self) -> &TableWritten {
+        &self.written
+    }
+
+    /// Adds a row of named values. What a row does not name stays empty.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses; the rows before it stay.
     pub fn push(&mut self, values: impl IntoIterator<Item = (String, f64)>) -> Result<(), WriteError> {
-        let mut row = vec![None; self.columns.len()];
+        let known = self.written.columns.len();
+        let mut row = vec![None; known];
         for (name, value) in values {
-            let column = self.columns.iter().position(|column| *column == name).unwrap_or_else(|| {
-                self.columns.push(name);
+            let column = self.written.columns.iter().position(|column| *column == name).unwrap_or_else(|| {
+                self.written.columns.push(name);
                 row.push(None);
                 row.len() - 1
             });
             row[column] = Some(value);
         }
-        self.rows.push(row);
-        write_whole(&self.path, &self.text())
+        if row.len() > known {
+            self.rewrite().inspect_err(|_| self.written.columns.truncate(known))?;
+        }
+        let cells = row.into_iter().map(|cell: Option<f64>| cell.map_or(String::new(), |value| format!("{value:?}")));
+        let row = line(&cells.collect::<Vec<_>>());
+        self.file.write_all_at(&row, self.written.length).map_err(|source| {
+            // What cannot be cut off is cut off when the run goes on.
+            let _ = self.file.set_len(self.written.length);
+            WriteError::new(&self.path, source)
+        })?;
+        self.written.rows += 1;
+        self.written.length += row.len() as u64;
+        Ok(())
     }
 
-    /// Names of walls may hold commas, so that columns may need quotes.
-    fn text(&self) -> Vec<u8> {
-        const MEMORY: &str = "memory takes any number of bytes";
-        let mut text = csv::Writer::from_writer(Vec::new());
-        text.write_record(&self.columns).expect(MEMORY);
-        for row in &self.rows {
-            let cell = |column| row.get(column).copied().flatten().map_or(String::new(), |value| format!("{value:?}"));
-            text.write_record((0..self.columns.len()).map(cell)).expect(MEMORY);
-        }
-        text.into_inner().expect(MEMORY)
+    /// Writes the file anew with the present columns, as many rows as there are, and empty cells where a row has none yet.
+    fn rewrite(&mut self) -> Result<(), WriteError> {
+        let TableWritten { columns, rows, .. } = &self.written;
+        let (mut counted, mut length) = (0, 0);
+        let copied = replace_with(&self.path, |draft| {
+            let mut old = csv::Reader::from_reader(BufReader::new(File::open(&self.path)?));
+            let mut new = BufWriter::new(draft);
+            let names = line(columns);
+            length = names.len() as u64;
+            new.write_all(&names)?;
+            for record in old.byte_records().take(usize::try_from(*rows).unwrap_or(usize::MAX)) {
+                let record = record.map_err(Error::from)?;
+                let cells: Vec<&[u8]> = (0..columns.len()).map(|column| record.get(column).unwrap_or(b"")).collect();
+                let row = line(&cells);
+                length += row.len() as u64;
+                counted += 1;
+                new.write_all(&row)?;
+            }
+            new.flush()
+        });
+        copied.map_err(|source| WriteError::new(&self.path, source))?;
+        self.file = open_to_grow(&self.path)?;
+        (self.written.rows, self.written.length) = (counted, length);
+        Ok(())
     }
+
+    /// Writes it to the disk.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses.
+    pub fn sync(&self) -> Result<(), WriteError> {
+        sync_file(&self.path).map_err(|source| WriteError::new(&self.path, source))
+    }
+}
+
+/// Cells as a line of CSV. Names of walls may hold commas, so that columns may need quotes.
+fn line<Cell: AsRef<[u8]>>(cells: &[Cell]) -> Vec<u8> {
+    let mut text = csv::Writer::from_writer(Vec::new());
+    text.write_record(cells).expect(MEMORY);
+    text.into_inner().expect(MEMORY)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn row(values: &[(&str, f64)]) -> Vec<(String, f64)> {
+        values.iter().map(|(name, value)| (name.to_string(), *value)).collect()
+    }
+
     #[test]
     fn late_columns_leave_earlier_rows_empty() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.csv");
-        let mut table = TimeTable::new(&path, &["time"]);
-        table.push([("time".to_string(), 0.0)]).unwrap();
-        table.push([("time".to_string(), 0.5), ("angle".to_string(), 31.0)]).unwrap();
-        assert_eq!(std::fs::read_to_string(path).unwrap(), "time,angle\n0.0,\n0.5,31.0\n");
+        let mut table = TimeTable::create(&path, &["time"]).unwrap();
+        table.push(row(&[("time", 0.0)])).unwrap();
+        table.push(row(&[("time", 0.5), ("angle", 31.0)])).unwrap();
+        table.push(row(&[("time", 1.0), ("angle", 30.0)])).unwrap();
+        assert_eq!(std::fs::read_to_string(path).unwrap(), "time,angle\n0.0,\n0.5,31.0\n1.0,30.0\n");
     }
 
     #[test]
     fn a_name_with_a_comma_is_one_column() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.csv");
-        let mut table = TimeTable::new(&path, &["time"]);
-        table.push([("time".to_string(), 0.0), ("lid, upper_rate".to_string(), 1.5)]).unwrap();
-        assert_eq!(std::fs::read_to_string(path).unwrap(), "time,\"lid, upper_rate\"\n0.0,1.5\n");
+        let mut table = TimeTable::create(&path, &["time"]).unwrap();
+        table.push(row(&[("time", 0.0), ("lid, upper_rate", 1.5)])).unwrap();
+        table.push(row(&[("time", 0.5), ("late", 2.5)])).unwrap();
+        let expected = "time,\"lid, upper_rate\",late\n0.0,1.5,\n0.5,,2.5\n";
+        assert_eq!(std::fs::read_to_string(path).unwrap(), expected);
+    }
+
+    #[test]
+    fn a_table_goes_on_from_before_rows_and_columns_that_came_later() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.csv");
+        let mut table = TimeTable::create(&path, &["time"]).unwrap();
+        table.push(row(&[("time", 0.0)])).unwrap();
+        let (written, before) = (table.written().clone(), std::fs::read(&path).unwrap());
+        table.push(row(&[("time", 0.5)])).unwrap();
+        drop(TimeTable::go_on(&path, written.clone()).unwrap());
+        assert_eq!(std::fs::read(&path).unwrap(), before);
+        let mut table = TimeTable::go_on(&path, written.clone()).unwrap();
+        table.push(row(&[("time", 0.5), ("angle, mean", 31.0)])).unwrap();
+        let mut table = TimeTable::go_on(&path, written.clone()).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), before);
+        table.push(row(&[("time", 0.5), ("angle, mean", 31.0)])).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "time,\"angle, mean\"\n0.0,\n0.5,31.0\n");
+
+        std::fs::write(&path, "time,angle\n").unwrap();
+        let refused = TimeTable::go_on(&path, written.clone()).err().unwrap().to_string();
+        assert!(refused.contains("table.csv") && refused.contains("--restart"), "{refused}");
+        std::fs::write(&path, "time\n").unwrap();
+        assert!(TimeTable::go_on(&path, written).err().unwrap().to_string().contains("5 of 9 bytes"));
     }
 }

@@ -49,17 +49,6 @@ pub(super) fn contacts(frame: &Snapshot) -> String {
     file.close()
 }
 
-/// A list of files over time, which ParaView opens as one.
-pub(super) fn collection(files: &[(f64, String)]) -> String {
-    let mut text = String::from(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
-    );
-    for (time, file) in files {
-        let _ = writeln!(text, "<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>");
-    }
-    text + "</Collection>\n</VTKFile>\n"
-}
-
 /// What connects the points of a file.
 #[derive(Clone, Copy, PartialEq)]
 enum Cells {

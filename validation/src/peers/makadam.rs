@@ -6,6 +6,7 @@ use crate::output::WriteError;
 use crate::prepared::{StartError, start, steps_in};
 use crate::provenance::Build;
 use crate::recording::Recording;
+use makadam::watch::Watchdog;
 use std::time::{Duration, Instant};
 
 /// Makadam, in this process, on one thread.
@@ -29,17 +30,23 @@ impl Code for Makadam {
                 StartError::Write(WriteError { path, source }) => CodeError::Io { path, source },
                 StartError::Checkpoint(error) => CodeError::State(error),
                 StartError::Execution(error) => CodeError::Execution(error),
+                StartError::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },
                 StartError::Interrupted => interrupted(),
             })?;
         let (started, step_seconds) = (simulation.time(), simulation.time_step());
         let steps = steps_in(scene.duration, step_seconds);
         let mut frames = vec![simulation.snapshot()];
         let mut wall = Duration::ZERO;
+        let mut watchdog = Watchdog::new(&scene.watch, &simulation);
         for step in 1..=steps {
             let clock = Instant::now();
-            simulation.step();
+            let report = simulation.step();
             wall += clock.elapsed();
-            if step == steps || frame_is_due(step, step_seconds, scene.measure.interval) {
+            let framed = step == steps || frame_is_due(step, step_seconds, scene.measure.interval);
+            watchdog
+                .check(&simulation, &report, framed)
+                .map_err(|alarm| CodeError::Worthless { code: "Makadam", alarm })?;
+            if framed {
                 frames.push(simulation.snapshot());
             }
             (job.progress)(step as f64 / steps as f64);

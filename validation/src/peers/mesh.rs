@@ -12,6 +12,13 @@ const SAGITTA: f64 = 0.005;
 /// Corners of a disc's outline.
 const DISC_CORNERS: usize = 32;
 
+/// Largest ratio of the radii of two neighbouring outlines of a ring: the sharpest angle of a triangle between them is then 2 degrees,
+/// and LIGGGHTS refuses meshes with angles of one.
+const RING_RATIO: f64 = 5.0;
+
+/// Height of a triangle over its longest side below which it is a line, written with the digits that meshes are written with.
+const FLAT: f64 = 1e-9;
+
 /// Share of the domain's width by which planes reach beyond it on each side: a grain that rolls that far still finds
 /// the plane, as on an endless one.
 const PLANE_REACH: f64 = 0.5;
@@ -30,7 +37,7 @@ pub struct Mesh {
 
 /// The surface of a wall; empty for a plane that misses the domain.
 pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64) -> Mesh {
-    match shape {
+    let mut mesh = match shape {
         Shape::Plane { point, normal } => plane(Vector3::from(*point), unit(normal), &reach(domain)),
         Shape::Box { min, max, open } => open_box(*min, *max, open, &reach(domain)),
         Shape::Cylinder { base, axis, radius, length } => {
@@ -38,11 +45,22 @@ pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64) -> Mesh {
         }
         // Codes that need meshes refuse these beforehand.
         Shape::Spheres { .. } => Mesh::default(),
-        Shape::Disc { centre, normal, radius, hole } if *hole > 0.0 => {
+        // Over a smaller hole a grain sinks by less than cylinders are coarse: `hole^2 / 2 r`.
+        Shape::Disc { centre, normal, radius, hole } if hole * hole > 2.0 * SAGITTA * smallest_radius.powi(2) => {
             ring(Vector3::from(*centre), unit(normal), *radius, *hole)
         }
         Shape::Disc { centre, normal, radius, .. } => disc(Vector3::from(*centre), unit(normal), *radius),
-    }
+    };
+    mesh.triangles.retain(has_area);
+    mesh
+}
+
+/// Whether a triangle has an area, beyond rounding: without one it has no normal either, and codes refuse it.
+fn has_area(triangle: &Triangle) -> bool {
+    let [a, b, c] = triangle.map(Vector3::from);
+    let (first, second, third) = (b - a, c - a, c - b);
+    let longest = first.norm_squared().max(second.norm_squared()).max(third.norm_squared());
+    first.cross(&second).norm() > FLAT * longest
 }
 
 /// The domain, enlarged: what planes are cut to, and what a code's simulation box must hold.
@@ -180,13 +198,21 @@ fn disc(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64) -> Mesh {
 
 /// A disc with a hole: two triangles between each two corners of its outlines.
 fn ring(centre: Vector3<f64>, normal: Vector3<f64>, radius: f64, hole: f64) -> Mesh {
-    let (inner, outer) = (circle(centre, normal, hole), circle(centre, normal, radius));
-    let quadrangle = |index: usize| {
-        let next = (index + 1) % DISC_CORNERS;
-        let (a, b, c, d) = (inner[index], outer[index], outer[next], inner[next]);
-        [[a, b, c].map(Into::into), [a, c, d].map(Into::into)]
+    let rings = ((radius / hole).ln() / RING_RATIO.ln()).ceil().max(1.0);
+    let outline = |ring: f64| match ring {
+        ring if ring == rings => circle(centre, normal, radius),
+        ring => circle(centre, normal, hole * (radius / hole).powf(ring / rings)),
     };
-    Mesh { triangles: (0..DISC_CORNERS).flat_map(quadrangle).collect(), bend: 0.0 }
+    let mut triangles = Vec::new();
+    for ring in 0..rings as usize {
+        let (inner, outer) = (outline(ring as f64), outline(ring as f64 + 1.0));
+        for index in 0..DISC_CORNERS {
+            let next = (index + 1) % DISC_CORNERS;
+            let (a, b, c, d) = (inner[index], outer[index], outer[next], inner[next]);
+            triangles.extend([[a, b, c].map(Into::into), [a, c, d].map(Into::into)]);
+        }
+    }
+    Mesh { triangles, bend: 0.0 }
 }
 
 /// Corners of a circle's outline, counter-clockwise about the normal; they lie a hair outside, so that the mean radius is right.

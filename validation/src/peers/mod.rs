@@ -92,6 +92,14 @@ pub enum CodeError {
         /// Log file, kept.
         log: PathBuf,
     },
+    /// It came to a state that makes its numbers worthless.
+    #[error("{code} came to a state that makes its numbers worthless: {alarm}")]
+    Worthless {
+        /// The code.
+        code: &'static str,
+        /// What was noticed.
+        alarm: ::makadam::watch::Alarm,
+    },
     /// The user asked to stop.
     #[error("{code} was interrupted")]
     Interrupted {

@@ -1,10 +1,11 @@
 //! A peer as a child process: started in its own group, watched, stopped whole.
 
 use super::CodeError;
+use crate::commands::shown;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -12,7 +13,10 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// Bytes of the log that an error quotes.
-const TAIL: u64 = 600;
+const TAIL: usize = 600;
+
+/// Bytes of the end of a log that are searched for the reason of a failure.
+const SEARCHED: u64 = 1 << 16;
 
 /// Free bytes below which a failure is put down to a full disk.
 const FULL_DISK: u64 = 1 << 20;
@@ -43,7 +47,7 @@ impl Program {
     pub fn version(&self, arguments: &[&str], version_in: impl Fn(&str) -> Option<&str>) -> Option<String> {
         let ask = || {
             let words = first_words(&self.path, arguments)?;
-            Some(version_in(&words).unwrap_or("unknown").to_string())
+            Some(shown(version_in(&words).unwrap_or("unknown"), false).into_owned())
         };
         self.version.get_or_init(ask).clone()
     }
@@ -61,6 +65,8 @@ pub(super) struct Run<'a> {
     pub folder: &'a Path,
     /// File for what it prints.
     pub log: PathBuf,
+    /// Files in which it may say itself why it fails; that is added to the log.
+    pub own_logs: &'a [PathBuf],
     /// Wall time after which it is stopped.
     pub limit: Duration,
     /// Called now and then while it runs.
@@ -114,13 +120,45 @@ impl Run<'_> {
         if status.success() {
             return Ok(());
         }
-        let tail = tail(&self.log);
+        let tail = self.last_words();
         if tail.contains("No space left on device") {
             return Err(io(self.folder, std::io::ErrorKind::StorageFull.into()));
         }
         disk_has_room(self.folder)?;
         Err(CodeError::Crashed { code: self.code, status: status.to_string(), log: self.log.clone(), tail })
     }
+}
+
+impl Run<'_> {
+    /// Why it failed, in its own words; the log named to the user holds them all.
+    fn last_words(&self) -> String {
+        let printed = ending(&self.log);
+        let own: Vec<String> = self.own_logs.iter().map(|log| ending(log)).collect();
+        let appended = || -> std::io::Result<()> {
+            let mut log = File::options().append(true).open(&self.log)?;
+            for (file, text) in self.own_logs.iter().zip(&own).filter(|(_, text)| !text.is_empty()) {
+                writeln!(log, "\n--- end of {} ---\n{text}", file.display())?;
+            }
+            Ok(())
+        };
+        // A log that cannot be added to is still the one that the program wrote.
+        let _ = appended();
+        last_words(&printed, &own)
+    }
+}
+
+/// The last line that tells of an error, in what a program printed or in its own logs, before the end of what it printed. Programs
+/// that are aborted end with words of whoever aborts them.
+fn last_words(printed: &str, own_logs: &[String]) -> String {
+    let texts = || std::iter::once(printed).chain(own_logs.iter().map(String::as_str));
+    let tells = |line: &&str| line.contains("ERROR") || line.contains("Error:");
+    let reason = texts().find_map(|text| text.lines().rev().find(tells));
+    let mut start = printed.len().saturating_sub(TAIL);
+    while !printed.is_char_boundary(start) {
+        start += 1;
+    }
+    let words = reason.into_iter().chain([&printed[start..]]).flat_map(str::split_whitespace);
+    shown(&words.collect::<Vec<_>>().join(" "), false).into_owned()
 }
 
 /// An error if the disk under `folder` is full: programs that do not check their writes leave torn files then.
@@ -138,16 +176,22 @@ pub(super) fn io(path: &Path, source: std::io::Error) -> CodeError {
     CodeError::Io { path: path.display().to_string(), source }
 }
 
-/// A command that is killed should this program die without a word; without `setpriv` it is a plain one.
+/// A command that is killed should this program die without a word, and that prints line by line; without `setpriv` and `stdbuf` it
+/// is a plain one.
 fn tied(program: &Path) -> Command {
-    match locate(OsStr::new("setpriv")) {
-        Some(helper) => {
-            let mut command = Command::new(helper);
-            command.args(["--pdeathsig", "KILL", "--"]).arg(program);
-            command
+    // Line by line: what a program holds back is lost when it aborts, and its reason with it.
+    let helpers = [("setpriv", &["--pdeathsig", "KILL", "--"][..]), ("stdbuf", &["--output=L"][..])];
+    let mut words: Vec<OsString> = Vec::new();
+    for (name, arguments) in helpers {
+        if let Some(helper) = locate(OsStr::new(name)) {
+            words.push(helper.into());
+            words.extend(arguments.iter().map(OsString::from));
         }
-        None => Command::new(program),
     }
+    words.push(program.into());
+    let mut command = Command::new(&words[0]);
+    command.args(&words[1..]);
+    command
 }
 
 /// The file of a program: itself if it is a path, else the first match on PATH.
@@ -188,16 +232,41 @@ fn first_words(program: &OsStr, arguments: &[&str]) -> Option<String> {
     Some(reader.join().unwrap_or_default())
 }
 
-/// End of a log file, on one line.
-fn tail(log: &Path) -> String {
+/// End of a log file.
+fn ending(log: &Path) -> String {
     let read = || -> std::io::Result<Vec<u8>> {
         let mut file = File::open(log)?;
         let length = file.metadata()?.len();
-        file.seek(SeekFrom::Start(length.saturating_sub(TAIL)))?;
+        file.seek(SeekFrom::Start(length.saturating_sub(SEARCHED)))?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes)?;
         Ok(bytes)
     };
-    let bytes = read().unwrap_or_default();
-    String::from_utf8_lossy(&bytes).split_whitespace().collect::<Vec<_>>().join(" ")
+    String::from_utf8_lossy(&read().unwrap_or_default()).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::last_words;
+
+    /// What LIGGGHTS leaves of a mesh that it refuses: the reason is in its own log alone, the terminal has the abort.
+    const PRINTED: &str = "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0)\n\
+        --------------------------------------------------------------------------\n\
+        MPI_ABORT was invoked on rank 0 in communicator MPI_COMM_WORLD\nwith errorcode 1.\n";
+    const OWN: &str = "Reading STL file 'wall1.stl'\n\
+        ERROR: Mesh wall1: contains highly skewed element, see above (surface_mesh_I.h:512)\nLast input line: fix wall1\n";
+
+    #[test]
+    fn the_reason_goes_before_the_words_of_who_aborts() {
+        let words = last_words(PRINTED, &[OWN.to_string()]);
+        assert!(words.starts_with("ERROR: Mesh wall1: contains highly skewed element"), "{words}");
+        assert!(words.contains("MPI_ABORT was invoked"), "{words}");
+        // Printed by the program itself it is found there, and the last one counts.
+        let twice = format!("ERROR: an earlier one\nERROR on proc 0: Lost atoms\n{PRINTED}");
+        assert!(last_words(&twice, &[]).starts_with("ERROR on proc 0: Lost atoms"));
+        assert_eq!(last_words("Segmentation fault\n", &[]), "Segmentation fault");
+        assert_eq!(last_words("a\x1b[2Jb", &[]), r"a\u001b[2Jb", "a terminal is told nothing");
+        let long = "\u{e9}".repeat(1000);
+        assert!(last_words(&long, &[]).len() <= 601);
+    }
 }

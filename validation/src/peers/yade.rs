@@ -177,6 +177,7 @@ impl Code for Yade {
             program: self.program.path(),
             arguments: &["-j1", "-n", "-x", "yade_driver.py", "job.json"].map(OsString::from),
             folder,
+            own_logs: &[],
             log: folder.join("yade.log"),
             limit: job.time_limit,
             watch: &|| {

@@ -120,6 +120,6 @@ fn outcome_class(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Agree => "name agree",
         Outcome::Disagree => "name disagree",
-        Outcome::Undecided => "name undecided",
+        Outcome::Undecided | Outcome::NotMeasured => "name undecided",
     }
 }

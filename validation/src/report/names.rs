@@ -80,6 +80,15 @@ pub(super) fn outcome(outcome: Outcome) -> &'static str {
         Outcome::Agree => "agree",
         Outcome::Disagree => "disagree",
         Outcome::Undecided => "undecided",
+        Outcome::NotMeasured => "not measured",
+    }
+}
+
+/// Style class of an outcome.
+pub(super) fn outcome_class(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::NotMeasured => "undecided",
+        other => self::outcome(other),
     }
 }
 

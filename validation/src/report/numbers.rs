@@ -22,8 +22,8 @@ impl Rounding {
             rows.clone().map(value).filter(|v| v.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()))
         };
         let margin = largest(|row| row.margin.unwrap_or(0.0));
-        let spread = largest(|row| if row.seeds > 1 { row.standard_deviation } else { 0.0 });
-        let value = largest(|row| row.mean);
+        let spread = largest(|row| row.standard_deviation.filter(|_| row.seeds > 1).unwrap_or(0.0));
+        let value = largest(|row| row.mean.unwrap_or(0.0));
         // A spread far below the value is rounding noise of a deterministic quantity, not a reason for more digits.
         let resolution = if margin > 0.0 {
             margin / PARTS_OF_MARGIN

@@ -49,6 +49,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         slow_settings => slow_settings(comparisons),
         notes => qualification.notes,
         outside_spread => qualification.outside_spread,
+        unchecked => qualification.unchecked,
         sections => sections,
         laws => qualification.laws.iter().map(published::shown).collect::<Vec<_>>(),
         provenance => provenance(qualification),
@@ -114,6 +115,7 @@ fn standing(standing: Standing) -> Value {
         Standing::Agree => ("Agree", "agree"),
         Standing::Disagree => ("Disagree", "disagree"),
         Standing::Undecided => ("Undecided", "undecided"),
+        Standing::NotMeasured => ("Not measured", "undecided"),
         Standing::NothingCompared => ("No verdict", "undecided"),
     };
     context! { word => word, class => class }

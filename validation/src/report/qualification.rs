@@ -26,6 +26,9 @@ pub struct Qualification {
     /// Values of live runs of reference codes that lie outside the spread of their recorded runs, one in a sentence.
     #[serde(default)]
     pub outside_spread: Vec<String>,
+    /// Values of live runs of reference codes that could not be held against their recorded runs, one in a sentence.
+    #[serde(default)]
+    pub unchecked: Vec<String>,
     /// What is recorded of published laws; no part of the verdict.
     #[serde(default)]
     pub laws: Vec<PublishedLaw>,
@@ -41,6 +44,8 @@ pub enum Standing {
     Disagree,
     /// None failed, at least one is undecided.
     Undecided,
+    /// None failed, and something that was asked for was not measured.
+    NotMeasured,
     /// No observable was tested against a margin.
     NothingCompared,
 }
@@ -56,10 +61,16 @@ pub struct Verdict {
     pub disagree: usize,
     /// That too few seeds leave open.
     pub undecided: usize,
+    /// That were asked for and could not be made: a code lacks a value of the observable in some or all of its seeds.
+    #[serde(default)]
+    pub not_measured: usize,
     /// Tests in whose observable the references do not agree with each other within the margin.
     pub floor_above_margin: usize,
     /// Live runs of reference codes outside the spread of their recorded runs.
     pub outside_spread: usize,
+    /// Live values of reference codes that could not be held against their recorded runs.
+    #[serde(default)]
+    pub unchecked: usize,
     /// The verdict in one sentence.
     pub sentence: String,
 }
@@ -72,21 +83,31 @@ impl Qualification {
             agree: 0,
             disagree: 0,
             undecided: 0,
+            not_measured: 0,
             floor_above_margin: 0,
             outside_spread: self.outside_spread.len(),
+            unchecked: self.unchecked.len(),
             sentence: String::new(),
         };
         let mut references: Vec<&str> = Vec::new();
         let mut scenes = 0;
         for comparison in &self.comparisons {
             let mut tested = false;
-            for row in comparison.rows.iter().filter(|row| row.code == JUDGED) {
-                let (Some(outcome), Some(reference)) = (row.outcome, row.reference_code.as_deref()) else { continue };
+            // Where the judged code took no part, what the others lack still is no success.
+            let judged = comparison.rows.iter().any(|row| row.code == JUDGED);
+            for row in comparison.rows.iter().filter(|row| row.code == JUDGED || !judged) {
+                let Some(outcome) = row.outcome else { continue };
+                if outcome == Outcome::NotMeasured {
+                    verdict.not_measured += 1;
+                    tested = true;
+                    continue;
+                }
+                let Some(reference) = row.reference_code.as_deref().filter(|_| judged) else { continue };
                 tested = true;
                 match outcome {
                     Outcome::Agree => verdict.agree += 1,
                     Outcome::Disagree => verdict.disagree += 1,
-                    Outcome::Undecided => verdict.undecided += 1,
+                    Outcome::Undecided | Outcome::NotMeasured => verdict.undecided += 1,
                 }
                 verdict.floor_above_margin += usize::from(floor_exceeds_margin(comparison, row));
                 if !references.contains(&reference) {
@@ -95,9 +116,12 @@ impl Qualification {
             }
             scenes += usize::from(tested);
         }
+        let lacks = verdict.not_measured + verdict.unchecked > 0;
         verdict.standing = match (verdict.agree, verdict.disagree, verdict.undecided) {
+            (0, 0, 0) if lacks => Standing::NotMeasured,
             (0, 0, 0) => Standing::NothingCompared,
             (_, 0, _) if verdict.outside_spread > 0 => Standing::Disagree,
+            (_, 0, _) if lacks => Standing::NotMeasured,
             (_, 0, 0) => Standing::Agree,
             (_, 0, _) => Standing::Undecided,
             _ => Standing::Disagree,
@@ -119,19 +143,34 @@ pub(super) fn floor_exceeds_margin(comparison: &Comparison, row: &Row) -> bool {
 }
 
 fn sentence(verdict: &Verdict, references: &[&str], scenes: usize) -> String {
-    let tests = verdict.agree + verdict.disagree + verdict.undecided;
+    let tests = verdict.agree + verdict.disagree + verdict.undecided + verdict.not_measured;
+    let lacking = match verdict.not_measured {
+        0 => String::new(),
+        count => format!(" {} of what was asked for could not be made.", plural(count, "test")),
+    };
     let names = join(references);
     let over = format!("{} of {}", plural(tests, "test"), plural(scenes, "scene"));
     let mut text = match (verdict.agree, verdict.disagree, verdict.undecided) {
-        (0, 0, 0) => return "No verdict: no observable was tested against a margin and a reference code.".into(),
+        (0, 0, 0) if verdict.not_measured > 0 => {
+            format!("Not measured: none of {over} could be made, for want of values.")
+        }
+        (0, 0, 0) if verdict.unchecked == 0 => {
+            return "No verdict: no observable was tested against a margin and a reference code.".into();
+        }
+        (0, 0, 0) => "No observable was tested against a margin and a reference code.".into(),
+        (agree, 0, 0) if verdict.not_measured > 0 => format!(
+            "Not measured: of {over} against {names}, {agree} agree, none disagrees, and {} could not be made, for want of values.",
+            verdict.not_measured,
+        ),
         (1, 0, 0) => format!("{JUDGED} agrees with {names} in the one test that was made."),
         (_, 0, 0) => format!("{JUDGED} agrees with {names} within the margins in all {over}."),
         (agree, 0, undecided) => format!(
-            "Undecided: of {over} against {names}, {agree} agree, none disagrees, and {undecided} {} too few seeds to tell.",
+            "{}: of {over} against {names}, {agree} agree, none disagrees, and {undecided} {} too few seeds to tell.{lacking}",
+            if lacking.is_empty() { "Undecided" } else { "Not measured" },
             if undecided == 1 { "has" } else { "have" },
         ),
         (agree, disagree, undecided) => format!(
-            "{JUDGED} disagrees with {names} in {disagree} of {over}; {agree} agree{}.",
+            "{JUDGED} disagrees with {names} in {disagree} of {over}; {agree} agree{}.{lacking}",
             if undecided > 0 { format!(" and {undecided} {} undecided", is(undecided)) } else { String::new() },
         ),
     };
@@ -140,6 +179,12 @@ fn sentence(verdict: &Verdict, references: &[&str], scenes: usize) -> String {
             " {} of a reference code {} outside the spread of its recorded runs.",
             plural(verdict.outside_spread, "live value"),
             if verdict.outside_spread == 1 { "lies" } else { "lie" },
+        );
+    }
+    if verdict.unchecked > 0 {
+        text += &format!(
+            " {} of a reference code could not be held against its recorded runs.",
+            plural(verdict.unchecked, "live value"),
         );
     }
     if verdict.floor_above_margin > 0 {

@@ -2,6 +2,7 @@
 
 use super::qualification::Qualification;
 use crate::compare::{Row, Source};
+use crate::output::cells::without_formulas;
 use serde::Serialize;
 
 /// A line of `rows.csv`; the names of its fields are the head of the file.
@@ -14,8 +15,8 @@ struct Line<'a> {
     unit: &'a str,
     code: &'a str,
     source: Option<Source>,
-    mean: f64,
-    standard_deviation: f64,
+    mean: Option<f64>,
+    standard_deviation: Option<f64>,
     seeds: usize,
     reference_code: Option<&'a str>,
     difference: Option<f64>,
@@ -26,6 +27,7 @@ struct Line<'a> {
     margin: Option<f64>,
     outcome: Option<&'static str>,
     seeds_needed: Option<usize>,
+    missing: Option<&'a str>,
 }
 
 /// All rows of a qualification as CSV.
@@ -51,6 +53,7 @@ pub(super) fn to_csv(qualification: &Qualification) -> Result<Vec<u8>, csv::Erro
         "margin",
         "outcome",
         "seeds_needed",
+        "missing",
     ])?;
     for comparison in &qualification.comparisons {
         let source = |row: &Row| comparison.codes.iter().find(|code| code.code == row.code).map(|code| code.source);
@@ -61,7 +64,8 @@ pub(super) fn to_csv(qualification: &Qualification) -> Result<Vec<u8>, csv::Erro
             writer.serialize(line("stiffness", row, source(row)))?;
         }
     }
-    writer.into_inner().map_err(|error| error.into_error().into())
+    let table = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(without_formulas(table))
 }
 
 fn line<'a>(table: &'static str, row: &'a Row, source: Option<Source>) -> Line<'a> {
@@ -84,5 +88,6 @@ fn line<'a>(table: &'static str, row: &'a Row, source: Option<Source>) -> Line<'
         margin: row.margin,
         outcome: row.outcome.map(super::names::outcome),
         seeds_needed: row.seeds_needed,
+        missing: row.missing.as_deref(),
     }
 }

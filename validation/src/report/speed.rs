@@ -1,9 +1,10 @@
-//! Makadam's speed against each peer. A ratio is taken only between runs of one qualification on one processor.
+//! Makadam's speed against each peer. A ratio is taken only between runs of one qualification on one processor, each of which was
+//! timed alone: runs side by side share memory and caches, so that their wall times are no measure of speed.
 
 use super::names;
 use super::numbers::{duration, two_digits};
 use super::qualification::{JUDGED, join};
-use crate::compare::{CodeSummary, Comparison, Source};
+use crate::compare::{CodeSummary, Comparison, Source, Timing};
 use serde::Serialize;
 
 /// The speeds of one scene, ready for the page.
@@ -24,70 +25,78 @@ struct SpeedCell {
     from: String,
 }
 
+/// What stands in the place of a speed where runs went side by side.
+const NOT_TIMED: &str = "not timed: ran side by side";
+
+/// The wall time of a simulated second, or why there is none.
+pub(super) fn time(code: &CodeSummary) -> String {
+    match code.timing {
+        Timing::SideBySide => NOT_TIMED.into(),
+        Timing::Alone | Timing::Recorded => duration(code.wall_seconds_per_simulated_second),
+    }
+}
+
 /// The runs that a speed is quoted from, one a code, at the scene's own stiffness.
 ///
-/// Live runs go before recorded ones. Of a peer that ran with several time steps the fastest counts, so that no
-/// speed-up is taken over a needlessly slow peer; of Makadam's runs those that were timed as a peer was.
+/// Runs that were timed alone go before those side by side, and these before recorded ones. Of a peer that ran with several time
+/// steps the fastest counts, so that no speed-up is taken over a needlessly slow peer.
 fn timed(comparison: &Comparison) -> Vec<&CodeSummary> {
     let usable = |code: &&CodeSummary| {
         code.stiffness_factor == 1.0
             && code.wall_seconds_per_simulated_second.is_finite()
             && code.wall_seconds_per_simulated_second > 0.0
     };
-    let faster = |a: &CodeSummary, b: &CodeSummary| {
-        let rank = |code: &CodeSummary| (code.source == Source::Recorded, code.wall_seconds_per_simulated_second);
-        rank(a) < rank(b)
+    let rank = |code: &CodeSummary| match code.timing {
+        Timing::Alone => 0,
+        Timing::SideBySide => 1,
+        Timing::Recorded => 2,
+    };
+    let better = |a: &CodeSummary, b: &CodeSummary| {
+        (rank(a), a.wall_seconds_per_simulated_second) < (rank(b), b.wall_seconds_per_simulated_second)
     };
     let mut best: Vec<&CodeSummary> = Vec::new();
     for code in comparison.codes.iter().filter(usable) {
         match best.iter_mut().find(|b| b.code == code.code) {
-            Some(known) if faster(code, known) => *known = code,
+            Some(known) if better(code, known) => *known = code,
             Some(_) => {}
             None => best.push(code),
         }
     }
-    let ways: Vec<&str> = best
-        .iter()
-        .filter(|code| code.code != JUDGED && code.source == Source::Live)
-        .map(|code| code.provenance.as_str())
-        .collect();
-    let alike =
-        comparison.codes.iter().filter(usable).find(|code| {
-            code.code == JUDGED && code.source == Source::Live && ways.contains(&code.provenance.as_str())
-        });
-    if let (Some(alike), Some(judged)) = (alike, best.iter_mut().find(|code| code.code == JUDGED)) {
-        *judged = alike;
-    }
     best
 }
 
-/// How many times faster the first is; none unless both were run here and now on one processor.
+/// How many times faster the first is; none unless both were timed alone here and now on one processor.
 fn ratio(judged: &CodeSummary, peer: &CodeSummary) -> Option<f64> {
-    let comparable = judged.source == Source::Live
-        && peer.source == Source::Live
-        && judged.processor == peer.processor
-        && peer.code != judged.code;
+    let alone = |code: &CodeSummary| code.source == Source::Live && code.timing == Timing::Alone;
+    let comparable = alone(judged) && alone(peer) && judged.processor == peer.processor && peer.code != judged.code;
     comparable.then(|| peer.wall_seconds_per_simulated_second / judged.wall_seconds_per_simulated_second)
 }
 
 /// The speeds of a scene in one sentence, such as "Makadam 0.9 s, LIGGGHTS 3.1 s, YADE 14 s a simulated second:
-/// 3.4 and 16 times faster than LIGGGHTS and YADE."; none if nothing was timed.
+/// 3.4 and 16 times faster than LIGGGHTS and YADE."; none if nothing was run.
 pub fn speed_sentence(comparison: &Comparison) -> Option<String> {
     let timed = timed(comparison);
-    if timed.is_empty() {
-        return None;
-    }
     let times: Vec<String> = timed
         .iter()
-        .map(|code| {
-            let time = duration(code.wall_seconds_per_simulated_second);
-            match code.source {
-                Source::Live => format!("{} {time}", code.code),
-                Source::Recorded => format!("{} {time} (recorded on {})", code.code, processor(code)),
-            }
+        .filter(|code| code.timing != Timing::SideBySide)
+        .map(|code| match code.source {
+            Source::Live => format!("{} {}", code.code, time(code)),
+            Source::Recorded => format!("{} {} (recorded on {})", code.code, time(code), processor(code)),
         })
         .collect();
-    let head = format!("{} a simulated second", times.join(", "));
+    let untimed: Vec<&str> =
+        timed.iter().filter(|code| code.timing == Timing::SideBySide).map(|code| code.code.as_str()).collect();
+    let mut heads = Vec::new();
+    if !times.is_empty() {
+        heads.push(format!("{} a simulated second", times.join(", ")));
+    }
+    if !untimed.is_empty() {
+        heads.push(format!("{} {NOT_TIMED}", join(&untimed)));
+    }
+    if heads.is_empty() {
+        return None;
+    }
+    let head = heads.join("; ");
     let Some(judged) = timed.iter().find(|code| code.code == JUDGED) else { return Some(format!("{head}.")) };
     let ratios: Vec<(&str, f64)> =
         timed.iter().filter_map(|peer| ratio(judged, peer).map(|r| (peer.code.as_str(), r))).collect();
@@ -126,7 +135,7 @@ pub(super) fn line(comparison: &Comparison) -> Option<SpeedLine> {
         .map(|code| SpeedCell {
             code: code.code.clone(),
             class: names::code_style(&code.code).class,
-            time: duration(code.wall_seconds_per_simulated_second),
+            time: time(code),
             source: names::source(code.source),
             ratio: judged.and_then(|judged| ratio(judged, code)).map(two_digits),
             setting: setting(code),

@@ -1,8 +1,8 @@
 //! The tables of a scene: values and differences, how each code was run, the bias of soft grains.
 
-use super::names;
-use super::numbers::{Rounding, compact, duration};
+use super::numbers::{Rounding, compact};
 use super::qualification::{JUDGED, floor_exceeds_margin, join, plural};
+use super::{names, speed};
 use crate::compare::{CodeSummary, Comparison, Outcome, Row};
 use serde::Serialize;
 
@@ -24,10 +24,13 @@ pub(super) struct Value {
 
 #[derive(Serialize)]
 pub(super) struct Difference {
-    difference: String,
+    difference: Option<String>,
     interval: Option<String>,
     verdict_interval: Option<String>,
     outcome: Option<&'static str>,
+    /// Style class of the outcome.
+    class: Option<&'static str>,
+    missing: Option<String>,
     seeds_needed: Option<usize>,
     floor: bool,
 }
@@ -124,11 +127,11 @@ fn line(comparison: &Comparison, observable: &str, codes: &[&str], pairs: &[Pair
 /// The value of a code: from a row of its own, or else from a row that has it as the reference.
 fn value(rows: &[&Row], code: &str, rounding: Rounding) -> Option<Value> {
     if let Some(row) = rows.iter().find(|row| row.code == code) {
-        let spread = (row.seeds > 1).then(|| rounding.value(row.standard_deviation));
-        return Some(Value { mean: rounding.value(row.mean), spread, seeds: row.seeds });
+        let spread = row.standard_deviation.filter(|_| row.seeds > 1).map(|spread| rounding.value(spread));
+        return Some(Value { mean: rounding.value(row.mean?), spread, seeds: row.seeds });
     }
     let row = rows.iter().find(|row| row.reference_code.as_deref() == Some(code))?;
-    Some(Value { mean: rounding.value(row.mean - row.difference?), spread: None, seeds: 0 })
+    Some(Value { mean: rounding.value(row.mean? - row.difference?), spread: None, seeds: 0 })
 }
 
 fn difference(rows: &[&Row], pair: &Pair, rounding: Rounding) -> Option<Difference> {
@@ -136,10 +139,12 @@ fn difference(rows: &[&Row], pair: &Pair, rounding: Rounding) -> Option<Differen
         .iter()
         .find(|row| row.code == pair.code && row.reference_code.as_deref() == Some(pair.reference.as_str()))?;
     Some(Difference {
-        difference: rounding.signed(row.difference?),
+        difference: row.difference.map(|difference| rounding.signed(difference)),
         interval: row.interval90.map(|interval| rounding.interval(interval)),
         verdict_interval: row.interval_of_verdict.map(|interval| rounding.interval(interval)),
         outcome: row.outcome.map(names::outcome),
+        class: row.outcome.map(names::outcome_class),
+        missing: row.missing.clone(),
         seeds_needed: row.seeds_needed.filter(|_| row.outcome == Some(Outcome::Undecided)),
         floor: pair.floor,
     })
@@ -213,7 +218,7 @@ fn run(code: &CodeSummary) -> Run {
         time_step: format!("{} s", compact(code.time_step)),
         rayleigh: code.rayleigh_fraction.map_or("–".into(), |f| format!("{}%", compact(100.0 * f))),
         stiffness: format!("×{}", compact(code.stiffness_factor)),
-        wall: duration(code.wall_seconds_per_simulated_second),
+        wall: speed::time(code),
         processor: code.processor.clone(),
         provenance: code.provenance.clone(),
     }
@@ -268,6 +273,7 @@ pub(super) fn shifts(comparison: &Comparison) -> Vec<Shift> {
                 verdict: match shift_is_small(comparison, row) {
                     Some(true) => "small",
                     Some(false) => "too large",
+                    None if row.outcome == Some(Outcome::NotMeasured) => "not measured",
                     None => "",
                 },
             }
@@ -327,6 +333,15 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
     if missing > 0 {
         limits.push(format!("{} undecided: too few seeds for the spread.", plural(missing, "test")));
     }
+    let lacking = comparison.rows.iter().chain(&comparison.soft_bias).filter(|row| row.missing.is_some());
+    let mut said: Vec<String> = Vec::new();
+    for row in lacking {
+        let words = format!("{}: {}.", names::observable(&row.observable), row.missing.as_deref().unwrap_or_default());
+        if !said.contains(&words) {
+            said.push(words);
+        }
+    }
+    limits.extend(said.into_iter().map(|words| format!("Not measured, so that there is no test: {words}")));
     if !comparison.rows.iter().any(|row| row.reference_code.is_some()) {
         limits.push("No reference code took part: the values stand alone.".into());
     }

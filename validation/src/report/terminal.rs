@@ -47,17 +47,22 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
 }
 
 fn cells(row: &Row, rounding: Rounding, first: bool) -> [String; 7] {
-    let spread = if row.seeds > 1 { format!(" ± {}", rounding.value(row.standard_deviation)) } else { String::new() };
+    let spread = row.standard_deviation.filter(|_| row.seeds > 1);
+    let spread = spread.map_or(String::new(), |spread| format!(" ± {}", rounding.value(spread)));
+    let mean = row.mean.map_or("–".into(), |mean| rounding.value(mean));
     let interval = row.interval90.map(|interval| format!(" {}", rounding.interval(interval))).unwrap_or_default();
     let outcome = match (row.outcome, row.seeds_needed) {
         (Some(Outcome::Undecided), Some(seeds)) => format!("undecided, {seeds} seeds would decide"),
+        (Some(Outcome::NotMeasured), _) => {
+            format!("not measured: {}", row.missing.as_deref().unwrap_or("a value is missing"))
+        }
         (Some(outcome), _) => names::outcome(outcome).into(),
         (None, _) => String::new(),
     };
     [
         if first { names::with_unit(&row.observable, &row.unit, rounding) } else { String::new() },
         row.code.clone(),
-        format!("{}{spread} ({})", rounding.value(row.mean), row.seeds),
+        format!("{mean}{spread} ({})", row.seeds),
         row.reference_code.clone().unwrap_or_default(),
         row.difference.map(|difference| rounding.signed(difference) + &interval).unwrap_or_default(),
         row.margin.map(|margin| rounding.margin(margin)).unwrap_or_default(),
@@ -89,7 +94,7 @@ fn code_of(outcome: Option<Outcome>) -> &'static str {
     match outcome {
         Some(Outcome::Agree) => "34",
         Some(Outcome::Disagree) => "31;1",
-        Some(Outcome::Undecided) => "33",
+        Some(Outcome::Undecided | Outcome::NotMeasured) => "33",
         None => "0",
     }
 }

@@ -3,6 +3,7 @@
 use super::figures::figures;
 use super::page;
 use super::study::Study;
+use crate::output::cells::without_formulas;
 use crate::output::{create_folder, write_whole};
 use crate::report::ReportError;
 use crate::report::svg::standalone;
@@ -44,7 +45,8 @@ pub(crate) fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, ReportError> {
     for row in rows {
         writer.serialize(row)?;
     }
-    writer.into_inner().map_err(|error| ReportError::Csv(error.into_error().into()))
+    let table = writer.into_inner().map_err(|error| ReportError::Csv(error.into_error().into()))?;
+    Ok(without_formulas(table))
 }
 
 fn put(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {

@@ -4,8 +4,9 @@ use super::{Case, Evidence, Finding, Outcome, Verdict};
 use crate::peers::{Code, CodeError, Job, frame_is_due};
 use crate::prepared::steps_in;
 use makadam::Simulation;
-use makadam::scene::{Grain, SceneError, populate};
+use makadam::scene::{Grain, Reaction, SceneError, Watch, populate};
 use makadam::snapshot::Snapshot;
+use makadam::watch::{Trouble, Watchdog};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -53,9 +54,19 @@ impl Case {
         let time_step = simulation.time_step();
         let steps = steps_in(self.scene.duration, time_step).max(1);
         let mut frames = vec![simulation.snapshot()];
+        // Where grains go and how deep they overlap is what the case judges.
+        let [on_overlap, on_deep_overlap, on_escape, on_stagnation] = [Reaction::Ignore; 4];
+        let watch = Watch { on_overlap, on_deep_overlap, on_escape, on_stagnation, ..self.scene.watch.clone() };
+        let mut watchdog = Watchdog::new(&watch, &simulation);
         for step in 1..=steps {
-            simulation.step();
-            if step == steps || frame_is_due(step, time_step, self.scene.measure.interval) {
+            let report = simulation.step();
+            let framed = step == steps || frame_is_due(step, time_step, self.scene.measure.interval);
+            // Walls that close on each other leave a grain no place: what becomes of it is for the case to judge.
+            let alarm = watchdog.check(&simulation, &report, framed).err();
+            if let Some(alarm) = alarm.filter(|alarm| !matches!(alarm.trouble, Trouble::Crossing { .. })) {
+                return Ok(Err((Verdict::Crashed, alarm.to_string())));
+            }
+            if framed {
                 frames.push(simulation.snapshot());
             }
             if crate::interrupt::requested() {

@@ -12,7 +12,7 @@ pub enum Verdict {
     AsStated,
     /// A figure leaves its bounds.
     NotAsStated,
-    /// The run broke off, lost grains or gave something that is not a number.
+    /// The run broke off, lost grains, gave something that is not a number, or energy from nowhere.
     Crashed,
     /// The run was stopped at its time limit.
     TookTooLong,

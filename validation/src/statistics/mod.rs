@@ -10,6 +10,7 @@ pub mod ensemble;
 pub mod equivalence;
 pub mod inequality;
 pub mod prediction;
+pub mod rank;
 
 pub use blocks::{Average, block_average, block_count};
 pub use distances::{kolmogorov_smirnov, wasserstein};
@@ -17,3 +18,4 @@ pub use ensemble::{Ensemble, mean, standard_deviation, standard_error, student_q
 pub use equivalence::{Equivalence, equivalence, seeds_needed};
 pub use inequality::{gini, second_moment, share_below_mean, weak_load_share};
 pub use prediction::{Spread, inside_recorded_spread, prediction_interval};
+pub use rank::ranked;

@@ -244,9 +244,13 @@ impl Campaign<'_> {
             }
             Err((CodeError::Interrupted { .. }, _)) => Ok(Attempt::Interrupted),
             Err((error @ CodeError::Unsupported { .. }, _)) => Ok(Attempt::Unsupported(error)),
-            Err((error @ (CodeError::Crashed { .. } | CodeError::Output { .. } | CodeError::TimedOut { .. }), _)) => {
-                Ok(Attempt::Failed(error.to_string()))
-            }
+            Err((
+                error @ (CodeError::Crashed { .. }
+                | CodeError::Worthless { .. }
+                | CodeError::Output { .. }
+                | CodeError::TimedOut { .. }),
+                _,
+            )) => Ok(Attempt::Failed(error.to_string())),
             Err((CodeError::Scene(error), _)) => Err(error.into()),
             Err((error, _)) => Err(error.into()),
         }

@@ -61,8 +61,8 @@ pub struct Key {
 }
 
 impl Key {
-    /// The key of a seed's run: scene, knobs, seed, the code and its version, and the processor, since a wall time of
-    /// another one is another number.
+    /// The key of a seed's run: scene, knobs, seed, the code and its version (which holds the [key of the build](makadam::BUILD)
+    /// where the code is Makadam), and the processor, since a wall time of another one is another number.
     pub fn new(scene: &Scene, configuration: &Configuration, version: &str, seed: u64, processor: &str) -> Key {
         let scene = configuration.scene(scene);
         let knobs = serde_json::to_string(configuration).expect("a configuration holds only numbers and plain text");

@@ -3,7 +3,7 @@
 use makadam::scene::Scene;
 use makadam::snapshot::Particle;
 use makadam_validation::compare::{
-    CodeSummary, Comparison, FinalState, ForceDistribution, Outcome, Row, Series, Source,
+    CodeSummary, Comparison, FinalState, ForceDistribution, Outcome, Row, Series, Source, Timing,
 };
 use makadam_validation::report::Qualification;
 use makadam_validation::report::published::{Judged, PublishedLaw};
@@ -43,8 +43,8 @@ fn rows(scene: &Scene, observable: &str, unit: &str, means: [f64; 3], deviation:
                 observable: observable.into(),
                 unit: unit.into(),
                 code: CODES[code].into(),
-                mean: means[code],
-                standard_deviation: deviation,
+                mean: Some(means[code]),
+                standard_deviation: Some(deviation),
                 seeds,
                 reference_code: Some(CODES[reference].into()),
                 difference: Some(difference),
@@ -52,6 +52,7 @@ fn rows(scene: &Scene, observable: &str, unit: &str, means: [f64; 3], deviation:
                 interval_of_verdict: Some(verdict),
                 margin,
                 outcome,
+                missing: None,
                 seeds_needed: (outcome == Some(Outcome::Undecided)).then_some(9),
             }
         })
@@ -68,6 +69,10 @@ fn code(place: usize, source: Source, wall: f64) -> CodeSummary {
         rayleigh_fraction: [None, Some(0.2), Some(0.2)][place],
         stiffness_factor: 1.0,
         wall_seconds_per_simulated_second: wall,
+        timing: match source {
+            Source::Live => Timing::Alone,
+            Source::Recorded => Timing::Recorded,
+        },
         processor: match source {
             Source::Live => "Intel Xeon Platinum 8488C".into(),
             Source::Recorded => "AMD EPYC 7763".into(),
@@ -86,8 +91,8 @@ fn soft_bias(scene: &Scene, observable: &str, unit: &str, values: [f64; 3], shif
             observable: observable.into(),
             unit: unit.into(),
             code: CODES[place].into(),
-            mean: values[place],
-            standard_deviation: 0.2 * shift.abs(),
+            mean: Some(values[place]),
+            standard_deviation: Some(0.2 * shift.abs()),
             seeds: 3,
             reference_code: None,
             difference: Some(shift * (1.0 + 0.2 * place as f64)),
@@ -95,6 +100,7 @@ fn soft_bias(scene: &Scene, observable: &str, unit: &str, values: [f64; 3], shif
             interval_of_verdict: None,
             margin: scene.compare.iter().find(|e| e.observable == observable).and_then(|e| e.margin),
             outcome: None,
+            missing: None,
             seeds_needed: None,
         })
         .collect()
@@ -259,8 +265,8 @@ pub fn alone() -> Comparison {
         observable: "static_angle_of_repose".into(),
         unit: "degree".into(),
         code: CODES[0].into(),
-        mean: 23.4,
-        standard_deviation: 0.0,
+        mean: Some(23.4),
+        standard_deviation: Some(0.0),
         seeds: 1,
         reference_code: None,
         difference: None,
@@ -268,6 +274,7 @@ pub fn alone() -> Comparison {
         interval_of_verdict: None,
         margin: Some(1.5),
         outcome: None,
+        missing: None,
         seeds_needed: None,
     };
     let only = CodeSummary { seeds: vec![1], ..code(0, Source::Live, 0.42) };
@@ -328,6 +335,7 @@ pub fn qualification(comparisons: Vec<Comparison>) -> Qualification {
         .into(),
         notes: Vec::new(),
         outside_spread: Vec::new(),
+        unchecked: Vec::new(),
         laws: Vec::new(),
     }
 }

@@ -14,7 +14,7 @@ pub use values::{BoundArgument, CodeName};
 use clap::{Parser, Subcommand};
 
 const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, \
-    4 outside tolerance or undecided, 5 a reference code is missing.";
+    4 outside tolerance, undecided or not measured, 5 a reference code is missing.";
 
 /// Granular matter by non-smooth contact dynamics, judged against YADE and LIGGGHTS.
 #[derive(Debug, Parser)]

@@ -2,6 +2,7 @@
 
 use super::values::{
     CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, positive, rayleigh_fraction, seconds,
+    time_limit,
 };
 use clap::{Args, ValueEnum};
 use makadam::scene::Accuracy;
@@ -33,7 +34,7 @@ pub struct RunArguments {
     #[arg(long, value_parser = accuracy)]
     pub accuracy: Option<Accuracy>,
     /// The best accuracy that fits into so much wall time, s: the coarsest setting first, then a finer one if there is time.
-    #[arg(long, value_name = "SECONDS", value_parser = positive, conflicts_with_all = ["accuracy", "resume"])]
+    #[arg(long, value_name = "SECONDS", value_parser = time_limit, conflicts_with_all = ["accuracy", "resume"])]
     pub time_budget: Option<f64>,
     /// Precision of the sweeps; the scene's, if absent. The result depends on it.
     #[arg(long, value_enum)]
@@ -44,10 +45,11 @@ pub struct RunArguments {
     /// Keep a ledger of energy and momentum, and print how it closes; costs about a sixth of a step's time.
     #[arg(long)]
     pub ledger: bool,
-    /// Go on from the checkpoint of a run that did not end, if there is one; the result is the same to the last bit.
+    /// Go on from the checkpoint of a run that did not end, if there is one; the result is the same to the last bit. A run that has
+    /// ended is left as it is.
     #[arg(long, conflicts_with = "restart")]
     pub resume: bool,
-    /// Begin anew where a run that did not end has left a checkpoint.
+    /// Begin anew where an earlier run has left something: its frames, tables and checkpoint are removed, and nothing else.
     #[arg(long)]
     pub restart: bool,
     /// Wall time between checkpoints, s; 0 writes one after every step.
@@ -70,7 +72,7 @@ pub struct CompareArguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
     /// Codes to compare.
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam", "yade", "liggghts"])]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
     /// Run YADE and LIGGGHTS here and now instead of reading recorded numbers.
     #[arg(long)]
@@ -79,7 +81,7 @@ pub struct CompareArguments {
     #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
     pub rayleigh_fraction: f64,
     /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
-    #[arg(long, default_value_t = 7200.0, value_parser = positive)]
+    #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
     pub time_limit: f64,
     /// Write numbers of YADE and LIGGGHTS as the scene's recorded references; only seeds that are not recorded yet, of
     /// the same scene, version and time step, are measured from raw recordings or run.
@@ -97,7 +99,7 @@ pub struct CompareArguments {
     /// Threads for the runs of Makadam.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Folder to write comparison.json and comparison.csv into.
+    /// Folder to write report.html, report.json and rows.csv into; nothing is written, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the comparison as JSON.
@@ -122,7 +124,7 @@ pub struct QualifyArguments {
     #[arg(long)]
     pub live: bool,
     /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
-    #[arg(long, default_value_t = 900.0, value_parser = positive)]
+    #[arg(long, default_value_t = 900.0, value_parser = time_limit)]
     pub time_limit: f64,
     /// Threads for the runs of Makadam.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]

@@ -1,6 +1,6 @@
 //! Arguments of the commands that study the solver.
 
-use super::values::{BoundArgument, CodeName, InstructionSetName, bound, method, positive};
+use super::values::{BoundArgument, CodeName, InstructionSetName, bound, method, positive, time_limit};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -95,7 +95,7 @@ pub struct TradeoffArguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
     /// Codes to run; the converged references are Makadam's in any case.
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam", "yade", "liggghts"])]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
     /// Factors on every Young's modulus; 0.5, 1, 10 and 100, if absent, or 1 with --quick. 1 is always run.
     #[arg(long, value_delimiter = ',', value_parser = positive)]
@@ -105,7 +105,7 @@ pub struct TradeoffArguments {
     #[arg(long, value_name = "OBSERVABLE=VALUE", value_parser = bound)]
     pub bound: Vec<BoundArgument>,
     /// Wall time beyond which a run is cut short and its wall time extrapolated, s; 900, if absent, or 60 with --quick.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = time_limit)]
     pub time_limit: Option<f64>,
     /// Folder to write into, and to take finished runs from; results/tradeoff/SCENE, if absent.
     #[arg(short, long)]
@@ -146,10 +146,10 @@ pub struct StabilityArguments {
     #[arg(long)]
     pub list: bool,
     /// Codes to run.
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["makadam"])]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam")]
     pub codes: Vec<CodeName>,
     /// Wall time after which a run is stopped, s; 600, if absent, or 60 with --quick.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = time_limit)]
     pub time_limit: Option<f64>,
     /// Runs side by side; as many as there are cores, if absent.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
@@ -183,7 +183,7 @@ pub struct EffectsArguments {
     #[arg(long, default_value_t = 0.2, value_parser = positive)]
     pub look: f64,
     /// Wall time after which a run of --ablate is stopped, s.
-    #[arg(long, default_value_t = 3600.0, value_parser = positive)]
+    #[arg(long, default_value_t = 3600.0, value_parser = time_limit)]
     pub time_limit: f64,
     /// Make again the runs of --ablate that an earlier start has kept.
     #[arg(long)]

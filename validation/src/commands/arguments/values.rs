@@ -1,5 +1,7 @@
 //! What arguments can be: names of things, and numbers in their ranges.
 
+use crate::nearest::nearest;
+use crate::observables::catalogue;
 use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use makadam::lanes::InstructionSet;
@@ -86,6 +88,9 @@ pub struct BoundArgument {
     pub value: f64,
 }
 
+/// Largest share that is read from a number without a percent sign.
+const LARGEST_BARE: f64 = 0.2;
+
 /// Reads an accuracy: one share of everything, or deviations by name.
 pub(super) fn accuracy(text: &str) -> Result<Accuracy, String> {
     let number = |text: &str| match text.strip_suffix('%') {
@@ -95,6 +100,10 @@ pub(super) fn accuracy(text: &str) -> Result<Accuracy, String> {
     let mut accuracy = Accuracy::default();
     for part in text.split(',') {
         let (name, value) = part.split_once('=').unwrap_or(("relative", part));
+        // A bare 1 is as likely to be meant as one percent, or one degree, as it is to be all of everything.
+        if name.trim() == "relative" && number(value).is_ok_and(|share| share > LARGEST_BARE) && !value.contains('%') {
+            return Err(format!("{part}: a share of that size is hardly meant; write {}% or angle={0}", value.trim()));
+        }
         let value = number(value).ok().filter(|value| (1e-6..=10.0).contains(value));
         let value = value.ok_or_else(|| format!("{part}: give a number from 1e-6 to 10, or a share such as 1%"))?;
         let place = match name.trim() {
@@ -129,6 +138,14 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Wall time after which something is stopped.
+pub(super) fn time_limit(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value <= 1e9 => Ok(value),
+        _ => Err("give a number of seconds above 0 and at most 1e9".into()),
+    }
+}
+
 pub(super) fn rayleigh_fraction(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value <= 0.5 => Ok(value),
@@ -139,5 +156,34 @@ pub(super) fn rayleigh_fraction(text: &str) -> Result<f64, String> {
 pub(super) fn bound(text: &str) -> Result<BoundArgument, String> {
     let (observable, value) =
         text.split_once('=').ok_or("give an observable and a value, such as packing_fraction=0.002")?;
-    Ok(BoundArgument { observable: observable.trim().replace('-', "_"), value: positive(value.trim())? })
+    let observable = observable.trim().replace('-', "_");
+    if catalogue::group_of(&observable).is_none() {
+        let near = nearest(&observable, catalogue::known(), 3).join(", ");
+        return Err(format!("nothing measures '{observable}'; the nearest names are: {near}"));
+    }
+    Ok(BoundArgument { observable, value: positive(value.trim())? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bare_number_is_a_share_only_where_it_can_be_meant_as_one() {
+        assert_eq!(accuracy("1%").unwrap().relative, Some(0.01));
+        assert_eq!(accuracy("0.01").unwrap().relative, Some(0.01));
+        assert_eq!(accuracy("angle=1").unwrap().angle, Some(1.0));
+        assert_eq!(accuracy("100%").unwrap().relative, Some(1.0));
+        for text in ["1", "0.5", "relative=1", "angle=1,2"] {
+            let message = accuracy(text).unwrap_err();
+            assert!(message.contains('%') && message.contains("angle="), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_bound_on_what_nothing_measures_is_refused_with_the_nearest_names() {
+        assert_eq!(bound("packing-fraction=0.002").unwrap().observable, "packing_fraction");
+        let message = bound("pakcing_fraction=0.002").unwrap_err();
+        assert!(message.contains("packing_fraction"), "{message}");
+    }
 }

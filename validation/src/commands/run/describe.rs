@@ -13,7 +13,8 @@ fn significant(value: f64) -> String {
 /// The summary for people.
 pub(super) fn describe(summary: &RunSummary) -> String {
     let ended = if summary.complete { "" } else { " (not complete)" };
-    let mut text = format!(
+    let mut text = findings(summary);
+    text += &format!(
         "{}: {} grains, {} steps of {:e} s, {:.4} s simulated in {:.2} s of wall time{ended}\n",
         summary.scene,
         summary.particles,
@@ -64,11 +65,31 @@ pub(super) fn describe(summary: &RunSummary) -> String {
     if let Some(balance) = &summary.balance {
         text += &ledger(balance);
     }
+    if let Some(why) = &summary.not_measured {
+        text += &format!("observables      not measured: {why}\n");
+    }
     for (name, measured) in &summary.observables {
         let error = measured.standard_error.map_or(String::new(), |error| format!(" +- {error:.2}"));
         text += &format!("{name:<36} {}{error} {}\n", significant(measured.value), measured.unit);
     }
     text + &format!("frames, observables.csv and run.json: {}", summary.output)
+}
+
+/// What was noticed on the way, at the head of the summary: it says what the numbers below are worth.
+fn findings(summary: &RunSummary) -> String {
+    if summary.sound {
+        return String::new();
+    }
+    let mut text = String::new();
+    for alarm in summary.alarms.iter().filter(|alarm| alarm.grave) {
+        text += &format!("THESE NUMBERS ARE WORTHLESS: {}\n", alarm.first);
+    }
+    text += "NOT SOUND: what the watch noticed makes the numbers below doubtful\n";
+    for alarm in &summary.alarms {
+        let looks = if alarm.count == 1 { "look" } else { "looks" };
+        text += &format!("{:<16} {}; noticed in {} {looks}\n", alarm.kind, alarm.first, alarm.count);
+    }
+    text
 }
 
 /// The ledger in four lines.
@@ -88,11 +109,20 @@ fn ledger(balance: &Balance) -> String {
         0.0 => String::new(),
         gained => format!(", changing gravity {gained:.4e}"),
     };
+    let paths = match balance.wall_paths {
+        0.0 => String::new(),
+        gained => format!(", paths of walls {gained:.4e}"),
+    };
+    let released = match balance.let_go {
+        0.0 => String::new(),
+        lost => format!(", contacts let go {lost:.4e} J"),
+    };
     let size = |vector: [f64; 3]| vector.iter().map(|component| component * component).sum::<f64>().sqrt();
     format!(
         "energy           {} J\n\
-         lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J{resistance}\n\
-         gained from      walls {:.4e}, overlap at first touch {:.4e}{changes} J; left open {:.2e} J\n\
+         lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J{resistance}{released}\n\
+         gained from      walls {:.4e}, overlap at first touch {:.4e}{changes}, normals that turned {:.4e}{paths} J; \
+         left open {:.2e} J\n\
          momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; left open {:.2e} kg m/s\n",
         states.join(", "),
         balance.friction,
@@ -100,6 +130,7 @@ fn ledger(balance: &Balance) -> String {
         balance.stabilisation,
         balance.walls,
         balance.first_touch,
+        balance.turning,
         balance.closure,
         size(balance.gravity_impulse),
         size(balance.wall_impulse),

@@ -1,41 +1,49 @@
-//! What an unfinished run leaves to be continued from: a checkpoint, and the frames that are measured at the end.
+//! What an unfinished run leaves to be continued from.
 
-use super::session::Progress;
+use super::progress::Progress;
 use crate::commands::Failure;
-use crate::output::WriteError;
-use crate::provenance::{VERSION, scene_hash};
-use makadam::checkpoint::{open, seal, write_atomically};
-use makadam::scene::Scene;
-use makadam::snapshot::Snapshot;
+use crate::output::{RunFiles, WriteError};
+use crate::provenance::scene_hash;
+use makadam::BUILD;
+use makadam::checkpoint::{open, seal, sync_folder, write_atomically};
+use makadam::scene::{Scene, Watch};
 use serde::{Deserialize, Serialize};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// First bytes of a run's checkpoint and of a kept frame; the last one is the version of the format.
-const RUN: [u8; 8] = *b"mkd-run\x01";
-const FRAME: [u8; 8] = *b"mkd-frm\x01";
+/// First bytes of a run's checkpoint; the last one is the version of the format.
+const RUN: [u8; 8] = *b"mkd-run\x03";
+
+/// The way out where a checkpoint cannot be used.
+const ANEW: &str = "give --restart to start anew";
+
+/// What a checkpoint is of. It stands before all else, and its layout stays: every build can tell whose checkpoint it is.
+#[derive(Serialize, Deserialize)]
+struct Label {
+    /// [`BUILD`] of the program that wrote it.
+    build: String,
+    scene: String,
+    scene_hash: u64,
+    seed: u64,
+}
 
 /// What a run is continued from.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Kept {
-    version: String,
-    scene: String,
-    scene_hash: u64,
-    seed: u64,
     /// The simulation's own checkpoint.
     pub simulation: Vec<u8>,
     /// The run's account of itself.
     pub progress: Progress,
 }
 
-/// Where a run keeps it: a file and a folder inside its output folder.
+/// Where a run keeps it: a file inside its output folder.
 pub(super) struct Place {
     file: PathBuf,
-    frames: PathBuf,
 }
 
 impl Place {
     pub fn inside(output: &Path) -> Place {
-        Place { file: output.join("run.checkpoint"), frames: output.join("kept-frames") }
+        Place { file: output.join(RunFiles::CHECKPOINT) }
     }
 
     /// Whether an unfinished run was left here.
@@ -43,55 +51,52 @@ impl Place {
         self.file.is_file()
     }
 
-    /// Writes a sealed checkpoint after the frames that it speaks of.
-    pub fn write(&self, sealed: &[u8], frames: &[(usize, &Snapshot)]) -> Result<(), WriteError> {
-        for (number, frame) in frames {
-            let file = self.frame(*number);
-            if !file.is_file() {
-                let body = postcard::to_stdvec(frame).expect("a frame holds only numbers and lists");
-                write_atomically(&file, &seal(FRAME, &body)).map_err(|source| WriteError::new(&file, source))?;
+    /// Removes the checkpoint, so that nobody goes on from it, before what it speaks of changes.
+    pub fn withdraw(&self) -> Result<(), WriteError> {
+        match std::fs::remove_file(&self.file) {
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(WriteError::new(&self.file, error)),
+            Err(_) => Ok(()),
+            Ok(()) => {
+                let folder = self.file.parent().unwrap_or(Path::new(""));
+                sync_folder(folder).map_err(|error| WriteError::new(folder, error))
             }
         }
-        write_atomically(&self.file, sealed).map_err(|source| WriteError::new(&self.file, source))?;
-        // Earlier frames are measured no more.
-        let first = frames.first().map_or(0, |(number, _)| *number);
-        for number in (0..first).rev().take_while(|&number| self.frame(number).is_file()) {
-            let _ = std::fs::remove_file(self.frame(number));
-        }
-        Ok(())
+    }
+
+    /// Writes a sealed checkpoint; the frames that it speaks of are on the disk already.
+    pub fn write(&self, sealed: &[u8]) -> Result<(), WriteError> {
+        write_atomically(&self.file, sealed).map_err(|source| WriteError::new(&self.file, source))
     }
 
     /// Removes what a finished run no longer needs.
     pub fn clear(&self) {
         // What cannot be removed is found out of date by its seal and scene, or taken up again: no harm in either.
         let _ = std::fs::remove_file(&self.file);
-        let _ = std::fs::remove_dir_all(&self.frames);
     }
 
     /// The checkpoint of a run of this scene and seed.
     pub fn read(&self, scene: &Scene, seed: u64) -> Result<Kept, Failure> {
-        let kept: Kept = unsealed(RUN, &self.file)?;
+        let failed = |what: String| Failure::Running(format!("{} {what}; {ANEW}", self.file.display()));
+        let bytes = std::fs::read(&self.file).map_err(|error| failed(format!("cannot be read: {error}")))?;
+        let body = open(RUN, &bytes).map_err(failed)?;
+        let unfit = |error| failed(format!("does not hold what it should ({error})"));
+        let (label, rest) = postcard::take_from_bytes::<Label>(body).map_err(unfit)?;
         let refuse = |what: String| Err(Failure::Usage(format!("{}: {what}", self.file.display())));
-        if (kept.scene_hash, kept.seed) != (scene_hash(scene), seed) {
+        if label.build != BUILD {
+            return refuse(format!(
+                "was written by build {}, and this is build {BUILD}, which may give other bits; go on with the former, or {ANEW} \
+                 with this one",
+                label.build
+            ));
+        }
+        if (label.scene_hash, label.seed) != (hash_to_go_on(scene), seed) {
             return refuse(format!(
                 "belongs to {} with seed {} and other settings than {} with seed {seed} now has; give the same scene, seed and \
                  settings, or --restart",
-                kept.scene, kept.seed, scene.name
+                label.scene, label.seed, scene.name
             ));
         }
-        if kept.version != VERSION {
-            return refuse(format!("was written by version {}, this is {VERSION}; give --restart", kept.version));
-        }
-        Ok(kept)
-    }
-
-    /// Kept frames, by their numbers.
-    pub fn frames(&self, numbers: &[usize]) -> Result<Vec<Snapshot>, Failure> {
-        numbers.iter().map(|&number| unsealed(FRAME, &self.frame(number))).collect()
-    }
-
-    fn frame(&self, number: usize) -> PathBuf {
-        self.frames.join(format!("{number:05}.frame"))
+        postcard::from_bytes(rest).map_err(unfit)
     }
 
     /// For messages.
@@ -103,21 +108,14 @@ impl Place {
 impl Kept {
     /// A checkpoint of a run, sealed.
     pub fn seal(scene: &Scene, seed: u64, simulation: Vec<u8>, progress: Progress) -> Vec<u8> {
-        let kept = Kept {
-            version: VERSION.into(),
-            scene: scene.name.clone(),
-            scene_hash: scene_hash(scene),
-            seed,
-            simulation,
-            progress,
-        };
-        seal(RUN, &postcard::to_stdvec(&kept).expect("a checkpoint holds only numbers, names and lists"))
+        let label = Label { build: BUILD.into(), scene: scene.name.clone(), scene_hash: hash_to_go_on(scene), seed };
+        let parts = (label, Kept { simulation, progress });
+        seal(RUN, &postcard::to_stdvec(&parts).expect("a checkpoint holds only numbers, names and lists"))
     }
 }
 
-fn unsealed<T: for<'a> Deserialize<'a>>(mark: [u8; 8], file: &Path) -> Result<T, Failure> {
-    let refuse = |what: String| Failure::Running(format!("{} {what}; give --restart to start anew", file.display()));
-    let bytes = std::fs::read(file).map_err(|error| refuse(format!("cannot be read: {error}")))?;
-    let body = open(mark, &bytes).map_err(refuse)?;
-    postcard::from_bytes(body).map_err(|error| refuse(format!("does not hold what it should ({error})")))
+/// Hash of what must be the same to go on. What is watched for changes no bit of a state: a run that its watch has stopped may go on
+/// under another one.
+fn hash_to_go_on(scene: &Scene) -> u64 {
+    scene_hash(&Scene { watch: Watch::default(), ..scene.clone() })
 }

@@ -1,23 +1,31 @@
 //! `makadam run`: one simulation, and everything it leaves on disk.
 
+mod account;
 mod budget;
 mod describe;
+mod folder;
 mod kept;
+mod measured;
+mod measuring;
+mod progress;
 mod session;
 
 use super::arguments::RunArguments;
+use super::beforehand::tell_findings;
 use super::{Console, Failure, begin, json, load};
 use crate::execution::{Execution, cores};
-use crate::output::{create_folder, write_whole};
+use crate::output::{FolderLock, LockError, RunFiles, RunSummary, create_folder};
 use crate::prepared::{file_stem, steps_in};
 use crate::provenance::Provenance;
 use describe::describe;
+use folder::{FINER, Task, Wish, settle_finer, task};
 use kept::Place;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
-use makadam::scene::Scene;
-use session::Session;
-use std::path::PathBuf;
+use makadam::scene::{Finding, Scene};
+use progress::Progress;
+use session::{Plan, Session};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -30,9 +38,18 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     if arguments.time_budget.is_some() {
         scene.ask(budget::COARSEST);
     }
+    let findings = tell_findings(&scene, &file, console);
     let start = scene.clone();
     if let Some(precision) = arguments.precision {
         scene.solver.precision = precision.into();
+        // Said before a flow is prepared for minutes.
+        if !scene.accepts(&scene.solver) {
+            return Err(Failure::Usage(format!(
+                "--precision single: {} has contacts that resist turning, driven walls or a method other than gauss-seidel, \
+                 which go with double precision alone; leave it out",
+                scene.name
+            )));
+        }
     }
     let seed = arguments.seed.unwrap_or(scene.seed);
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join(file_stem(&scene.name)));
@@ -43,39 +60,36 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         prefetch: arguments.prefetch.map(usize::from),
         ..Execution::serial()
     };
-    let interval = Duration::from_secs_f64(arguments.checkpoint_interval);
-    let place = Place::inside(&output);
-    if place.is_taken() && !arguments.resume && !arguments.restart {
-        return Err(Failure::Usage(format!(
-            "{} is left of a run that did not end: --resume goes on from there, --restart throws it away, --output writes \
-             elsewhere",
-            place.file().display()
-        )));
-    }
-    let mut session = if arguments.resume && place.is_taken() {
-        let kept = place.read(&scene, seed)?;
-        let mut simulation = Simulation::resume(&scene, &kept.simulation, place.file())
-            .map_err(|error| Failure::Running(error.to_string()))?;
-        execution.apply(&mut simulation).map_err(|error| Failure::Running(error.to_string()))?;
-        console.note(&format!("going on from step {} of {}", simulation.steps_taken(), place.file().display()));
-        Session::go_on(&scene, seed, simulation, kept.progress, &output, interval)?
-    } else {
-        // A flowing start is the same for all precisions.
-        let (mut simulation, _) = begin(&start, seed, &file, &execution, console)?;
-        simulation.use_precision(scene.solver.precision);
-        if arguments.ledger {
-            simulation.open_ledger();
+    let asked = Asked { arguments, file: &file, seed, output: &output, execution: &execution, findings, console };
+    let _lock = asked.take_folder()?;
+    let steps = asked.steps(&scene);
+    let wish = Wish { resume: arguments.resume, restart: arguments.restart, ledger: arguments.ledger, steps };
+    let mut session = match task(&output, &scene, seed, wish)? {
+        Task::Ended(record) => {
+            // What a process that was killed at its very end has not removed.
+            Place::inside(&output).clear();
+            console.note(&format!("nothing to do: {} holds this run, which has ended", output.display()));
+            console.result(&if arguments.json { record.text } else { record.describe() })?;
+            return Ok(ExitCode::SUCCESS);
         }
-        create_folder(&output)?;
-        place.clear();
-        Session::begin(&scene, seed, simulation, &output, interval)?
+        Task::GoOn => asked.go_on(&scene, steps)?,
+        Task::Begin => {
+            if arguments.resume && RunFiles::inside(&output).any()? {
+                console.note(&format!("{} holds no checkpoint: beginning anew", output.display()));
+            }
+            // A flowing start is the same for all precisions.
+            let (mut simulation, _) = begin(&start, seed, &file, &execution, console)?;
+            simulation.use_precision(scene.solver.precision).map_err(|error| Failure::Usage(error.to_string()))?;
+            let go_on_with = match arguments.time_budget {
+                Some(_) => "--resume with --accuracy 2% in place of --time-budget",
+                None => "--resume",
+            };
+            asked.begin(asked.plan(&scene, &output, Some(go_on_with)), simulation)?
+        }
     };
-    let provenance = |scene: &Scene| Provenance::of_run(scene, &file, seed, &execution);
-    let steps = |scene: &Scene| arguments.steps.unwrap_or_else(|| steps_in(scene.duration, scene.solver.step));
-    let played = session.play(steps(&scene), console);
-    let mut summary = session.summary(provenance(&scene), &output, &played);
-    let mut played = played;
-    let finer = arguments.time_budget.filter(|_| played.is_ok()).and_then(|budget| {
+    let played = session.play(steps, console);
+    let (mut summary, mut ended) = session.finish(played);
+    let finer = arguments.time_budget.filter(|_| ended.is_ok()).and_then(|budget| {
         let left = budget - summary.wall_seconds;
         budget::finer(&scene, summary.wall_seconds, left)
     });
@@ -84,18 +98,108 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
             "a step of {:e} s took {:.1} s; there is time for one of {:e} s",
             scene.solver.step, summary.wall_seconds, finer.solver.step
         ));
-        let (mut simulation, _) = begin(&finer, seed, &file, &execution, console)?;
-        if arguments.ledger {
+        match asked.run_finer(&finer) {
+            Ok(finer) => summary = finer,
+            Err(failure) => ended = Err(failure),
+        }
+    }
+    console.result(&if arguments.json { json(&summary) } else { describe(&summary) })?;
+    ended?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What was asked for.
+struct Asked<'a> {
+    arguments: &'a RunArguments,
+    file: &'a Path,
+    seed: u64,
+    output: &'a Path,
+    execution: &'a Execution,
+    findings: Vec<Finding>,
+    console: &'a Console,
+}
+
+impl<'a> Asked<'a> {
+    /// Takes the output folder for this run alone and clears away what runs that were killed had not finished.
+    fn take_folder(&self) -> Result<FolderLock, Failure> {
+        let lock = FolderLock::take(self.output).map_err(|error| match error {
+            LockError::Taken { .. } => Failure::Usage(error.to_string()),
+            LockError::Write(error) => error.into(),
+        })?;
+        if !lock.holds() {
+            self.console.warn(&format!(
+                "{}: the file system knows no locks; see to it that no other run writes there",
+                self.output.display()
+            ));
+        }
+        RunFiles::inside(self.output).remove_drafts()?;
+        settle_finer(self.output)?;
+        Ok(lock)
+    }
+
+    fn steps(&self, scene: &Scene) -> u64 {
+        self.arguments.steps.unwrap_or_else(|| steps_in(scene.duration, scene.solver.step))
+    }
+
+    fn plan<'s>(&self, scene: &'s Scene, output: &Path, go_on_with: Option<&'static str>) -> Plan<'s> {
+        Plan {
+            scene,
+            seed: self.seed,
+            output: output.into(),
+            shown: self.output.display().to_string(),
+            interval: Duration::from_secs_f64(self.arguments.checkpoint_interval),
+            go_on_with,
+            findings: self.findings.clone(),
+            provenance: Provenance::of_run(scene, self.file, self.seed, self.execution),
+        }
+    }
+
+    fn begin<'s>(&self, plan: Plan<'s>, mut simulation: Simulation) -> Result<Session<'s>, Failure> {
+        if self.arguments.ledger {
             simulation.open_ledger();
         }
-        let mut again = Session::begin(&finer, seed, simulation, &output, interval)?;
-        played = again.play(steps(&finer), console);
-        summary = again.summary(provenance(&finer), &output, &played);
+        Session::begin(plan, simulation)
     }
-    let text = json(&summary);
-    let written = write_whole(&output.join("run.json"), text.as_bytes());
-    console.result(&if arguments.json { text } else { describe(&summary) })?;
-    played?;
-    written?;
-    Ok(ExitCode::SUCCESS)
+
+    /// Goes on from the checkpoint in the output folder; what is asked for must be possible from there.
+    fn go_on<'s>(&self, scene: &'s Scene, steps: u64) -> Result<Session<'s>, Failure> {
+        let place = Place::inside(self.output);
+        let shown = place.file().display();
+        let kept = place.read(scene, self.seed)?;
+        let Progress { steps: taken, framed_at, .. } = kept.progress;
+        // The forces of a last frame are those of the step before it, which a checkpoint does not hold.
+        let least = if framed_at == Some(taken) { taken } else { taken + 1 };
+        if steps < least {
+            return Err(Failure::Usage(format!(
+                "{shown} is {taken} steps into the run, too far for one of {steps}; it stays: give --steps {least} or more, or \
+                 --restart"
+            )));
+        }
+        let mut simulation = Simulation::resume(scene, &kept.simulation, place.file())
+            .map_err(|error| Failure::Running(error.to_string()))?;
+        if self.arguments.ledger && simulation.balance().is_none() {
+            return Err(Failure::Usage(format!(
+                "{shown} is of a run without a ledger, which cannot be opened on the way: leave --ledger out, or give --restart"
+            )));
+        }
+        self.execution.apply(&mut simulation)?;
+        self.console.note(&format!("going on from step {} of {shown}", simulation.steps_taken()));
+        Session::go_on(self.plan(scene, self.output, Some("--resume")), simulation, kept.progress)
+    }
+
+    /// The second run of a time budget: what the first one left stays until this one is complete.
+    fn run_finer(&self, scene: &Scene) -> Result<RunSummary, Failure> {
+        let folder = self.output.join(FINER);
+        create_folder(&folder)?;
+        let played = begin(scene, self.seed, self.file, self.execution, self.console).and_then(|(simulation, _)| {
+            let mut session = self.begin(self.plan(scene, &folder, None), simulation)?;
+            let played = session.play(self.steps(scene), self.console);
+            let (summary, ended) = session.finish(played);
+            ended.map(|()| summary)
+        });
+        let settled = settle_finer(self.output);
+        let summary = played?;
+        settled?;
+        Ok(summary)
+    }
 }

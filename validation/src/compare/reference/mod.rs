@@ -8,7 +8,9 @@
 //! | `series.csv` | observables over time, of each code's first seed |
 //! | `final-state-CODE.csv` | grains at the end, of each code's first seed, to six significant digits |
 //! | `README.md` | how they were made |
+//! | `checksums.csv` | a checksum of each of these tables, so that a change by hand or by damage is seen |
 
+mod checksums;
 mod merge;
 mod missing;
 mod read;
@@ -18,7 +20,7 @@ pub use merge::MergeError;
 pub use missing::{Missing, Wanted};
 pub use read::ReferenceError;
 
-use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source};
+use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source, Timing};
 use makadam::checkpoint::checksum;
 use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -81,6 +83,7 @@ impl Reference {
         Some(CodeRuns {
             code: code.into(),
             source: Source::Recorded,
+            timing: Timing::Recorded,
             provenance,
             forces: self.forces.iter().find(|forces| forces.code == code).cloned(),
             series: self.series.iter().filter(|series| series.code == code).cloned().collect(),
@@ -130,7 +133,7 @@ fn processors(runs: &[&MeasuredRun]) -> String {
 pub fn physics_hash(scene: &Scene) -> String {
     let mut physics = serde_json::to_value(scene).expect("a checked scene holds finite numbers");
     if let Some(table) = physics.as_object_mut() {
-        for key in ["name", "description", "seed", "solver", "compare"] {
+        for key in ["name", "description", "seed", "solver", "watch", "compare"] {
             table.remove(key);
         }
         if let Some(measure) = table.get_mut("measure").and_then(|measure| measure.as_object_mut()) {

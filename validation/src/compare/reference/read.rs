@@ -5,6 +5,7 @@ use super::{
     SeriesLine, final_state_file,
 };
 use crate::observables::Measurement;
+use crate::output::cells::as_meant;
 use makadam::snapshot::Particle;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,12 @@ pub enum ReferenceError {
         file: PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// A table is not the one that was recorded.
+    #[error("{}: not as it was recorded: its checksum is not the one in checksums.csv beside it; restore the file from the repository, or, if the change is meant, delete checksums.csv", file.display())]
+    Changed {
+        /// The file.
+        file: PathBuf,
     },
     /// A line is not what it should be.
     #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record'", file.display())]
@@ -36,8 +43,9 @@ impl Reference {
     /// Reads the references in a folder; `None` if there is no `runs.csv`.
     ///
     /// # Errors
-    /// [`ReferenceError`] if a file is missing or a line is wrong.
+    /// [`ReferenceError`] if a file is missing or not as it was recorded, or a line is wrong.
     pub fn load(folder: &Path) -> Result<Option<Reference>, ReferenceError> {
+        super::checksums::check(folder)?;
         Reference::read(folder, &|file| std::fs::read(file))
     }
 
@@ -197,7 +205,9 @@ fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<Vec<(u64, T)>, (u64, Strin
                 return Err((line, format!("'{field}' in column {name} is not a finite number")));
             }
         }
-        lines.push((line, record.deserialize(Some(&headers)).map_err(failed)?));
+        let mut meant: csv::StringRecord = record.iter().map(as_meant).collect();
+        meant.set_position(record.position().cloned());
+        lines.push((line, meant.deserialize(Some(&headers)).map_err(failed)?));
     }
     Ok(lines)
 }

@@ -32,6 +32,7 @@ pub(super) fn sample() -> (Scene, Reference) {
         let runs = |factor| CodeRuns {
             code: code.into(),
             source: Source::Live,
+            timing: crate::compare::Timing::SideBySide,
             provenance: String::new(),
             runs: vec![run(code, 1, factor), run(code, 2, factor)],
             stiff_runs: Vec::new(),
@@ -124,6 +125,7 @@ fn a_bad_line_is_named() {
     let (scene, reference) = sample();
     let folder = tempfile::tempdir().unwrap();
     reference.save(&scene, folder.path()).unwrap();
+    std::fs::remove_file(folder.path().join("checksums.csv")).unwrap();
     let file = folder.path().join("measurements.csv");
     let text = std::fs::read_to_string(&file).unwrap();
     let spoil = |from: &str, to: &str| {
@@ -147,4 +149,53 @@ fn nothing_recorded_is_no_error() {
     assert_eq!(Reference::load(folder.path()).unwrap(), None);
     assert_eq!(Reference::folder(Path::new("a/scene.toml")), Path::new("a/reference"));
     assert_eq!(Reference::folder(Path::new("a/smoke.toml")), Path::new("a/smoke-reference"));
+}
+
+#[test]
+fn a_number_that_was_changed_by_hand_is_seen_in_every_table() {
+    let (scene, reference) = sample();
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    reference.save(&scene, folder).unwrap();
+    assert_eq!(
+        Reference::load(folder).unwrap().unwrap(),
+        Reference::read(folder, &|file| std::fs::read(file)).unwrap().unwrap()
+    );
+    let refused = |name: &str| {
+        let message = Reference::load(folder).unwrap_err().to_string();
+        assert!(message.contains(name) && message.contains("checksums.csv"), "{message}");
+    };
+    for name in ["runs.csv", "measurements.csv", "forces.csv", "series.csv", "final-state-yade.csv"] {
+        let text = std::fs::read_to_string(folder.join(name)).unwrap();
+        let digit = text.rfind(|c: char| c.is_ascii_digit()).unwrap();
+        let other = if &text[digit..=digit] == "1" { "2" } else { "1" };
+        std::fs::write(folder.join(name), format!("{}{other}{}", &text[..digit], &text[digit + 1..])).unwrap();
+        refused(name);
+        // Lines may end as another system ends them.
+        std::fs::write(folder.join(name), text.replace('\n', "\r\n")).unwrap();
+        Reference::load(folder).unwrap();
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    std::fs::write(folder.join("final-state-other.csv"), "id\n").unwrap();
+    refused("final-state-other.csv");
+    std::fs::remove_file(folder.join("final-state-other.csv")).unwrap();
+    std::fs::write(folder.join("checksums.csv"), "something else\n").unwrap();
+    refused("not a list");
+    std::fs::remove_file(folder.join("checksums.csv")).unwrap();
+    Reference::load(folder).unwrap();
+}
+
+#[test]
+fn every_recorded_reference_of_the_repository_has_its_checksums() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes");
+    let mut checked = 0;
+    for scene in std::fs::read_dir(scenes).unwrap() {
+        let folder = scene.unwrap().path().join("reference");
+        if folder.join("runs.csv").is_file() {
+            assert!(folder.join("checksums.csv").is_file(), "{} has no checksums.csv", folder.display());
+            Reference::load(&folder).unwrap_or_else(|error| panic!("{error}"));
+            checked += 1;
+        }
+    }
+    assert!(checked >= 10, "{checked}");
 }

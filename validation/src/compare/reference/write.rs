@@ -4,6 +4,7 @@ use super::{
     FORCE_COLUMNS, ForceLine, GRAIN_COLUMNS, MEASUREMENT_COLUMNS, MeasuredRun, MeasurementLine, RUN_COLUMNS, Reference,
     RunLine, SERIES_COLUMNS, SeriesLine, days, final_state_file, processors,
 };
+use crate::output::cells::without_formulas;
 use crate::output::{WriteError, create_folder, write_whole};
 use makadam::scene::Scene;
 use serde::Serialize;
@@ -50,7 +51,8 @@ impl Reference {
             }
             write_whole(&folder.join(final_state_file(&state.code)), text.as_bytes())?;
         }
-        write_whole(&folder.join("README.md"), self.account(scene).as_bytes())
+        write_whole(&folder.join("README.md"), self.account(scene).as_bytes())?;
+        super::checksums::write(folder)
     }
 
     /// How the numbers were made, for people.
@@ -145,5 +147,5 @@ fn to_csv<T: Serialize>(columns: &[&str], lines: impl Iterator<Item = T>) -> Vec
     for line in lines {
         writer.serialize(line).expect("numbers and text can be written to memory");
     }
-    writer.into_inner().expect("memory can be flushed")
+    without_formulas(writer.into_inner().expect("memory can be flushed"))
 }

@@ -3,7 +3,7 @@
 use super::super::Case;
 use super::law;
 use crate::stability::{GRAVITY, Sketch};
-use makadam::scene::{Motion, Population, RadiusDistribution, Region, Scene, Shape, Wall};
+use makadam::scene::{Motion, Population, RadiusDistribution, Reaction, Region, Scene, Shape, Wall};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Mean diameter of the grains, m.
@@ -115,6 +115,8 @@ fn lifted([radius, height]: [f64; 2], part: Part, lift: f64, reach: f64, until: 
             tube,
         )
         .with(|scene| {
+            // Single grains may roll away; what the deposit is stands in the rows.
+            scene.watch.on_escape = Reaction::Ignore;
             // The tube slides off without a pull.
             scene.material.get_mut("wall").expect("a sketch has it").friction = 0.0;
             let grains = scene.material.get_mut("grain").expect("a sketch has it");

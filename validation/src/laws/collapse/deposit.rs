@@ -2,6 +2,7 @@
 
 use super::column::{DIAMETER, Part};
 use crate::observables::setting::Setting;
+use crate::observables::static_angle::HeapFields;
 use crate::observables::{close_pairs, static_angle};
 use crate::stability::GRAVITY;
 use makadam::scene::Scene;
@@ -128,7 +129,9 @@ pub(super) fn holding(frame: &Snapshot, share: f64) -> f64 {
 
 /// Inclination of a heap's flank ([`static_angle`]), degrees; not a number where there is none.
 pub(super) fn angle_of_repose(scene: &Scene, frame: &Snapshot) -> f64 {
-    let found = static_angle::measure(&Setting::new(scene, frame), &[frame]);
+    let setting = Setting::new(scene, frame);
+    let Ok(fields) = HeapFields::new(&setting, &[frame][..]);
+    let found = fields.map_or_else(Vec::new, |fields| static_angle::measure(&setting, &fields));
     found.first().map_or(f64::NAN, |angle| angle.value)
 }
 

@@ -82,6 +82,7 @@ impl Code for Liggghts {
             arguments: &["-in", "deck.in", "-log", "engine.log", "-nocite"].map(OsString::from),
             folder,
             log: log.clone(),
+            own_logs: std::slice::from_ref(&engine_log),
             limit: job.time_limit,
             watch: &|| {
                 if let Some(step) = last_step(&engine_log) {

@@ -275,7 +275,7 @@ pub fn recordings() -> Vec<Vec<u8>> {
         simulated_seconds: 0.2,
         frames: vec![frame(0.1), frame(0.15), frame(0.2)],
     };
-    vec![postcard::to_stdvec(&recording).expect("numbers and text")]
+    vec![recording.to_bytes()]
 }
 
 /// Radii of the grains of YADE's frames, m.
@@ -390,6 +390,7 @@ pub fn kept() -> KeptRun {
         },
         build: Build {
             version: "0.2.0".into(),
+            build: "0.2.0-0123456789abcdef".into(),
             commit: "1a2b3c4d".into(),
             dirty: Some(false),
             compiler: "rustc".into(),

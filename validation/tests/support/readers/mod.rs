@@ -112,12 +112,9 @@ fn steps_stay_finite(simulation: &mut Simulation) {
 
 /// A checkpoint as it is, and once more with length and checksum made to fit, so that damage gets past the envelope.
 fn checkpoint(bytes: &[u8]) -> bool {
-    const HEAD: usize = 24;
     static SMALL: LazyLock<Scene> = LazyLock::new(|| documents::scene(SMALL_SCENE));
     let (small, file) = (&*SMALL, Path::new("fuzzed.state"));
-    let sound = documents::checkpoints().swap_remove(0);
-    let mark: [u8; 8] = std::array::from_fn(|place| sound[place]);
-    let fitted = seal(mark, bytes.get(HEAD..).unwrap_or(bytes));
+    let fitted = fitted(&documents::checkpoints().swap_remove(0), bytes);
     let mut accepted = false;
     for bytes in [bytes, &fitted] {
         for read in [Simulation::resume, Simulation::start_from] {
@@ -138,8 +135,21 @@ fn checkpoint(bytes: &[u8]) -> bool {
     accepted
 }
 
-/// A recording, and all that can be measured of it: as one of a drum, of a heap, and of a bed in a box.
+/// Bytes with the mark of a sound document, and length and checksum made to fit, so that damage gets past the envelope.
+fn fitted(sound: &[u8], bytes: &[u8]) -> Vec<u8> {
+    const HEAD: usize = 24;
+    let mark: [u8; 8] = std::array::from_fn(|place| sound[place]);
+    seal(mark, bytes.get(HEAD..).unwrap_or(bytes))
+}
+
+/// A recording as it is, and once more made to fit, and all that can be measured of it: as one of a drum, of a heap, and of a
+/// bed in a box.
 fn recording(bytes: &[u8]) -> bool {
+    let fitted = fitted(&documents::recordings().swap_remove(0), bytes);
+    [bytes, &fitted].into_iter().filter(|bytes| recording_as_it_is(bytes)).count() > 0
+}
+
+fn recording_as_it_is(bytes: &[u8]) -> bool {
     static SCENES: LazyLock<[Scene; 3]> = LazyLock::new(|| [WALLED_SCENE, HEAP_SCENE, BED_SCENE].map(documents::scene));
     match Recording::parse(bytes) {
         Ok(recording) => {

@@ -1,0 +1,87 @@
+//! What a ledger says when it is asked.
+
+use crate::Simulation;
+use crate::energy::Energy;
+use serde::{Deserialize, Serialize};
+
+/// Energy (J) and momentum (kg m/s) since the ledger was opened.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Balance {
+    /// Energy at the start; potential energy half a step earlier, as in `end`.
+    pub start: Energy,
+    /// Energy at the end.
+    pub end: Energy,
+    /// Lost to friction.
+    pub friction: f64,
+    /// Lost to resistance against rolling and twisting.
+    #[serde(default)]
+    pub resistance: f64,
+    /// Lost in impacts.
+    pub restitution: f64,
+    /// Lost to the stabilisation of contacts at rest; negative where it gives.
+    pub stabilisation: f64,
+    /// Gained from what contacts store when they first touch, or first come within the range of cohesion.
+    pub first_touch: f64,
+    /// Gained from normals that turned, and surfaces that curve, while contacts stored energy.
+    #[serde(default)]
+    pub turning: f64,
+    /// Lost from contacts that ended while they stored energy.
+    #[serde(default)]
+    pub let_go: f64,
+    /// Gained from what walls did within a step besides going on straight along the normals of their contacts.
+    #[serde(default)]
+    pub wall_paths: f64,
+    /// Work of the walls on the grains.
+    pub walls: f64,
+    /// Potential energy that grains gained where they were, because gravity changed.
+    #[serde(default)]
+    pub changing_gravity: f64,
+    /// Energy at the end that is not accounted for.
+    pub closure: f64,
+    /// Momentum at the start.
+    pub momentum_start: [f64; 3],
+    /// Momentum at the end.
+    pub momentum_end: [f64; 3],
+    /// Impulse of gravity.
+    pub gravity_impulse: [f64; 3],
+    /// Impulse of the walls.
+    pub wall_impulse: [f64; 3],
+    /// Momentum at the end that is not accounted for.
+    pub momentum_closure: [f64; 3],
+}
+
+impl Balance {
+    /// All that was lost, J.
+    pub fn lost(&self) -> f64 {
+        self.friction + self.resistance + self.restitution + self.stabilisation + self.let_go
+    }
+
+    /// All that was gained, J.
+    pub fn gained(&self) -> f64 {
+        self.walls + self.first_touch + self.turning + self.wall_paths + self.changing_gravity
+    }
+
+    /// What was exchanged, J: the sizes of all entries. It is what `closure` compares with.
+    pub fn exchanged(&self) -> f64 {
+        let lost = [self.friction, self.resistance, self.restitution, self.stabilisation, self.let_go];
+        let gained = [self.walls, self.first_touch, self.turning, self.wall_paths, self.changing_gravity];
+        lost.iter().chain(&gained).map(|entry| entry.abs()).sum()
+    }
+}
+
+impl Simulation {
+    /// Momentum of the grains, kg m/s.
+    pub fn momentum(&self) -> [f64; 3] {
+        let bodies = &self.world.bodies[..self.world.grains()];
+        let momentum = |axis: usize| bodies.iter().map(|body| body.velocity[axis] / body.inverse_mass).sum();
+        [momentum(0), momentum(1), momentum(2)]
+    }
+
+    /// Energy with the potential energy of grains half a step earlier, at `x - h v/2`: without contacts no step changes it.
+    pub(crate) fn energy_half_a_step_earlier(&self) -> Energy {
+        let mut energy = self.energy();
+        let (momentum, half) = (self.momentum(), 0.5 * self.settings.step);
+        energy.potential += half * (0..3).map(|axis| self.world.gravity[axis] * momentum[axis]).sum::<f64>();
+        energy
+    }
+}

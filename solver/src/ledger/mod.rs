@@ -1,0 +1,310 @@
+//! The ledger of energy and momentum: where both come from and where they go.
+//!
+//! A step changes velocities from v to v' by gravity and by impulses P at contacts. With the mean m = (v + v')/2 of any relative
+//! velocity, the kinetic energy changes by exactly `sum P . m` over contacts plus `h f . m` over bodies, the latter of which is
+//! what the potential energy loses where grains are taken half a step earlier, at `x - h v/2`. So nothing is estimated but
+//! the split of the work along normals,
+//!
+//! ```text
+//! lambda_n m_n = -(gain of stored energy) - (loss)          stored energy at the overlaps d and d - h u_n'
+//! ```
+//!
+//! whose loss goes to restitution where the contact is an impact or the step resolves it, and to stabilisation elsewhere.
+//! Stored is elastic energy, and the potential energy of cohesion.
+//!
+//! `d - h u_n'` is the overlap to which the velocity of the step leads along the normal at its start. Grains move on straight
+//! lines, so at the end the overlap is another one. For each contact the ledger compares what it expects to be stored with
+//! what is, and enters the difference by its cause, so that it closes to rounding:
+//!
+//! - first touch: a contact that stored nothing at the start of the step stores something at its end, and no force has worked
+//!   for it, because none acts across a gap. It is what a long step adds to fast impacts; restitution takes most of it away.
+//! - turning: the two moved across their normal too, which turns with them, or along a surface that curves.
+//! - let go: the contact is no more, though it stored something: the grain has come over the rim of a disc.
+//! - wall paths: a wall did not go on straight along the normal for the whole step: it turned, started, stopped or moved across.
+//!   It is the difference between the overlap with the face as it stands in the end and the one with the face at the start,
+//!   put forward along the normal at the velocity with which it took part in the solve.
+
+mod balance;
+mod stored;
+mod walls;
+
+pub use balance::Balance;
+#[allow(unused_imports)] // For those who will book any.
+pub(crate) use walls::WallImpulse;
+
+use crate::Simulation;
+use crate::detect::Candidates;
+use crate::effects::cohesion::Pull;
+use crate::effects::compliance::{NormalContact, NormalScheme};
+use crate::energy::{Energy, pair_as_it_is, wall_as_it_is};
+use crate::groups::ContactLanes;
+use crate::lanes::{Eight, cross, dot, minus, plus, times};
+use crate::partition::TaskGroups;
+use crate::world::World;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use stored::{Expectations, Expected, Stored};
+
+/// A ledger that is kept from step to step.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Ledger {
+    start: Energy,
+    momentum_start: [f64; 3],
+    entries: Entries,
+    /// What contacts stored at the end of the last step.
+    stored: Stored,
+    /// Whether there was no candidate list yet, so that nobody knew what contacts stored, when the ledger was opened.
+    unlisted: bool,
+    /// Number of the candidate list that the last step went by.
+    #[serde(skip)]
+    list: u64,
+    /// What contacts should store at the end of the step.
+    #[serde(skip)]
+    expectations: Expectations,
+    /// Surface speeds at the start of the step, by place.
+    #[serde(skip)]
+    surface_speeds: Vec<[f64; 3]>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Entries {
+    friction: f64,
+    resistance: f64,
+    restitution: f64,
+    stabilisation: f64,
+    first_touch: f64,
+    turning: f64,
+    let_go: f64,
+    wall_paths: f64,
+    walls: f64,
+    changing_gravity: f64,
+    gravity_impulse: [f64; 3],
+    wall_impulse: [f64; 3],
+}
+
+/// Velocities at a contact before and after the solve, by side: grain, or wall.
+struct Passage {
+    before: [f64; 3],
+    after: [f64; 3],
+}
+
+impl Ledger {
+    /// Opens a ledger at the present state.
+    pub fn open(simulation: &Simulation) -> Ledger {
+        let (start, momentum_start) = (simulation.energy_half_a_step_earlier(), simulation.momentum());
+        let stored = Stored { elastic: start.elastic, cohesive: start.cohesive };
+        let unlisted = simulation.candidates.built_from().is_none();
+        Ledger { start, momentum_start, stored, unlisted, ..Ledger::default() }
+    }
+
+    /// Notes the state at the start of a step, after grains were put in order and before anything acts on them.
+    pub fn begin(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
+        self.surface_speeds.clear();
+        self.surface_speeds.extend(world.bodies.iter().map(|body| body.surface_speed));
+        if self.list == candidates.rebuilds && !self.unlisted {
+            return;
+        }
+        // A new list may know of contacts that the one before did not.
+        self.list = candidates.rebuilds;
+        let stored = Stored::of_all(world, candidates, scheme.law);
+        if std::mem::take(&mut self.unlisted) {
+            (self.start.elastic, self.start.cohesive) = (stored.elastic, stored.cohesive);
+        } else {
+            self.entries.first_touch += stored.total() - self.stored.total();
+        }
+        self.stored = stored;
+    }
+
+    /// Notes that gravity is no longer what it was `before` (m/s2), after a step of length `h` (s) has moved the grains.
+    pub fn change_gravity(&mut self, world: &World, before: Vector3<f64>, h: f64) {
+        self.entries.changing_gravity += work_of_changing_gravity(world, before, h);
+    }
+
+    /// Notes what a step's impulses did, before the grains move.
+    pub fn note(&mut self, simulation: &Simulation, scheme: &NormalScheme) {
+        let Simulation { world, candidates, layout, .. } = simulation;
+        self.expectations.restart(world, candidates, scheme.step);
+        for body in &world.bodies[..world.grains()] {
+            for axis in 0..3 {
+                self.entries.gravity_impulse[axis] += world.gravity[axis] * scheme.step / body.inverse_mass;
+            }
+        }
+        for (_, task) in layout.tasks() {
+            self.torques_of_pairs(world, task);
+            for (number, (group, sources)) in task.pairs.iter().zip(&task.pair_sources).enumerate() {
+                for (lane, source) in sources.occupied() {
+                    let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
+                    let normal = group.contacts.normal(lane);
+                    let (first, second) = (self.passage(world, i, normal, 1.0), self.passage(world, j, normal, -1.0));
+                    let before = minus(second.before, first.before);
+                    let after = minus(second.after, first.after);
+                    let (contact, pull) = pair_as_it_is(world, &candidates.pairs[source]);
+                    let contact = NormalContact { velocity: dot(normal, before), ..contact };
+                    let borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
+                    self.expectations.pairs[source] = self.contact(&borne, contact, pull, [before, after], scheme);
+                }
+            }
+        }
+        simulation.for_each_wall_contact(|one| {
+            let (place, candidate) = (one.candidate.body as usize, &one.candidate);
+            let normal = one.group.contacts.normal(one.lane);
+            let grain = self.passage(world, place, normal, 1.0);
+            let [before, after] = one.velocities;
+            let pose = &self.expectations.poses[candidate.surface as usize];
+            let approach = minus(minus(before, pose.gain().into()), grain.before);
+            let distance = pose.distance(&world.spheres[place].centre);
+            let (contact, pull) = wall_as_it_is(world, candidate, distance);
+            let contact = NormalContact { velocity: dot(normal, approach), ..contact };
+            let borne =
+                Borne { normal, along: one.along(), tangential: one.group.contacts.tangential_impulse(one.lane) };
+            let passages = [minus(before, grain.before), minus(after, grain.after)];
+            let expected = self.contact(&borne, contact, pull, passages, scheme);
+            self.expectations.walls[one.source] = expected;
+            self.expectations.advances[one.source] = times(normal, scheme.step * dot(normal, after));
+            self.entries.resistance -= dot(one.angular_impulse, minus(one.mean_spin(), self.mean_spin(world, place)));
+            // The grain bears the opposite.
+            self.entries.walls += one.work();
+            self.entries.wall_impulse = minus(self.entries.wall_impulse, one.impulse());
+        });
+    }
+
+    /// Compares what contacts store once grains and walls have moved with what was expected.
+    pub fn settle(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
+        let Ledger { entries, expectations, stored, .. } = self;
+        let mut differences = stored::Differences::default();
+        *stored = expectations.compare(world, candidates, scheme.law, &mut differences);
+        entries.first_touch += differences.first_touch;
+        entries.turning += differences.turning;
+        entries.let_go += differences.let_go;
+        entries.wall_paths += differences.wall_paths;
+    }
+
+    /// Mean angular velocity of a grain over the step, rad/s.
+    fn mean_spin(&self, world: &World, place: usize) -> [f64; 3] {
+        let (before, body) = (self.surface_speeds[place], &world.bodies[place]);
+        times(plus(before, body.surface_speed), 0.5 * body.inverse_radius)
+    }
+
+    /// Enters the work of the torques of a task's pairs.
+    fn torques_of_pairs(&mut self, world: &World, task: &TaskGroups) {
+        for ((group, sources), torques) in task.pairs.iter().zip(&task.pair_sources).zip(&task.pair_torques) {
+            for (lane, _) in sources.occupied() {
+                let mean = |place: u32| self.mean_spin(world, place as usize);
+                let turning = minus(mean(group.second[lane]), mean(group.first[lane]));
+                self.entries.resistance -= dot(torques.angular_impulse(lane), turning);
+            }
+        }
+    }
+
+    /// Velocity of a grain at its contact; the surface moves with `s x n` on the first side and against it on the second.
+    fn passage(&self, world: &World, place: usize, normal: [f64; 3], side: f64) -> Passage {
+        let body = &world.bodies[place];
+        let [x, y, z, _] = world.before[place].0;
+        let surface = |speed: [f64; 3]| times(cross(speed, normal), side);
+        Passage {
+            before: plus([x, y, z], surface(self.surface_speeds[place])),
+            after: plus(body.velocity, surface(body.surface_speed)),
+        }
+    }
+
+    /// Enters one contact as it was at the start of the step, given its relative velocities before and after; returns what it should
+    /// store at the end.
+    fn contact(
+        &mut self,
+        borne: &Borne,
+        contact: NormalContact<f64>,
+        pull: Pull,
+        [before, after]: [[f64; 3]; 2],
+        scheme: &NormalScheme,
+    ) -> Expected {
+        let Borne { normal, along, tangential } = *borne;
+        let mean = times(plus(before, after), 0.5);
+        let entries = &mut self.entries;
+        entries.friction -= dot(tangential, mean);
+        let later = NormalContact { overlap: contact.overlap - scheme.step * dot(normal, after), ..contact };
+        let (now, then) = (Stored::of(&contact, &pull, scheme.law), Stored::of(&later, &pull, scheme.law));
+        // Across a gap nothing works for what will be stored.
+        let expected = Expected {
+            elastic: (contact.overlap > 0.0).then_some(then.elastic),
+            cohesive: (-contact.overlap <= pull.range).then_some(then.cohesive),
+        };
+        let gained = expected.elastic.map_or(0.0, |then| then - now.elastic)
+            + expected.cohesive.map_or(0.0, |then| then - now.cohesive);
+        let loss = -along * dot(normal, mean) - gained;
+        let impact = contact.velocity < -scheme.restitution_threshold;
+        match impact || contact.constraint(scheme).resolves_impact {
+            true => entries.restitution += loss,
+            false => entries.stabilisation += loss,
+        }
+        expected
+    }
+}
+
+/// Impulses of one contact: its net normal impulse, with what cohesion pulled, and the tangential one, N s.
+struct Borne {
+    normal: [f64; 3],
+    along: f64,
+    tangential: [f64; 3],
+}
+
+impl Borne {
+    fn of(lanes: &ContactLanes, lane: usize, pulls: Option<&Eight>) -> Borne {
+        Borne {
+            normal: lanes.normal(lane),
+            along: lanes.normal_impulse(lane) - pulls.map_or(0.0, |pulls| pulls.0[lane]),
+            tangential: lanes.tangential_impulse(lane),
+        }
+    }
+}
+
+/// Potential energy (J) that grains gain where they are because gravity is no longer what it was `before` (m/s2), after a step of
+/// length `h` (s) has moved them; half a step earlier, as all potential energy in a ledger.
+pub(crate) fn work_of_changing_gravity(world: &World, before: Vector3<f64>, h: f64) -> f64 {
+    let change = world.gravity - before;
+    if change == Vector3::zeros() {
+        return 0.0;
+    }
+    let grains = world.spheres[..world.grains()].iter().zip(&world.bodies);
+    grains
+        .map(|(sphere, body)| {
+            let place = sphere.centre - Vector3::from(body.velocity) * (0.5 * h);
+            -change.dot(&place) / body.inverse_mass
+        })
+        .sum()
+}
+
+impl Simulation {
+    /// Keeps a ledger from here on; costs about a fifth of a step of ten sweeps.
+    pub fn open_ledger(&mut self) {
+        self.ledger = Some(Ledger::open(self));
+    }
+
+    /// The balance since the ledger was opened; absent if it was not.
+    pub fn balance(&self) -> Option<Balance> {
+        let Ledger { start, momentum_start, entries, .. } = self.ledger.as_ref()?;
+        let (end, momentum_end) = (self.energy_half_a_step_earlier(), self.momentum());
+        let balance = Balance {
+            start: *start,
+            end,
+            friction: entries.friction,
+            resistance: entries.resistance,
+            restitution: entries.restitution,
+            stabilisation: entries.stabilisation,
+            first_touch: entries.first_touch,
+            turning: entries.turning,
+            let_go: entries.let_go,
+            wall_paths: entries.wall_paths,
+            walls: entries.walls,
+            changing_gravity: entries.changing_gravity,
+            closure: 0.0,
+            momentum_start: *momentum_start,
+            momentum_end,
+            gravity_impulse: entries.gravity_impulse,
+            wall_impulse: entries.wall_impulse,
+            momentum_closure: std::array::from_fn(|axis| {
+                momentum_end[axis] - momentum_start[axis] - entries.gravity_impulse[axis] - entries.wall_impulse[axis]
+            }),
+        };
+        Some(Balance { closure: end.total() - start.total() - balance.gained() + balance.lost(), ..balance })
+    }
+}

@@ -1,0 +1,183 @@
+//! What walls bore in the last step, contact by contact, and the work that they did.
+
+use crate::Simulation;
+use crate::detect::WallCandidate;
+use crate::groups::WallGroup;
+use crate::lanes::{dot, minus, plus, times};
+use nalgebra::Vector3;
+
+/// A contact with a wall as the last step laid it out and solved it.
+pub(crate) struct WallContact<'a> {
+    /// Place of the candidate in the list.
+    pub source: usize,
+    pub candidate: WallCandidate,
+    pub group: &'a WallGroup,
+    pub lane: usize,
+    /// What cohesion pulled, N s.
+    pub pull: f64,
+    /// Angular impulse on the wall, N m s.
+    pub angular_impulse: [f64; 3],
+    /// Velocities of the wall at the contact when the step began and in the end, m/s: two only where it is driven.
+    pub velocities: [[f64; 3]; 2],
+    /// Angular velocities of the wall, as above, rad/s.
+    pub spins: [[f64; 3]; 2],
+}
+
+impl WallContact<'_> {
+    /// Normal impulse on the wall, less what cohesion pulled, N s.
+    pub fn along(&self) -> f64 {
+        self.group.contacts.normal_impulse(self.lane) - self.pull
+    }
+
+    /// Impulse on the wall, N s.
+    pub fn impulse(&self) -> [f64; 3] {
+        let contacts = &self.group.contacts;
+        plus(times(contacts.normal(self.lane), self.along()), contacts.tangential_impulse(self.lane))
+    }
+
+    /// Mean angular velocity of the wall over the step, rad/s.
+    pub fn mean_spin(&self) -> [f64; 3] {
+        times(plus(self.spins[0], self.spins[1]), 0.5)
+    }
+
+    /// Work of the wall on the grain, J.
+    pub fn work(&self) -> f64 {
+        let velocity = times(plus(self.velocities[0], self.velocities[1]), 0.5);
+        -dot(self.impulse(), velocity) - dot(self.angular_impulse, self.mean_spin())
+    }
+}
+
+/// An impulse that a wall gives a grain outside of the solve.
+///
+/// Velocities are those of the wall's point less those of the grain's surface there.
+pub(crate) struct WallImpulse {
+    /// Mass of the grain, kg.
+    pub mass: f64,
+    /// Unit normal from the grain to the wall.
+    pub normal: [f64; 3],
+    /// Relative velocity before the impulse, after the solve, m/s.
+    pub before: [f64; 3],
+    /// Relative velocity after it, m/s.
+    pub after: [f64; 3],
+    /// The impulse on the grain, N s.
+    pub impulse: [f64; 3],
+    /// Velocity of the wall at the contact, m/s.
+    pub wall_velocity: [f64; 3],
+    /// By how much the grain ends the step elsewhere than where its velocity after the impulse takes it from the start of the
+    /// step, `x' - x - h v'`, m.
+    pub shift: [f64; 3],
+}
+
+impl Simulation {
+    /// Goes through the contacts with walls of the last step.
+    pub(crate) fn for_each_wall_contact(&self, mut visit: impl FnMut(&WallContact<'_>)) {
+        let Simulation { world, candidates, layout, .. } = self;
+        // Contacts with driven walls are listed in the order in which they are met here.
+        let mut driven = layout.driven.iter().filter(|_| !world.drives.is_empty()).peekable();
+        for task in layout.plan.tasks() {
+            let groups = &layout.groups[task.number as usize];
+            for (number, (group, sources)) in groups.walls.iter().zip(&groups.wall_sources).enumerate() {
+                let (pulls, torques) = (groups.wall_pulls.get(number), groups.wall_torques.get(number));
+                for (lane, source) in sources.occupied() {
+                    let after = std::array::from_fn(|axis| group.wall_velocity[axis].0[lane]);
+                    let spin = torques.map_or([0.0; 3], |lanes| [0, 1, 2].map(|axis| lanes.wall_spin[axis].0[lane]));
+                    let own = driven.next_if(|one| {
+                        (one.task, one.group as usize, one.lane as usize) == (task.number, number, lane)
+                    });
+                    // A driven wall has another velocity before its impulses.
+                    let (before, spin_before) = own.map_or((after, spin), |one| {
+                        let drive = &world.drives[one.drive as usize];
+                        let turning = if torques.is_some() { drive.turning() } else { Vector3::zeros() };
+                        (times(one.jacobian, drive.rate_before), (turning * drive.rate_before).into())
+                    });
+                    visit(&WallContact {
+                        source,
+                        candidate: candidates.walls[source],
+                        group,
+                        lane,
+                        pull: pulls.map_or(0.0, |pulls| pulls.0[lane]),
+                        angular_impulse: torques.map_or([0.0; 3], |lanes| lanes.torques.angular_impulse(lane)),
+                        velocities: [before, after],
+                        spins: [spin_before, spin],
+                    });
+                }
+            }
+        }
+    }
+
+    /// Work of the walls on the grains in the last step, J.
+    pub(crate) fn work_of_walls(&self) -> f64 {
+        let mut work = self.work_outside_of_the_solve;
+        if self.world.surfaces.iter().any(|surface| surface.moves()) {
+            self.for_each_wall_contact(|contact| work += contact.work());
+        }
+        work
+    }
+
+    /// Takes account of an impulse that a wall gives a grain once the ledger has noted the solve, and before the grains have moved:
+    /// its work, for ledger and watchdogs, and what of it goes to restitution and friction.
+    pub(crate) fn book_wall_impulse(&mut self, one: &WallImpulse) {
+        let WallImpulse { mass, normal, before, after, impulse, wall_velocity, shift } = *one;
+        let (gravity, h) = (<[f64; 3]>::from(self.world.gravity), self.settings.step);
+        let work = dot(impulse, wall_velocity);
+        self.work_outside_of_the_solve += work;
+        let Some(ledger) = &mut self.ledger else { return };
+        let entries = &mut ledger.entries;
+        // As in all contacts, what gravity gave in this step does not count before.
+        let mean = times(plus(plus(before, after), times(gravity, h)), 0.5);
+        let along = dot(normal, impulse);
+        entries.walls += work;
+        entries.restitution += along * dot(normal, mean);
+        entries.friction += dot(minus(impulse, times(normal, along)), mean);
+        entries.stabilisation += mass * dot(gravity, shift);
+        entries.wall_impulse = plus(entries.wall_impulse, impulse);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    #[test]
+    fn an_impulse_outside_of_the_solve_is_accounted_for() {
+        let text = "name = 'a'\ndescription = 'a'\nduration = 1.0\ngravity = [1.0, 0.0, -9.0]\n\
+                    domain = { min = [-1, -1, -1], max = [1, 1, 1] }\n\
+                    [material.grain]\ndensity = 2500.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\n\
+                    restitution = 0.5\n[[grain]]\nmaterial = 'grain'\nradius = 0.01\nposition = [0, 0, 0]\n\
+                    velocity = [0.5, 0.0, -1.0]\nspin = [3.0, 2.0, 1.0]\n";
+        let file = Path::new("test.toml");
+        let mut simulation = Simulation::new(&Scene::parse(text, file).unwrap(), 1, file).unwrap();
+        simulation.open_ledger();
+        simulation.step();
+        // A wall that comes up at 2 m/s hits the grain from below, and turns it.
+        let (normal, wall, impulse) = ([0.0, 0.0, -1.0], [0.0, 0.3, 2.0], [-0.002, 0.001, 0.04]);
+        let (h, body) = (simulation.settings.step, &mut simulation.world.bodies[0]);
+        let (old, mass) = (*body, 1.0 / body.inverse_mass);
+        body.velocity = plus(body.velocity, times(impulse, body.inverse_mass));
+        let turned = times(crate::lanes::cross(normal, impulse), 2.5 * body.inverse_mass);
+        body.surface_speed = plus(body.surface_speed, turned);
+        let relative = |body: &crate::world::Body| {
+            minus(wall, plus(body.velocity, crate::lanes::cross(body.surface_speed, normal)))
+        };
+        let booked = WallImpulse {
+            mass,
+            normal,
+            before: relative(&old),
+            after: relative(body),
+            impulse,
+            wall_velocity: wall,
+            shift: times(minus(old.velocity, body.velocity), h),
+        };
+        simulation.book_wall_impulse(&booked);
+        let balance = simulation.balance().unwrap();
+        assert!((balance.walls - dot(impulse, wall)).abs() < 1e-15 && balance.restitution > 0.0, "{balance:#?}");
+        assert!(balance.closure.abs() < 1e-12 * balance.exchanged(), "{balance:#?}");
+        assert!(balance.momentum_closure.iter().all(|open| open.abs() < 1e-15), "{balance:#?}");
+        assert_eq!(simulation.work_of_walls(), balance.walls);
+        simulation.step();
+        assert!(simulation.balance().unwrap().closure.abs() < 1e-12 * balance.exchanged());
+        assert_eq!(simulation.work_of_walls(), 0.0);
+    }
+}

@@ -1,0 +1,99 @@
+//! Whether a scene can be carried out with its settings, told before it runs: see `docs/scene-checks.md`.
+//!
+//! An error is what cannot be carried out as it is said, and is refused wherever a scene is read or simulated. A warning is what
+//! is expected to go wrong, by laws whose constants were measured.
+
+mod bed;
+mod held;
+mod impact;
+mod memory;
+mod motion;
+mod ray;
+mod shear;
+mod vain;
+
+use super::Scene;
+use super::error::{Fault, SceneError};
+use super::populate::placed;
+use bed::Bed;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::path::Path;
+
+pub(super) use motion::longest_step;
+
+/// How bad a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// The scene cannot be carried out as it is said: it is refused.
+    Error,
+    /// The scene runs, and is expected to go wrong, or says something that has no effect.
+    Warning,
+}
+
+/// Something that a scene cannot bear with its settings.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Finding {
+    /// Whether it is refused.
+    pub severity: Severity,
+    /// What is wrong; begins with the path of the setting, such as `wall[0].motion`.
+    pub problem: String,
+    /// The setting that would do.
+    pub remedy: String,
+    /// Line of the scene's text that the problem is about, from 1; none where there is no text.
+    pub line: Option<usize>,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}; {}", self.problem, self.remedy)
+    }
+}
+
+impl Scene {
+    /// What the scene cannot bear with its settings. `text` is that of its file, if it has one, for lines.
+    ///
+    /// Grains are placed for that, without a look at whether they overlap: some tenths of a second for half a million.
+    pub fn findings(&self, text: Option<&str>) -> Vec<Finding> {
+        let finding = |severity: Severity, fault: Fault| {
+            let (problem, remedy) = fault.in_words();
+            Finding { severity, problem, remedy, line: text.map(|text| fault.line(text)) }
+        };
+        let errors = motion::faults(self).into_iter().map(|fault| finding(Severity::Error, fault));
+        let warnings = self.warnings().into_iter().map(|fault| finding(Severity::Warning, fault));
+        errors.chain(warnings).collect()
+    }
+
+    fn warnings(&self) -> Vec<Fault> {
+        let mut warnings = vain::faults(self);
+        // Grains that cannot be placed are an error of the scene, which placing them tells.
+        let Ok(grains) = placed(self, self.seed) else { return warnings };
+        let bed = Bed::new(self, &grains);
+        warnings.extend(held::fault(self, &grains, &bed));
+        warnings.extend(impact::fault(self, &grains, &bed));
+        warnings.extend(shear::faults(self, &grains));
+        warnings
+    }
+
+    /// Refuses what cannot be carried out: values out of range, motions that the step passes over, a restitution that falls where
+    /// the step resolves impacts. `file` is named in errors.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the first of these; it names the line if the file can be read, and else the path of the value.
+    pub fn check(&self, file: &Path) -> Result<(), SceneError> {
+        self.first_fault().map_or(Ok(()), |fault| {
+            let text = std::fs::read_to_string(file).ok();
+            Err(fault.locate(file, text.as_deref()))
+        })
+    }
+
+    fn first_fault(&self) -> Option<Fault> {
+        super::check::check(self).err().or_else(|| self.unbearable()).or_else(|| self.resolved_impact())
+    }
+
+    /// The first error among the findings.
+    pub(super) fn unbearable(&self) -> Option<Fault> {
+        motion::faults(self).into_iter().next()
+    }
+}

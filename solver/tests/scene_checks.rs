@@ -1,0 +1,363 @@
+//! What a scene says is done or refused: nothing is passed over, and what its settings cannot bear is told before it runs.
+
+use makadam::Simulation;
+use makadam::scene::{Finding, Scene, Severity, known_scenes};
+use std::path::Path;
+
+const FILE: &str = "sketch.toml";
+
+/// A scene of a floor and a grain, with a line of it changed.
+fn sketch(from: &str, to: &str) -> String {
+    let text = "name = 'sketch'
+description = 'A grain above a floor.'
+duration = 0.2
+gravity = [0.0, 0.0, -9.81]
+domain = { min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 0.1] }
+[solver]
+step = 5e-4
+[material.grain]
+density = 2500.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+friction = 0.5
+restitution = 0.3
+[[wall]]
+name = 'floor'
+material = 'grain'
+shape = { kind = 'plane', point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
+motion = { kind = 'fixed' }
+[[grain]]
+material = 'grain'
+radius = 0.005
+position = [0.0, 0.0, 0.02]
+";
+    assert!(text.contains(from), "the sketch does not hold {from:?}");
+    text.replacen(from, to, 1)
+}
+
+fn parse(text: &str) -> Result<Scene, String> {
+    Scene::parse(text, Path::new(FILE)).map_err(|error| error.to_string())
+}
+
+/// The refusal of a changed sketch, which has to name a line and hold all of the words.
+#[track_caller]
+fn refused(from: &str, to: &str, line: usize, words: &[&str]) -> String {
+    let message = parse(&sketch(from, to)).expect_err("accepted");
+    assert!(message.starts_with(&format!("{FILE}:{line}: ")), "not in line {line}: {message}");
+    for word in words {
+        assert!(message.contains(word), "no '{word}' in: {message}");
+    }
+    message
+}
+
+fn warnings(scene: &Scene) -> Vec<String> {
+    scene.findings(None).iter().map(Finding::to_string).collect()
+}
+
+#[test]
+fn what_reading_would_pass_over_is_refused() {
+    // Elements beyond the length of an array, wherever it stands.
+    refused("[0.0, 0.0, -9.81]", "[0.0, 0.0, 0.0, -9.81]", 4, &["gravity: 4 values are listed, and 3 are read"]);
+    refused("[0.0, 0.0, 0.02]", "[0.0, 0.0, 0.02, 7.0]", 22, &["grain[0].position: 4 values", "give 3 values"]);
+    refused("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.1, 0.1, 0.1]", 5, &["domain.max"]);
+    // Keys beside the kind of what has no keys.
+    let words = ["wall[0].motion: unknown key 'velocity' beside kind = 'fixed'", "known keys: kind"];
+    refused("kind = 'fixed'", "kind = 'fixed', velocity = [0.0, 0.0, 1.0]", 18, &words);
+    for (law, kind) in [("normal_law", "hertz"), ("normal_law", "rigid"), ("method", "gauss-seidel")] {
+        let with = format!("[solver]\n{law} = {{ kind = '{kind}', zzz = 1 }}");
+        refused("[solver]", &with, 7, &[&format!("solver.{law}: unknown key 'zzz' beside kind = '{kind}'")]);
+    }
+    // Keys that serde refuses by itself keep its list.
+    refused("friction = 0.5", "fricton = 0.5", 12, &["fricton", "friction"]);
+}
+
+#[test]
+fn what_is_said_at_its_default_is_read() {
+    // These are left out where a scene is written, so that they look like keys that nobody has read.
+    let all = "friction = 0.5\nrolling_friction = 0.0\ntwisting_friction = 0.0\n";
+    assert!(parse(&sketch("friction = 0.5\n", all)).is_ok());
+    assert!(
+        parse(&sketch("duration = 0.2", "duration = 0.2\nlargest_start_overlap = 0.01\ngravity_changes = []")).is_ok()
+    );
+    let disc = "kind = 'disc', centre = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0], radius = 0.09, hole = 0.0";
+    let plane = "kind = 'plane', point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0]";
+    assert!(parse(&sketch(plane, disc)).is_ok());
+    assert!(
+        parse(&sketch("step = 5e-4", "step = 5e-4\nmethod = { kind = 'gauss-seidel' }\nprecision = 'double'")).is_ok()
+    );
+    // Beside such a key, one that is not read is still found, and the other one listed as known.
+    let fixed = "kind = 'fixed', zzz = 1";
+    let message = refused("kind = 'fixed'", fixed, 18, &["zzz"]);
+    assert!(!message.contains("point"), "{message}");
+}
+
+#[test]
+fn nothing_is_said_twice() {
+    let rules = "[[pair]]\nbetween = ['grain', 'wall']\nfriction = 0.1\n[[pair]]\nbetween = ['wall', 'grain']\nfriction = 0.9\n";
+    let wall = "[material.wall]\ndensity = 2500.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.3\n";
+    let text = format!("{wall}{rules}[[wall]]");
+    refused("[[wall]]", &text, 24, &["pair[1].between: pair[0] is a rule of 'wall' and 'grain' already"]);
+    let again = "[[wall]]\nname = 'floor'\nmaterial = 'grain'\nshape = { kind = 'plane', point = [0.0, 0.0, 0.1], normal = [0.0, 0.0, -1.0] }\n[[grain]]";
+    refused("[[grain]]", again, 20, &["wall[1].name: 'floor' is the name of wall[0] too"]);
+}
+
+#[test]
+fn names_can_be_shown_tabled_and_made_those_of_files() {
+    for name in [".", "..", "", "  ", "a/b", "a\\\\b", "=1+1", "@x", "\\u001b[31mred", "a\\nb", "a\\u202eb"] {
+        refused("name = 'sketch'", &format!("name = \"{name}\""), 1, &["name"]);
+    }
+    refused("name = 'sketch'", &format!("name = '{}'", "x".repeat(101)), 1, &["101 bytes", "at most 100"]);
+    assert!(parse(&sketch("name = 'sketch'", &format!("name = '{}'", "x".repeat(100)))).is_ok());
+    let message = refused("name = 'floor'", "name = \"\\u001b]0;x\"", 15, &["wall[0].name", "\\u{1b}"]);
+    assert!(!message.contains('\u{1b}'), "{message}");
+    let message = refused("[material.grain]", "[material.\"\\u001b\"]", 8, &["material"]);
+    assert!(!message.contains('\u{1b}'), "{message:?}");
+    // Words of the reader hold no such characters either.
+    let message = refused("friction = 0.5", "\"\\u001b[31m\" = 0.5", 12, &["unknown field"]);
+    assert!(!message.contains('\u{1b}'), "{message:?}");
+}
+
+#[test]
+fn numbers_in_messages_are_short() {
+    for value in ["1e300", "-1e300", "-1e-300", "123456789.123456789"] {
+        let message = refused("restitution = 0.3", &format!("restitution = {value}"), 13, &["is out of range"]);
+        assert!(message.len() < 140, "{message}");
+    }
+    refused("restitution = 0.3", "restitution = 1.3", 13, &["restitution: 1.3 is out of range", "from 0 to 1"]);
+}
+
+#[test]
+fn sweeps_of_a_step_are_bounded() {
+    refused("step = 5e-4", "inner_sweeps = 4294967295", 7, &["solver.inner_sweeps", "from 1 to 1000"]);
+    refused("step = 5e-4", "inner_sweeps = 0", 7, &["solver.inner_sweeps"]);
+    let both = "stop = { kind = 'sweeps', sweeps = 1000000 }\ninner_sweeps = 2";
+    refused("step = 5e-4", both, 8, &["2000000 sweeps a step", "at most 1000000"]);
+    assert!(parse(&sketch("step = 5e-4", "inner_sweeps = 1000")).is_ok());
+}
+
+#[test]
+fn a_scene_built_in_code_is_checked_as_one_from_a_file() {
+    let sound = parse(&sketch("step", "step")).unwrap();
+    let make = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = sound.clone();
+        change(&mut scene);
+        Simulation::new(&scene, 1, Path::new("in code")).map(drop).map_err(|error| error.to_string())
+    };
+    assert_eq!(make(&|_| ()), Ok(()));
+    let message = make(&|scene| scene.grain[0].material = "gold".into()).unwrap_err();
+    assert!(message.starts_with("in code: grain[0].material: there is no material 'gold'"), "{message}");
+    let message = make(&|scene| scene.wall[0].material = "gold".into()).unwrap_err();
+    assert!(message.starts_with("in code: wall[0].material: there is no material 'gold'"), "{message}");
+    let message = make(&|scene| scene.solver.step = f64::NAN).unwrap_err();
+    assert!(message.starts_with("in code: solver.step: NaN is out of range"), "{message}");
+    let message = make(&|scene| scene.grain[0].position[2] = 0.001).unwrap_err();
+    assert!(message.starts_with("in code: grain[0].position: grain 0 at"), "{message}");
+    // Nor does one go on from a checkpoint with it.
+    let checkpoint = Simulation::new(&sound, 1, Path::new("in code")).unwrap().checkpoint();
+    let mut wrong = sound.clone();
+    wrong.wall[0].material = "gold".into();
+    let message = Simulation::start_from(&wrong, &checkpoint, Path::new("kept")).unwrap_err().to_string();
+    assert!(message.contains("wall[0].material: there is no material 'gold'"), "{message}");
+}
+
+#[test]
+fn a_motion_that_the_step_passes_over_is_refused() {
+    // 2 kHz stand still at 0.5 ms: each step takes a whole period.
+    let shaken = "kind = 'vibrating', amplitude = [0.0, 0.0, 1e-3], frequency = 2000.0";
+    let words = [
+        "wall[0].motion: a period of wall 'floor' lasts 0.0005 s, 1 steps",
+        "give solver.step at most 4.16e-5 s",
+        "solver.step stands in line 7",
+    ];
+    refused("kind = 'fixed'", shaken, 18, &words);
+    let enough = sketch("kind = 'fixed'", shaken);
+    assert!(parse(&enough.replace("5e-4", "4.16e-5")).is_ok());
+    let default = parse(&enough.replace("step = 5e-4", "")).unwrap_err();
+    assert!(default.contains("solver.step is not in the file"), "{default}");
+    // What does not shake, or not in time, is not held against the step.
+    assert!(parse(&enough.replace("1e-3]", "0.0]")).is_ok());
+    assert!(parse(&enough.replace("2000.0", "2000.0, start = 0.2")).is_ok());
+    // Turns, and motions that are over before a step is.
+    let turn = "kind = 'rotating', point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], rate = 5000.0";
+    refused("kind = 'fixed'", turn, 18, &["a turn of wall 'floor'"]);
+    let short = "kind = 'translating', velocity = [0.0, 0.0, 1.0], start = 0.1, stop = 0.1001";
+    refused("kind = 'fixed'", short, 18, &["wall[0].motion.stop", "less than the step"]);
+    let back =
+        "kind = 'rotating', point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], rate = 5.0, start = 0.1, reverse = 0.1001";
+    refused("kind = 'fixed'", back, 18, &["wall[0].motion.reverse"]);
+    // A pulse of gravity, but not a jump.
+    let change = |times: [f64; 3]| {
+        let [a, b, c] = times;
+        format!(
+            "duration = 0.2\ngravity_changes = [{{ time = {a}, gravity = [0.0, 0.0, -9.81] }}, {{ time = {b}, gravity = \
+             [0.0, 0.0, 900.0] }}, {{ time = {c}, gravity = [0.0, 0.0, -9.81] }}]"
+        )
+    };
+    let words = ["gravity_changes[1]: gravity changes and goes back within 0.0002 s"];
+    refused("duration = 0.2", &change([0.1, 0.1001, 0.1002]), 4, &words);
+    assert!(parse(&sketch("duration = 0.2", &change([0.1, 0.101, 0.102]))).is_ok());
+    let jump = "duration = 0.2\ngravity_changes = [{ time = 0.1, gravity = [0.0, 0.0, -9.81] }, { time = 0.1001, gravity = [0.0, 0.0, 9.81] }]";
+    assert!(parse(&sketch("duration = 0.2", jump)).is_ok());
+    // A scene's own rules hold for steps that are set in code too.
+    let mut scene = parse(&enough.replace("5e-4", "4e-5")).unwrap();
+    scene.solver.step = 5e-4;
+    assert!(Simulation::new(&scene, 1, Path::new("in code")).is_err());
+}
+
+#[test]
+fn the_step_of_an_accuracy_keeps_to_the_motions() {
+    let shaken = "kind = 'vibrating', amplitude = [0.0, 0.0, 1e-5], frequency = 800.0";
+    let text =
+        sketch("kind = 'fixed'", shaken).replace("[solver]\nstep = 5e-4", "accuracy = { packing_fraction = 0.01 }");
+    let still = sketch("[solver]\nstep = 5e-4", "accuracy = { packing_fraction = 0.01 }");
+    let (shaken, still) = (parse(&text).unwrap(), parse(&still).unwrap());
+    assert!(still.solver.step > 2.0 * shaken.solver.step, "{} {}", still.solver.step, shaken.solver.step);
+    assert_eq!(shaken.solver.step, 1.0 / (12.0 * 800.0));
+}
+
+#[test]
+fn reference_scenes_have_no_findings() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let names = known_scenes(std::slice::from_ref(&root));
+    assert!(names.len() >= 18, "{names:?}");
+    for name in names {
+        let file = root.join("reference-scenes").join(&name).join("scene.toml");
+        let scene = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
+        let findings = scene.findings(None);
+        assert!(findings.is_empty(), "{name}: {findings:?}");
+    }
+}
+
+/// Large grains that fall on small ones in a drum, with the usual settings but for these.
+fn two_sizes(ratio: f64, settings: &str) -> Scene {
+    let small = 0.012 / ratio;
+    let text = format!(
+        "name = 'two-sizes'
+description = 'Large grains fall on small ones.'
+duration = 0.6
+domain = {{ min = [-0.2, -0.2, -0.2], max = [0.2, 0.2, 0.4] }}
+[solver]
+{settings}
+[material.grain]
+density = 2500.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+friction = 0.5
+restitution = 0.3
+[[wall]]
+name = 'shell'
+material = 'grain'
+shape = {{ kind = 'cylinder', base = [0.0, -0.03, 0.0], axis = [0.0, 1.0, 0.0], radius = 0.1, length = 0.06 }}
+[[population]]
+count = 12
+material = 'grain'
+radius = {{ kind = 'fixed', value = 0.012 }}
+region = {{ kind = 'cylinder', base = [0.0, -0.03, 0.035], axis = [0.0, 1.0, 0.0], radius = 0.06, length = 0.06 }}
+[[population]]
+count = {}
+material = 'grain'
+radius = {{ kind = 'fixed', value = {small} }}
+region = {{ kind = 'box', min = [-0.05, -0.029, -0.085], max = [0.05, 0.029, -0.04] }}
+",
+        (5000.0 * (ratio / 20.0).powi(3) * 0.9).round().max(60.0)
+    );
+    Scene::parse(&text, Path::new("two-sizes.toml")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn size_ratios_that_the_step_cannot_bear_are_told_with_what_would_do() {
+    let told = warnings(&two_sizes(20.0, ""));
+    assert_eq!(told.len(), 1, "{told:?}");
+    for word in ["population[0]", "meets grains of 0.0006 m", "lower solver.step to", "raise youngs_modulus to"] {
+        assert!(told[0].contains(word), "no '{word}' in: {}", told[0]);
+    }
+    // With what is named nothing is left to tell.
+    let number = |after: &str| told[0].split(after).nth(1).unwrap().split_whitespace().next().unwrap().to_string();
+    let mut better = two_sizes(20.0, &format!("step = {}", number("lower solver.step to ")));
+    let modulus: f64 = number("raise youngs_modulus to ").parse().unwrap();
+    better.material.values_mut().for_each(|material| material.youngs_modulus = modulus);
+    assert_eq!(warnings(&better), Vec::<String>::new());
+    // Where overlaps are tolerated, or are not watched, nothing is foretold.
+    let mut tolerant = two_sizes(20.0, "");
+    tolerant.watch.overlap = 2.0;
+    tolerant.watch.on_overlap = makadam::scene::Reaction::Ignore;
+    assert_eq!(warnings(&tolerant), Vec::<String>::new());
+    // Small ratios are borne.
+    assert_eq!(warnings(&two_sizes(4.0, "step = 2e-4")), Vec::<String>::new());
+}
+
+#[test]
+fn grains_that_nothing_holds_are_told() {
+    let beside =
+        "position = [0.0, 0.0, 0.02]\n[[grain]]\nmaterial = 'grain'\nradius = 0.005\nposition = [0.05, 0.05, 0.02]\n";
+    let plane = "kind = 'plane', point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0]";
+    let disc = |radius: f64| {
+        format!("kind = 'disc', centre = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0], radius = {radius}, hole = 0.0")
+    };
+    let text = sketch("position = [0.0, 0.0, 0.02]\n", beside);
+    let scene = parse(&text.replace(plane, &disc(0.04))).unwrap();
+    let told = scene.findings(Some(&text));
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!((told[0].severity, told[0].line), (Severity::Warning, Some(26)));
+    assert!(told[0].problem.contains("grain 1 at (0.05, 0.05, 0.02) m falls out of the domain"), "{told:?}");
+    // On a floor that is wide enough, or where there is no time to fall, or where it is meant, nothing is told.
+    assert_eq!(warnings(&parse(&text.replace(plane, &disc(0.09))).unwrap()), Vec::<String>::new());
+    assert_eq!(warnings(&parse(&text).unwrap()), Vec::<String>::new());
+    let short = text.replace(plane, &disc(0.04)).replace("duration = 0.2", "duration = 0.1");
+    assert_eq!(warnings(&parse(&short).unwrap()), Vec::<String>::new());
+    let meant = text.replace(plane, &disc(0.04)).replace("[solver]", "watch = { on_escape = 'ignore' }\n[solver]");
+    assert_eq!(warnings(&parse(&meant).unwrap()), Vec::<String>::new());
+    // Shells, balls and rings hold as well; through a ring's hole a grain falls.
+    let ring = disc(0.09).replace("hole = 0.0", "hole = 0.02");
+    let told = warnings(&parse(&text.replace(plane, &ring)).unwrap());
+    assert!(told.len() == 1 && told[0].contains("grain 0 at"), "{told:?}");
+    let shell = "kind = 'cylinder', base = [0.0, -0.1, 0.0], axis = [0.0, 1.0, 0.0], radius = 0.09, length = 0.2";
+    assert_eq!(warnings(&parse(&text.replace(plane, shell)).unwrap()), Vec::<String>::new());
+    let ball = "kind = 'spheres', centres = [[0.0, 0.0, -0.05], [0.05, 0.05, -0.05]], radius = 0.02";
+    assert_eq!(warnings(&parse(&text.replace(plane, ball)).unwrap()), Vec::<String>::new());
+    let told =
+        warnings(&parse(&text.replace(plane, &ball.replace("[0.05, 0.05, -0.05]", "[-0.05, 0.05, -0.05]"))).unwrap());
+    assert!(told.len() == 1 && told[0].contains("grain 1 at"), "{told:?}");
+}
+
+#[test]
+fn settings_without_effect_are_told() {
+    let with = |settings: &str| warnings(&parse(&sketch("step = 5e-4", settings)).unwrap());
+    assert_eq!(with("inner_sweeps = 2\nover_relaxation = 1.1"), Vec::<String>::new());
+    let told = with("inner_sweeps = 2\nover_relaxation = 1.1\nmethod = { kind = 'jacobi' }");
+    assert_eq!(told.len(), 2, "{told:?}");
+    assert!(told[0].contains("solver.inner_sweeps: has no effect with method jacobi"), "{told:?}");
+    let late = "kind = 'translating', velocity = [0.0, 0.0, 0.1], start = 0.5";
+    let told = warnings(&parse(&sketch("kind = 'fixed'", late)).unwrap());
+    assert!(told.len() == 1 && told[0].contains("never moves: the scene ends at 0.2 s"), "{told:?}");
+}
+
+#[test]
+fn fast_walls_are_told() {
+    let belt = "kind = 'translating', velocity = [20.0, 0.0, 0.0]";
+    let bed = "[[population]]\ncount = 100\nmaterial = 'grain'\nradius = { kind = 'fixed', value = 0.005 }\n\
+               region = { kind = 'box', min = [-0.1, -0.1, 0.0], max = [0.1, 0.1, 0.05] }\n";
+    let grain = "[[grain]]\nmaterial = 'grain'\nradius = 0.005\nposition = [0.0, 0.0, 0.02]\n";
+    let text = sketch("kind = 'fixed'", belt).replace(grain, bed);
+    let told = warnings(&parse(&text).unwrap());
+    assert!(
+        told.len() == 1 && told[0].contains("wall 'floor' moves at up to 20 m/s, 2 of the smallest radius"),
+        "{told:?}"
+    );
+    assert_eq!(warnings(&parse(&text.replace("[20.0,", "[2.0,")).unwrap()), Vec::<String>::new());
+}
+
+#[test]
+fn memory_is_told_before_it_is_asked_for() {
+    let bed = |count: u64| {
+        let mut scene = two_sizes(20.0, "");
+        scene.population[1].count = count as usize;
+        scene.memory()
+    };
+    // What a simulation holds by itself is less than what is told, and that is not many times as much.
+    let simulation = Simulation::new(&two_sizes(20.0, ""), 1, Path::new("two-sizes.toml")).unwrap();
+    let held = simulation.memory_bytes() as u64;
+    let told = two_sizes(20.0, "").memory();
+    assert!(held < told && told < 20 * held, "{held} {told}");
+    assert!(bed(100_000_000) > 100_000_000_000);
+}

@@ -1,0 +1,128 @@
+//! What is told before a scene runs: what its settings are not expected to bear, and whether there is memory for it.
+
+use super::{Console, Failure};
+use makadam::scene::{Finding, Scene};
+use std::path::{Path, PathBuf};
+
+/// Tells what a scene is not expected to bear, on standard error; the findings go to `run.json` as well.
+pub(super) fn tell_findings(scene: &Scene, file: &Path, console: &Console) -> Vec<Finding> {
+    let text = std::fs::read_to_string(file).ok();
+    let findings = scene.findings(text.as_deref());
+    for finding in &findings {
+        let line = finding.line.map(|line| format!(":{line}")).unwrap_or_default();
+        console.warn(&format!("{}{line}: {finding}", file.display()));
+    }
+    findings
+}
+
+/// Refuses a scene that takes more memory than there is.
+pub(super) fn refuse_beyond_memory(scene: &Scene, file: &Path) -> Result<(), Failure> {
+    match available_bytes() {
+        Some(available) if scene.memory() > available => Err(Failure::Running(beyond(scene, file, available))),
+        _ => Ok(()),
+    }
+}
+
+fn beyond(scene: &Scene, file: &Path, available: u64) -> String {
+    let grains = scene.grain.len() + scene.population.iter().map(|population| population.count).sum::<usize>();
+    let gigabytes = |bytes: u64| format!("{:.1} GB", bytes as f64 * 1e-9);
+    let few = (grains as f64 * available as f64 / scene.memory() as f64 / 1e3).floor() * 1e3;
+    format!(
+        "{}: {grains} grains take some {} of memory, and {} are available; lower population.count to some {few} grains, end other \
+         programs, or use a machine with more",
+        file.display(),
+        gigabytes(scene.memory()),
+        gigabytes(available)
+    )
+}
+
+/// Memory that the process can still have, bytes: what the system has, and what its control groups leave it; `None` where the system
+/// does not say.
+fn available_bytes() -> Option<u64> {
+    let system = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| of_meminfo(&text));
+    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    group_folders(&groups).iter().filter_map(|folder| left_in_group(folder)).chain(system).min()
+}
+
+/// Available memory and free swap, bytes.
+fn of_meminfo(text: &str) -> Option<u64> {
+    let field = |name: &str| {
+        let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+        line.trim_start_matches(':').split_whitespace().next()?.parse::<u64>().ok()
+    };
+    Some(1024 * (field("MemAvailable")? + field("SwapFree").unwrap_or(0)))
+}
+
+/// Folders of the control groups that limit the process's memory, and of those above them.
+fn group_folders(groups: &str) -> Vec<PathBuf> {
+    let mounted = groups.lines().filter_map(|line| {
+        let mut fields = line.splitn(3, ':');
+        let (number, controllers, group) = (fields.next()?, fields.next()?, fields.next()?);
+        let root = match (number, controllers) {
+            ("0", "") => "/sys/fs/cgroup",
+            (_, "memory") => "/sys/fs/cgroup/memory",
+            _ => return None,
+        };
+        Some((Path::new(root), group.trim_start_matches('/').to_string()))
+    });
+    let all = mounted.flat_map(|(root, group)| {
+        let above: Vec<PathBuf> = Path::new(&group).ancestors().map(|part| root.join(part)).collect();
+        above
+    });
+    all.collect()
+}
+
+/// What a group may still take, bytes: its limit less what it uses, but for pages of files that can be dropped.
+fn left_in_group(folder: &Path) -> Option<u64> {
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
+    let number = |name: &str| read(name).and_then(|text| text.trim().parse::<u64>().ok());
+    let limit = number("memory.max").or_else(|| number("memory.limit_in_bytes"))?;
+    let used = number("memory.current").or_else(|| number("memory.usage_in_bytes"))?;
+    let statistics = read("memory.stat").unwrap_or_default();
+    let pages = ["inactive_file ", "active_file "].map(|name| {
+        statistics
+            .lines()
+            .find_map(|line| line.strip_prefix(name))
+            .and_then(|text| text.parse::<u64>().ok())
+            .unwrap_or(0)
+    });
+    Some(limit.saturating_sub(used.saturating_sub(pages.iter().sum())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_is_what_system_and_groups_leave() {
+        let text = "MemTotal:  100 kB\nMemFree:  10 kB\nMemAvailable:   40 kB\nSwapFree:  2 kB\n";
+        assert_eq!(of_meminfo(text), Some(42 * 1024));
+        assert_eq!(of_meminfo("MemTotal: 100 kB\n"), None);
+        let folders = group_folders("9:name=systemd:/\n4:memory:/a/b\n0::/c\n");
+        let named = ["memory/a/b", "memory/a", "memory/", "c", ""].map(|name| Path::new("/sys/fs/cgroup").join(name));
+        assert_eq!(folders, named);
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        assert_eq!(left_in_group(folder.path()), None);
+        put("memory.max", "max\n");
+        put("memory.current", "700\n");
+        assert_eq!(left_in_group(folder.path()), None, "no limit");
+        put("memory.max", "1000\n");
+        put("memory.stat", "anon 500\ninactive_file 150\nactive_file 50\n");
+        assert_eq!(left_in_group(folder.path()), Some(500));
+    }
+
+    #[test]
+    fn more_than_there_is_is_refused_with_figures() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
+        let mut scene = Scene::load(&file).unwrap();
+        assert!(refuse_beyond_memory(&scene, &file).is_ok());
+        scene.population[0].count = 1_000_000_000_000;
+        assert!(matches!(refuse_beyond_memory(&scene, &file), Err(Failure::Running(_))));
+        scene.population[0].count = 10_000_000;
+        let message = beyond(&scene, &file, 1_500_000_000);
+        for word in ["10000000 grains take some 15.", "1.5 GB are available", "lower population.count to some"] {
+            assert!(message.contains(word), "no '{word}' in: {message}");
+        }
+    }
+}

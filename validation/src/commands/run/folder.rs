@@ -1,0 +1,176 @@
+//! What an output folder holds before a run begins, and what may be done with it.
+
+use super::kept::Place;
+use crate::commands::Failure;
+use crate::output::{RunFiles, WriteError, write_durably};
+use crate::provenance::scene_hash;
+use makadam::checkpoint::sync_folder;
+use makadam::scene::Scene;
+use serde_json::Value;
+use std::path::Path;
+
+/// Folder inside the output folder in which the second run of a time budget lies until it is complete.
+pub(super) const FINER: &str = "finer-run.part";
+
+/// What the summary of an earlier run says.
+pub(super) struct Record {
+    /// Whether it reached its last step.
+    pub complete: bool,
+    /// Steps taken.
+    pub steps: u64,
+    /// Name of the scene.
+    pub scene: String,
+    /// Whether it kept a ledger.
+    pub ledger: bool,
+    /// The summary itself.
+    pub text: String,
+    document: Value,
+}
+
+impl Record {
+    /// The summary in a folder; none where there is none that can be read.
+    pub fn read(output: &Path) -> Option<Record> {
+        let text = std::fs::read_to_string(output.join(RunFiles::SUMMARY)).ok()?;
+        let document: Value = serde_json::from_str(&text).ok()?;
+        (document["command"] == "run").then_some(())?;
+        Some(Record {
+            complete: document["complete"].as_bool()?,
+            steps: document["steps"].as_u64()?,
+            scene: document["scene"].as_str()?.to_string(),
+            ledger: !document["balance"].is_null(),
+            text,
+            document,
+        })
+    }
+
+    /// Whether it is of this scene with these settings and this seed.
+    pub fn is_of(&self, scene: &Scene, seed: u64) -> bool {
+        let provenance = &self.document["provenance"];
+        provenance["scene_hash"] == format!("{:016x}", scene_hash(scene)) && provenance["seed"] == seed
+    }
+
+    /// Its end in a line or two, for people.
+    pub fn describe(&self) -> String {
+        let text = |field: &str| self.document[field].as_str().unwrap_or("unknown").to_string();
+        format!(
+            "{}: complete since its {} steps were taken\nstate hash       {}\nframes, observables.csv and run.json: {}",
+            self.scene,
+            self.steps,
+            text("state_hash"),
+            text("output")
+        )
+    }
+}
+
+/// What is done in a folder.
+pub(super) enum Task {
+    /// A run begins; what an earlier one has left is removed.
+    Begin,
+    /// A run goes on from its checkpoint.
+    GoOn,
+    /// The run has ended already.
+    Ended(Record),
+}
+
+/// How the command is to treat what it finds.
+#[derive(Clone, Copy)]
+pub(super) struct Wish {
+    /// Go on from what is there.
+    pub resume: bool,
+    /// Remove what is there.
+    pub restart: bool,
+    /// Keep a ledger.
+    pub ledger: bool,
+    /// Steps of the run.
+    pub steps: u64,
+}
+
+/// What to do in a folder that nobody else writes into: nothing that a run has left is touched unless that was asked for.
+pub(super) fn task(output: &Path, scene: &Scene, seed: u64, wish: Wish) -> Result<Task, Failure> {
+    let shown = output.display();
+    let refuse = |what: String| Err(Failure::Usage(what));
+    let (record, place) = (Record::read(output), Place::inside(output));
+    let ended = record.as_ref().is_some_and(|record| record.complete);
+    if wish.restart || !(place.is_taken() || RunFiles::inside(output).any()?) {
+        return Ok(Task::Begin);
+    }
+    let other = format!("{shown} holds a run of another scene, or with another seed or other settings");
+    const WAYS: &str = "--restart removes it and begins anew, --output writes elsewhere";
+    match record {
+        Some(record) if ended && wish.resume => {
+            let Record { steps, scene: name, .. } = &record;
+            if !record.is_of(scene, seed) {
+                return refuse(format!("{other} ({name}), which has ended: {WAYS}"));
+            }
+            if wish.ledger && !record.ledger {
+                return refuse(format!("{shown} holds this run without a ledger, and it has ended: {WAYS}"));
+            }
+            if *steps != wish.steps {
+                return refuse(format!(
+                    "{shown} holds this run, which has ended after {steps} steps, not {}; one that has ended cannot be made longer \
+                     or shorter: {WAYS}",
+                    wish.steps
+                ));
+            }
+            Ok(Task::Ended(record))
+        }
+        Some(Record { steps, scene: name, .. }) if ended => {
+            refuse(format!("{shown} holds a run of {name} that has ended after {steps} steps: {WAYS}"))
+        }
+        _ if place.is_taken() && wish.resume => Ok(Task::GoOn),
+        _ if place.is_taken() => refuse(format!(
+            "{} is left of a run that did not end: --resume goes on from there, --restart throws it away, --output writes \
+             elsewhere",
+            place.file().display()
+        )),
+        Some(record) if wish.resume && record.is_of(scene, seed) => Ok(Task::Begin),
+        Some(record) if wish.resume => refuse(format!("{other} ({}), which left no checkpoint: {WAYS}", record.scene)),
+        Some(record) => refuse(format!(
+            "{shown} holds what is left of a run of {} that did not end and left no checkpoint: {WAYS}",
+            record.scene
+        )),
+        None => refuse(format!(
+            "{shown} holds frames or tables of a run, but no {} that can be read: {WAYS}",
+            RunFiles::SUMMARY
+        )),
+    }
+}
+
+/// Finishes or throws away what the second run of a time budget has left: one that is complete takes the place of the first, and
+/// one that is not goes. Whenever a process ends meanwhile, the next one finishes it.
+pub(super) fn settle_finer(output: &Path) -> Result<(), WriteError> {
+    let finer = output.join(FINER);
+    let (files, summary) = (RunFiles::inside(&finer), finer.join(RunFiles::SUMMARY));
+    if !finer.is_dir() {
+        return Ok(());
+    }
+    if let Some(Record { text, mut document, .. }) = Record::read(&finer).filter(|record| record.complete) {
+        let place = output.join(RunFiles::SUMMARY);
+        // The first run's summary goes before the first of its frames does.
+        document["complete"] = false.into();
+        document["failure"] =
+            format!("complete, but still on its way from {}: the next makadam run here moves it", finer.display())
+                .into();
+        let withdrawn = serde_json::to_vec_pretty(&document).expect("a document that was read can be written");
+        write_durably(&place, &withdrawn)?;
+        files.move_to(output)?;
+        let frames = document["frames"].as_u64().and_then(|frames| usize::try_from(frames).ok());
+        RunFiles::inside(output).remove_frames_from(frames.unwrap_or(usize::MAX))?;
+        write_durably(&place, text.as_bytes())?;
+    }
+    if files.any()? {
+        let refused = |source| WriteError::new(&summary, source);
+        std::fs::remove_file(&summary).or_else(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => Ok(()),
+            _ => Err(refused(error)),
+        })?;
+        sync_folder(&finer).map_err(refused)?;
+        files.remove()?;
+    } else {
+        files.remove_drafts()?;
+        // Empty folders alone.
+        let _ = std::fs::remove_dir(finer.join("frames"));
+    }
+    let _ = std::fs::remove_dir(&finer);
+    Ok(())
+}

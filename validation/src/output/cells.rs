@@ -1,0 +1,46 @@
+//! Cells of tables that programs for tables would take for formulas.
+
+/// A table in CSV in which no text begins as a formula does: such cells get an apostrophe in front, which these programs read as
+/// "this is text". Numbers stay as they are. What is no CSV comes back as it was.
+pub(crate) fn without_formulas(table: Vec<u8>) -> Vec<u8> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(&table[..]);
+    let Ok(records) = reader.records().collect::<Result<Vec<csv::StringRecord>, _>>() else { return table };
+    if !records.iter().flatten().any(is_formula) {
+        return table;
+    }
+    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
+    for record in &records {
+        let cells = record.iter().map(|cell| if is_formula(cell) { format!("'{cell}") } else { cell.to_string() });
+        if writer.write_record(cells).is_err() {
+            return table;
+        }
+    }
+    writer.into_inner().unwrap_or(table)
+}
+
+/// A cell as it was before [`without_formulas`].
+pub(crate) fn as_meant(cell: &str) -> &str {
+    cell.strip_prefix('\'').filter(|cell| is_formula(cell)).unwrap_or(cell)
+}
+
+fn is_formula(cell: &str) -> bool {
+    cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_begins_as_a_formula_is_text_and_numbers_stay() {
+        let table = "name,value\n=1+2,-3.5e-7\n\"@a,b\",+inf\n-wall,-\nplain,=\n";
+        let safe = String::from_utf8(without_formulas(table.into())).unwrap();
+        assert_eq!(safe, "name,value\n'=1+2,-3.5e-7\n\"'@a,b\",+inf\n'-wall,'-\nplain,'=\n");
+        let plain = b"name,value\na,-1\n".to_vec();
+        assert_eq!(without_formulas(plain.clone()), plain, "not a byte changes without need");
+        for cell in ["=1+2", "-wall", "plain", "'quoted"] {
+            let table = String::from_utf8(without_formulas(format!("{cell}\n").into())).unwrap();
+            assert_eq!(as_meant(table.trim_end()), cell);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Where scenes come from: files, or the reference scenes that the program itself holds.
+//!
+//! A folder `reference-scenes` here or above goes before what the program holds. What it holds are the scenes and the references
+//! recorded on them, as they were when it was built; no path of the machine that built it is looked at.
+
+use crate::compare::{Reference, ReferenceError};
+use crate::observables::catalogue;
+use makadam::scene::{Scene, SceneError, known_scenes};
+use std::io::{Error, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// The first part of the paths of what the program holds; what follows is as under `reference-scenes`.
+pub const BUILT_IN: &str = "<built-in>";
+
+/// A file under `reference-scenes`: its path there, and what it holds.
+type Held = (&'static str, &'static [u8]);
+
+include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
+
+/// Folders in which `reference-scenes` is looked for: the current one and those above it.
+pub fn roots() -> Vec<PathBuf> {
+    let here = std::env::current_dir().unwrap_or_default();
+    here.ancestors().map(PathBuf::from).collect()
+}
+
+/// Finds the file of a scene named by a path, by its folder under `reference-scenes/` in `roots`, or by its name among those that
+/// the program holds.
+///
+/// # Errors
+/// [`SceneError::Missing`] if a path names no file, [`SceneError::Unknown`] if there is no scene of a name.
+pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
+    let mut known = match Scene::find(name, roots) {
+        Err(SceneError::Unknown { known, .. }) => known,
+        found => return found,
+    };
+    let held = Path::new(BUILT_IN).join(name).join("scene.toml");
+    if bytes_of(&held).is_some() {
+        return Ok(held);
+    }
+    if name.contains('/') || name.ends_with(".toml") {
+        let source =
+            std::fs::metadata(name).err().unwrap_or_else(|| Error::other("it is a folder without a scene.toml"));
+        return Err(SceneError::Missing { file: name.into(), source });
+    }
+    known.extend(names().map(String::from));
+    known.sort();
+    known.dedup();
+    Err(SceneError::Unknown { name: name.into(), known })
+}
+
+/// Names of the scenes in `roots` and of those that the program holds, sorted.
+pub fn known(roots: &[PathBuf]) -> Vec<String> {
+    let mut known = known_scenes(roots);
+    known.extend(names().map(String::from));
+    known.sort();
+    known.dedup();
+    known
+}
+
+/// Names of the scenes that the program holds.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    HELD.iter().filter_map(|(path, _)| path.strip_suffix("/scene.toml"))
+}
+
+/// Whether a path is that of something that the program holds.
+pub fn is_built_in(path: &Path) -> bool {
+    path.starts_with(BUILT_IN)
+}
+
+fn bytes_of(path: &Path) -> Option<&'static [u8]> {
+    let path = path.strip_prefix(BUILT_IN).ok()?.to_str()?;
+    HELD.iter().find(|(held, _)| *held == path).map(|(_, bytes)| *bytes)
+}
+
+/// Reads a file, whether it lies on a disk or in the program.
+///
+/// # Errors
+/// What the system says; [`ErrorKind::NotFound`] for what the program does not hold.
+pub fn read(path: &Path) -> std::io::Result<Vec<u8>> {
+    match is_built_in(path) {
+        true => bytes_of(path).map(<[u8]>::to_vec).ok_or_else(|| ErrorKind::NotFound.into()),
+        false => std::fs::read(path),
+    }
+}
+
+/// Reads a scene's file as text.
+///
+/// # Errors
+/// [`SceneError::Missing`] if it cannot be read, or is no text.
+pub fn text(file: &Path) -> Result<String, SceneError> {
+    let missing = |source| SceneError::Missing { file: file.to_path_buf(), source };
+    let bytes = read(file).map_err(missing)?;
+    String::from_utf8(bytes).map_err(|error| missing(Error::new(ErrorKind::InvalidData, error)))
+}
+
+/// Reads and checks a scene: also that what it compares is what it measures.
+///
+/// # Errors
+/// [`SceneError`].
+pub fn load(file: &Path) -> Result<Scene, SceneError> {
+    let text = text(file)?;
+    let scene = Scene::parse(&text, file)?;
+    catalogue::check(&scene, &text, file)?;
+    Ok(scene)
+}
+
+/// What is recorded on the scene of a file, if anything is.
+///
+/// # Errors
+/// [`ReferenceError`].
+pub fn reference(scene_file: &Path) -> Result<Option<Reference>, ReferenceError> {
+    let folder = Reference::folder(scene_file);
+    match is_built_in(scene_file) {
+        true => Reference::read(&folder, &read),
+        false => Reference::load(&folder),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_reference_scene_is_held_with_its_references() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        assert_eq!(names().map(String::from).collect::<Vec<_>>(), known_scenes(&[folder.clone()]));
+        for name in names() {
+            let file = find(name, &[]).unwrap();
+            assert!(is_built_in(&file), "{}", file.display());
+            let on_disk = folder.join("reference-scenes").join(name).join("scene.toml");
+            assert_eq!(load(&file).unwrap(), load(&on_disk).unwrap(), "{name}");
+            assert_eq!(reference(&file).unwrap(), reference(&on_disk).unwrap(), "{name}");
+        }
+        assert!(reference(&find("packing", &[]).unwrap()).unwrap().is_some());
+    }
+
+    #[test]
+    fn a_folder_of_scenes_goes_before_what_is_held() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join("reference-scenes/packing");
+        std::fs::create_dir_all(&own).unwrap();
+        std::fs::write(own.join("scene.toml"), text(&find("packing", &[]).unwrap()).unwrap()).unwrap();
+        let roots = [folder.path().to_path_buf()];
+        assert_eq!(find("packing", &roots).unwrap(), own.join("scene.toml"));
+        assert!(is_built_in(&find("drum", &roots).unwrap()));
+    }
+
+    #[test]
+    fn a_path_that_is_no_file_is_told_from_a_name_that_is_no_scene() {
+        for path in ["nowhere/scene.toml", "scene-that-is-not-there.toml", "./drum-of-mine"] {
+            let message = find(path, &[]).unwrap_err().to_string();
+            assert!(message.contains(path) && message.contains("cannot be read: No such file"), "{message}");
+        }
+        let message = find("drumm", &[]).unwrap_err().to_string();
+        assert!(message.contains("no scene 'drumm'") && message.contains("drum-50k"), "{message}");
+        let folder = tempfile::tempdir().unwrap();
+        let message = find(folder.path().to_str().unwrap(), &[]).unwrap_err().to_string();
+        assert!(message.contains("folder without a scene.toml"), "{message}");
+    }
+}
