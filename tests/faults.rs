@@ -83,7 +83,10 @@ fn results(folder: &Path) -> Option<Results> {
         for entry in std::fs::read_dir(folder.join(inside)).ok()?.map(Result::unwrap) {
             let name = format!("{inside}/{}", entry.file_name().to_str().unwrap());
             // What only tells who was there.
-            let passing = name.ends_with("run.lock") || name.ends_with("run.checkpoint") || name.ends_with("measured-frames") || name.contains(".part");
+            let passing = name.ends_with("run.lock")
+                || name.ends_with("run.checkpoint")
+                || name.ends_with("measured-frames")
+                || name.contains(".part");
             if entry.path().is_file() && !name.ends_with("run.json") && !passing {
                 files.insert(name, std::fs::read(entry.path()).unwrap());
             }
