@@ -73,7 +73,7 @@ const CACHE: usize = 1 << 20;
 pub struct Layout {
     /// The tasks that have candidates, stage after stage.
     pub plan: Plan,
-    /// Lane groups of every task that can be, by its number ([`BoxGrid::task`]).
+    /// Lane groups of every task that can be, by its number (`BoxGrid::task`).
     pub groups: Vec<TaskGroups>,
     /// The contacts with driven walls, in the order in which they are relaxed.
     pub driven: Vec<DrivenContact>,
