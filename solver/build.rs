@@ -7,12 +7,7 @@ use std::path::Path;
 fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").expect("cargo says where the package is");
     let folder = Path::new(&folder);
-    let enabled = std::env::vars().filter_map(|(name, _)| Some(name.strip_prefix("CARGO_FEATURE_")?.to_string()));
-    let mut features: Vec<String> = enabled.filter(|feature| feature != "DEFAULT").collect();
-    features.sort();
-    let features = features.join(" ");
-    println!("cargo::rustc-env=MAKADAM_BUILD_KEY={:016x}", build_key::build_key(folder, &features));
-    println!("cargo::rustc-env=MAKADAM_BUILD_FEATURES={features}");
+    println!("cargo::rustc-env=MAKADAM_BUILD_KEY={:016x}", build_key::build_key(folder));
     for path in ["src", "build.rs", "build_key.rs"] {
         println!("cargo::rerun-if-changed={path}");
     }

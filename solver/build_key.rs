@@ -1,8 +1,8 @@
 //! The key of a build: a hash of all that decides the bits of a simulation. It is worked out while the package is built.
 //!
 //! What is hashed: the sources of the solver in the order of their names, without comments, indents and blank lines, which decide
-//! nothing; the effects that are built in; and the versions of the packages that compute, as `Cargo.lock` has them. Folders,
-//! dates, commits, profiles, processors and targets are left out: the same sources give the same bits wherever they are built.
+//! nothing; and the versions of the packages that compute, as `Cargo.lock` has them. Folders, dates, commits, profiles, processors
+//! and targets are left out: the same sources give the same bits wherever they are built.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 /// Packages that compute; with what they depend on they decide bits.
 const COMPUTE: [&str; 4] = ["libm", "nalgebra", "rand_chacha", "rand_core"];
 
-/// The key of the package in a folder, built with these effects.
-pub fn build_key(folder: &Path, features: &str) -> u64 {
+/// The key of the package in a folder.
+pub fn build_key(folder: &Path) -> u64 {
     let mut hash = Fnv::default();
     let mut sources = Vec::new();
     list(&folder.join("src"), "", &mut sources);
@@ -23,7 +23,6 @@ pub fn build_key(folder: &Path, features: &str) -> u64 {
             hash.add(line);
         }
     }
-    hash.add(features);
     let lock = lock_file(folder).and_then(|file| std::fs::read_to_string(file).ok()).unwrap_or_default();
     for package in computing(&lock) {
         hash.add(&package);

@@ -1,18 +1,10 @@
 //! Bad input: the exit code, a message that names file, line and remedy, and what was computed so far kept readable.
 
-#[path = "support/changed.rs"]
-mod changed;
-#[path = "support/lines.rs"]
-mod lines;
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-
-use changed::changed;
-use lines::line_of;
-use small_scene::smoke;
+use crate::support::changed::changed;
+use crate::support::lines::line_of;
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
 use std::path::Path;
-use support::makadam;
 
 /// Runs the command and returns its exit code and what it says on standard error.
 fn fails(folder: &Path, arguments: &[&str]) -> (i32, String) {

@@ -1,17 +1,11 @@
 //! `makadam compare`: the JSON contract, recorded references, live peers where they are installed.
 
-#[path = "support/changed.rs"]
-mod changed;
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-
-use changed::changed;
+use crate::support::changed::changed;
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
 use makadam_validation::peers::{Code, Liggghts, Yade};
 use serde_json::Value;
-use small_scene::smoke;
 use std::path::{Path, PathBuf};
-use support::makadam;
 
 /// What is recorded of the small scene by hand.
 const RECORDED: [(&str, f64); 1] = [("wall_force_over_weight", 1.0)];

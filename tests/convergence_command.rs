@@ -1,15 +1,9 @@
 //! `makadam convergence`: residuals fall, the JSON contract, what is written.
 
-#[path = "support/changed.rs"]
-mod changed;
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-
-use changed::changed;
+use crate::support::changed::changed;
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
 use serde_json::Value;
-use small_scene::smoke;
-use support::makadam;
 
 /// Root mean square residual of a point over the three directions, where nothing resists turning.
 fn residual(point: &Value) -> f64 {

@@ -1,19 +1,11 @@
 //! `makadam effects`: which effects a scene calls for and by which line, costs, warnings, ablation.
 
-#[path = "support/changed.rs"]
-mod changed;
-#[path = "support/lines.rs"]
-mod lines;
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-
-use changed::changed;
-use lines::line_of;
+use crate::support::changed::changed;
+use crate::support::lines::line_of;
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
 use serde_json::Value;
-use small_scene::smoke;
 use std::path::Path;
-use support::makadam;
 
 fn study(folder: &Path, scene: &Path, arguments: &[&str]) -> Value {
     let output = makadam(folder).arg("effects").arg(scene).args(arguments).arg("--json").output().unwrap();

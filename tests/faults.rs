@@ -3,20 +3,13 @@
 //! A library of C that is loaded before the system's makes calls fail or writes them down (`support/faults.c`); the compiler's own
 //! linker builds it. A sample of all moments is tried; `MAKADAM_FAULTS=all` tries every one.
 
-#[path = "support/disk.rs"]
-mod disk;
-#[path = "support/small_scene.rs"]
-mod small_scene;
-#[path = "support/tiny_scene.rs"]
-mod tiny_scene;
-
-use disk::{CUTS, Record};
+use crate::support::disk::{CUTS, Record};
+use crate::support::tiny_scene::tiny;
 use serde_json::Value;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
-use tiny_scene::tiny;
 
 /// Two frames after the first one, and one at the end.
 const STEPS: &str = "9";

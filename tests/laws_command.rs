@@ -1,10 +1,8 @@
 //! `makadam laws`: published laws, measured and judged; finished runs are kept; wrong input.
 
-mod support;
-
+use crate::support::makadam;
 use serde_json::Value;
 use std::path::Path;
-use support::makadam;
 
 fn study(folder: &Path, arguments: &[&str]) -> (Option<i32>, Value) {
     let output = makadam(folder).arg("laws").args(arguments).args(["--json", "-q"]).output().unwrap();

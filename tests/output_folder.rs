@@ -1,19 +1,13 @@
 //! `makadam run` and its output folder: what an earlier run has left, two runs at once, a stop at the wrong moment, and how much is
 //! written.
 
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-#[path = "support/tiny_scene.rs"]
-mod tiny_scene;
-
+use crate::support::makadam;
+use crate::support::tiny_scene::tiny;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
-use support::makadam;
-use tiny_scene::tiny;
 
 /// Steps of the tiny scene from one frame to the next.
 const STEPS_A_FRAME: u64 = 4;

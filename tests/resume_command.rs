@@ -1,17 +1,12 @@
 //! `makadam run --resume`: a run that was killed, at whatever moment, ends as if nothing had happened.
 
-#[path = "support/changed.rs"]
-mod changed;
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-use changed::changed;
-use small_scene::smoke;
+use crate::support::changed::changed;
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
 use std::fs::read;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
-use support::makadam;
 
 const STEPS: &str = "2500";
 

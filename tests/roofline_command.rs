@@ -1,12 +1,8 @@
 //! `makadam roofline`: the JSON contract, what is written.
 
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
 use serde_json::Value;
-use small_scene::smoke;
-use support::makadam;
 
 #[test]
 fn sweeps_lie_below_their_roofs() {

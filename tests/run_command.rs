@@ -1,17 +1,11 @@
 //! `makadam run`: the JSON contract, reproducible states, files that can be read.
 
-#[path = "support/changed.rs"]
-mod changed;
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-
-use changed::changed;
+use crate::support::changed::changed;
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
 use roxmltree::Document;
 use serde_json::Value;
-use small_scene::smoke;
 use std::path::Path;
-use support::makadam;
 
 /// Runs 60 steps of the small scene and returns what is printed as JSON.
 fn run(folder: &Path, arguments: &[&str]) -> Value {

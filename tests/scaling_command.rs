@@ -1,15 +1,9 @@
 //! `makadam scaling`: the same bits everywhere, the JSON contract, what is written.
 
-#[path = "support/changed.rs"]
-mod changed;
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-
-use changed::changed;
+use crate::support::changed::changed;
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
 use serde_json::Value;
-use small_scene::smoke;
-use support::makadam;
 
 /// A study of the small scene that takes a second.
 const SHORT: [&str; 8] = ["--steps", "3", "--repetitions", "2", "--settle", "0.1", "--threads-list", "1,2"];

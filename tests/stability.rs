@@ -1,10 +1,8 @@
 //! The hard cases: the quick catalogue in Makadam, and the command around it.
 
-mod support;
-
+use crate::support::makadam;
 use makadam_validation::stability::{Verdict, catalogue};
 use std::time::Duration;
-use support::makadam;
 
 /// Cases that do not end as stated, each with the reason.
 const KNOWN: &[(&str, &str)] = &[(

@@ -1,20 +1,14 @@
 //! `makadam tradeoff`: what it measures, what it writes, and that it goes on where it was stopped.
 
-#[path = "support/changed.rs"]
-mod changed;
-#[path = "support/small_scene.rs"]
-mod small_scene;
-mod support;
-
-use changed::changed;
+use crate::support::changed::changed;
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
 use serde_json::Value;
-use small_scene::smoke;
 use std::collections::BTreeMap;
 use std::hash::{BuildHasher, RandomState};
 use std::path::Path;
 use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
-use support::makadam;
 
 /// Few settings of Makadam alone.
 const SHORT: [&str; 9] =

@@ -1,9 +1,7 @@
 //! `makadam run` and its watchdogs: no run is too short for them, and worthless numbers are not handed out as sound.
 
-mod support;
-
+use crate::support::makadam;
 use serde_json::Value;
-use support::makadam;
 
 /// A grain that leaves its domain some steps before the end of a run of 127 steps.
 const LEAVES: &str = r#"

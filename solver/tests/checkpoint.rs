@@ -1,7 +1,6 @@
 //! Checkpoints: a run that is continued ends in the same bits; what is damaged or foreign is refused.
 
-mod common;
-use common::{FLOOR, Setup, grain};
+use crate::common::{FLOOR, Setup, grain};
 use makadam::Simulation;
 use makadam::scene::Scene;
 use makadam::schedule::Scheduler;

@@ -1,9 +1,8 @@
 //! Cohesion against closed forms on one grain and on two.
 
-mod common;
+use crate::common::bits::{hash_after, reference_scene, same_bits_everywhere, start};
+use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run_until};
 use approx::assert_relative_eq;
-use common::bits::{hash_after, reference_scene, same_bits_everywhere, start};
-use common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run_until};
 use makadam::effects::cohesion::{Cohesion, Pull};
 use makadam::scene::Scene;
 use std::f64::consts::PI;

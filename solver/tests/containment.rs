@@ -1,10 +1,8 @@
 //! Closed containers drawn at random keep their grains: no centre ever crosses a wall, however fast grains and walls are for the step.
 //!
-//! `MAKADAM_CONTAINERS=10000 cargo test --release -p makadam --test containment` tries as many.
+//! `MAKADAM_CONTAINERS=10000 cargo test --release -p makadam containment` tries as many.
 
-#[path = "containment/container.rs"]
 mod container;
-#[path = "containment/draw.rs"]
 mod draw;
 
 use draw::Drawn;

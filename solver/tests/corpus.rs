@@ -5,12 +5,10 @@
 //! former formats stay:
 //!
 //! ```text
-//! cargo test --package makadam --test corpus -- --ignored
+//! cargo test --package makadam corpus:: -- --ignored
 //! ```
 
-mod common;
-
-use common::bits::steps;
+use crate::common::bits::steps;
 use makadam::scene::Scene;
 use makadam::{BUILD, Simulation};
 use std::collections::BTreeMap;
@@ -67,7 +65,7 @@ fn folder() -> PathBuf {
 
 /// A simulation of a scene after so many steps.
 fn run(name: &str, scene: &Scene) -> Simulation {
-    let mut simulation = common::bits::start(scene);
+    let mut simulation = crate::common::bits::start(scene);
     if name == "ledger" {
         simulation.open_ledger();
     }
@@ -102,10 +100,9 @@ fn list() -> BTreeMap<String, Known> {
 }
 
 #[test]
-#[cfg_attr(not(feature = "default"), ignore = "these scenes have every effect")]
 fn checkpoints_of_earlier_builds_go_on_to_known_bits_or_are_refused_in_words() {
     let scenes: BTreeMap<&str, Scene> = SCENES.into_iter().map(|(name, lines)| (name, scene(name, lines))).collect();
-    let format = common::bits::start(&scenes["friction"]).checkpoint()[7];
+    let format = crate::common::bits::start(&scenes["friction"]).checkpoint()[7];
     let mut went_on = Vec::new();
     for (name, known) in list() {
         let (file, scene) = (folder().join(&name), &scenes[known.scene.as_str()]);
@@ -141,7 +138,6 @@ fn checkpoints_of_earlier_builds_go_on_to_known_bits_or_are_refused_in_words() {
 }
 
 #[test]
-#[cfg_attr(not(feature = "default"), ignore = "these scenes have every effect")]
 fn scenes_of_the_corpus_have_the_contacts_that_their_effects_need() {
     for (name, lines) in SCENES {
         let scene = scene(name, lines);

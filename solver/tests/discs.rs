@@ -1,7 +1,6 @@
 //! Discs are thin: they have two sides and a rim, and nothing lies behind them.
 
-mod common;
-use common::{Setup, grain};
+use crate::common::{Setup, grain};
 
 /// A wall of one disc about the origin, with a motion or none.
 fn disc(radius: f64, motion: &str) -> String {
@@ -36,7 +35,7 @@ fn a_grain_bounces_off_the_back_of_a_disc_as_off_its_front() {
     let rebound = |side: f64, speed: f64| {
         let mut simulation = Setup {
             gravity: [0.0; 3],
-            solver: common::CONVERGED_RIGID.replace("1e-4", "5e-4"),
+            solver: crate::common::CONVERGED_RIGID.replace("1e-4", "5e-4"),
             body: disc(0.04, "") + &grain(0.005, [0.01, 0.005, 0.021 * side], [0.0, 0.0, -speed * side]),
             ..Setup::default()
         }
@@ -108,7 +107,7 @@ fn a_grain_that_comes_over_the_rim_of_a_plate_tips_it_with_the_lever_that_it_has
         assert!(simulation.not_finite().is_none() && frame.driven_walls[0].rate.is_finite());
     }
     let (mass, rate) =
-        (common::DENSITY * 4.0 / 3.0 * std::f64::consts::PI * 1e-9, simulation.snapshot().driven_walls[0].rate);
+        (crate::common::DENSITY * 4.0 / 3.0 * std::f64::consts::PI * 1e-9, simulation.snapshot().driven_walls[0].rate);
     // The impulse is at most that of an elastic impact, at a lever of at most the plate's radius.
     assert!(rate > 0.0 && rate < mass * 2.0 * 3.7 * 0.042 / 1e-3, "{rate} rad/s");
 }

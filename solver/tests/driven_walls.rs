@@ -1,9 +1,8 @@
 //! Walls that a force or a torque drives, against closed forms on one grain and the direct reference on many.
 
-mod common;
+use crate::common::bits::same_bits_everywhere;
+use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run_until};
 use approx::assert_relative_eq;
-use common::bits::same_bits_everywhere;
-use common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run_until};
 use makadam::Simulation;
 use makadam::scene::Scene;
 use makadam::snapshot::{Particle, Partner, Snapshot};

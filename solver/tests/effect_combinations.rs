@@ -1,8 +1,7 @@
 //! Whatever effects a scene combines, all that can be asked of a simulation answers: what lays contacts out and what works on them
 //! must agree on what a contact holds.
 
-mod common;
-use common::Setup;
+use crate::common::Setup;
 use makadam::Simulation;
 use makadam::scene::{Scene, SolverMethod};
 use std::path::Path;

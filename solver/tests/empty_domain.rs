@@ -1,11 +1,7 @@
 //! A domain that is mostly empty changes neither what touches nor what it costs to find it.
 
-mod common;
-#[path = "common/lattice.rs"]
-mod lattice;
-
-use common::bits::{same_bits_everywhere, start, steps};
-use lattice::{CLOSED, CONTACTS, lattice};
+use crate::common::bits::{same_bits_everywhere, start, steps};
+use crate::common::lattice::{CLOSED, CONTACTS, lattice};
 use makadam::scene::Scene;
 
 /// A cube around the origin, m.

@@ -1,8 +1,7 @@
 //! Gravity that changes in time, against closed forms on one grain.
 
-mod common;
+use crate::common::{DENSITY, FLOOR, Setup, grain, run_until};
 use approx::assert_relative_eq;
-use common::{DENSITY, FLOOR, Setup, grain, run_until};
 use makadam::Simulation;
 use makadam::scene::{GravityChange, Scene, Watch};
 use makadam::solve::StopReason;

@@ -1,8 +1,7 @@
 //! Impacts against their closed forms (rigid sphere; see Chung & Ooi, Granular Matter 13, 2011, tests 3 and 4).
 
-mod common;
+use crate::common::{CONVERGED_RIGID, FLOOR, Setup, grain, run_until};
 use approx::assert_relative_eq;
-use common::{CONVERGED_RIGID, FLOOR, Setup, grain, run_until};
 
 const RADIUS: f64 = 0.0025;
 
@@ -57,7 +56,7 @@ fn a_bouncing_ball_reaches_the_height_of_each_bounce() {
     let (radius, start, restitution) = (0.005, 0.105, 0.7);
     let mut simulation = Setup {
         restitution,
-        solver: common::CONVERGED_RIGID.replace("1e-4", "1e-5"),
+        solver: crate::common::CONVERGED_RIGID.replace("1e-4", "1e-5"),
         body: format!("{FLOOR}{}", grain(radius, [0.0, 0.0, start], [0.0; 3])),
         ..Setup::default()
     }
@@ -103,7 +102,7 @@ fn hertzian_restitution(asked: f64, speed: f64, gap: f64, step: f64) -> f64 {
     let mut simulation = Setup {
         gravity: [0.0; 3],
         restitution: asked,
-        solver: common::CONVERGED_HERTZ.replace("1e-4", &format!("{step:e}")),
+        solver: crate::common::CONVERGED_HERTZ.replace("1e-4", &format!("{step:e}")),
         body: format!("{FLOOR}{}", grain(0.005, [0.0, 0.0, 0.005 + gap], [0.0, 0.0, -speed])),
         ..Setup::default()
     }
@@ -128,7 +127,7 @@ fn linear_impacts_have_the_restitution_where_the_step_resolves_them() {
         let mut simulation = Setup {
             gravity: [0.0; 3],
             restitution: asked,
-            solver: common::CONVERGED_HERTZ
+            solver: crate::common::CONVERGED_HERTZ
                 .replace("1e-4", "2e-6")
                 .replace("{ kind = 'hertz' }", "{ kind = 'linear', stiffness = 1e4 }"),
             body: format!("{FLOOR}{}", grain(0.005, [0.0, 0.0, 0.0051], [0.0, 0.0, -0.5])),

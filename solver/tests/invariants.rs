@@ -1,7 +1,6 @@
 //! What holds in every run: same bits, no energy from nothing, no spin without friction, momentum, lane groups.
 
-mod common;
-use common::{FLOOR, Setup, run_until};
+use crate::common::{FLOOR, Setup, run_until};
 use makadam::Simulation;
 use makadam::lanes::LANES;
 use makadam::partition::Layout;
@@ -140,7 +139,7 @@ fn lane_groups_and_stages_share_no_body() {
 
 #[test]
 fn one_grain_and_none_are_scenes_too() {
-    for body in [String::from(FLOOR), format!("{FLOOR}{}", common::grain(0.005, [0.0, 0.0, 0.1], [0.0; 3]))] {
+    for body in [String::from(FLOOR), format!("{FLOOR}{}", crate::common::grain(0.005, [0.0, 0.0, 0.1], [0.0; 3]))] {
         let mut simulation = Setup { body, ..Setup::default() }.start();
         run_until(&mut simulation, 0.5);
         assert!(simulation.snapshot().particles.iter().all(|particle| particle.position[2] > 0.0049));

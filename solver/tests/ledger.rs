@@ -1,8 +1,7 @@
 //! The ledger of energy and momentum against closed forms, and how it closes.
 
-mod common;
+use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run_until};
 use approx::assert_relative_eq;
-use common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run_until};
 use makadam::scene::Scene;
 use makadam::{Balance, Simulation};
 use std::f64::consts::PI;

@@ -1,7 +1,6 @@
 //! How the ledger closes, whatever the effects: to a millionth of what was exchanged, and with each entry where it belongs.
 
-mod common;
-use common::{DENSITY, FLOOR, Setup, grain};
+use crate::common::{DENSITY, FLOOR, Setup, grain};
 use makadam::scene::{Axis, Cohesion, GravityChange, Scene};
 use makadam::{Balance, Simulation};
 use std::f64::consts::PI;
@@ -68,7 +67,7 @@ fn the_ledger_closes_in_a_cohesive_heap() {
     for cohesion in
         [Cohesion::Constant { force: 4.0 * MASS * 9.81, range: 2e-4 }, Cohesion::SurfaceEnergy { work: 0.2 }]
     {
-        for solver in [HERTZ, common::CONVERGED_RIGID] {
+        for solver in [HERTZ, crate::common::CONVERGED_RIGID] {
             let setup = Setup { solver: solver.into(), body: bed(40), youngs_modulus: 1e6, ..Setup::default() };
             let mut scene = setup.scene();
             scene.material.values_mut().for_each(|material| material.cohesion = Some(cohesion));
@@ -95,7 +94,7 @@ fn the_ledger_closes_under_fast_walls() {
         (ball, "kind = 'translating', velocity = [0, 0.2, -0.5], start = 0.0, stop = 0.06", false),
     ];
     for (shape, motion, straight) in walls {
-        for (solver, stores) in [(HERTZ, true), (LINEAR, true), (common::CONVERGED_RIGID, false)] {
+        for (solver, stores) in [(HERTZ, true), (LINEAR, true), (crate::common::CONVERGED_RIGID, false)] {
             let body = bed(40) + &wall("moving", shape, motion);
             let setup = Setup { solver: solver.into(), youngs_modulus: 1e6, body, ..Setup::default() };
             let balance = balance(&setup.scene(), 400);

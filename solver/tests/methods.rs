@@ -1,7 +1,6 @@
 //! Every method finds the solution that a direct reference finds, with the same bits everywhere.
 
-mod common;
-use common::Setup;
+use crate::common::Setup;
 use makadam::lanes::InstructionSet;
 use makadam::scene::{Scene, SolverMethod, Stop};
 use makadam::schedule::Scheduler;

@@ -1,9 +1,8 @@
 //! Periodic axes against closed forms, brute force over images, and scenes without them.
 
-mod common;
+use crate::common::bits::{same_bits_everywhere, start};
+use crate::common::{CONVERGED_HERTZ, FLOOR, Setup, grain, run_until};
 use approx::assert_relative_eq;
-use common::bits::{same_bits_everywhere, start};
-use common::{CONVERGED_HERTZ, FLOOR, Setup, grain, run_until};
 use makadam::scene::{Axis, Domain, Scene, populate};
 use makadam::snapshot::{Particle, Partner};
 use nalgebra::Vector3;
@@ -257,7 +256,7 @@ fn three_fixed_spheres_bear_a_grain_as_a_pyramid_does() {
         let mut simulation = start(&periodic(&setup, [-0.05, -0.05, -0.1], [0.05, 0.05, 0.1], &[Axis::X, Axis::Y]));
         run_until(&mut simulation, 0.05);
         let snapshot = simulation.snapshot();
-        let weight = common::DENSITY * 4.0 / 3.0 * PI * RADIUS.powi(3) * 9.81;
+        let weight = crate::common::DENSITY * 4.0 / 3.0 * PI * RADIUS.powi(3) * 9.81;
         assert_eq!(snapshot.contacts.len(), 3);
         for contact in &snapshot.contacts {
             assert_relative_eq!(contact.normal_force, weight / (3.0 * (2.0_f64 / 3.0).sqrt()), max_relative = 1e-6);

@@ -1,23 +1,18 @@
 //! What holds in every scene, in small ones drawn at random. `MAKADAM_RANDOM_SCENES` sets their number for each property.
 
-#[path = "random/contacts.rs"]
 mod contacts;
-#[path = "random/energy.rs"]
 mod energy;
-#[path = "random/images.rs"]
 mod images;
-#[path = "random/scene.rs"]
 mod scene;
-#[path = "random/uniqueness.rs"]
 mod uniqueness;
 
-use contacts::{Laws, Stepped, step};
-use images::Image;
+use self::contacts::{Laws, Stepped, step};
+use self::images::Image;
+use self::scene::{Container, Drawn, Solves, scenes};
 use makadam::snapshot::Snapshot;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
-use scene::{Container, Drawn, Solves, scenes};
 use std::cell::Cell;
 
 type Vector = Vector3<f64>;

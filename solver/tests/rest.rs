@@ -1,8 +1,7 @@
 //! Grains at rest, sliding and rolling, against their closed forms.
 
-mod common;
+use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run_until};
 use approx::assert_relative_eq;
-use common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, FLOOR, Setup, grain, run_until};
 use makadam::Simulation;
 use makadam::snapshot::Partner;
 use std::f64::consts::PI;

@@ -1,10 +1,9 @@
 //! Restitution that falls with the speed of impact against closed forms on one grain and on two, and that its absence leaves
 //! no trace.
 
-mod common;
+use crate::common::bits::{hash_after, leaves_no_trace, reference_scene, same_bits_everywhere, start};
+use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, FLOOR, Setup, grain, run_until};
 use approx::assert_relative_eq;
-use common::bits::{hash_after, leaves_no_trace, reference_scene, same_bits_everywhere, start};
-use common::{CONVERGED_HERTZ, CONVERGED_RIGID, FLOOR, Setup, grain, run_until};
 use makadam::Simulation;
 use makadam::scene::Scene;
 use std::path::Path;

@@ -1,7 +1,6 @@
 //! What is asked of a simulation is done or refused, never left out without a word.
 
-mod common;
-use common::bits::{reference_scene, start, steps};
+use crate::common::bits::{reference_scene, start, steps};
 use makadam::scene::{Precision, SolverMethod};
 use makadam::{Obstacle, SettingError};
 

@@ -1,8 +1,7 @@
 //! Vibrating walls against closed forms on one grain.
 
-mod common;
+use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, Setup, grain, run_until};
 use approx::assert_relative_eq;
-use common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, Setup, grain, run_until};
 use makadam::Simulation;
 use makadam::scene::Scene;
 use std::f64::consts::{PI, TAU};

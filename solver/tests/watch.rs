@@ -1,7 +1,6 @@
 //! What watchdogs notice, and what they take no notice of.
 
-mod common;
-use common::{FLOOR, Setup, grain, run_until};
+use crate::common::{FLOOR, Setup, grain, run_until};
 use makadam::scene::{Reaction, Scene, Watch};
 use makadam::watch::{Alarm, Trouble, Watchdog};
 use makadam::{Simulation, StepReport};

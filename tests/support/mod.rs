@@ -1,5 +1,10 @@
-//! What all end-to-end tests share: the command. The small scene, changed copies of it and the lines of a scene have files of
-//! their own beside this one, for the tests that need them.
+//! What the end-to-end tests share: the command, a small and a tiny scene, changed copies of the former and the lines of a scene.
+
+pub mod changed;
+pub mod disk;
+pub mod lines;
+pub mod small_scene;
+pub mod tiny_scene;
 
 use assert_cmd::Command;
 use std::path::Path;

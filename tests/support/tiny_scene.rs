@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// A scene file in `folder`: twenty grains, a frame every four steps of 0.5 ms, measured from the second frame on.
 pub fn tiny(folder: &Path) -> PathBuf {
-    let text = std::fs::read_to_string(crate::small_scene::smoke()).unwrap();
+    let text = std::fs::read_to_string(super::small_scene::smoke()).unwrap();
     let text = [
         ("name = \"smoke\"", "name = \"tiny\""),
         ("count = 200", "count = 20"),

@@ -1,10 +1,6 @@
 //! What is measured of known beds, written down: a change of how frames are added up may change no digit of it.
 
-#[path = "support/beds.rs"]
-#[allow(dead_code)] // it has more than is needed here
-mod beds;
-
-use beds::{Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum};
+use crate::support::beds::{Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum};
 use makadam::checkpoint::checksum;
 use makadam::scene::Scene;
 use makadam::snapshot::{Contact, Partner, Snapshot};

@@ -1,10 +1,7 @@
 //! Packing, contacts and forces, measured of beds whose numbers are known beforehand.
 
-#[path = "support/beds.rs"]
-mod beds;
-
+use crate::support::beds::{Random, drum_scene, fcc, frame, particles, recording, scene, tilted_drum, value};
 use approx::assert_abs_diff_eq;
-use beds::{Random, drum_scene, fcc, frame, particles, recording, scene, tilted_drum, value};
 use makadam::scene::Scene;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_validation::observables::literature::LiteratureCurve;

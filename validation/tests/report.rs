@@ -1,8 +1,6 @@
 //! The report: self-contained, well formed, complete, and never half-written.
 
-#[path = "support/sample.rs"]
-mod sample;
-
+use crate::support::sample;
 use makadam_validation::compare::{CodeSummary, Comparison, Outcome, Row, Source, Timing};
 use makadam_validation::report::{
     Qualification, REPORT_VERSION, ReportDocument, ReportError, Standing, comparison_table, speed_sentence, write,

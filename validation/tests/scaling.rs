@@ -1,8 +1,6 @@
 //! The replay against schedules that can be worked out by hand, and a study made of invented traces.
 
-#[path = "support/scaling_sample.rs"]
-mod sample;
-
+use crate::support::scaling_sample as sample;
 use approx::assert_relative_eq;
 use makadam::partition::Portion;
 use makadam::schedule::{Phase, Region, Scheduler};

@@ -1,10 +1,9 @@
 //! Slopes, flow and mixing, measured of beds whose numbers are known beforehand.
 
-#[path = "support/beds.rs"]
-mod beds;
-
+use crate::support::beds::{
+    Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum, value,
+};
 use approx::assert_abs_diff_eq;
-use beds::{Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum, value};
 use makadam::scene::{Grain, Scene, populate};
 use makadam::snapshot::{Contact, Particle, Partner};
 use makadam_validation::effects::variations;

@@ -53,7 +53,6 @@ impl Drive {
     /// The drive of a wall that has one; `wall` is its number in the scene.
     pub fn of(description: &Wall, wall: u32) -> Option<Drive> {
         let (axis, pivot, effort, inertia, start) = match description.motion {
-            _ if !cfg!(feature = "driven-walls") => return None,
             Motion::ForceDriven { axis, force, mass, start } => (axis, None, force, mass, start),
             Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
                 (axis, Some(Vector3::from(point)), torque, moment_of_inertia, start)

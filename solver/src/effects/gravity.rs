@@ -58,7 +58,7 @@ impl Field {
     /// Whether it ever changes.
     #[inline(always)]
     pub fn changes(&self) -> bool {
-        cfg!(feature = "changing-gravity") && !self.changes.is_empty()
+        !self.changes.is_empty()
     }
 
     /// Whether it is the same from one time (s) to another.

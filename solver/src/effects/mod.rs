@@ -91,37 +91,37 @@ impl EffectSet {
     /// Some contact can have friction.
     #[inline(always)]
     pub fn friction(&self) -> bool {
-        cfg!(feature = "friction") && self.friction
+        self.friction
     }
 
     /// Some contact can resist rolling.
     #[inline(always)]
     pub fn rolling(&self) -> bool {
-        cfg!(feature = "rolling-resistance") && self.rolling
+        self.rolling
     }
 
     /// Some contact can resist twisting.
     #[inline(always)]
     pub fn twisting(&self) -> bool {
-        cfg!(feature = "twisting-resistance") && self.twisting
+        self.twisting
     }
 
     /// Some contact pulls. Sweeps know nothing of it.
     #[inline(always)]
     pub fn cohesion(&self) -> bool {
-        cfg!(feature = "cohesion") && self.cohesion
+        self.cohesion
     }
 
     /// Some contact has a restitution that falls with the speed of impact. Sweeps know nothing of it.
     #[inline(always)]
     pub fn falling_restitution(&self) -> bool {
-        cfg!(feature = "falling-restitution") && self.falling_restitution
+        self.falling_restitution
     }
 
     /// Some contact has less friction while it slides. Sweeps know nothing of it.
     #[inline(always)]
     pub fn kinetic_friction(&self) -> bool {
-        cfg!(feature = "kinetic-friction") && self.kinetic_friction
+        self.kinetic_friction
     }
 
     /// Whether contacts bear torques.

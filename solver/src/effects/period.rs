@@ -31,7 +31,7 @@ impl Period {
     /// Whether an axis is periodic.
     #[inline(always)]
     pub fn is_periodic(&self, axis: usize) -> bool {
-        cfg!(feature = "periodic-axes") && self.length[axis] > 0.0
+        self.length[axis] > 0.0
     }
 
     /// Whether any axis is.

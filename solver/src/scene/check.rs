@@ -1,6 +1,5 @@
 //! Range checks of a scene, before anything is simulated.
 
-use super::built;
 use super::error::short;
 use super::names;
 use super::periodic;
@@ -25,7 +24,6 @@ const MOST_DEVIATIONS: f64 = 100.0;
 /// Checks every value of a scene against the range in which it has a meaning.
 pub(super) fn check(scene: &Scene) -> Checked {
     names::check(scene)?;
-    built::check(scene)?;
     let root = Place::default();
     root.key("duration").range(scene.duration, 0.0, 1e5, "s")?;
     gravity(scene)?;

@@ -6,7 +6,6 @@
 
 mod accuracy;
 mod bearable;
-mod built;
 mod check;
 mod error;
 mod impacts;

@@ -282,7 +282,7 @@ impl Motion {
     #[inline(always)]
     pub fn vibration(&self) -> Option<Vibration> {
         match *self {
-            Motion::Vibrating { amplitude, frequency, start, stop } if cfg!(feature = "vibration") => {
+            Motion::Vibrating { amplitude, frequency, start, stop } => {
                 Some(Vibration { amplitude, frequency, start, stop })
             }
             _ => None,

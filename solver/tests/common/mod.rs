@@ -1,7 +1,7 @@
 //! Small scenes for closed-form tests.
-#![allow(dead_code)] // each test target uses its own part
 
 pub mod bits;
+pub mod lattice;
 
 use makadam::Simulation;
 use makadam::scene::Scene;

@@ -1,0 +1,19 @@
+//! End-to-end tests of the command: one program, since each program is linked anew.
+
+mod support;
+
+mod bad_input;
+mod compare_command;
+mod convergence_command;
+mod effects_command;
+mod faults;
+mod laws_command;
+mod output_folder;
+mod reference_scenes;
+mod resume_command;
+mod roofline_command;
+mod run_command;
+mod scaling_command;
+mod stability;
+mod tradeoff_command;
+mod watch_command;

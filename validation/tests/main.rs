@@ -1,0 +1,18 @@
+//! Tests of the judge as a library: one program, since each program is linked anew.
+
+mod support;
+
+mod engines;
+mod geometry;
+mod kept_states;
+mod measured_bits;
+mod measured_frames;
+mod observables;
+mod peers;
+mod peers_live;
+mod report;
+mod scaling;
+mod slopes_and_flow;
+mod sphere_volume;
+mod statistics;
+mod tradeoff;
