@@ -5,6 +5,7 @@ mod support;
 mod bad_input;
 mod compare_command;
 mod convergence_command;
+mod defect_scenes;
 mod effects_command;
 mod faults;
 mod laws_command;

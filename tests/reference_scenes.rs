@@ -145,3 +145,26 @@ fn spinning_tops_slow_down_by_the_formula() {
     let measured = mean_of(&simulate(&scene, &file, 1), "kinetic_energy");
     assert_relative_eq!(measured, foretold, max_relative = 1e-4);
 }
+
+/// A test that a qualification loses makes it pass more easily: what is judged changes here or not at all.
+#[test]
+fn a_qualification_makes_the_twenty_six_tests_that_are_on_record() {
+    let bulk = ["coordination_number", "share_below_mean", "gini"];
+    let expected = [
+        ("packing", "packing_fraction", &bulk[..]),
+        ("drum", "dynamic_angle_of_repose", &bulk),
+        ("drum-caps", "dynamic_angle_of_repose", &bulk),
+        ("heap", "static_angle_of_repose", &[]),
+    ];
+    let mut tests = 0;
+    for (name, first, others) in expected {
+        let scene = Scene::load(&file_of(name)).unwrap();
+        let judged = scene.compare.iter().filter(|expectation| expectation.margin.is_some());
+        let judged: Vec<&str> = judged.map(|expectation| expectation.observable.as_str()).collect();
+        assert_eq!(judged, [&[first], others].concat(), "{name}");
+        let reference = Reference::load(&Reference::folder(&file_of(name))).unwrap().expect("recorded references");
+        assert_eq!(reference.codes(), ["LIGGGHTS", "YADE"], "{name}");
+        tests += judged.len() * reference.codes().len();
+    }
+    assert_eq!(tests, 26);
+}

@@ -254,20 +254,17 @@ impl Simulation {
 
     fn remember_impulses(&mut self, team: &Team) {
         let (relaxation, layout) = (&self.relaxation, &self.layout);
-        let pairs = Disjoint::new(&mut self.candidates.pair_impulses);
-        let walls = Disjoint::new(&mut self.candidates.wall_impulses);
-        let pair_torques = Disjoint::new(&mut self.candidates.pair_torques);
-        let wall_torques = Disjoint::new(&mut self.candidates.wall_torques);
-        let (tasks, batches) = (layout.plan.tasks(), layout.plan.all_batches());
-        team.each(Phase::Integrate, batches.len(), |batch| {
-            for task in &tasks[batches[batch].clone()] {
-                let groups = &layout.groups[task.number as usize];
-                // SAFETY: each task has its own candidates.
-                unsafe {
-                    relaxation.remember(groups, &pairs, &walls);
-                    if relaxation.effects.torques() {
-                        relaxation.remember_torques(groups, &pair_torques, &wall_torques);
-                    }
+        let pairs = Disjoint::new(&mut self.candidates.impulses.pairs);
+        let walls = Disjoint::new(&mut self.candidates.impulses.walls);
+        let pair_torques = Disjoint::new(&mut self.candidates.impulses.pair_torques);
+        let wall_torques = Disjoint::new(&mut self.candidates.impulses.wall_torques);
+        layout.plan.run_all(team, Phase::Integrate, |_, task| {
+            let groups = &layout.groups[task.number as usize];
+            // SAFETY: each task has its own candidates.
+            unsafe {
+                relaxation.remember(groups, &pairs, &walls);
+                if relaxation.effects.torques() {
+                    relaxation.remember_torques(groups, &pair_torques, &wall_torques);
                 }
             }
         });

@@ -2,7 +2,7 @@
 
 use crate::interrupt::Interrupt;
 use crate::methods::{Problem, Solver};
-use crate::partition::{Layout, Plan, STAGES, SingleBody, SingleCopy, SingleGroups, TaskGroups};
+use crate::partition::{Layout, Plan, SingleBody, SingleCopy, SingleGroups, TaskGroups};
 use crate::scene::{SolverSettings, Stop};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::sweep::{Gauge, Relaxation, Residuals, TaskResidual, tell_driven};
@@ -205,26 +205,25 @@ pub(crate) fn sweep_all(
     residuals.clear();
     residuals.resize(if measured { plan.tasks().len() } else { 0 }, TaskResidual::default());
     let parts = Disjoint::new(residuals);
-    for stage in 0..STAGES {
-        let batches = plan.batches(stage);
-        team.each(Phase::Sweep, batches.len(), |batch| {
-            for place in batches[batch].clone() {
+    plan.run_stages(
+        team,
+        Phase::Sweep,
+        |_| {},
+        |place, task| {
+            let mut unused = TaskResidual::default();
+            for time in 1..=inner {
+                if inner > 1 && stops() {
+                    break;
+                }
+                let last = measured && time == inner;
                 // SAFETY: tasks of a stage share no body, and each has its own groups and its own residual.
                 unsafe {
-                    let task = plan.tasks()[place].number as usize;
-                    let mut unused = TaskResidual::default();
-                    for time in 1..=inner {
-                        if inner > 1 && stops() {
-                            break;
-                        }
-                        let last = measured && time == inner;
-                        let (gauge, residual) = if last { (gauge, parts.at(place)) } else { (Gauge::Off, &mut unused) };
-                        unknowns.sweep(relaxation, task, factor, gauge, residual);
-                    }
+                    let (gauge, residual) = if last { (gauge, parts.at(place)) } else { (Gauge::Off, &mut unused) };
+                    unknowns.sweep(relaxation, task.number as usize, factor, gauge, residual);
                 }
             }
-        });
-    }
+        },
+    );
     // Summed in the order of tasks, whoever did them.
     let mut total = TaskResidual::default();
     residuals.iter().for_each(|own| total.merge(own));

@@ -136,14 +136,14 @@ impl State {
         let id = |place: u32| world.ids[place as usize];
         let (pairs, walls) = (&candidates.pairs, &candidates.walls);
         let tasks = simulation.layout.plan.tasks();
-        let pairs_named = tasks.iter().flat_map(|task| task.named(&candidates.pairs_borne));
+        let pairs_named = tasks.iter().flat_map(|task| task.named(&candidates.impulses.borne));
         let pair = |c: usize| (id(pairs[c].first), id(pairs[c].second));
         let wall = |c: usize| (id(walls[c].body), walls[c].surface);
-        let pairs_borne: Vec<_> = remembered(pairs_named, &candidates.pair_impulses, pair).collect();
-        let walls_borne: Vec<_> = remembered(0..walls.len(), &candidates.wall_impulses, wall).collect();
+        let pairs_borne: Vec<_> = remembered(pairs_named, &candidates.impulses.pairs, pair).collect();
+        let walls_borne: Vec<_> = remembered(0..walls.len(), &candidates.impulses.walls, wall).collect();
         State {
-            pair_torques: torques_of(&pairs_borne, &candidates.pair_torques),
-            wall_torques: torques_of(&walls_borne, &candidates.wall_torques),
+            pair_torques: torques_of(&pairs_borne, &candidates.impulses.pair_torques),
+            wall_torques: torques_of(&walls_borne, &candidates.impulses.wall_torques),
             step: simulation.settings.step,
             steps: simulation.steps,
             contact_sweeps: simulation.contact_sweeps,
@@ -224,31 +224,31 @@ impl State {
         let scale = scene.solver.step / self.step;
         let (grains, surfaces) = (self.grains.len() as u32, simulation.world.surfaces.len() as u32);
         let candidates = &mut simulation.candidates;
-        candidates.pair_impulses.clear();
-        candidates.wall_impulses.clear();
+        candidates.impulses.pairs.clear();
+        candidates.impulses.walls.clear();
         for known in &self.pairs {
             if known.first >= grains || known.second >= grains {
                 return Err("names a grain that is not there".into());
             }
             candidates.pairs.push(PairCandidate { first: known.first, second: known.second });
-            candidates.pair_impulses.push(known.scaled(scale));
+            candidates.impulses.pairs.push(known.scaled(scale));
         }
         for known in &self.walls {
             if known.first >= grains || known.second >= surfaces {
                 return Err("names a grain or a wall that is not there".into());
             }
             candidates.walls.push(WallCandidate { body: known.first, surface: known.second });
-            candidates.wall_impulses.push(known.scaled(scale));
+            candidates.impulses.walls.push(known.scaled(scale));
         }
-        candidates.pair_impulses.push(Impulse::default());
-        candidates.wall_impulses.push(Impulse::default());
+        candidates.impulses.pairs.push(Impulse::default());
+        candidates.impulses.walls.push(Impulse::default());
         // A scene that bears torques may start from one that bore none, and the other way round.
         if simulation.relaxation.effects.torques() {
             let scaled = |torque: &[f64; 3]| AngularImpulse(torque.map(|component| component * scale));
-            candidates.pair_torques = self.pair_torques.iter().map(scaled).collect();
-            candidates.wall_torques = self.wall_torques.iter().map(scaled).collect();
-            candidates.pair_torques.resize(self.pairs.len(), AngularImpulse::default());
-            candidates.wall_torques.resize(self.walls.len(), AngularImpulse::default());
+            candidates.impulses.pair_torques = self.pair_torques.iter().map(scaled).collect();
+            candidates.impulses.wall_torques = self.wall_torques.iter().map(scaled).collect();
+            candidates.impulses.pair_torques.resize(self.pairs.len(), AngularImpulse::default());
+            candidates.impulses.wall_torques.resize(self.walls.len(), AngularImpulse::default());
         }
         simulation.layout.plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32);
         simulation.candidates.find_borne(&simulation.layout.plan);
@@ -316,7 +316,7 @@ impl State {
         world.time = list.built_at;
         // The start has put its own candidates there, by id.
         (candidates.pairs, candidates.walls) = (Vec::new(), Vec::new());
-        candidates.pair_impulses.clear();
+        candidates.impulses.pairs.clear();
         layout.plan = Plan::single(0, 0);
         candidates.rebuild(world, &mut layout.plan, relaxation.instruction_set, team);
         candidates.rebuilds = list.rebuilds;
@@ -333,8 +333,8 @@ impl State {
             if (id(pair.first), id(pair.second)) != (known.first, known.second) {
                 return Err(OTHER.into());
             }
-            candidates.pair_impulses[known.candidate as usize] = known.scaled(1.0);
-            give_torque(&mut candidates.pair_torques, known, self.pair_torques.get(number));
+            candidates.impulses.pairs[known.candidate as usize] = known.scaled(1.0);
+            give_torque(&mut candidates.impulses.pair_torques, known, self.pair_torques.get(number));
         }
         candidates.find_borne(&layout.plan);
         for (number, known) in self.walls.iter().enumerate() {
@@ -342,8 +342,8 @@ impl State {
             if (id(wall.body), wall.surface) != (known.first, known.second) {
                 return Err(OTHER.into());
             }
-            candidates.wall_impulses[known.candidate as usize] = known.scaled(1.0);
-            give_torque(&mut candidates.wall_torques, known, self.wall_torques.get(number));
+            candidates.impulses.walls[known.candidate as usize] = known.scaled(1.0);
+            give_torque(&mut candidates.impulses.wall_torques, known, self.wall_torques.get(number));
         }
         Ok(())
     }

@@ -9,14 +9,14 @@ mod pulls;
 mod torques;
 mod touch;
 
-use crate::detect::{AngularImpulse, Candidates, Impulse, WallCandidate};
+use crate::detect::{CandidateList, Candidates, ImpulsesOfTasks, WallCandidate};
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
 use crate::groups::{ContactLanes, Tangential, WallGroup, with_pairs};
 use crate::lanes::{Available, Eight, Lanes, Number};
-use crate::partition::{DrivenContact, FindWaits, Layout, Packer, PlannedTask, STAGES, Taken, TakenGroups, TaskGroups};
+use crate::partition::{DrivenContact, FindWaits, Layout, Packer, PlannedTask, Taken, TakenGroups, TaskGroups};
 use crate::scene::SolverSettings;
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{ContactMaterial, Pose, World};
@@ -57,7 +57,7 @@ struct StepConstants {
 /// What the tasks of a step read.
 struct Given<'a> {
     world: &'a World,
-    candidates: &'a Candidates,
+    candidates: CandidateList<'a>,
     poses: &'a [Pose],
     constants: StepConstants,
     effects: EffectSet,
@@ -65,16 +65,6 @@ struct Given<'a> {
     fetches: bool,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,
-}
-
-/// What the candidates bore in the last step.
-struct Remembered<'a> {
-    pairs: Disjoint<'a, Impulse>,
-    /// Which pairs bore any, as bits: a byte a block.
-    borne: Disjoint<'a, u8>,
-    walls: Disjoint<'a, Impulse>,
-    pair_torques: Disjoint<'a, AngularImpulse>,
-    wall_torques: Disjoint<'a, AngularImpulse>,
 }
 
 impl Constrainer {
@@ -117,12 +107,7 @@ impl Constrainer {
         self.poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.constants.scheme.step)));
         self.follow(world.gravity.norm());
         self.taken.start(world.grains());
-        // Each candidate belongs to one task, so their impulses are written without a lock.
-        let mut pair_impulses = std::mem::take(&mut candidates.pair_impulses);
-        let mut borne = std::mem::take(&mut candidates.pairs_borne);
-        let mut wall_impulses = std::mem::take(&mut candidates.wall_impulses);
-        let mut pair_torques = std::mem::take(&mut candidates.pair_torques);
-        let mut wall_torques = std::mem::take(&mut candidates.wall_torques);
+        let (candidates, impulses) = candidates.split();
         {
             let given = Given {
                 world,
@@ -134,50 +119,36 @@ impl Constrainer {
                 material: world.table.of_all_grains(),
             };
             let groups = Disjoint::new(&mut layout.groups);
-            let remembered = Remembered {
-                pairs: Disjoint::new(&mut pair_impulses),
-                borne: Disjoint::new(&mut borne),
-                walls: Disjoint::new(&mut wall_impulses),
-                pair_torques: Disjoint::new(&mut pair_torques),
-                wall_torques: Disjoint::new(&mut wall_torques),
-            };
-            for stage in 0..STAGES {
-                let (tasks, batches) = (layout.plan.tasks(), layout.plan.batches(stage));
-                let (taken, base, next) = self.taken.stage();
-                let end = AtomicU32::new(base);
-                team.each(Phase::Constrain, batches.len(), |batch| {
-                    for task in &tasks[batches[batch].clone()] {
-                        // SAFETY: tasks of a stage share no body, and each has its own groups and candidates.
-                        unsafe {
-                            let groups = groups.at(task.number as usize);
-                            end.fetch_max(
-                                given.lay_out(task, base, &taken, groups, &remembered, set),
-                                Ordering::Relaxed,
-                            );
-                            then(groups);
-                        }
-                    }
-                });
-                *next = end.into_inner();
-            }
+            let remembered = impulses.of_tasks();
+            let (taken, first, next) = self.taken.stage();
+            // Where the numbers of a stage's groups begin, and where they have ended so far.
+            let (base, end) = (AtomicU32::new(first), AtomicU32::new(first));
+            let begin = |_| base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
+            layout.plan.run_stages(team, Phase::Constrain, begin, |_, task| {
+                let base = base.load(Ordering::Relaxed);
+                // SAFETY: tasks of a stage share no body, and each has its own groups and candidates.
+                unsafe {
+                    let groups = groups.at(task.number as usize);
+                    end.fetch_max(given.lay_out(task, base, &taken, groups, &remembered, set), Ordering::Relaxed);
+                    then(groups);
+                }
+            });
+            *next = end.into_inner();
         }
-        (candidates.pair_impulses, candidates.pairs_borne, candidates.wall_impulses) =
-            (pair_impulses, borne, wall_impulses);
-        (candidates.pair_torques, candidates.wall_torques) = (pair_torques, wall_torques);
         if !world.drives.is_empty() {
-            team.alone(Phase::Constrain, || self.list_driven(world, candidates, layout));
+            team.alone(Phase::Constrain, || self.list_driven(world, candidates.walls, layout));
         }
         layout.contacts = layout.plan.tasks().iter().map(|task| layout.groups[task.number as usize].contacts()).sum();
     }
 
     /// Lists the contacts with driven walls, task after task.
-    fn list_driven(&self, world: &World, candidates: &Candidates, layout: &mut Layout) {
+    fn list_driven(&self, world: &World, walls: &[WallCandidate], layout: &mut Layout) {
         layout.driven.clear();
         for task in layout.plan.tasks() {
             let groups = &layout.groups[task.number as usize];
             for group in groups.prescribed_walls()..groups.walls.len() {
                 for (lane, candidate) in groups.wall_sources[group].occupied() {
-                    let surface = candidates.walls[candidate].surface;
+                    let surface = walls[candidate].surface;
                     let Some(drive) = world.drive_of(surface) else { continue };
                     let WallGroup { body, contacts, .. } = &groups.walls[group];
                     let (sphere, [u, v, w, _]) =
@@ -241,7 +212,7 @@ impl Given<'_> {
         base: u32,
         taken: &Disjoint<'_, Taken>,
         groups: &mut TaskGroups,
-        remembered: &Remembered<'_>,
+        remembered: &ImpulsesOfTasks<'_>,
         set: Available,
     ) -> u32 {
         let dummies = self.world.dummies_of(task.home as usize);

@@ -2,10 +2,11 @@
 
 use super::CellGrid;
 use super::drift::Drift;
+use super::impulses::{AngularImpulse, ContactImpulses, Impulse};
 use super::memory::{OldList, Remembered, resize};
 use super::search::{Found, PairSearch, WallReach};
 use crate::lanes::{Available, LANES};
-use crate::partition::{BoxGrid, DIRECTIONS, Plan, PlannedTask, STAGES};
+use crate::partition::{BoxGrid, DIRECTIONS, Plan, PlannedTask};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::world::{Pose, Surface, World, chunk, chunks};
 use nalgebra::Vector3;
@@ -36,28 +37,6 @@ pub struct WallCandidate {
     pub surface: u32,
 }
 
-/// Impulse that a candidate bore in the last step, N s; the tangential part is a world vector. One quad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(32))]
-pub struct Impulse {
-    /// Normal impulse.
-    pub normal: f64,
-    /// Tangential impulse on the second body or on the wall.
-    pub tangential: [f64; 3],
-}
-
-impl Impulse {
-    /// Whether it is zero to the last bit: a negative zero is none.
-    pub(crate) fn is_blank(&self) -> bool {
-        let [x, y, z] = self.tangential;
-        [self.normal, x, y, z].iter().all(|component| component.to_bits() == 0)
-    }
-}
-
-/// Angular impulse that a candidate bore in the last step, on its second side, N m s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AngularImpulse(pub [f64; 3]);
-
 /// Candidates and the impulses remembered for them.
 #[derive(Clone, Debug)]
 pub struct Candidates {
@@ -65,18 +44,8 @@ pub struct Candidates {
     pub pairs: Vec<PairCandidate>,
     /// Grains and surfaces, task after task.
     pub walls: Vec<WallCandidate>,
-    /// Impulse of each pair that bore any, and one of zero behind them all. Those of other pairs mean nothing.
-    pub pair_impulses: Vec<Impulse>,
-    /// Which pairs bore an impulse, or may have: those that were contacts in the last step, and since the list was built those that
-    /// were given one. Bits, a byte for each block of a task's pairs.
-    pub(crate) pairs_borne: Vec<u8>,
-    /// Impulse of each grain and surface, and one of zero behind them.
-    pub wall_impulses: Vec<Impulse>,
-    /// Angular impulses of the same, where contacts bear torques; empty elsewhere. They mean nothing where the normal impulse
-    /// is zero.
-    pub pair_torques: Vec<AngularImpulse>,
-    /// As `pair_torques`.
-    pub wall_torques: Vec<AngularImpulse>,
+    /// What they bore.
+    pub impulses: ContactImpulses,
     /// Number of times that the list was built.
     pub rebuilds: u64,
     torques: bool,
@@ -90,6 +59,25 @@ pub struct Candidates {
     built_at: f64,
     drift: Drift,
     buffers: Buffers,
+}
+
+/// The candidates alone: what a step reads of them while it writes their impulses.
+#[derive(Clone, Copy)]
+pub(crate) struct CandidateList<'a> {
+    /// Pairs of grains, task after task.
+    pub pairs: &'a [PairCandidate],
+    /// Grains and surfaces, task after task.
+    pub walls: &'a [WallCandidate],
+    /// Number of times that the list was built.
+    pub rebuilds: u64,
+    grid: &'a CellGrid,
+}
+
+impl CandidateList<'_> {
+    /// Places of the grains of a box, since the list was built.
+    pub fn grains_of_box(&self, number: usize) -> Range<usize> {
+        self.grid.grains_of_box(number)
+    }
 }
 
 /// What a rebuild needs, kept from one to the next.
@@ -113,11 +101,7 @@ impl Candidates {
         Candidates {
             pairs: Vec::new(),
             walls: Vec::new(),
-            pair_impulses: vec![Impulse::default()],
-            pairs_borne: Vec::new(),
-            wall_impulses: vec![Impulse::default()],
-            pair_torques: Vec::new(),
-            wall_torques: Vec::new(),
+            impulses: ContactImpulses::default(),
             torques,
             rebuilds: 0,
             skin,
@@ -136,8 +120,8 @@ impl Candidates {
     pub(crate) fn bear_torques(&mut self, torques: bool) {
         self.torques = torques;
         let (pairs, walls) = if torques { (self.pairs.len(), self.walls.len()) } else { (0, 0) };
-        resize(&mut self.pair_torques, pairs, AngularImpulse::default());
-        resize(&mut self.wall_torques, walls, AngularImpulse::default());
+        resize(&mut self.impulses.pair_torques, pairs, AngularImpulse::default());
+        resize(&mut self.impulses.wall_torques, walls, AngularImpulse::default());
     }
 
     /// Centres of the grains by place (m) and simulated time (s) when the list was built; absent while there is none.
@@ -150,9 +134,10 @@ impl Candidates {
         self.grid.boxes().tasks()
     }
 
-    /// Places of the grains of a box, since the list was built.
-    pub(crate) fn grains_of_box(&self, number: usize) -> Range<usize> {
-        self.grid.grains_of_box(number)
+    /// The candidates, and apart from them what they bore.
+    pub(crate) fn split(&mut self) -> (CandidateList<'_>, &mut ContactImpulses) {
+        let Candidates { pairs, walls, rebuilds, grid, impulses, .. } = self;
+        (CandidateList { pairs, walls, rebuilds: *rebuilds, grid }, impulses)
     }
 
     /// Whether a grain may have come within touch of a grain or a wall that the list does not know.
@@ -229,13 +214,13 @@ impl Candidates {
             let PairCandidate { first, second } = pairs[candidate];
             (places[first as usize], places[second as usize])
         };
-        let of_task = |task: &PlannedTask| task.named(&self.pairs_borne);
-        let (impulses, torques) = (&self.pair_impulses, &self.pair_torques);
-        remembered_pairs.collect(grains, &OldList { key, of_task, impulses, torques, plan, stages: STAGES }, team);
+        let of_task = |task: &PlannedTask| task.named(&self.impulses.borne);
+        let (impulses, torques) = (&self.impulses.pairs, &self.impulses.pair_torques);
+        remembered_pairs.collect(grains, &OldList { key, of_task, impulses, torques, plan }, team);
         let key = |candidate: usize| (places[walls[candidate].body as usize], walls[candidate].surface);
         let of_task = |task: &PlannedTask| task.walls.start as usize..task.walls.end as usize;
-        let (impulses, torques) = (&self.wall_impulses, &self.wall_torques);
-        remembered_walls.collect(grains, &OldList { key, of_task, impulses, torques, plan, stages: 1 }, team);
+        let (impulses, torques) = (&self.impulses.walls, &self.impulses.wall_torques);
+        remembered_walls.collect(grains, &OldList { key, of_task, impulses, torques, plan }, team);
     }
 
     /// Each box looks for pairs and walls.
@@ -296,11 +281,11 @@ impl Candidates {
         let (pairs, walls): (usize, usize) = (count(|found| found.pairs.len()), count(|found| found.walls.len()));
         resize(&mut self.pairs, pairs, PairCandidate { first: 0, second: 0 });
         resize(&mut self.walls, walls, WallCandidate { body: 0, surface: 0 });
-        resize(&mut self.pair_impulses, pairs + 1, Impulse::default());
-        resize(&mut self.wall_impulses, walls + 1, Impulse::default());
-        (self.pair_impulses[pairs], self.wall_impulses[walls]) = (Impulse::default(), Impulse::default());
+        resize(&mut self.impulses.pairs, pairs + 1, Impulse::default());
+        resize(&mut self.impulses.walls, walls + 1, Impulse::default());
+        (self.impulses.pairs[pairs], self.impulses.walls[walls]) = (Impulse::default(), Impulse::default());
         self.bear_torques(self.torques);
-        resize(&mut self.pairs_borne, plan.blocks(), 0);
+        resize(&mut self.impulses.borne, plan.blocks(), 0);
         let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
         let (pair_parts, wall_parts) = (Disjoint::new(&mut self.pairs), Disjoint::new(&mut self.walls));
         team.each(Phase::Detect, found.len(), |number| {
@@ -317,55 +302,53 @@ impl Candidates {
             unsafe { wall_parts.range(start..start + found.walls.len()) }.copy_from_slice(&found.walls);
         });
         let (pairs, walls) = (&self.pairs, &self.walls);
-        let (pair_impulses, borne) = (Disjoint::new(&mut self.pair_impulses), Disjoint::new(&mut self.pairs_borne));
-        let wall_impulses = Disjoint::new(&mut self.wall_impulses);
-        let pair_torques = Disjoint::new(&mut self.pair_torques);
-        let wall_torques = Disjoint::new(&mut self.wall_torques);
+        let (pair_impulses, borne) = (Disjoint::new(&mut self.impulses.pairs), Disjoint::new(&mut self.impulses.borne));
+        let wall_impulses = Disjoint::new(&mut self.impulses.walls);
+        let pair_torques = Disjoint::new(&mut self.impulses.pair_torques);
+        let wall_torques = Disjoint::new(&mut self.impulses.wall_torques);
         let torques = self.torques;
-        team.each(Phase::Detect, plan.all_batches().len(), |batch| {
-            for task in &plan.tasks()[plan.all_batches()[batch].clone()] {
-                let range = task.pairs.start as usize..task.pairs.end as usize;
-                // SAFETY: each task has its own blocks.
-                let borne = unsafe { borne.range(task.blocks()) };
-                for ((first, pairs), borne) in range
-                    .clone()
-                    .step_by(BLOCKS * LANES)
-                    .zip(pairs[range].chunks(BLOCKS * LANES))
-                    .zip(borne.chunks_mut(BLOCKS))
-                {
-                    // First where the impulses of some pairs are, then the impulses, which take their time to come.
-                    let (mut found, mut count) = ([(0, 0); BLOCKS * LANES], 0);
-                    borne.fill(0);
-                    for (place, pair) in pairs.iter().enumerate() {
-                        if let Some(known) = remembered_pairs.find((pair.first, pair.second)) {
-                            borne[place / LANES] |= 1 << (place % LANES);
-                            found[count] = (first + place, known);
-                            count += 1;
-                        }
-                    }
-                    for &(candidate, known) in &found[..count] {
-                        let known = remembered_pairs.recall(known);
-                        // SAFETY: each task has its own candidates.
-                        unsafe { give(known, candidate, &pair_impulses, torques.then_some(&pair_torques)) };
+        plan.run_all(team, Phase::Detect, |_, task| {
+            let range = task.pairs.start as usize..task.pairs.end as usize;
+            // SAFETY: each task has its own blocks.
+            let borne = unsafe { borne.range(task.blocks()) };
+            for ((first, pairs), borne) in range
+                .clone()
+                .step_by(BLOCKS * LANES)
+                .zip(pairs[range].chunks(BLOCKS * LANES))
+                .zip(borne.chunks_mut(BLOCKS))
+            {
+                // First where the impulses of some pairs are, then the impulses, which take their time to come.
+                let (mut found, mut count) = ([(0, 0); BLOCKS * LANES], 0);
+                borne.fill(0);
+                for (place, pair) in pairs.iter().enumerate() {
+                    if let Some(known) = remembered_pairs.find((pair.first, pair.second)) {
+                        borne[place / LANES] |= 1 << (place % LANES);
+                        found[count] = (first + place, known);
+                        count += 1;
                     }
                 }
-                let range = task.walls.start as usize..task.walls.end as usize;
-                for (candidate, wall) in range.clone().zip(&walls[range]) {
-                    let known = remembered_walls.find((wall.body, wall.surface));
-                    let borne = known.map(|place| remembered_walls.recall(place)).unwrap_or_default();
-                    // SAFETY: as above.
-                    unsafe { give(borne, candidate, &wall_impulses, torques.then_some(&wall_torques)) };
+                for &(candidate, known) in &found[..count] {
+                    let known = remembered_pairs.recall(known);
+                    // SAFETY: each task has its own candidates.
+                    unsafe { give(known, candidate, &pair_impulses, torques.then_some(&pair_torques)) };
                 }
+            }
+            let range = task.walls.start as usize..task.walls.end as usize;
+            for (candidate, wall) in range.clone().zip(&walls[range]) {
+                let known = remembered_walls.find((wall.body, wall.surface));
+                let borne = known.map(|place| remembered_walls.recall(place)).unwrap_or_default();
+                // SAFETY: as above.
+                unsafe { give(borne, candidate, &wall_impulses, torques.then_some(&wall_torques)) };
             }
         });
     }
 
     /// Finds out which pairs bore an impulse, where impulses were written otherwise than by a step.
     pub(crate) fn find_borne(&mut self, plan: &Plan) {
-        self.pairs_borne.clear();
+        self.impulses.borne.clear();
         for task in plan.tasks() {
-            let impulses = &self.pair_impulses[task.pairs.start as usize..task.pairs.end as usize];
-            self.pairs_borne.extend(impulses.chunks(LANES).map(|block| {
+            let impulses = &self.impulses.pairs[task.pairs.start as usize..task.pairs.end as usize];
+            self.impulses.borne.extend(impulses.chunks(LANES).map(|block| {
                 let bits = block.iter().enumerate().map(|(lane, impulse)| u8::from(!impulse.is_blank()) << lane);
                 bits.sum::<u8>()
             }));
@@ -376,9 +359,10 @@ impl Candidates {
         let buffers = &self.buffers;
         self.pairs.capacity() * size_of::<PairCandidate>()
             + self.walls.capacity() * size_of::<WallCandidate>()
-            + (self.pair_impulses.capacity() + self.wall_impulses.capacity()) * size_of::<Impulse>()
-            + self.pairs_borne.capacity()
-            + (self.pair_torques.capacity() + self.wall_torques.capacity()) * size_of::<AngularImpulse>()
+            + (self.impulses.pairs.capacity() + self.impulses.walls.capacity()) * size_of::<Impulse>()
+            + self.impulses.borne.capacity()
+            + (self.impulses.pair_torques.capacity() + self.impulses.wall_torques.capacity())
+                * size_of::<AngularImpulse>()
             + self.reference.capacity() * size_of::<Vector3<f64>>()
             + self.grid.memory_bytes()
             + buffers.found.iter().map(Found::memory_bytes).sum::<usize>()

@@ -16,7 +16,7 @@ pub(super) struct Remembered {
 }
 
 /// An old list: what each candidate is known by (new place of its first grain, anything for its partner), the candidates of a
-/// task that may have borne an impulse, the impulses, and the plan of tasks with the number of its stages that have candidates.
+/// task that may have borne an impulse, the impulses, and the plan of tasks.
 /// Tasks of a stage share no first grain.
 pub(super) struct OldList<'a, K, T> {
     pub key: K,
@@ -25,7 +25,6 @@ pub(super) struct OldList<'a, K, T> {
     /// Empty where contacts bear no torques.
     pub torques: &'a [AngularImpulse],
     pub plan: &'a Plan,
-    pub stages: usize,
 }
 
 impl Remembered {
@@ -40,15 +39,17 @@ impl Remembered {
         self.start.resize(grains + 1, 0);
         let live = |task: &PlannedTask| (old.of_task)(task).filter(|&candidate| old.impulses[candidate].normal > 0.0);
         let counts = Disjoint::new(&mut self.start[1..]);
-        for stage in 0..old.stages {
-            let tasks = old.plan.stage(stage);
-            team.each(Phase::Detect, tasks.len(), |task| {
-                for candidate in live(&tasks[task]) {
+        old.plan.run_stages(
+            team,
+            Phase::Detect,
+            |_| {},
+            |_, task| {
+                for candidate in live(task) {
                     // SAFETY: tasks of a stage share no first grain.
                     *unsafe { counts.at((old.key)(candidate).0 as usize) } += 1;
                 }
-            });
-        }
+            },
+        );
         team.alone(Phase::Detect, || {
             for grain in 0..grains {
                 self.start[grain + 1] += self.start[grain];
@@ -60,10 +61,12 @@ impl Remembered {
         });
         let (starts, partners) = (Disjoint::new(&mut self.start), Disjoint::new(&mut self.partners));
         let (impulses, torques) = (Disjoint::new(&mut self.impulses), Disjoint::new(&mut self.torques));
-        for stage in 0..old.stages {
-            let tasks = old.plan.stage(stage);
-            team.each(Phase::Detect, tasks.len(), |task| {
-                for candidate in live(&tasks[task]) {
+        old.plan.run_stages(
+            team,
+            Phase::Detect,
+            |_| {},
+            |_, task| {
+                for candidate in live(task) {
                     let (first, partner) = (old.key)(candidate);
                     // SAFETY: as above; a grain's entries are its own.
                     unsafe {
@@ -76,8 +79,8 @@ impl Remembered {
                         *place += 1;
                     }
                 }
-            });
-        }
+            },
+        );
         // Filling moved each start to its end: shift back.
         self.start.copy_within(0..grains, 1);
         self.start[0] = 0;

@@ -8,8 +8,12 @@
 mod candidates;
 mod drift;
 mod grid;
+mod impulses;
 mod memory;
 mod search;
 
-pub use candidates::{AngularImpulse, Candidates, Impulse, PairCandidate, WallCandidate};
+pub(crate) use candidates::CandidateList;
+pub use candidates::{Candidates, PairCandidate, WallCandidate};
 pub use grid::CellGrid;
+pub(crate) use impulses::ImpulsesOfTasks;
+pub use impulses::{AngularImpulse, ContactImpulses, Impulse};

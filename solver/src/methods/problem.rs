@@ -12,7 +12,7 @@ use crate::effects::drive::Drive;
 use crate::effects::{with_effects, with_tangential};
 use crate::interrupt::{Interrupt, is_heeded};
 use crate::lanes::{Eight, LANES};
-use crate::partition::{Layout, STAGES, SingleCopy};
+use crate::partition::{Layout, PlannedTask, SingleCopy};
 use crate::scene::{Precision, SolverMethod, SolverSettings};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::solve::{Unknowns, sweep_all};
@@ -252,16 +252,14 @@ impl Problem<'_> {
     fn measure_torques(&mut self) {
         let (plan, groups) = (&self.layout.plan, &self.layout.groups);
         let (bodies, tallies) = (&*self.bodies, Disjoint::new(&mut self.workspace.tallies));
-        let (set, batches) = (self.relaxation.instruction_set, plan.all_batches());
-        self.team.each(Phase::Sweep, batches.len(), |number| {
-            for place in batches[number].clone() {
-                let (groups, bodies) = (&groups[plan.tasks()[place].number as usize], bodies.as_ptr());
-                // SAFETY: each task has its own tally.
-                let tally = unsafe { tallies.at(place) };
-                with_effects!(self.relaxation.effects.compiled(), E => {
-                    set.run(MeasureTorques::<E> { groups, bodies, tally, effects: PhantomData })
-                });
-            }
+        let set = self.relaxation.instruction_set;
+        plan.run_all(self.team, Phase::Sweep, |place, task| {
+            let (groups, bodies) = (&groups[task.number as usize], bodies.as_ptr());
+            // SAFETY: each task has its own tally.
+            let tally = unsafe { tallies.at(place) };
+            with_effects!(self.relaxation.effects.compiled(), E => {
+                set.run(MeasureTorques::<E> { groups, bodies, tally, effects: PhantomData })
+            });
         });
     }
 
@@ -287,25 +285,18 @@ pub(crate) fn visit<V: Visit>(
 ) {
     let (plan, groups) = (&layout.plan, Disjoint::new(&mut layout.groups));
     let set = relaxation.instruction_set;
-    let batch = |places: Range<usize>| {
-        for place in places {
-            // SAFETY: each task has its own groups.
-            let groups = unsafe { groups.at(plan.tasks()[place].number as usize) };
-            // Torques are no part of a state that is put aside or combined: scenes that have any are refused methods other than
-            // Gauss-Seidel.
-            with_tangential!(relaxation.effects, E => {
-                set.run(Visiting::<V, E> { groups, visit: make(place), effects: PhantomData })
-            });
-        }
+    let visit = |place: usize, task: &PlannedTask| {
+        // SAFETY: each task has its own groups.
+        let groups = unsafe { groups.at(task.number as usize) };
+        // Torques are no part of a state that is put aside or combined: scenes that have any are refused methods other than
+        // Gauss-Seidel.
+        with_tangential!(relaxation.effects, E => {
+            set.run(Visiting::<V, E> { groups, visit: make(place), effects: PhantomData })
+        });
     };
-    if V::PUSHES {
-        for stage in 0..STAGES {
-            let batches = plan.batches(stage);
-            team.each(Phase::Sweep, batches.len(), |number| batch(batches[number].clone()));
-        }
-    } else {
-        let batches = plan.all_batches();
-        team.each(Phase::Sweep, batches.len(), |number| batch(batches[number].clone()));
+    match V::PUSHES {
+        true => plan.run_stages(team, Phase::Sweep, |_| {}, visit),
+        false => plan.run_all(team, Phase::Sweep, visit),
     }
 }
 

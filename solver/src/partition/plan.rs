@@ -2,6 +2,7 @@
 
 use super::STAGES;
 use crate::lanes::{LANES, lanes_of};
+use crate::schedule::{Phase, Team};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -167,19 +168,45 @@ impl Plan {
         &self.tasks[self.stage_range(stage)]
     }
 
-    /// Places of a stage's tasks among all.
-    pub(crate) fn stage_range(&self, stage: usize) -> Range<usize> {
-        self.stages[stage]..self.stages[stage + 1]
+    /// Runs `work` for each task, given its place among all, stage after stage: the one loop over stages. Tasks of a stage share no
+    /// body and run at the same time and in any order; a stage is over before the next one begins, so that what a task writes of its
+    /// bodies is there for all of the next stage, and what is exchanged between stages has its place at `before`, which is called with
+    /// the number of each stage ahead of it.
+    pub(crate) fn run_stages(
+        &self,
+        team: &Team,
+        phase: Phase,
+        mut before: impl FnMut(usize),
+        work: impl Fn(usize, &PlannedTask) + Sync,
+    ) {
+        for stage in 0..STAGES {
+            before(stage);
+            self.run(team, phase, self.batches_of(stage), &work);
+        }
+    }
+
+    /// Runs `work` for each task, given its place among all, tasks of all stages at the same time and in any order: for work that
+    /// writes no body.
+    pub(crate) fn run_all(&self, team: &Team, phase: Phase, work: impl Fn(usize, &PlannedTask) + Sync) {
+        self.run(team, phase, &self.batches, &work);
+    }
+
+    fn run(&self, team: &Team, phase: Phase, batches: &[Range<usize>], work: &(impl Fn(usize, &PlannedTask) + Sync)) {
+        team.each(phase, batches.len(), |batch| {
+            for place in batches[batch].clone() {
+                work(place, &self.tasks[place]);
+            }
+        });
     }
 
     /// Batches of a stage, as places among all tasks.
-    pub(crate) fn batches(&self, stage: usize) -> &[Range<usize>] {
+    fn batches_of(&self, stage: usize) -> &[Range<usize>] {
         &self.batches[self.batch_stages[stage]..self.batch_stages[stage + 1]]
     }
 
-    /// Batches of all stages.
-    pub(crate) fn all_batches(&self) -> &[Range<usize>] {
-        &self.batches
+    /// Places of a stage's tasks among all.
+    pub(crate) fn stage_range(&self, stage: usize) -> Range<usize> {
+        self.stages[stage]..self.stages[stage + 1]
     }
 
     pub(super) fn memory_bytes(&self) -> usize {
@@ -202,13 +229,13 @@ mod tests {
         }
         let mut plan = Plan::default();
         plan.set(&starts, &[0, 5, 5, 5]);
-        assert_eq!(plan.batches(0), [0..1, 1..2]);
-        assert_eq!(plan.batches(1).len(), 1, "200 candidates of three faces make one batch");
-        assert!((2..STAGES).all(|stage| plan.batches(stage).is_empty()));
-        let covered: Vec<usize> = plan.all_batches().iter().flat_map(Clone::clone).collect();
+        assert_eq!(plan.batches_of(0), [0..1, 1..2]);
+        assert_eq!(plan.batches_of(1).len(), 1, "200 candidates of three faces make one batch");
+        assert!((2..STAGES).all(|stage| plan.batches_of(stage).is_empty()));
+        let covered: Vec<usize> = plan.batches.iter().flat_map(Clone::clone).collect();
         assert_eq!(covered, (0..plan.tasks().len()).collect::<Vec<_>>());
         plan.set_portion(Portion::Boxes);
         let boxes: Vec<_> = (0..plan.tasks().len()).map(|place| place..place + 1).collect();
-        assert_eq!(plan.all_batches(), boxes, "each task by itself");
+        assert_eq!(plan.batches, boxes, "each task by itself");
     }
 }

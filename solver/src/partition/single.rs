@@ -97,15 +97,12 @@ impl SingleCopy {
             let copies = unsafe { copies.range(places.clone()) };
             copies.iter_mut().zip(&bodies[places]).for_each(|(copy, body)| *copy = SingleBody::of(body));
         });
-        let (tasks, batches) = (layout.plan.tasks(), layout.plan.all_batches());
-        team.each(Phase::Sweep, batches.len(), |batch| {
-            for task in &tasks[batches[batch].clone()] {
-                let number = task.number as usize;
-                // SAFETY: each task has its own groups.
-                let copy = unsafe { groups.at(number) };
-                let dummies = (grains + task.home as usize * DUMMIES) as u32;
-                set.run(Take { copy, task: &layout.groups[number], grains: grains as u32, dummies });
-            }
+        layout.plan.run_all(team, Phase::Sweep, |_, task| {
+            let number = task.number as usize;
+            // SAFETY: each task has its own groups.
+            let copy = unsafe { groups.at(number) };
+            let dummies = (grains + task.home as usize * DUMMIES) as u32;
+            set.run(Take { copy, task: &layout.groups[number], grains: grains as u32, dummies });
         });
     }
 
@@ -119,14 +116,11 @@ impl SingleCopy {
             let bodies = unsafe { bodies.range(places.clone()) };
             bodies.iter_mut().zip(&self.bodies[places]).for_each(|(body, copy)| copy.give_change(body));
         });
-        let (tasks, batches) = (layout.plan.tasks(), layout.plan.all_batches());
         let groups = Disjoint::new(&mut layout.groups);
-        team.each(Phase::Sweep, batches.len(), |batch| {
-            for task in &tasks[batches[batch].clone()] {
-                let number = task.number as usize;
-                // SAFETY: each task has its own groups.
-                self.groups[number].give_back(unsafe { groups.at(number) });
-            }
+        layout.plan.run_all(team, Phase::Sweep, |_, task| {
+            let number = task.number as usize;
+            // SAFETY: each task has its own groups.
+            self.groups[number].give_back(unsafe { groups.at(number) });
         });
     }
 
