@@ -11,7 +11,8 @@ fn scene(name: &str) -> PathBuf {
 
 /// Exit code, standard error and summary (null where there is none) of a run.
 fn run(folder: &Path, name: &str) -> (i32, String, Value) {
-    let command = makadam(folder).arg("run").arg(scene(name)).args(["--json", "--restart", "--output", name]).output().unwrap();
+    let command =
+        makadam(folder).arg("run").arg(scene(name)).args(["--json", "--restart", "--output", name]).output().unwrap();
     let summary = std::fs::read(folder.join(name).join("run.json")).ok();
     let summary = summary.map_or(Value::Null, |bytes| serde_json::from_slice(&bytes).unwrap());
     (command.status.code().unwrap(), String::from_utf8(command.stderr).unwrap(), summary)

@@ -85,6 +85,8 @@ fn wrong_input_is_a_usage_error() {
     assert!(message.contains("there is no law 'newton'") && message.contains("janssen"), "{message}");
     makadam(folder.path()).args(["laws", "janssen", "--seeds", "0"]).assert().code(2);
     makadam(folder.path()).args(["laws", "janssen", "--threads", "0"]).assert().code(2);
+    makadam(folder.path()).args(["laws", "--list", "--json"]).assert().code(2);
+    makadam(folder.path()).args(["stability", "--list", "--json"]).assert().code(2);
     assert!(!folder.path().join("results").exists());
 }
 

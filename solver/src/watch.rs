@@ -119,7 +119,8 @@ impl fmt::Display for Alarm {
             Trouble::Energy { grain, share, bound } => write!(
                 out,
                 "mechanical energy grew by {share:.3} of its scale, more than {bound}, with grain {grain} the fastest; lower \
-                 solver.step, or look for grains that start inside each other"
+                 solver.step, look for grains that start inside each other, or, if contacts are rigid, lower \
+                 solver.restitution_threshold: overlaps are pushed apart at up to that speed"
             ),
             Trouble::Escape { grain, position: [x, y, z] } => write!(
                 out,

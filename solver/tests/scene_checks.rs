@@ -330,6 +330,20 @@ fn settings_without_effect_are_told() {
     let late = "kind = 'translating', velocity = [0.0, 0.0, 0.1], start = 0.5";
     let told = warnings(&parse(&sketch("kind = 'fixed'", late)).unwrap());
     assert!(told.len() == 1 && told[0].contains("never moves: the scene ends at 0.2 s"), "{told:?}");
+    let still = "kind = 'translating', velocity = [0.0, 0.0, 0.1], start = 0.1, stop = 0.1";
+    let told = warnings(&parse(&sketch("kind = 'fixed'", still)).unwrap());
+    assert!(told.len() == 1 && told[0].contains("never moves: it stops at 0.1 s, when it starts"), "{told:?}");
+}
+
+#[test]
+fn a_duration_is_some_whole_number_of_steps() {
+    let with = |step: &str| sketch("step = 5e-4", &format!("step = {step}"));
+    let refused = parse(&with("0.1").replace("duration = 0.2", "duration = 0.04")).unwrap_err().to_string();
+    assert!(refused.contains("no step of 0.1 s is taken in 0.04 s") && refused.contains("at most 4e-2 s"), "{refused}");
+    let told = warnings(&parse(&with("0.09")).unwrap());
+    let uneven = "duration: 0.2 s are no whole number of steps of 0.09 s: 0.18 s are simulated";
+    assert!(told.iter().any(|line| line.contains(uneven)), "{told:?}");
+    assert_eq!(warnings(&parse(&with("3e-4")).unwrap()), Vec::<String>::new(), "a sixth of a thousandth is lost");
 }
 
 #[test]

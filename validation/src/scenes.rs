@@ -38,8 +38,13 @@ pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
         return Ok(held);
     }
     if name.contains('/') || name.ends_with(".toml") {
-        let source =
-            std::fs::metadata(name).err().unwrap_or_else(|| Error::other("it is a folder without a scene.toml"));
+        let source = match std::fs::metadata(name) {
+            Err(source) => source,
+            Ok(there) if there.is_dir() => Error::other("it is a folder without a scene.toml"),
+            Ok(_) => Error::other(
+                "it is no regular file, such as a pipe or a device; write the scene to a file and name that",
+            ),
+        };
         return Err(SceneError::Missing { file: name.into(), source });
     }
     known.extend(names().map(String::from));
@@ -156,5 +161,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let message = find(folder.path().to_str().unwrap(), &[]).unwrap_err().to_string();
         assert!(message.contains("folder without a scene.toml"), "{message}");
+        let message = find("/dev/null", &[]).unwrap_err().to_string();
+        assert!(message.contains("no regular file"), "{message}");
     }
 }

@@ -30,6 +30,10 @@ pub enum NormalLaw {
 /// otherwise have no stiffness at all.
 const SMALLEST_RELATIVE_OVERLAP: f64 = 1e-5;
 
+/// Steps shorter than this, times the frequency `sqrt(k/m)` of a contact, resolve its impact whatever its damping: a contact lasts for
+/// more than 30 of them.
+const SHORT_STEP: f64 = 0.1;
+
 /// How far gaps are looked across, in distances that gravity makes in a step: a grain at rest falls that far in three.
 const REACH_IN_FALLS: f64 = 6.0;
 
@@ -97,14 +101,15 @@ pub struct NormalContact<N> {
     pub damping_ratio: N,
 }
 
-/// Share of critical damping, in [0, 50], with which an impact that never attracts has the restitution `e`.
+/// Share of critical damping, in [0, 10], with which an impact that never attracts has the restitution `e`.
 ///
 /// For a linear spring and dashpot whose contact ends when the force vanishes (Schwager & Pöschel, Granular Matter 9, 2007),
 /// `ln e = -z/w (pi - atan2(2 z w, 1 - 2 z^2))` with `w = sqrt(1 - z^2)`, continued beyond z = 1. Hertz's law with damping
 /// in proportion to `d^(1/4)` has the same restitution at any speed: with `x = d^(5/4)` and the time `ds = d^(1/4) dt` it is
 /// a linear oscillator of `w0^2 = 5/4 k_H/m` (after Antypov & Elliott, EPL 94, 2011).
 pub fn damping_ratio(restitution: f64) -> f64 {
-    const LARGEST: f64 = 50.0;
+    // An impact leaves with 0.0025 of its speed then. More damping would make contacts creep: they relax in 2 zeta/w.
+    const LARGEST: f64 = 10.0;
     let target = libm::log(restitution.max(1e-300));
     let (mut low, mut high) = (0.0, LARGEST);
     // The logarithm of e falls with z: bisect down to rounding.
@@ -135,8 +140,8 @@ fn log_restitution(z: f64) -> f64 {
 impl<N: Number> NormalContact<N> {
     /// Regularisation and bias by the scheme's law.
     ///
-    /// The damping time is that of the impact law, `c/k`, wherever the step resolves it, and `damping_steps h` where it does
-    /// not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay stable. Across a gap a
+    /// The damping time is that of the impact law, `c/k`, wherever the step resolves it or is short against the contact, and
+    /// `damping_steps h` where it is not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay stable. Across a gap a
     /// contact is as stiff as at the depth that it can reach in this step.
     #[inline(always)]
     pub fn constraint(&self, scheme: &NormalScheme) -> NormalConstraint<N> {
@@ -161,22 +166,29 @@ impl<N: Number> NormalContact<N> {
             NormalLaw::Linear { stiffness } => (N::splat(stiffness), self.overlap),
             NormalLaw::Hertz => (hertz(depth), N::splat(0.8) * self.overlap),
         };
-        // c/k over h is 2 zeta / (h sqrt(k/m)); it never falls below `damping_steps`.
+        // c/k over h is 2 zeta / (h sqrt(k/m)); it never falls below `damping_steps` unless the step is short against the contact.
         let critical = N::splat(2.0) * self.damping_ratio;
         let damping_time_squared = N::splat(damping_steps * h * damping_steps * h);
+        let short = N::splat(SHORT_STEP * SHORT_STEP / (h * h));
         // Where no lane resolves its impact by far, so that rounding does not matter, that is all there is to know.
         let far = N::splat(1.0 + 1e-9) * critical * critical;
-        let (steps, resolves_impact) = if N::all(far.below(stiffness * self.inverse_mass * damping_time_squared)) {
+        let stiff = stiffness * self.inverse_mass;
+        let unresolved = far.below(stiff * damping_time_squared) & (N::splat(1.0 + 1e-9) * short).below(stiff);
+        let (steps, resolves_impact) = if N::all(unresolved) {
             (N::splat(damping_steps), one.below(N::zero()))
         } else {
-            let frequency = (stiffness * self.inverse_mass).sqrt() * N::splat(h);
+            let frequency = stiff.sqrt() * N::splat(h);
             // The depth that the approach will reach decides.
             let stiffness_ahead = match scheme.law {
                 NormalLaw::Hertz => hertz(ahead),
                 _ => stiffness,
             };
-            let resolves = (stiffness_ahead * self.inverse_mass * damping_time_squared).below(critical * critical);
-            ((critical / frequency).larger(N::splat(damping_steps)), resolves)
+            let ahead = stiffness_ahead * self.inverse_mass;
+            let long = !ahead.below(short);
+            let unresolved = long & !(ahead * damping_time_squared).below(critical * critical);
+            // A step that is short against the contact needs no damping but the contact's own.
+            let least = N::select(long, N::splat(damping_steps), N::zero());
+            ((critical / frequency).larger(least), !unresolved)
         };
         let softened = one / ((one + N::splat(4.0) * steps) * stiffness);
         let damping = softened * stiffness;

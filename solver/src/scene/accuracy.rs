@@ -88,8 +88,9 @@ impl Accuracy {
             (false, true) => by_fraction,
             _ => by_angle.min(by_fraction),
         };
-        // Whatever is tolerated, walls move as they are said to.
+        // Whatever is tolerated, walls move as they are said to, and some step is taken.
         let step = step.min(longest_step(scene));
+        let step = if scene.duration > 0.0 { step.min(scene.duration) } else { step };
         // A grain that still moves with the residual sinks by h times it; the error adds up over the layers of the bed.
         let layers = (bed.depth / (2.0 * bed.radius)).max(1.0);
         let sinking = bed.gravity.max(1e-300) * step * step * layers / bed.radius;

@@ -15,7 +15,7 @@ pub(super) fn grains(frame: &Snapshot) -> String {
         data.floats("spin", 3, particles.iter().flat_map(|p| p.spin));
         data.integers("id", particles.iter().map(|p| p.id as i32));
     });
-    file.points(particles.iter().flat_map(|p| p.position));
+    file.points(particles.iter().flat_map(|p| p.position), smallest_radius(frame));
     file.close()
 }
 
@@ -27,7 +27,7 @@ pub(super) fn contacts(frame: &Snapshot) -> String {
         data.floats("normal_force", 1, contacts.iter().map(|c| c.normal_force));
         data.floats("tangential_force", 3, contacts.iter().flat_map(|c| c.tangential_force));
         data.floats("normal", 3, contacts.iter().flat_map(|c| c.normal));
-        data.floats("point", 3, contacts.iter().flat_map(|c| c.point));
+        data.coordinates("point", contacts.iter().flat_map(|c| c.point), smallest_radius(frame));
         data.integers("first", contacts.iter().map(|c| c.first as i32));
         let grain = |partner| {
             if let Partner::Grain(id) = partner { id as i32 } else { -1 }
@@ -39,14 +39,20 @@ pub(super) fn contacts(frame: &Snapshot) -> String {
         data.integers("second_wall", contacts.iter().map(|c| wall(c.second)));
     });
     let centre = |id: u32| frame.particles[id as usize].position;
-    file.points(contacts.iter().flat_map(|contact| {
+    let ends = contacts.iter().flat_map(|contact| {
         let end = match contact.second {
             Partner::Grain(id) => centre(id),
             Partner::Wall(_) => contact.point,
         };
         centre(contact.first).into_iter().chain(end)
-    }));
+    });
+    file.points(ends, smallest_radius(frame));
     file.close()
+}
+
+/// m.
+fn smallest_radius(frame: &Snapshot) -> f64 {
+    frame.particles.iter().map(|particle| particle.radius).fold(f64::INFINITY, f64::min)
 }
 
 /// What connects the points of a file.
@@ -92,8 +98,8 @@ impl PolyData {
         let _ = writeln!(self.text, "</{name}>");
     }
 
-    fn points(&mut self, coordinates: impl Iterator<Item = f64>) {
-        self.section("Points", "", |data| data.floats("Points", 3, coordinates));
+    fn points(&mut self, coordinates: impl Iterator<Item = f64> + Clone, told_apart: f64) {
+        self.section("Points", "", |data| data.coordinates("Points", coordinates, told_apart));
         let (name, size) = match self.cells {
             Cells::Points => ("Verts", 1),
             Cells::Lines => ("Lines", 2),
@@ -109,6 +115,17 @@ impl PolyData {
     fn floats(&mut self, name: &str, components: usize, values: impl Iterator<Item = f64>) {
         let bytes: Vec<u8> = values.flat_map(|value| (value as f32).to_le_bytes()).collect();
         self.array("Float32", name, &format!("NumberOfComponents=\"{components}\""), &bytes);
+    }
+
+    /// Coordinates, in single precision as everything else, unless that would shift points by more than a thousandth of what has to be
+    /// told apart (m).
+    fn coordinates(&mut self, name: &str, values: impl Iterator<Item = f64> + Clone, told_apart: f64) {
+        let farthest = values.clone().fold(0.0, |farthest: f64, coordinate| farthest.max(coordinate.abs()));
+        if farthest * f64::from(f32::EPSILON) <= 1e-3 * told_apart {
+            return self.floats(name, 3, values);
+        }
+        let bytes: Vec<u8> = values.flat_map(f64::to_le_bytes).collect();
+        self.array("Float64", name, "NumberOfComponents=\"3\"", &bytes);
     }
 
     fn integers(&mut self, name: &str, values: impl Iterator<Item = i32>) {
@@ -129,5 +146,36 @@ impl PolyData {
     fn close(mut self) -> String {
         self.text += "</Piece>\n</PolyData>\n</VTKFile>\n";
         self.text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use makadam::snapshot::Particle;
+
+    #[test]
+    fn grains_far_from_the_origin_keep_their_places() {
+        let at = |x: f64| {
+            let particles = (0..2).map(|id| Particle {
+                id,
+                position: [x + 0.01 * f64::from(id), 0.0, 0.0],
+                radius: 0.005,
+                velocity: [0.0; 3],
+                spin: [0.0; 3],
+            });
+            grains(&Snapshot { particles: particles.collect(), ..Snapshot::default() })
+        };
+        let points = |text: &str| {
+            let (_, array) = text.split_once("Name=\"Points\"").unwrap();
+            let (kind, data) = (text.contains("Float64"), array.split(['>', '<']).nth(1).unwrap());
+            (kind, STANDARD.decode(data).unwrap()[8..].to_vec())
+        };
+        let (double, bytes) = points(&at(9e5));
+        assert!(double);
+        let x = |place: usize| f64::from_le_bytes(bytes[24 * place..24 * place + 8].try_into().unwrap());
+        assert_eq!((x(0), x(1)), (9e5, 9e5 + 0.01));
+        let (double, bytes) = points(&at(0.2));
+        assert!(!double && bytes.len() == 24, "near the origin single precision tells them apart");
     }
 }

@@ -32,7 +32,11 @@ pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
         let at = Place::default().key("prepare").key("step");
         all.push(Stepping { step: prepare.step, until: prepare.duration, at });
     }
-    all.iter().flat_map(|stepping| walls(scene, stepping).chain(gravity(scene, stepping))).collect()
+    let of_each = |stepping: &Stepping| {
+        let moving = walls(scene, stepping).chain(gravity(scene, stepping));
+        moving.chain(stepping.nothing_moves()).collect::<Vec<_>>()
+    };
+    all.iter().flat_map(of_each).collect()
 }
 
 /// Longest step that all motions of a scene can be carried out with, s.
@@ -92,6 +96,13 @@ impl Stepping {
     /// Whether the step is longer than what would do, s.
     fn misses(&self, longest: f64) -> bool {
         self.step * (1.0 - ROUNDING) > longest
+    }
+
+    /// A time that is shorter than half a step, of which no step is taken.
+    fn nothing_moves(&self) -> Option<Fault> {
+        let taken = (self.until / self.step).round() >= 1.0;
+        let problem = format!("no step of {} s is taken in {} s", short(self.step), short(self.until));
+        (self.until > 0.0 && !taken).then(|| self.fault(&self.at, problem, self.until, ", or simulate longer"))
     }
 
     fn fault(&self, at: &Place, problem: String, largest: f64, or_else: &str) -> Fault {

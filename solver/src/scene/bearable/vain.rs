@@ -4,6 +4,9 @@ use crate::scene::error::{Fault, short};
 use crate::scene::place::Place;
 use crate::scene::{Motion, Scene, SolverMethod, SolverSettings};
 
+/// Share of the duration by which the nearest whole number of steps may differ from it without a word.
+const UNEVEN: f64 = 0.01;
+
 /// What the scene says in vain.
 pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
     let root = Place::default();
@@ -34,11 +37,31 @@ pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
             | Motion::ForceDriven { start, .. }
             | Motion::TorqueDriven { start, .. } => start,
         };
+        if let Motion::Translating { stop: Some(stop), .. }
+        | Motion::Rotating { stop: Some(stop), .. }
+        | Motion::Vibrating { stop: Some(stop), .. } = wall.motion
+            && stop == start
+        {
+            let at = root.key("wall").index(index).key("motion").key("stop");
+            let problem = format!("wall '{}' never moves: it stops at {} s, when it starts", wall.name, short(stop));
+            faults.push(at.fault(problem, "let it stop later, or leave the motion out"));
+        }
         if start >= scene.duration && scene.duration > 0.0 {
             let at = root.key("wall").index(index).key("motion").key("start");
             let problem = format!("wall '{}' never moves: the scene ends at {} s", wall.name, short(scene.duration));
             faults.push(at.fault(problem, "let it begin earlier, or raise duration"));
         }
+    }
+    let steps = (scene.duration / settings.step).round();
+    let simulated = steps * settings.step;
+    if steps > 0.0 && (simulated - scene.duration).abs() > UNEVEN * scene.duration {
+        let problem = format!(
+            "{} s are no whole number of steps of {} s: {} s are simulated",
+            short(scene.duration),
+            short(settings.step),
+            short(simulated)
+        );
+        faults.push(root.key("duration").fault(problem, "give a duration that is, or a smaller solver.step"));
     }
     // Straight lines lead to each change from the one before.
     let before = std::iter::once(0.0).chain(scene.gravity_changes.iter().map(|change| change.time));

@@ -85,7 +85,7 @@ pub struct CompareArguments {
     pub time_limit: f64,
     /// Write numbers of YADE and LIGGGHTS as the scene's recorded references; only seeds that are not recorded yet, of
     /// the same scene, version and time step, are measured from raw recordings or run.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     pub record: bool,
     /// Measure or run all seeds anew and replace what is recorded; with --record only.
     #[arg(long, requires = "record")]

@@ -143,7 +143,7 @@ pub struct StabilityArguments {
     #[arg(long)]
     pub quick: bool,
     /// Say which cases there are, what is right in each, and why; run none.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     pub list: bool,
     /// Codes to run.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam")]
@@ -208,7 +208,7 @@ pub struct LawsArguments {
     #[arg(long)]
     pub quick: bool,
     /// Say which laws there are and where they were published; measure none.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     pub list: bool,
     /// Seed of the initial positions, the first one if there are several.
     #[arg(long, default_value_t = 1)]
