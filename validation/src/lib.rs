@@ -7,6 +7,7 @@
 pub mod commands;
 pub mod compare;
 pub mod convergence;
+mod draw;
 pub mod effects;
 pub mod execution;
 pub mod interrupt;

@@ -1,8 +1,8 @@
 //! Residuals against iterations and against wall time.
 
 use super::study::{Curve, Study};
-use crate::report::figure::Figure;
-use crate::report::plot::{Axis, Key, Plot};
+use crate::draw::figure::Figure;
+use crate::draw::plot::{Axis, Key, Plot};
 use makadam::ConvergencePoint;
 use makadam::scene::SolverMethod;
 use makadam::sweep::Residuals;

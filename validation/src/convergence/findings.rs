@@ -2,7 +2,7 @@
 
 use super::figures::title;
 use super::study::{Curve, Reached, Study};
-use crate::report::numbers::{compact, two_digits};
+use crate::draw::numbers::{compact, two_digits};
 
 /// Which method reaches each tolerance first, and which never arrive.
 pub(super) fn findings(study: &Study) -> Vec<String> {

@@ -3,8 +3,8 @@
 use super::figures::title;
 use super::findings::power;
 use super::study::{Curve, Study};
-use crate::report::figure::Figure;
-use crate::report::numbers::{compact, count, two_digits};
+use crate::draw::figure::Figure;
+use crate::draw::numbers::{compact, count, two_digits};
 use crate::report::page::{environment, style};
 use minijinja::{Value, context};
 

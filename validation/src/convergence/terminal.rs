@@ -2,8 +2,8 @@
 
 use super::findings::power;
 use super::study::{Curve, Study};
-use crate::report::columns;
-use crate::report::numbers::{compact, two_digits};
+use crate::draw::columns;
+use crate::draw::numbers::{compact, two_digits};
 
 /// Methods, each with what it took to each tolerance, and the sentences below.
 pub fn table(study: &Study) -> String {

@@ -3,9 +3,9 @@
 use super::figures::figures;
 use super::page;
 use super::study::{Curve, Study};
+use crate::draw::svg::standalone;
 use crate::output::{create_folder, write_whole};
 use crate::report::ReportError;
-use crate::report::svg::standalone;
 use crate::scaling::csv;
 use makadam::ConvergencePoint;
 use serde::Serialize;

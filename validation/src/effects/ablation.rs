@@ -4,11 +4,11 @@
 
 use super::variations::{Variation, variations};
 use crate::compare::{Announce, MeasuredRun, Outcome, Runs};
+use crate::draw::numbers::Rounding;
 use crate::output::{WriteError, create_folder, write_whole};
 use crate::peers::{Code, CodeError, Makadam};
 use crate::prepared::file_stem;
 use crate::provenance::scene_hash;
-use crate::report::numbers::Rounding;
 use crate::statistics::{Ensemble, Equivalence, equivalence};
 use makadam::scene::{Expectation, Scene};
 use rayon::prelude::*;

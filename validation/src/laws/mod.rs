@@ -31,7 +31,7 @@ pub(crate) use study::{LawResult, Mean, Row, Study};
 pub(crate) use terminal::table;
 pub(crate) use write::{write, write_scenes};
 
-use crate::report::figure::Figure;
+use crate::draw::figure::Figure;
 use crate::stability::Finding;
 
 /// A published law.

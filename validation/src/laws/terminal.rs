@@ -1,8 +1,8 @@
 //! A study as plain text for a terminal.
 
 use super::{LawResult, Study};
-use crate::report::columns;
-use crate::report::numbers::bounds;
+use crate::draw::columns;
+use crate::draw::numbers::bounds;
 use crate::stability::Finding;
 
 /// Each law with its figures and bounds.

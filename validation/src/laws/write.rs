@@ -1,9 +1,9 @@
 //! The files of a law: rows as CSV, the study as JSON, figures as SVG, scenes as TOML.
 
 use super::{Case, Law, Row, Study};
+use crate::draw::svg::standalone;
 use crate::output::cells::without_formulas;
 use crate::output::{WriteError, create_folder, write_whole};
-use crate::report::svg::standalone;
 use std::collections::BTreeSet;
 use std::path::Path;
 

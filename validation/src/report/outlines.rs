@@ -1,8 +1,8 @@
 //! Outlines of the walls in a picture, and the arrow of a drum's rotation.
 
-use super::numbers::compact;
-use super::svg::{Anchor, Drawing};
-use super::view::View;
+use crate::draw::numbers::compact;
+use crate::draw::svg::{Anchor, Drawing};
+use crate::draw::view::View;
 use makadam::scene::{Motion, Scene, Shape};
 use nalgebra::Vector3;
 

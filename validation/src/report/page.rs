@@ -1,13 +1,14 @@
 //! The page: everything that the template shows, gathered and named.
 
 use super::qualification::{Qualification, Standing, join};
-use super::{forces, forest, names, numbers, pictures, published, series, speed, tables};
+use super::{forces, forest, pictures, published, series, speed, tables};
 use crate::compare::{Comparison, Source};
+use crate::draw::{names, numbers};
 use minijinja::{AutoEscape, Environment, Value, context};
 
 /// Style sheet of a page with figures.
 pub(crate) fn style() -> &'static str {
-    concat!(include_str!("figure.css"), include_str!("page.css"))
+    concat!(include_str!("../draw/figure.css"), include_str!("page.css"))
 }
 
 /// Templates whose every value is escaped, with the parts that all pages share: "head" takes `title` and `style`,

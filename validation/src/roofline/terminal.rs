@@ -2,8 +2,8 @@
 
 use super::point::{Kernel, Point};
 use super::study::Study;
-use crate::report::columns;
-use crate::report::numbers::two_digits;
+use crate::draw::columns;
+use crate::draw::numbers::two_digits;
 
 /// Roofs, and the sweeps beneath them.
 pub fn table(study: &Study) -> String {

@@ -3,7 +3,7 @@
 use super::machine::Machine;
 use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 use super::study::Study;
-use crate::report::numbers::two_digits;
+use crate::draw::numbers::two_digits;
 use makadam::partition::Portion;
 use makadam::schedule::{Phase, Scheduler};
 

@@ -3,8 +3,8 @@
 use super::findings::{LINEAR_SHARE, PARALLEL, time};
 use super::rows::{MeasuredRow, ReplayedRow, TaskRow};
 use super::study::Study;
-use crate::report::figure::Figure;
-use crate::report::numbers::{count, two_digits};
+use crate::draw::figure::Figure;
+use crate::draw::numbers::{count, two_digits};
 use crate::report::page::{environment, style};
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;

@@ -3,8 +3,8 @@
 use super::findings::time;
 use super::page::signed_percent;
 use super::study::Study;
-use crate::report::columns;
-use crate::report::numbers::two_digits;
+use crate::draw::columns;
+use crate::draw::numbers::two_digits;
 
 /// Measured configurations, each with what the replay says of it, and the sentences below.
 pub fn table(study: &Study) -> String {

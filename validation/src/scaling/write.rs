@@ -3,10 +3,10 @@
 use super::figures::figures;
 use super::page;
 use super::study::Study;
+use crate::draw::svg::standalone;
 use crate::output::cells::without_formulas;
 use crate::output::{create_folder, write_whole};
 use crate::report::ReportError;
-use crate::report::svg::standalone;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

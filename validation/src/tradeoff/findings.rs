@@ -3,8 +3,8 @@
 use super::rows::{Fastest, Point, Reference, Varied};
 use super::study::Study;
 use super::words::{self, modulus};
-use crate::report::names::observable;
-use crate::report::numbers::two_digits;
+use crate::draw::names::observable;
+use crate::draw::numbers::two_digits;
 
 /// Share of a core below which a run was disturbed.
 const QUIET: f64 = 0.9;

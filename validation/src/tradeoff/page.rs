@@ -5,9 +5,9 @@ use super::study::Study;
 use super::terminal::{ordered, verdict};
 use super::variations::Variation;
 use super::words::{self, modulus, titled};
-use crate::report::figure::Figure;
-use crate::report::names::{CodeStyle, Marker, code_style, observable};
-use crate::report::numbers::{count, duration, two_digits};
+use crate::draw::figure::Figure;
+use crate::draw::names::{CodeStyle, Marker, code_style, observable};
+use crate::draw::numbers::{count, duration, two_digits};
 use crate::report::page::{environment, style};
 use minijinja::{Value, context};
 

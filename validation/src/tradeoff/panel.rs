@@ -3,9 +3,9 @@
 use super::rows::{Deviation, Point, Reference};
 use super::study::Study;
 use super::words::titled;
-use crate::report::names::{CodeStyle, Marker};
-use crate::report::numbers::compact;
-use crate::report::plot::{Axis, Key, Plot};
+use crate::draw::names::{CodeStyle, Marker};
+use crate::draw::numbers::compact;
+use crate::draw::plot::{Axis, Key, Plot};
 
 /// A point and what is drawn of it.
 #[derive(Clone, Copy)]

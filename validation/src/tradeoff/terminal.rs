@@ -3,8 +3,8 @@
 use super::rows::Point;
 use super::study::Study;
 use super::words::{self, modulus, titled};
-use crate::report::columns;
-use crate::report::numbers::two_digits;
+use crate::draw::columns;
+use crate::draw::numbers::two_digits;
 
 /// Columns of words; the others are numbers.
 const WORDS: usize = 3;

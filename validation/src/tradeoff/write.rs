@@ -4,9 +4,9 @@ use super::figures::figures;
 use super::flat::{ReferenceRow, point_rows};
 use super::page;
 use super::study::Study;
+use crate::draw::svg::standalone;
 use crate::output::{create_folder, write_whole};
 use crate::report::ReportError;
-use crate::report::svg::standalone;
 use crate::scaling::csv;
 use std::path::{Path, PathBuf};
 
