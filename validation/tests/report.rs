@@ -1,10 +1,11 @@
 //! The report: self-contained, well formed, complete, and never half-written.
 
 use crate::support::sample;
-use makadam_validation::compare::{CodeSummary, Comparison, Outcome, Row, Source, Timing};
+use makadam_validation::compare::{CodeSummary, Comparison, Row, Source, Timing};
 use makadam_validation::report::{
     Qualification, REPORT_VERSION, ReportDocument, ReportError, Standing, comparison_table, speed_sentence, write,
 };
+use makadam_validation::statistics::Outcome;
 use roxmltree::{Document, ParsingOptions};
 use std::fs;
 

@@ -211,7 +211,7 @@ fn a_study_says_what_is_replayed() {
 fn different_bits_are_said() {
     let (plan, mut measurement, setting) = sample::parts();
     measurement.timings[2].hashes[0] += 1;
-    let study = makadam_validation::scaling::Study::new(&plan, &measurement, setting);
+    let study = makadam_validation::scaling::Study::new(&plan, &measurement, setting).with_findings();
     assert!(!study.same_bits);
     assert_eq!(study.differing.len(), 1);
     assert!(study.findings[0].contains("Not all configurations"), "{}", study.findings[0]);

@@ -4,8 +4,9 @@ use super::arguments::ConvergenceArguments;
 use super::{Console, Failure, begin, can_record, json, load, settle};
 use crate::convergence::{self, Curve, LeftOut, Problem, Study};
 use crate::execution::Execution;
+use crate::output::file_stem;
 use crate::output::record_folder;
-use crate::prepared::{Start, file_stem};
+use crate::prepared::Start;
 use crate::provenance::Provenance;
 use makadam::scene::{Precision, Scene, SolverMethod, SolverSettings};
 use makadam::schedule::Scheduler;
@@ -78,7 +79,8 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     drop(bar);
     let unit = problem.residual_unit;
     let curves = methods.into_iter().zip(solves).map(|(method, solves)| Curve::new(method, solves, unit)).collect();
-    let study = Study::new(problem, [arguments.iterations, arguments.repetitions], curves, left_out, provenance);
+    let study = Study::new(problem, [arguments.iterations, arguments.repetitions], curves, left_out, provenance)
+        .with_findings();
 
     let folder = arguments
         .output

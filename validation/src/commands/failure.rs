@@ -3,12 +3,12 @@
 use crate::compare::ReferenceError;
 use crate::effects::AblationError;
 use crate::execution::ExecutionError;
+use crate::execution::MeasureError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
 use crate::recording::RecordingError;
 use crate::report::ReportError;
-use crate::scaling::MeasureError;
 use crate::tradeoff::{CampaignError, EngineError};
 use makadam::scene::SceneError;
 

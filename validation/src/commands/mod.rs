@@ -17,13 +17,14 @@ mod stability;
 mod tradeoff;
 
 pub use console::Console;
-pub(crate) use console::shown;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
 use crate::compare::Share;
 use crate::execution::Execution;
-use crate::prepared::{Start, cache_folder, is_ready, start, steps_in};
+use crate::output::cache_folder;
+use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
+use crate::stepping::steps_in;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use makadam::Simulation;

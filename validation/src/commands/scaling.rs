@@ -3,8 +3,9 @@
 use super::arguments::ScalingArguments;
 use super::{Console, Failure, begin, can_record, json, load, settle};
 use crate::execution::{Execution, cores};
+use crate::output::file_stem;
 use crate::output::record_folder;
-use crate::prepared::{Start, file_stem};
+use crate::prepared::Start;
 use crate::provenance::Provenance;
 use crate::scaling::{self, Bandwidth, Costs, Machine, Plan, Setting, Study};
 use makadam::lanes::InstructionSet;
@@ -68,7 +69,7 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     let machines =
         vec![Machine::here(costs, memory, scaling::cache_bytes()), Machine::xeon_phi_3120(&costs, scaling::clock())];
     let setting = Setting { scene: scene.name.clone(), started, cores, bandwidth, machines, provenance };
-    let study = Study::new(&plan, &measurement, setting);
+    let study = Study::new(&plan, &measurement, setting).with_findings();
 
     let folder = arguments
         .output

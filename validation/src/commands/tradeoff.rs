@@ -4,7 +4,7 @@ use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
 use super::compare::{FEW_SEEDS, codes};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json, load};
 use crate::observables::catalogue::group_of;
-use crate::prepared::file_stem;
+use crate::output::file_stem;
 use crate::provenance::{account, processor};
 use crate::tradeoff::{
     self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Shelf, Study, Terms, recorded_engines,
@@ -94,7 +94,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         record.join(&scene, terms.seeds, &mut plan, &mut outcome);
     }
     outcome.notes[notes..].iter().for_each(|note| console.note(note));
-    let study = Study::new(&scene, &plan, &outcome, terms);
+    let study = Study::new(&scene, &plan, &outcome, terms).with_findings();
     let page = tradeoff::write(&study, &folder)?;
     console.result(&match arguments.json {
         true => json(&study),

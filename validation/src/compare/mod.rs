@@ -8,7 +8,7 @@ mod rows;
 mod simulate;
 
 pub use code_runs::CodeRuns;
-pub use comparison::{CodeSummary, Comparison, FinalState, ForceDistribution, Outcome, Row, Series, Source, Timing};
+pub use comparison::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
 pub use measured_run::{Harvest, MeasuredRun};
 pub use reference::{MergeError, Missing, Reference, ReferenceError, Wanted, physics_hash};
 pub use rows::{LiveCheck, STIFF, comparison, live_checks};

@@ -1,9 +1,8 @@
 //! A study of convergence as data.
 
-use super::findings::findings;
 use crate::output::JSON_VERSION;
 use crate::provenance::Provenance;
-use crate::scaling::median;
+use crate::statistics::median;
 use makadam::scene::{Scene, SolverMethod};
 use makadam::sweep::{Residual, Residuals};
 use makadam::{ConvergencePoint, Simulation};
@@ -145,7 +144,7 @@ impl Study {
         left_out: Vec<LeftOut>,
         provenance: Provenance,
     ) -> Study {
-        let mut study = Study {
+        Study {
             version: JSON_VERSION,
             command: "convergence".into(),
             problem,
@@ -156,9 +155,7 @@ impl Study {
             left_out,
             findings: Vec::new(),
             provenance,
-        };
-        study.findings = findings(&study);
-        study
+        }
     }
 }
 

@@ -3,12 +3,13 @@
 //! Each run is kept as soon as it is measured, and taken up by the next start.
 
 use super::variations::{Variation, variations};
-use crate::compare::{Announce, MeasuredRun, Outcome, Runs};
+use crate::compare::{Announce, MeasuredRun, Runs};
 use crate::draw::numbers::Rounding;
+use crate::output::file_stem;
 use crate::output::{WriteError, create_folder, write_whole};
 use crate::peers::{Code, CodeError, Makadam};
-use crate::prepared::file_stem;
 use crate::provenance::scene_hash;
+use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, Equivalence, equivalence};
 use makadam::scene::{Expectation, Scene};
 use rayon::prelude::*;

@@ -32,7 +32,7 @@ pub(crate) use terminal::table;
 pub(crate) use write::{write, write_scenes};
 
 use crate::draw::figure::Figure;
-use crate::stability::Finding;
+use crate::study::Finding;
 
 /// A published law.
 pub(crate) trait Law: Sync {

@@ -3,7 +3,7 @@
 use super::Case;
 use crate::execution::{Execution, ExecutionError};
 use crate::output::WriteError;
-use crate::prepared::steps_in;
+use crate::stepping::steps_in;
 use makadam::Simulation;
 use makadam::scene::SceneError;
 use makadam::snapshot::Snapshot;

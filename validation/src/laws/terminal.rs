@@ -3,7 +3,7 @@
 use super::{LawResult, Study};
 use crate::draw::columns;
 use crate::draw::numbers::bounds;
-use crate::stability::Finding;
+use crate::study::Finding;
 
 /// Each law with its figures and bounds.
 pub(crate) fn table(study: &Study) -> String {

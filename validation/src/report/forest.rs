@@ -2,9 +2,10 @@
 
 use super::qualification::JUDGED;
 use super::words;
-use crate::compare::{Comparison, Outcome, Row};
+use crate::compare::{Comparison, Row};
 use crate::draw::names;
 use crate::draw::svg::{Anchor, Drawing};
+use crate::statistics::Outcome;
 
 const WIDTH: f64 = 580.0;
 const LEFT: f64 = 168.0;

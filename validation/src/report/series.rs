@@ -1,9 +1,10 @@
 //! An observable over time: all codes in one plot, the measured window marked, the means drawn in.
 
-use crate::compare::{Comparison, Series};
+use crate::compare::Comparison;
 use crate::draw::names;
 use crate::draw::numbers::Rounding;
 use crate::draw::plot::{Axis, Key, Plot};
+use crate::observables::Series;
 
 /// A figure and what it says.
 pub(super) struct SeriesFigure {

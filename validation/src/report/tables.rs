@@ -2,9 +2,10 @@
 
 use super::qualification::{JUDGED, floor_exceeds_margin, join, plural};
 use super::{speed, words};
-use crate::compare::{CodeSummary, Comparison, Outcome, Row};
+use crate::compare::{CodeSummary, Comparison, Row};
 use crate::draw::names;
 use crate::draw::numbers::{Rounding, compact};
+use crate::statistics::Outcome;
 use serde::Serialize;
 
 /// A column of differences: the first code minus the second.

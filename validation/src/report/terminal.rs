@@ -2,9 +2,10 @@
 
 use super::speed::speed_sentence;
 use super::{tables, words};
-use crate::compare::{Comparison, Outcome, Row};
+use crate::compare::{Comparison, Row};
 use crate::draw::names;
 use crate::draw::numbers::Rounding;
+use crate::statistics::Outcome;
 
 const HEAD: [&str; 7] =
     ["observable", "code", "mean ± spread (seeds)", "against", "difference [90% interval]", "margin", "outcome"];

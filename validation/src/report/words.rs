@@ -1,7 +1,8 @@
 //! Words and style classes of outcomes and sources, and the digits of rows.
 
-use crate::compare::{Outcome, Row, Source};
+use crate::compare::{Row, Source};
 use crate::draw::numbers::Rounding;
+use crate::statistics::Outcome;
 
 /// Word of an outcome.
 pub(super) fn outcome(outcome: Outcome) -> &'static str {

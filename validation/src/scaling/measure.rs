@@ -1,8 +1,8 @@
 //! Measurement: one scene, the same state, the same steps, by every scheduler on every number of threads with every
 //! instruction set, in turn and several times over, so that whatever else the machine does hits all of them alike.
 
-use super::costs::median;
-use crate::execution::{Execution, ExecutionError};
+use crate::execution::{Execution, MeasureError};
+use crate::statistics::median;
 use crate::sweep_bytes::SweepBytes;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
@@ -78,20 +78,6 @@ pub struct Measurement {
     pub traces: Vec<Traces>,
     /// Whether tracing gave the same bits as stepping.
     pub traces_same_bits: bool,
-}
-
-/// Why nothing was measured.
-#[derive(Debug, thiserror::Error)]
-pub enum MeasureError {
-    /// The machine cannot step as asked.
-    #[error(transparent)]
-    Execution(#[from] ExecutionError),
-    /// The system starts no threads to measure with.
-    #[error("cannot start threads: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The user asked to stop.
-    #[error("interrupted while measuring")]
-    Interrupted,
 }
 
 impl Plan {

@@ -4,10 +4,9 @@ use super::figures::figures;
 use super::page;
 use super::study::Study;
 use crate::draw::svg::standalone;
-use crate::output::cells::without_formulas;
+use crate::output::cells::csv;
 use crate::output::{create_folder, write_whole};
 use crate::report::ReportError;
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Writes all files of a study into a folder, which is made if it is not there; returns the page's path.
@@ -37,16 +36,6 @@ pub fn write_tables(study: &Study, folder: &Path) -> Result<(), ReportError> {
     put(&folder.join("checks.csv"), &csv(&study.checks)?)?;
     put(&folder.join("tasks.csv"), &csv(&study.tasks)?)?;
     put(&folder.join("provenance.json"), &serde_json::to_vec_pretty(&study.provenance)?)
-}
-
-/// Rows of a table as CSV.
-pub(crate) fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, ReportError> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        writer.serialize(row)?;
-    }
-    let table = writer.into_inner().map_err(|error| ReportError::Csv(error.into_error().into()))?;
-    Ok(without_formulas(table))
 }
 
 fn put(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {

@@ -1,8 +1,10 @@
 //! A case in one code: run, measured, judged. A run that fails is an outcome.
 
-use super::{Case, Evidence, Finding, Outcome, Verdict};
-use crate::peers::{Code, CodeError, Job, frame_is_due};
-use crate::prepared::steps_in;
+use super::{Case, Evidence, Outcome, Verdict};
+use crate::peers::{Code, CodeError, Job};
+use crate::stepping::frame_is_due;
+use crate::stepping::steps_in;
+use crate::study::Finding;
 use makadam::Simulation;
 use makadam::scene::{Grain, Reaction, SceneError, Watch, populate};
 use makadam::snapshot::Snapshot;

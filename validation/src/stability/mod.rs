@@ -12,14 +12,12 @@ mod catalogue;
 mod evidence;
 mod markdown;
 mod outcome;
-mod sketch;
 mod table;
 
 pub use carry_out::StabilityError;
-pub use case::{Case, Finding, Judge};
+pub use case::{Case, Judge};
 pub use catalogue::catalogue;
 pub use evidence::Evidence;
 pub use markdown::markdown;
 pub use outcome::{CaseResult, Outcome, Study, Verdict};
-pub(crate) use sketch::{DENSITY, GRAVITY, Sketch};
 pub use table::table;

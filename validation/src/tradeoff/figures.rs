@@ -9,7 +9,7 @@ use super::variations::{Family, Variation};
 use super::words::modulus;
 use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker, code_style, observable};
-use crate::prepared::file_stem;
+use crate::output::file_stem;
 
 /// Observables that have a figure at the scene's stiffness; at others only bounded ones have.
 const SHOWN: usize = 4;

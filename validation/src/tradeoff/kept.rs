@@ -2,8 +2,8 @@
 
 use super::configuration::Configuration;
 use crate::compare::MeasuredRun;
+use crate::output::file_stem;
 use crate::output::{WriteError, create_folder, write_whole};
-use crate::prepared::file_stem;
 use crate::provenance::{Build, scene_hash};
 use makadam::checkpoint::checksum;
 use makadam::scene::Scene;

@@ -5,9 +5,9 @@ use super::flat::{ReferenceRow, point_rows};
 use super::page;
 use super::study::Study;
 use crate::draw::svg::standalone;
+use crate::output::cells::csv;
 use crate::output::{create_folder, write_whole};
 use crate::report::ReportError;
-use crate::scaling::csv;
 use std::path::{Path, PathBuf};
 
 /// Writes all files of a study into a folder, which is made if it is not there; returns the page's path.

@@ -30,7 +30,8 @@ use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker};
 use crate::draw::plot::{Axis, Key, Plot};
 use crate::draw::svg::Anchor;
-use crate::stability::{Finding, GRAVITY};
+use crate::sketch::GRAVITY;
+use crate::study::Finding;
 use column::{DIAMETER, Part, case, heap};
 use deposit::{
     angle_of_repose, centre_of_mass, connected, coverage, edge, height_at_axis, holding, solid_volume, speed,

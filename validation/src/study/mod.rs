@@ -1,0 +1,5 @@
+//! What the studies have in common.
+
+mod finding;
+
+pub use finding::Finding;
