@@ -1,16 +1,15 @@
 //! `makadam convergence`: how each method converges on the problem of one step.
 
 use super::arguments::ConvergenceArguments;
-use super::{Console, Failure, begin, can_record, json, load, settle};
+use super::{Console, Failure, begin, can_record, folder_of, load, publish, settle};
 use crate::convergence::{self, Curve, LeftOut, Problem, Study};
 use crate::execution::Execution;
-use crate::output::file_stem;
 use crate::output::record_folder;
 use crate::prepared::Start;
 use crate::provenance::Provenance;
+use crate::study::Document;
 use makadam::scene::{Precision, Scene, SolverMethod, SolverSettings};
 use makadam::schedule::Scheduler;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Solves one problem with every method, writes and says what was found.
@@ -82,19 +81,12 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     let study = Study::new(problem, [arguments.iterations, arguments.repetitions], curves, left_out, provenance)
         .with_findings();
 
-    let folder = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("results").join("convergence").join(file_stem(&scene.name)));
-    let page = convergence::write(&study, &folder)?;
-    console.result(&match arguments.json {
-        true => json(&study),
-        false => format!("{}\npage: {}", convergence::table(&study), page.display()),
-    })?;
+    let folder = folder_of(arguments.output.as_deref(), "convergence", &scene);
+    publish(&study, || convergence::table(&study), &folder, arguments.json, console)?;
     if arguments.record {
         let processor = &study.provenance.build.processor;
         let folder = record_folder("convergence", &file, processor, Some(execution.instruction_set));
-        convergence::write_tables(&study, &folder)?;
+        study.write_tables(&folder)?;
         console.note(&format!("table: {}", folder.display()));
     }
     Ok(ExitCode::SUCCESS)

@@ -8,7 +8,7 @@ use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
 use crate::recording::RecordingError;
-use crate::report::ReportError;
+use crate::study::DocumentError;
 use crate::tradeoff::{CampaignError, EngineError};
 use makadam::scene::SceneError;
 
@@ -141,8 +141,8 @@ impl From<ReferenceError> for Failure {
     }
 }
 
-impl From<ReportError> for Failure {
-    fn from(error: ReportError) -> Failure {
+impl From<DocumentError> for Failure {
+    fn from(error: DocumentError) -> Failure {
         Failure::Running(error.to_string())
     }
 }

@@ -21,10 +21,11 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
 use crate::compare::Share;
 use crate::execution::Execution;
-use crate::output::cache_folder;
+use crate::output::{cache_folder, file_stem};
 use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
 use crate::stepping::steps_in;
+use crate::study::Document;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use makadam::Simulation;
@@ -148,6 +149,26 @@ fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Resul
         }
     }
     Ok(())
+}
+
+/// Writes a study into a folder, and prints it: all of it, or its table and where its page is.
+fn publish(
+    study: &impl Document,
+    table: impl FnOnce() -> String,
+    folder: &Path,
+    as_json: bool,
+    console: &Console,
+) -> Result<(), Failure> {
+    let page = study.write(folder)?;
+    console.result(&match as_json {
+        true => json(study),
+        false => format!("{}\npage: {}", table(), page.display()),
+    })
+}
+
+/// The folder of a study of a scene: the one that was asked for, or one below `results`.
+fn folder_of(output: Option<&Path>, command: &str, scene: &Scene) -> PathBuf {
+    output.map_or_else(|| PathBuf::from("results").join(command).join(file_stem(&scene.name)), Path::to_path_buf)
 }
 
 /// A value as indented JSON.

@@ -2,15 +2,13 @@
 
 use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
 use super::compare::{FEW_SEEDS, codes};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, json, load};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, folder_of, load, publish};
 use crate::observables::catalogue::group_of;
-use crate::output::file_stem;
 use crate::provenance::{account, processor};
 use crate::tradeoff::{
     self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Shelf, Study, Terms, recorded_engines,
 };
 use makadam::scene::{Scene, Stop};
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -60,10 +58,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         time_limit: arguments.time_limit.unwrap_or(if arguments.quick { quick } else { full }),
         provenance: account(1, &[&scene]),
     };
-    let folder = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("results").join("tradeoff").join(file_stem(&scene.name)));
+    let folder = folder_of(arguments.output.as_deref(), "tradeoff", &scene);
     // Read first: a damaged file is told before anything runs.
     let engines = recorded_engines(&file, &processor())?;
     let shelf = Shelf::open(&folder.join("runs"))?;
@@ -95,11 +90,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     }
     outcome.notes[notes..].iter().for_each(|note| console.note(note));
     let study = Study::new(&scene, &plan, &outcome, terms).with_findings();
-    let page = tradeoff::write(&study, &folder)?;
-    console.result(&match arguments.json {
-        true => json(&study),
-        false => format!("{}\npage: {}", tradeoff::table(&study), page.display()),
-    })?;
+    publish(&study, || tradeoff::table(&study), &folder, arguments.json, console)?;
     // A bound that was asked for and that no reference has a value for was kept by nothing.
     let unmeasured = arguments.bound.iter().find(|bound| study.reference(&bound.observable, 1.0).is_none());
     match (study.complete, study.reaches_bounds("Makadam")) {

@@ -14,8 +14,6 @@ mod findings;
 mod page;
 mod study;
 mod terminal;
-mod write;
 
 pub use study::{Curve, LeftOut, Problem, Reached, Study, TOLERANCES};
 pub use terminal::table;
-pub use write::{write, write_tables};

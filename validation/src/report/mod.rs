@@ -13,7 +13,7 @@
 mod forces;
 mod forest;
 mod outlines;
-pub(crate) mod page;
+mod page;
 mod pictures;
 pub mod published;
 mod qualification;
@@ -28,4 +28,4 @@ mod write;
 pub use qualification::{Qualification, Standing, Verdict};
 pub use speed::speed_sentence;
 pub use terminal::comparison_table;
-pub use write::{REPORT_VERSION, ReportDocument, ReportError, ReportPaths, write};
+pub use write::{REPORT_VERSION, ReportDocument, ReportPaths, write};

@@ -22,7 +22,6 @@ mod rows;
 mod study;
 mod tasks;
 mod terminal;
-mod write;
 
 pub use costs::Costs;
 pub use hardware::{Bandwidth, cache_bytes, clock};
@@ -32,4 +31,3 @@ pub use replay::{Replayed, Traffic, replay};
 pub use rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 pub use study::{Setting, Study};
 pub use terminal::table;
-pub use write::{write, write_tables};

@@ -1,5 +1,17 @@
 //! What the studies have in common.
+//!
+//! ```text
+//! study ─> tables, figures ─> page ─> Document ─> NAME.html, NAME.json, CSV, SVG
+//!                      └─> terminal, Markdown
+//! ```
 
+mod document;
 mod finding;
+mod page;
+mod table;
 
+pub use document::{Document, DocumentError, File};
+pub(crate) use document::{drawn, json, table, write_together};
 pub use finding::Finding;
+pub(crate) use page::{environment, page, style};
+pub(crate) use table::{Cell, Table};

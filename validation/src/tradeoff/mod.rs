@@ -35,7 +35,6 @@ mod table;
 mod terminal;
 mod variations;
 mod words;
-mod write;
 
 pub use campaign::{Campaign, CampaignError, Outcome, Progress};
 pub use configuration::{Configuration, Knobs};
@@ -49,4 +48,3 @@ pub use plan::{Plan, Refinement, STIFFNESS_FACTORS, Scope};
 pub use rows::{Bound, Deviation, Fastest, Point, Reference, Varied};
 pub use study::{Study, Terms};
 pub use terminal::table;
-pub use write::write;
