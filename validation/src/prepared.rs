@@ -3,7 +3,7 @@
 use crate::execution::{Execution, ExecutionError};
 use crate::output::{WriteError, cache_folder, create_folder, file_stem};
 use crate::provenance::scene_hash;
-use crate::stepping::steps_in;
+use crate::stepping::{Halt, Stepping, steps_in};
 use makadam::checkpoint::{CheckpointError, open, seal, write_atomically};
 use makadam::scene::{Scene, SceneError};
 use makadam::watch::{Alarm, Watchdog};
@@ -99,14 +99,11 @@ pub fn start(
     execution.apply(&mut simulation)?;
     let steps = steps_in(prepare.duration, prepare.step);
     let mut watchdog = Watchdog::new(&scene.watch, &simulation);
-    for step in 1..=steps {
-        let report = simulation.step();
-        watchdog.check(&simulation, &report, step == steps).map_err(StartError::Worthless)?;
-        progress(step as f64 / steps as f64);
-        if crate::interrupt::requested() {
-            return Err(StartError::Interrupted);
-        }
-    }
+    let stepping = Stepping::new(steps, progress).watched(&mut watchdog);
+    stepping.carry_out(&mut simulation, |_, _| {}).map_err(|halt| match halt {
+        Halt::Worthless(alarm) => StartError::Worthless(alarm),
+        Halt::Interrupted | Halt::OutOfTime(_) => StartError::Interrupted,
+    })?;
     if let Some(folder) = file.parent() {
         create_folder(folder)?;
     }

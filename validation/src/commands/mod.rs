@@ -24,7 +24,7 @@ use crate::execution::Execution;
 use crate::output::{cache_folder, file_stem};
 use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
-use crate::stepping::steps_in;
+use crate::stepping::{Stepping, steps_in};
 use crate::study::Document;
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -141,14 +141,8 @@ fn prepared_folder() -> Result<PathBuf, Failure> {
 fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Result<(), Failure> {
     let bar = console.bar("settling");
     let steps = steps_in(seconds, simulation.time_step());
-    for step in 1..=steps {
-        simulation.step();
-        bar.set(step as f64 / steps as f64);
-        if crate::interrupt::requested() {
-            return Err(Failure::Interrupted("nothing: the flowing state was not finished".into()));
-        }
-    }
-    Ok(())
+    let settled = Stepping::new(steps, &|share| bar.set(share)).carry_out(simulation, |_, _| {});
+    settled.map(|_| ()).map_err(|_| Failure::Interrupted("nothing: the flowing state was not finished".into()))
 }
 
 /// Writes a study into a folder, and prints it: all of it, or its table and where its page is.

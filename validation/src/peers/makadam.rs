@@ -6,9 +6,9 @@ use crate::output::WriteError;
 use crate::prepared::{StartError, start};
 use crate::provenance::Build;
 use crate::recording::Recording;
-use crate::stepping::{frame_is_due, steps_in};
+use crate::stepping::{Halt, Stepping, Taken, steps_in};
+use makadam::Simulation;
 use makadam::watch::Watchdog;
-use std::time::{Duration, Instant};
 
 /// Makadam, in this process, on one thread.
 pub struct Makadam;
@@ -37,24 +37,13 @@ impl Code for Makadam {
         let (started, step_seconds) = (simulation.time(), simulation.time_step());
         let steps = steps_in(scene.duration, step_seconds);
         let mut frames = vec![simulation.snapshot()];
-        let mut wall = Duration::ZERO;
         let mut watchdog = Watchdog::new(&scene.watch, &simulation);
-        for step in 1..=steps {
-            let clock = Instant::now();
-            let report = simulation.step();
-            wall += clock.elapsed();
-            let framed = step == steps || frame_is_due(step, step_seconds, scene.measure.interval);
-            watchdog
-                .check(&simulation, &report, framed)
-                .map_err(|alarm| CodeError::Worthless { code: "Makadam", alarm })?;
-            if framed {
-                frames.push(simulation.snapshot());
-            }
-            (job.progress)(step as f64 / steps as f64);
-            if crate::interrupt::requested() {
-                return Err(interrupted());
-            }
-        }
+        let stepping = Stepping::new(steps, job.progress).framed(scene.measure.interval).watched(&mut watchdog);
+        let keep = |simulation: &Simulation, taken: &Taken| frames.extend(taken.framed.then(|| simulation.snapshot()));
+        let wall = stepping.carry_out(&mut simulation, keep).map_err(|halt| match halt {
+            Halt::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },
+            Halt::Interrupted | Halt::OutOfTime(_) => interrupted(),
+        })?;
         Ok(Recording {
             scene: scene.name.clone(),
             code: self.name().into(),
