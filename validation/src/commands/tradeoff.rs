@@ -5,8 +5,9 @@ use super::compare::{FEW_SEEDS, codes};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, folder_of, load, publish};
 use crate::observables::catalogue::group_of;
 use crate::provenance::{account, processor};
+use crate::study::RunCache;
 use crate::tradeoff::{
-    self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Shelf, Study, Terms, recorded_engines,
+    self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Study, Terms, recorded_engines,
 };
 use makadam::scene::{Scene, Stop};
 use std::process::ExitCode;
@@ -61,7 +62,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     let folder = folder_of(arguments.output.as_deref(), "tradeoff", &scene);
     // Read first: a damaged file is told before anything runs.
     let engines = recorded_engines(&file, &processor())?;
-    let shelf = Shelf::open(&folder.join("runs"))?;
+    let cache = RunCache::open(&folder.join("runs"))?;
     let mut outcome = {
         let bar = console.bar(&scene.name);
         let progress: Progress = Arc::new(move |label, share| {
@@ -75,7 +76,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
             seeds: terms.seeds,
             codes: &runners,
             time_limit: terms.time_limit,
-            shelf: &shelf,
+            cache: &cache,
             progress,
         }
         .carry_out()?

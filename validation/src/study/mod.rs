@@ -5,11 +5,13 @@
 //!                      └─> terminal, Markdown
 //! ```
 
+mod cache;
 mod document;
 mod finding;
 mod page;
 mod table;
 
+pub use cache::{Found, Key, RunCache, sealed, unseal};
 pub use document::{Document, DocumentError, File};
 pub(crate) use document::{drawn, json, table, write_together};
 pub use finding::Finding;
