@@ -1,8 +1,9 @@
 //! `makadam tradeoff`: what accuracy costs in time.
 
 use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
-use super::compare::{FEW_SEEDS, codes};
+use super::compare::codes;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, folder_of, load, publish};
+use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
 use crate::provenance::{account, processor};
 use crate::study::RunCache;

@@ -11,9 +11,11 @@
 
 mod figures;
 mod findings;
+mod measure;
 mod page;
 mod study;
 mod terminal;
 
+pub use measure::{methods, solve, suitable};
 pub use study::{Curve, LeftOut, Problem, Reached, Study, TOLERANCES};
 pub use terminal::table;

@@ -1,6 +1,7 @@
 //! A case in one code: run, measured, judged. A run that fails is an outcome.
 
 use super::{Case, Evidence, Outcome, Verdict};
+use crate::output::WriteError;
 use crate::peers::{Code, CodeError, Job};
 use crate::stepping::{Halt, Stepping, Taken, steps_in};
 use crate::study::Finding;
@@ -20,12 +21,15 @@ pub enum StabilityError {
     /// The scene cannot be populated.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The user asked to stop.
-    #[error("interrupted")]
-    Interrupted,
+    /// The user asked to stop; what is kept, in words.
+    #[error("interrupted; what was computed so far is {0}")]
+    Interrupted(String),
     /// The code is not there, or its files cannot be written.
     #[error(transparent)]
     Code(CodeError),
+    /// The study cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 /// What came of a run: its frames, or the verdict and the reason why there are none.
@@ -68,7 +72,7 @@ impl Case {
         match stepping.carry_out(&mut simulation, keep) {
             Ok(_) => Ok(Ok(Frames { frames, time_step })),
             Err(Halt::Worthless(alarm)) => Ok(Err((Verdict::Crashed, alarm.to_string()))),
-            Err(Halt::Interrupted) => Err(StabilityError::Interrupted),
+            Err(Halt::Interrupted) => Err(StabilityError::Interrupted("nothing".into())),
             Err(Halt::OutOfTime(share)) => {
                 let (seconds, done) = (limit.as_secs_f64(), 100.0 * share);
                 Ok(Err((Verdict::TookTooLong, format!("stopped after {seconds} s at {done:.0}% of the run"))))
@@ -97,7 +101,7 @@ impl Case {
         let start = Instant::now();
         let run = match code.simulate(&job) {
             Ok(recording) => Ok(Frames { frames: recording.frames, time_step: recording.time_step }),
-            Err(CodeError::Interrupted { .. }) => return Err(StabilityError::Interrupted),
+            Err(CodeError::Interrupted { .. }) => return Err(StabilityError::Interrupted("nothing".into())),
             Err(CodeError::Scene(error)) => return Err(error.into()),
             Err(CodeError::Unsupported { reason, .. }) => Err((Verdict::CannotBeExpressed, reason)),
             Err(CodeError::TimedOut { seconds, .. }) => {

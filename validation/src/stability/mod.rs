@@ -6,6 +6,7 @@
 //!
 //! Every code is measured by the same figures from its frames. A run that fails is an outcome like any other.
 
+mod campaign;
 mod carry_out;
 mod case;
 mod catalogue;
@@ -14,6 +15,7 @@ mod markdown;
 mod outcome;
 mod table;
 
+pub use campaign::Campaign;
 pub use carry_out::StabilityError;
 pub use case::{Case, Judge};
 pub use catalogue::catalogue;
