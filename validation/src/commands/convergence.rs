@@ -2,7 +2,7 @@
 
 use super::arguments::ConvergenceArguments;
 use super::{Console, Failure, begin, can_record, folder_of, load, publish, settle};
-use crate::convergence::{self, Problem, Study};
+use crate::convergence::{self, Effort, Problem, Study};
 use crate::execution::Execution;
 use crate::output::record_folder;
 use crate::prepared::Start;
@@ -55,14 +55,14 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
         )));
     }
     let bar = console.bar(&scene.name);
-    let counts = [arguments.iterations, arguments.repetitions];
-    let curves = convergence::solve(&simulation, &methods, counts, &|method, share| {
+    let effort = Effort { iterations: arguments.iterations, repetitions: arguments.repetitions };
+    let curves = convergence::solve(&simulation, &methods, effort, &|method, share| {
         bar.say(method.name().into());
         bar.set(share);
     });
     drop(bar);
     let curves = curves.map_err(|_| Failure::Interrupted("nothing: the methods were not finished".into()))?;
-    let study = Study::new(problem, counts, curves, left_out, provenance).with_findings();
+    let study = Study::new(problem, effort, curves, left_out, provenance).with_findings();
 
     let folder = folder_of(arguments.output.as_deref(), "convergence", &scene);
     publish(&study, || convergence::table(&study), &folder, arguments.json, console)?;

@@ -1,6 +1,6 @@
 //! The measurement: one problem, solved by every method that suits it, in turn.
 
-use super::study::{Curve, LeftOut};
+use super::study::{Curve, Effort, LeftOut};
 use crate::execution::MeasureError;
 use makadam::Simulation;
 use makadam::scene::{Scene, SolverMethod};
@@ -25,7 +25,7 @@ pub fn suitable(simulation: &Simulation, wanted: Vec<SolverMethod>) -> (Vec<Solv
     (methods, left_out)
 }
 
-/// Solves a simulation's next step with methods that suit it, `repetitions` times with each, in turn, so that what interferes for a
+/// Solves a simulation's next step with methods that suit it, each as often as asked for, in turn, so that what interferes for a
 /// while falls on all of them. `progress` is told the method and the share that is done.
 ///
 /// # Errors
@@ -33,9 +33,10 @@ pub fn suitable(simulation: &Simulation, wanted: Vec<SolverMethod>) -> (Vec<Solv
 pub fn solve(
     simulation: &Simulation,
     methods: &[SolverMethod],
-    [iterations, repetitions]: [u32; 2],
+    effort: Effort,
     progress: &dyn Fn(SolverMethod, f64),
 ) -> Result<Vec<Curve>, MeasureError> {
+    let Effort { iterations, repetitions } = effort;
     let mut solves = vec![Vec::new(); methods.len()];
     for repetition in 0..repetitions {
         for (place, &method) in methods.iter().enumerate() {

@@ -17,5 +17,5 @@ mod study;
 mod terminal;
 
 pub use measure::{methods, solve, suitable};
-pub use study::{Curve, LeftOut, Problem, Reached, Study, TOLERANCES};
+pub use study::{Curve, Effort, LeftOut, Problem, Reached, Study, TOLERANCES};
 pub use terminal::table;

@@ -37,6 +37,15 @@ pub struct Study {
     pub provenance: Provenance,
 }
 
+/// How much each method is made to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Iterations of a solve.
+    pub iterations: u32,
+    /// Solves of the same problem.
+    pub repetitions: u32,
+}
+
 /// A method that was not run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
@@ -136,10 +145,10 @@ impl Curve {
 }
 
 impl Study {
-    /// Makes a study of curves of so many iterations, repeated so many times.
+    /// Makes a study of curves.
     pub fn new(
         problem: Problem,
-        [iterations, repetitions]: [u32; 2],
+        effort: Effort,
         methods: Vec<Curve>,
         left_out: Vec<LeftOut>,
         provenance: Provenance,
@@ -148,8 +157,8 @@ impl Study {
             version: JSON_VERSION,
             command: "convergence".into(),
             problem,
-            iterations,
-            repetitions,
+            iterations: effort.iterations,
+            repetitions: effort.repetitions,
             tolerances: TOLERANCES.into(),
             methods,
             left_out,
