@@ -1,6 +1,7 @@
 //! Draws a recorded roofline again: `roofline_page FOLDER` reads its roofline.json and writes page, figures and tables.
 
 use makadam_validation::roofline::{Study, table};
+use makadam_validation::study::Document;
 use std::path::Path;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

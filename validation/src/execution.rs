@@ -31,6 +31,20 @@ pub enum ExecutionError {
     NoThreads(usize, String),
 }
 
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureError {
+    /// The machine cannot step as asked.
+    #[error(transparent)]
+    Execution(#[from] ExecutionError),
+    /// The system starts no threads to measure with.
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The user asked to stop.
+    #[error("interrupted while measuring")]
+    Interrupted,
+}
+
 impl Execution {
     /// One thread on the widest instruction set.
     pub fn serial() -> Execution {

@@ -7,6 +7,7 @@
 pub mod commands;
 pub mod compare;
 pub mod convergence;
+mod draw;
 pub mod effects;
 pub mod execution;
 pub mod interrupt;
@@ -23,7 +24,10 @@ pub mod report;
 pub mod roofline;
 pub mod scaling;
 pub mod scenes;
+mod sketch;
 pub mod stability;
 pub mod statistics;
+pub mod stepping;
+pub mod study;
 pub mod sweep_bytes;
 pub mod tradeoff;

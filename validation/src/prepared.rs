@@ -1,16 +1,15 @@
 //! Where a run starts: at the lattice gas, or at a flowing state that was prepared once and is kept on the machine.
 
 use crate::execution::{Execution, ExecutionError};
-use crate::output::{WriteError, create_folder};
+use crate::output::{WriteError, cache_folder, create_folder, file_stem};
 use crate::provenance::scene_hash;
-use makadam::checkpoint::{CheckpointError, checksum, open, seal, write_atomically};
+use crate::stepping::{Halt, Stepping, steps_in};
+use makadam::checkpoint::{CheckpointError, open, seal, write_atomically};
 use makadam::scene::{Scene, SceneError};
 use makadam::watch::{Alarm, Watchdog};
 use makadam::{BUILD, Simulation};
 use serde::{Deserialize, Serialize};
-use std::fs::DirBuilder;
-use std::io::{Error, ErrorKind};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Why a run could not start.
@@ -67,41 +66,6 @@ impl Label {
     }
 }
 
-/// Folder in which prepared states and recordings are kept: `makadam` in `XDG_CACHE_HOME` or in `~/.cache`. Without either it is
-/// `makadam-UID` where the system keeps temporary files, with the number of the user, who alone may read and write it.
-///
-/// # Errors
-/// [`WriteError`] if the folder among temporary files belongs to somebody else, or others may write to it.
-pub fn cache_folder() -> Result<PathBuf, WriteError> {
-    let absolute = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
-    let own = absolute("XDG_CACHE_HOME").or_else(|| absolute("HOME").map(|home| home.join(".cache")));
-    match own {
-        Some(folder) => Ok(folder.join("makadam")),
-        None => private_folder(&std::env::temp_dir(), rustix::process::getuid().as_raw()),
-    }
-}
-
-/// The folder of a user in one that all users share.
-fn private_folder(shared: &Path, user: u32) -> Result<PathBuf, WriteError> {
-    let folder = shared.join(format!("makadam-{user}"));
-    let refuse = |error| WriteError::new(&folder, error);
-    match DirBuilder::new().mode(0o700).create(&folder) {
-        Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(refuse(error)),
-        _ => {}
-    }
-    // Not through a link: anybody may have put one there.
-    let data = folder.symlink_metadata().map_err(refuse)?;
-    let problem = match () {
-        () if !data.is_dir() => "it is not a folder",
-        () if data.uid() != user => "it belongs to somebody else",
-        () if data.mode() & 0o022 != 0 => "others may write to it",
-        () => return Ok(folder),
-    };
-    let words =
-        format!("{problem}, so that what is kept there cannot be trusted; set XDG_CACHE_HOME to a folder of your own");
-    Err(refuse(Error::new(ErrorKind::PermissionDenied, words)))
-}
-
 /// The simulation at the start of its run. A scene with `[prepare]` is simulated for that time first, unless a state of
 /// the same scene, seed and build is in the cache; `progress` is told the share that is done.
 ///
@@ -135,14 +99,11 @@ pub fn start(
     execution.apply(&mut simulation)?;
     let steps = steps_in(prepare.duration, prepare.step);
     let mut watchdog = Watchdog::new(&scene.watch, &simulation);
-    for step in 1..=steps {
-        let report = simulation.step();
-        watchdog.check(&simulation, &report, step == steps).map_err(StartError::Worthless)?;
-        progress(step as f64 / steps as f64);
-        if crate::interrupt::requested() {
-            return Err(StartError::Interrupted);
-        }
-    }
+    let stepping = Stepping::new(steps, progress).watched(&mut watchdog);
+    stepping.carry_out(&mut simulation, |_, _| {}).map_err(|halt| match halt {
+        Halt::Worthless(alarm) => StartError::Worthless(alarm),
+        Halt::Interrupted | Halt::OutOfTime(_) => StartError::Interrupted,
+    })?;
     if let Some(folder) = file.parent() {
         create_folder(folder)?;
     }
@@ -198,36 +159,9 @@ fn state_file(scene: &Scene, seed: u64) -> Result<PathBuf, WriteError> {
     Ok(cache_folder()?.join("prepared").join(name))
 }
 
-/// Whole steps nearest to a duration.
-pub fn steps_in(duration: f64, step: f64) -> u64 {
-    (duration / step).round() as u64
-}
-
-/// Longest part of a file name that is made from a name, bytes: others are added to it, and file systems take 255.
-const LONGEST_STEM: usize = 120;
-
-/// A scene's name as a part of a file name: never empty, never one that stands for a folder, never longer than 120 bytes.
-pub fn file_stem(name: &str) -> String {
-    let plain = |c: char| {
-        if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' }
-    };
-    let stem: String = name.chars().map(plain).collect();
-    if stem.bytes().all(|byte| byte == b'.') {
-        return format!("scene{}", "-".repeat(stem.len().min(LONGEST_STEM / 2)));
-    }
-    if stem.len() <= LONGEST_STEM {
-        return stem;
-    }
-    // Long names are often alike at their beginnings.
-    let hash = format!("-{:016x}", checksum(name.as_bytes()));
-    stem[..LONGEST_STEM - hash.len()].to_string() + &hash
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs::{Permissions, set_permissions};
-    use std::os::unix::fs::{PermissionsExt, symlink};
 
     fn smoke() -> Scene {
         Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml")).unwrap()
@@ -235,21 +169,6 @@ mod tests {
 
     fn bytes(label: &Label) -> Vec<u8> {
         seal(MARK, &postcard::to_stdvec(&(label, b"a state".to_vec())).unwrap())
-    }
-
-    #[test]
-    fn a_name_becomes_a_part_of_a_file_name_that_stands_for_itself_alone() {
-        assert_eq!(file_stem("drum-50k_v1.2"), "drum-50k_v1.2");
-        assert_eq!(file_stem("a/../b c"), "a-..-b-c");
-        for name in ["", ".", "..", "..."] {
-            let stem = file_stem(name);
-            assert!(stem.starts_with("scene") && !stem.contains('.'), "{name}: {stem}");
-        }
-        let long = "n".repeat(4000);
-        let other = long.clone() + "m";
-        assert!(file_stem(&long).len() <= LONGEST_STEM);
-        assert_ne!(file_stem(&long), file_stem(&other));
-        assert!(file_stem(&".".repeat(4000)).len() <= LONGEST_STEM);
     }
 
     #[test]
@@ -267,25 +186,5 @@ mod tests {
         let mut damaged = bytes(&label());
         *damaged.last_mut().unwrap() ^= 1;
         refused(1, &damaged, "damaged");
-    }
-
-    #[test]
-    fn a_folder_among_temporary_files_is_taken_only_from_its_user() {
-        let shared = tempfile::tempdir().unwrap();
-        let user = shared.path().metadata().unwrap().uid();
-        let folder = private_folder(shared.path(), user).unwrap();
-        assert_eq!(folder.metadata().unwrap().mode() & 0o777, 0o700);
-        assert_eq!(private_folder(shared.path(), user).unwrap(), folder, "it is taken again");
-
-        let refused = |user: u32, words: &str| {
-            let message = private_folder(shared.path(), user).unwrap_err().to_string();
-            assert!(message.contains(words) && message.contains("XDG_CACHE_HOME"), "{message}");
-        };
-        set_permissions(&folder, Permissions::from_mode(0o770)).unwrap();
-        refused(user, "others may write");
-        refused(user + 1, "belongs to somebody else");
-        set_permissions(&folder, Permissions::from_mode(0o700)).unwrap();
-        symlink(&folder, shared.path().join(format!("makadam-{}", user + 2))).unwrap();
-        refused(user + 2, "not a folder");
     }
 }

@@ -1,7 +1,7 @@
 //! Where a result came from: version, commit, compiler, machine, seed, scene, settings.
 
 use crate::execution::Execution;
-use crate::prepared::steps_in;
+use crate::stepping::steps_in;
 use makadam::checkpoint::checksum;
 use makadam::lanes::InstructionSet;
 use makadam::scene::{Scene, SolverSettings, Watch};

@@ -1,10 +1,12 @@
 //! The report: self-contained, well formed, complete, and never half-written.
 
 use crate::support::sample;
-use makadam_validation::compare::{CodeSummary, Comparison, Outcome, Row, Source, Timing};
+use makadam_validation::compare::{CodeSummary, Comparison, Row, Source, Timing};
 use makadam_validation::report::{
-    Qualification, REPORT_VERSION, ReportDocument, ReportError, Standing, comparison_table, speed_sentence, write,
+    Qualification, REPORT_VERSION, ReportDocument, Standing, comparison_table, speed_sentence, write,
 };
+use makadam_validation::statistics::Outcome;
+use makadam_validation::study::DocumentError;
 use roxmltree::{Document, ParsingOptions};
 use std::fs;
 
@@ -431,7 +433,7 @@ fn a_folder_that_cannot_be_written_is_named() {
     let file = folder.path().join("occupied");
     fs::write(&file, "not a folder").expect("a file");
     let error = write(&full(), &file).expect_err("no report in a file");
-    assert!(matches!(error, ReportError::Io { .. }));
+    assert!(matches!(error, DocumentError::Io { .. }));
     assert!(error.to_string().contains("occupied"), "{error}");
 }
 

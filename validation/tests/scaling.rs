@@ -4,7 +4,8 @@ use crate::support::scaling_sample as sample;
 use approx::assert_relative_eq;
 use makadam::partition::Portion;
 use makadam::schedule::{Phase, Region, Scheduler};
-use makadam_validation::scaling::{Costs, Machine, Replayed, ReplayedRow, Traffic, replay, table, write};
+use makadam_validation::scaling::{Costs, Machine, Replayed, ReplayedRow, Traffic, replay, table};
+use makadam_validation::study::Document;
 
 const NOTHING: Costs =
     Costs { pop_alone: 0.0, pop_contended: 0.0, task_start: 0.0, steal: 0.0, region: 0.0, met_share: 1.0 };
@@ -179,7 +180,7 @@ fn a_study_says_what_is_replayed() {
         assert!((0.8..=1.0 + 1e-9).contains(&row.speedup), "{row:?}");
     }
     let folder = tempfile::tempdir().unwrap();
-    let page = write(&study, folder.path()).unwrap();
+    let page = study.write(folder.path()).unwrap();
     let html = std::fs::read_to_string(page).unwrap();
     assert!(html.contains("Replayed on the model xeon-phi-3120") && html.contains("The thesis"), "{html}");
     let findings = study.findings.join("\n");
@@ -211,7 +212,7 @@ fn a_study_says_what_is_replayed() {
 fn different_bits_are_said() {
     let (plan, mut measurement, setting) = sample::parts();
     measurement.timings[2].hashes[0] += 1;
-    let study = makadam_validation::scaling::Study::new(&plan, &measurement, setting);
+    let study = makadam_validation::scaling::Study::new(&plan, &measurement, setting).with_findings();
     assert!(!study.same_bits);
     assert_eq!(study.differing.len(), 1);
     assert!(study.findings[0].contains("Not all configurations"), "{}", study.findings[0]);

@@ -1,7 +1,7 @@
 //! Statistics against closed forms, tables and values worked out by hand.
 
 use approx::assert_abs_diff_eq;
-use makadam_validation::compare::Outcome;
+use makadam_validation::statistics::Outcome;
 use makadam_validation::statistics::{
     Ensemble, block_average, equivalence, gini, inside_recorded_spread, kolmogorov_smirnov, prediction_interval,
     second_moment, seeds_needed, share_below_mean, student_quantile, wasserstein, weak_load_share,

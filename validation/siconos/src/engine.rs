@@ -7,9 +7,10 @@
 
 use makadam::scene::{Grain, Motion, Scene, Shape, populate};
 use makadam_validation::peers::yade::{read_frames, read_result};
-use makadam_validation::peers::{Code, CodeError, Job, frame_is_due};
-use makadam_validation::prepared::steps_in;
+use makadam_validation::peers::{Code, CodeError, Job};
 use makadam_validation::recording::Recording;
+use makadam_validation::stepping::frame_is_due;
+use makadam_validation::stepping::steps_in;
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

@@ -1,15 +1,15 @@
 //! `makadam convergence`: how each method converges on the problem of one step.
 
 use super::arguments::ConvergenceArguments;
-use super::{Console, Failure, begin, can_record, json, load, settle};
-use crate::convergence::{self, Curve, LeftOut, Problem, Study};
+use super::{Console, Failure, begin, can_record, folder_of, load, publish, settle};
+use crate::convergence::{self, Effort, Problem, Study};
 use crate::execution::Execution;
 use crate::output::record_folder;
-use crate::prepared::{Start, file_stem};
+use crate::prepared::Start;
 use crate::provenance::Provenance;
+use crate::study::Document;
 use makadam::scene::{Precision, Scene, SolverMethod, SolverSettings};
 use makadam::schedule::Scheduler;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Solves one problem with every method, writes and says what was found.
@@ -19,7 +19,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
         can_record(&file)?;
     }
     let seed = arguments.seed.unwrap_or(scene.seed);
-    let wanted = methods(&scene, arguments.methods.as_deref());
+    let wanted = convergence::methods(&scene, arguments.methods.as_deref());
     let threads = usize::from(arguments.threads);
     let scheduler = if threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
     let execution = Execution { scheduler, threads, ..Execution::serial() };
@@ -46,14 +46,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     if let Some(seconds) = arguments.settle.or(settling) {
         settle(&mut simulation, seconds, console)?;
     }
-    let mut left_out = Vec::new();
-    let mut methods = Vec::new();
-    for method in wanted {
-        match simulation.suits(method) {
-            Ok(()) => methods.push(method),
-            Err(unsuitable) => left_out.push(LeftOut { method: unsuitable.method, reason: unsuitable.reason }),
-        }
-    }
+    let (methods, left_out) = convergence::suitable(&simulation, wanted);
     let problem = Problem::next(&scene, &simulation);
     if problem.contacts == 0 {
         return Err(Failure::Usage(format!(
@@ -62,37 +55,21 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
         )));
     }
     let bar = console.bar(&scene.name);
-    let mut solves = vec![Vec::new(); methods.len()];
-    // In turn, so that what interferes for a while falls on all methods.
-    for repetition in 0..arguments.repetitions as usize {
-        for (place, &method) in methods.iter().enumerate() {
-            let share = place as f64 / methods.len() as f64;
-            bar.say(method.name().into());
-            bar.set((repetition as f64 + share) / f64::from(arguments.repetitions));
-            solves[place].push(simulation.convergence(method, arguments.iterations).expect("it suits"));
-            if crate::interrupt::requested() {
-                return Err(Failure::Interrupted("nothing: the methods were not finished".into()));
-            }
-        }
-    }
+    let effort = Effort { iterations: arguments.iterations, repetitions: arguments.repetitions };
+    let curves = convergence::solve(&simulation, &methods, effort, &|method, share| {
+        bar.say(method.name().into());
+        bar.set(share);
+    });
     drop(bar);
-    let unit = problem.residual_unit;
-    let curves = methods.into_iter().zip(solves).map(|(method, solves)| Curve::new(method, solves, unit)).collect();
-    let study = Study::new(problem, [arguments.iterations, arguments.repetitions], curves, left_out, provenance);
+    let curves = curves.map_err(|_| Failure::Interrupted("nothing: the methods were not finished".into()))?;
+    let study = Study::new(problem, effort, curves, left_out, provenance).with_findings();
 
-    let folder = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("results").join("convergence").join(file_stem(&scene.name)));
-    let page = convergence::write(&study, &folder)?;
-    console.result(&match arguments.json {
-        true => json(&study),
-        false => format!("{}\npage: {}", convergence::table(&study), page.display()),
-    })?;
+    let folder = folder_of(arguments.output.as_deref(), "convergence", &scene);
+    publish(&study, || convergence::table(&study), &folder, arguments.json, console)?;
     if arguments.record {
         let processor = &study.provenance.build.processor;
         let folder = record_folder("convergence", &file, processor, Some(execution.instruction_set));
-        convergence::write_tables(&study, &folder)?;
+        study.write_tables(&folder)?;
         console.note(&format!("table: {}", folder.display()));
     }
     Ok(ExitCode::SUCCESS)
@@ -101,12 +78,4 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
 /// The scene's settings with another method.
 fn with(scene: &Scene, method: SolverMethod) -> SolverSettings {
     SolverSettings { method, ..scene.solver.clone() }
-}
-
-/// The methods of these names, each once; the scene's own method has its parameters, others have the defaults.
-fn methods(scene: &Scene, names: Option<&[String]>) -> Vec<SolverMethod> {
-    let own = scene.solver.method;
-    let wanted = |method: &SolverMethod| names.is_none_or(|names| names.iter().any(|name| name == method.name()));
-    let all = SolverMethod::ALL.into_iter().filter(wanted);
-    all.map(|method| if method.name() == own.name() { own } else { method }).collect()
 }

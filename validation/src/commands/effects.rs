@@ -1,14 +1,13 @@
 //! `makadam effects`: which effects a scene calls for, what each costs, and whether it matters.
 
 use super::arguments::EffectsArguments;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, begin, json, load, settle, use_threads};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, begin, folder_of, json, load, settle, use_threads};
 use crate::effects::{Ablation, Costs, Look, Plan, Study, called, markdown, table, warnings};
 use crate::execution::Execution;
 use crate::output::{JSON_VERSION, create_folder, write_whole};
-use crate::prepared::{Start, file_stem};
+use crate::prepared::Start;
 use crate::provenance::Provenance;
 use crate::scenes;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -36,10 +35,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     console.detail("timing kernels");
     let costs = Costs::measure(&simulation);
     drop(simulation);
-    let folder = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("results").join("effects").join(file_stem(&scene.name)));
+    let folder = folder_of(arguments.output.as_deref(), "effects", &scene);
     let ablation = if arguments.ablate {
         use_threads(arguments.threads)?;
         let seeds: Vec<u64> = (seed..seed + u64::from(arguments.seeds)).collect();

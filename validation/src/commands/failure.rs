@@ -1,14 +1,15 @@
 //! Why a command failed, and the exit code that says so.
 
-use crate::compare::ReferenceError;
+use crate::compare::{RecordError, ReferenceError};
 use crate::effects::AblationError;
-use crate::execution::ExecutionError;
+use crate::execution::{ExecutionError, MeasureError};
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
+use crate::qualify::JudgeError;
 use crate::recording::RecordingError;
-use crate::report::ReportError;
-use crate::scaling::MeasureError;
+use crate::stability::StabilityError;
+use crate::study::DocumentError;
 use crate::tradeoff::{CampaignError, EngineError};
 use makadam::scene::SceneError;
 
@@ -107,6 +108,40 @@ impl From<CodeError> for Failure {
     }
 }
 
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Failure {
+        match error {
+            RecordError::Code(CodeError::Interrupted { .. }) => {
+                Failure::Interrupted("kept, run by run: try again for the others".into())
+            }
+            RecordError::Code(error) => error.into(),
+            other => Failure::Running(other.to_string()),
+        }
+    }
+}
+
+impl From<JudgeError> for Failure {
+    fn from(error: JudgeError) -> Failure {
+        match error {
+            JudgeError::NothingToCompare { .. } => Failure::Usage(error.to_string()),
+            JudgeError::Reference(error) => error.into(),
+            JudgeError::NotRecorded { .. } => Failure::MissingCode(error.to_string()),
+            JudgeError::Code(error) => error.into(),
+        }
+    }
+}
+
+impl From<StabilityError> for Failure {
+    fn from(error: StabilityError) -> Failure {
+        match error {
+            StabilityError::Scene(error) => Failure::Scene(error),
+            StabilityError::Interrupted(kept) => Failure::Interrupted(kept),
+            StabilityError::Code(error) => error.into(),
+            StabilityError::Write(error) => error.into(),
+        }
+    }
+}
+
 impl From<AblationError> for Failure {
     fn from(error: AblationError) -> Failure {
         match error {
@@ -141,8 +176,8 @@ impl From<ReferenceError> for Failure {
     }
 }
 
-impl From<ReportError> for Failure {
-    fn from(error: ReportError) -> Failure {
+impl From<DocumentError> for Failure {
+    fn from(error: DocumentError) -> Failure {
         Failure::Running(error.to_string())
     }
 }

@@ -17,13 +17,15 @@ mod stability;
 mod tradeoff;
 
 pub use console::Console;
-pub(crate) use console::shown;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
 use crate::compare::Share;
 use crate::execution::Execution;
-use crate::prepared::{Start, cache_folder, is_ready, start, steps_in};
+use crate::output::{cache_folder, file_stem};
+use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
+use crate::stepping::{Stepping, steps_in};
+use crate::study::Document;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use makadam::Simulation;
@@ -139,14 +141,28 @@ fn prepared_folder() -> Result<PathBuf, Failure> {
 fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Result<(), Failure> {
     let bar = console.bar("settling");
     let steps = steps_in(seconds, simulation.time_step());
-    for step in 1..=steps {
-        simulation.step();
-        bar.set(step as f64 / steps as f64);
-        if crate::interrupt::requested() {
-            return Err(Failure::Interrupted("nothing: the flowing state was not finished".into()));
-        }
-    }
-    Ok(())
+    let settled = Stepping::new(steps, &|share| bar.set(share)).carry_out(simulation, |_, _| {});
+    settled.map(|_| ()).map_err(|_| Failure::Interrupted("nothing: the flowing state was not finished".into()))
+}
+
+/// Writes a study into a folder, and prints it: all of it, or its table and where its page is.
+fn publish(
+    study: &impl Document,
+    table: impl FnOnce() -> String,
+    folder: &Path,
+    as_json: bool,
+    console: &Console,
+) -> Result<(), Failure> {
+    let page = study.write(folder)?;
+    console.result(&match as_json {
+        true => json(study),
+        false => format!("{}\npage: {}", table(), page.display()),
+    })
+}
+
+/// The folder of a study of a scene: the one that was asked for, or one below `results`.
+fn folder_of(output: Option<&Path>, command: &str, scene: &Scene) -> PathBuf {
+    output.map_or_else(|| PathBuf::from("results").join(command).join(file_stem(&scene.name)), Path::to_path_buf)
 }
 
 /// A value as indented JSON.

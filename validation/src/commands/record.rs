@@ -1,14 +1,12 @@
 //! `makadam compare --record`: what is missing in a scene's recorded references is measured or run, and taken in.
 
 use super::arguments::CompareArguments;
-use super::compare::{FEW_SEEDS, codes};
+use super::compare::codes;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record};
-use crate::compare::{CodeRuns, Missing, Reference, Runs, Simulated, Wanted, physics_hash};
-use crate::peers::{Code, CodeError};
-use crate::prepared::cache_folder;
-use crate::statistics::Ensemble;
+use crate::compare::Recorder;
+use crate::output::cache_folder;
+use crate::peers::Code;
 use makadam::scene::Scene;
-use rayon::prelude::*;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -24,7 +22,7 @@ pub(super) fn record(
     record_codes(peers, arguments, scene, file, console)
 }
 
-/// Records what is missing of some codes. What ended well is taken in even if other seeds failed.
+/// Records what is missing of some codes, and says what is recorded now.
 fn record_codes(
     peers: Vec<Box<dyn Code>>,
     arguments: &CompareArguments,
@@ -33,160 +31,39 @@ fn record_codes(
     console: &Console,
 ) -> Result<ExitCode, Failure> {
     can_record(file)?;
-    let folder = Reference::folder(file);
-    let mut reference = Reference::load(&folder)?.unwrap_or_default();
-    let seeds: Vec<u64> = (1..=arguments.seeds.unwrap_or_else(|| reference.seeds().max(FEW_SEEDS))).collect();
-    let (factor, hash) = (arguments.stiffness_factor, physics_hash(scene));
-    let announce = announce(console);
-    let recordings = match &arguments.recordings {
-        Some(folder) => folder.clone(),
-        None => cache_folder()?.join("recordings"),
-    };
-    let runs_of = |missing: &Missing| Runs {
+    let recorder = Recorder {
         scene,
         scene_file: file,
-        seeds: missing.seeds.clone(),
+        seeds: arguments.seeds,
         rayleigh_fraction: arguments.rayleigh_fraction,
-        stiffness_factor: factor,
+        stiffness_factor: arguments.stiffness_factor,
         time_limit: Duration::from_secs_f64(arguments.time_limit),
-        recordings: Some(recordings.clone()),
-        announce: &announce,
+        again: arguments.again,
+        recordings: match &arguments.recordings {
+            Some(folder) => folder.clone(),
+            None => cache_folder()?.join("recordings"),
+        },
+        announce: &announce(console),
+        note: &|text| console.note(text),
+        warn: &|text| console.warn(text),
     };
-    // Said before the hours that the runs may take, so that a fraction mistyped is noticed in time.
-    let plans: Vec<(Box<dyn Code>, Missing)> = peers
-        .into_iter()
-        .map(|code| {
-            let missing = plan(code.as_ref(), arguments, &reference, &hash, &seeds);
-            say(code.name(), &missing, reference.at(code.name(), factor).count(), &seeds, console);
-            (code, missing)
-        })
-        .collect();
-    let simulated: Vec<_> = plans.par_iter().map(|(code, missing)| runs_of(missing).simulate(code.as_ref())).collect();
-    let (mut failure, mut changed, mut whole) = (None, false, true);
-    for ((code, missing), simulated) in plans.iter().zip(simulated) {
-        let code = code.name();
-        let (new, failed) = split(code, simulated, console);
-        let complete = failed.is_none();
-        failure = failure.or(failed);
-        match take_in(&mut reference, new, missing, complete, factor, &hash) {
-            Ok(taken) => changed |= taken,
-            Err(problem) => {
-                console.warn(&format!("{code}: its references stay as they were: {problem}"));
-                failure = failure.or(Some(Failure::Running(problem)));
-            }
-        }
-        whole &= show(&reference, code, factor, scene, console)?;
-    }
-    // Nothing new leaves the files alone, down to their dates.
-    if changed {
-        reference.save(scene, &folder)?;
-    }
-    let state = if changed { "" } else { " (unchanged)" };
-    console.result(&format!("references: {}{state}", folder.display()))?;
-    match (failure, whole) {
-        (Some(failure), _) => Err(failure),
+    let mut recorded = recorder.record(peers)?;
+    let state = if recorded.changed { "" } else { " (unchanged)" };
+    recorded.lines.push(format!("references: {}{state}", recorded.folder.display()));
+    console.result(&recorded.lines.join("\n"))?;
+    match (recorded.failure, recorded.whole) {
+        (Some(failure), _) => Err(failure.into()),
         (None, true) => Ok(ExitCode::SUCCESS),
         (None, false) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
     }
-}
-
-/// What has to be measured or run of a code.
-fn plan(code: &dyn Code, arguments: &CompareArguments, reference: &Reference, hash: &str, seeds: &[u64]) -> Missing {
-    if arguments.again {
-        let recorded = reference.at(code.name(), arguments.stiffness_factor).next();
-        return Missing { seeds: seeds.to_vec(), replaces: recorded.map(|_| "--again asks for it".into()) };
-    }
-    reference.missing(&Wanted {
-        code: code.name(),
-        version: code.version().as_deref(),
-        scene_hash: hash,
-        rayleigh_fraction: arguments.rayleigh_fraction,
-        stiffness_factor: arguments.stiffness_factor,
-        seeds,
-    })
-}
-
-/// Says what will be kept and what will be replaced.
-fn say(code: &str, missing: &Missing, recorded: usize, seeds: &[u64], console: &Console) {
-    match &missing.replaces {
-        Some(reason) => console.warn(&format!(
-            "{code}: all {recorded} recorded runs will be replaced by seeds 1 to {}, not mixed with them: {reason}",
-            seeds.len()
-        )),
-        None => console.note(&format!(
-            "{code}: {} of {} seeds are recorded already, {} to measure or run",
-            seeds.len() - missing.seeds.len(),
-            seeds.len(),
-            missing.seeds.len()
-        )),
-    }
-}
-
-/// The runs that ended well; the first failure of the others, all of which are said.
-fn split(code: &str, simulated: Simulated, console: &Console) -> (CodeRuns, Option<Failure>) {
-    let mut failure = None;
-    for (seed, error) in simulated.failures {
-        console.warn(&format!("{code}, seed {seed}: {error}"));
-        failure = failure.or(Some(match error {
-            CodeError::Interrupted { .. } => Failure::Interrupted("kept, run by run: try again for the others".into()),
-            other => Failure::from(other),
-        }));
-    }
-    (CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests), failure)
-}
-
-/// Puts new runs beside the recorded ones or in their place; whether anything changed, or why the references stay.
-fn take_in(
-    reference: &mut Reference,
-    new: CodeRuns,
-    missing: &Missing,
-    complete: bool,
-    factor: f64,
-    hash: &str,
-) -> Result<bool, String> {
-    if missing.replaces.is_some() && !complete {
-        // Half a replacement would cost recorded runs, and the raw recordings keep what was run.
-        return Err("some seeds that were to replace them failed; the runs that ended are kept, so try again".into());
-    }
-    if new.runs.is_empty() {
-        return Ok(false);
-    }
-    match missing.replaces {
-        Some(_) => reference.replace(new, factor, hash),
-        None => reference.add(new, factor, hash).map_err(|error| error.to_string())?,
-    }
-    Ok(true)
-}
-
-/// Prints mean and standard deviation of what is recorded of a code; whether every run has a value of all that is compared.
-fn show(reference: &Reference, code: &str, factor: f64, scene: &Scene, console: &Console) -> Result<bool, Failure> {
-    let runs = reference.at(code, factor).count();
-    let mut whole = true;
-    for expectation in &scene.compare {
-        let observable = &expectation.observable;
-        let values: Vec<f64> = reference.at(code, factor).filter_map(|run| run.value(observable)).collect();
-        let lacking = match runs - values.len() {
-            0 => String::new(),
-            _ => format!("; not measured in {} of {runs}", runs - values.len()),
-        };
-        whole &= lacking.is_empty() && runs > 0;
-        let text = match Ensemble::of(&values) {
-            Some(ensemble) => format!(
-                "{:.5} +- {:.5} ({} seeds{lacking})",
-                ensemble.mean, ensemble.standard_deviation, ensemble.seeds
-            ),
-            None => format!("not measured in any of {runs} seeds"),
-        };
-        console.result(&format!("{code:<10} {observable:<28} {text}"))?;
-    }
-    Ok(whole)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::commands::arguments::{Arguments, Command};
-    use crate::peers::Job;
+    use crate::compare::Reference;
+    use crate::peers::{CodeError, Job};
     use crate::recording::Recording;
     use clap::Parser;
     use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! `makadam roofline`: the sweep against the processor's arithmetic and its memories.
 
 use super::arguments::RooflineArguments;
-use super::{Console, Failure, begin, json, load, settle};
+use super::{Console, Failure, begin, load, publish, settle};
 use crate::execution::{Execution, cores};
 use crate::prepared::{Start, is_ready};
 use crate::provenance::account;
@@ -75,11 +75,6 @@ pub(super) fn roofline(arguments: &RooflineArguments, console: &Console) -> Resu
         provenance: account(cores(), &scenes.iter().map(|(_, scene)| scene).collect::<Vec<_>>()),
     };
     let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/roofline"));
-    let page = study.write(&folder)?;
-    let text = match arguments.json {
-        true => json(&study),
-        false => format!("{}\npage: {}", roofline::table(&study), page.display()),
-    };
-    console.result(&text)?;
+    publish(&study, || roofline::table(&study), &folder, arguments.json, console)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,16 +1,16 @@
 //! `makadam scaling`: how a scene's step scales, measured on the cores at hand and replayed beyond them.
 
 use super::arguments::ScalingArguments;
-use super::{Console, Failure, begin, can_record, json, load, settle};
+use super::{Console, Failure, begin, can_record, folder_of, load, publish, settle};
 use crate::execution::{Execution, cores};
 use crate::output::record_folder;
-use crate::prepared::{Start, file_stem};
+use crate::prepared::Start;
 use crate::provenance::Provenance;
 use crate::scaling::{self, Bandwidth, Costs, Machine, Plan, Setting, Study};
+use crate::study::Document;
 use makadam::lanes::InstructionSet;
 use makadam::scene::Stop;
 use makadam::schedule::Scheduler;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Measures, replays, writes and says what was found; different bits are a failure.
@@ -68,21 +68,13 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     let machines =
         vec![Machine::here(costs, memory, scaling::cache_bytes()), Machine::xeon_phi_3120(&costs, scaling::clock())];
     let setting = Setting { scene: scene.name.clone(), started, cores, bandwidth, machines, provenance };
-    let study = Study::new(&plan, &measurement, setting);
+    let study = Study::new(&plan, &measurement, setting).with_findings();
 
-    let folder = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("results").join("scaling").join(file_stem(&scene.name)));
-    let page = scaling::write(&study, &folder)?;
-    let text = match arguments.json {
-        true => json(&study),
-        false => format!("{}\npage: {}", scaling::table(&study), page.display()),
-    };
-    console.result(&text)?;
+    let folder = folder_of(arguments.output.as_deref(), "scaling", &scene);
+    publish(&study, || scaling::table(&study), &folder, arguments.json, console)?;
     if arguments.record {
         let folder = record_folder("scaling", &file, &study.provenance.build.processor, study.widest());
-        scaling::write_tables(&study, &folder)?;
+        study.write_tables(&folder)?;
         console.note(&format!("tables: {}", folder.display()));
     }
     match study.same_bits {

@@ -4,16 +4,9 @@ use super::arguments::StabilityArguments;
 use super::compare::codes;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json, use_threads};
 use crate::nearest::nearest;
-use crate::output::{JSON_VERSION, create_folder, write_whole};
-use crate::peers::Code;
-use crate::provenance::account;
-use crate::stability::{Case, CaseResult, StabilityError, Study, catalogue, markdown, table};
-use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use crate::stability::{Campaign, Case, catalogue, table};
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
 
 /// Wall time after which a run is stopped where none is given, s: of the quick catalogue, and of all cases.
 const TIME_LIMITS: [f64; 2] = [60.0, 600.0];
@@ -38,54 +31,23 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
     let [quick, all] = TIME_LIMITS;
     let time_limit = arguments.time_limit.unwrap_or(if arguments.quick { quick } else { all });
     let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join("stability"));
-    create_folder(&folder.join("scenes"))?;
-    for case in &cases {
-        let text = toml::to_string(&case.scene).expect("a scene is made of plain tables");
-        write_whole(&folder.join("scenes").join(format!("{}.toml", case.name)), text.as_bytes())?;
-    }
-    let empty = Study {
-        version: JSON_VERSION,
-        command: "stability",
-        as_stated: true,
-        cases: Vec::new(),
-        unfinished: cases.iter().map(|case| case.name.clone()).collect(),
-        codes: codes.iter().filter_map(|code| Some((code.name().to_string(), code.version()?))).collect(),
+    let bar = console.bar("hard cases");
+    let study = Campaign {
+        cases: &cases,
+        codes: &codes,
         time_limit,
-        provenance: account(rayon::current_num_threads(), &[]),
-    };
-    let kept = Kept { folder: folder.clone(), study: Mutex::new(empty) };
-    run(&cases, &codes, &folder, &kept, console)?;
-    let study = kept.study.into_inner().expect("nothing panics while it holds the lock");
+        folder: &folder,
+        begins: &|case, code| bar.say(format!("{} in {}", case.name, code.name())),
+        ended: &|case, outcome, share| {
+            bar.set(share);
+            let (words, seconds) = (outcome.verdict.words(), outcome.wall_seconds);
+            console.detail(&format!("{} in {}: {words}, {seconds:.1} s", case.name, outcome.code));
+        },
+    }
+    .carry_out()?;
+    drop(bar);
     console.result(&if arguments.json { json(&study) } else { table(&study) })?;
     Ok(if study.as_stated { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
-}
-
-/// A study that is written with each case that is finished.
-struct Kept {
-    folder: PathBuf,
-    study: Mutex<Study>,
-}
-
-impl Kept {
-    /// Takes in a case; `cases` is the catalogue's order.
-    fn add(&self, result: CaseResult, cases: &[Case]) -> Result<(), Failure> {
-        let mut study = self.study.lock().expect("nothing panics while it holds the lock");
-        study.unfinished.retain(|name| *name != result.name);
-        study.cases.push(result);
-        study.cases.sort_by_key(|result| cases.iter().position(|case| case.name == result.name));
-        study.as_stated = Study::all_as_stated(&study.cases);
-        write_whole(&self.folder.join("stability.md"), markdown(&study).as_bytes())?;
-        Ok(write_whole(&self.folder.join("stability.json"), json(&*study).as_bytes())?)
-    }
-
-    /// What an interruption leaves, in words.
-    fn words(&self) -> String {
-        let study = self.study.lock().expect("nothing panics while it holds the lock");
-        match study.cases.len() {
-            0 => "nothing: no case was finished".into(),
-            count => format!("{count} finished cases in {}", self.folder.join("stability.json").display()),
-        }
-    }
 }
 
 /// The cases of the catalogue whose name or group contains one of the filters; all, if there is none.
@@ -111,35 +73,4 @@ fn chosen(arguments: &StabilityArguments) -> Result<Vec<Case>, Failure> {
         }
     }
     Ok(all.into_iter().filter(wanted).collect())
-}
-
-/// Runs every case in every code, several side by side, and keeps those that are finished.
-fn run(cases: &[Case], codes: &[Box<dyn Code>], folder: &Path, kept: &Kept, console: &Console) -> Result<(), Failure> {
-    let limit = kept.study.lock().expect("nothing panics while it holds the lock").time_limit;
-    let limit = Duration::from_secs_f64(limit);
-    let bar = console.bar("hard cases");
-    let (done, runs) = (AtomicUsize::new(0), cases.len() * codes.len());
-    let one = |case: &Case, code: &dyn Code| {
-        bar.say(format!("{} in {}", case.name, code.name()));
-        let outcome = match code.name() {
-            "Makadam" => case.in_makadam(limit),
-            name => case.in_peer(code, &folder.join("runs").join(&case.name).join(name), limit),
-        };
-        bar.set((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / runs as f64);
-        if let Ok(outcome) = &outcome {
-            let words = outcome.verdict.words();
-            console.detail(&format!("{} in {}: {words}, {:.1} s", case.name, outcome.code, outcome.wall_seconds));
-        }
-        outcome
-    };
-    let finish = |case: &Case| -> Result<(), Failure> {
-        let outcomes: Result<Vec<_>, StabilityError> = codes.par_iter().map(|code| one(case, &**code)).collect();
-        let outcomes = outcomes.map_err(|error| match error {
-            StabilityError::Scene(error) => Failure::Scene(error),
-            StabilityError::Interrupted => Failure::Interrupted(kept.words()),
-            StabilityError::Code(error) => error.into(),
-        })?;
-        kept.add(CaseResult::new(case, outcomes), cases)
-    };
-    cases.par_iter().map(finish).collect()
 }

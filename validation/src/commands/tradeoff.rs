@@ -1,16 +1,16 @@
 //! `makadam tradeoff`: what accuracy costs in time.
 
 use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
-use super::compare::{FEW_SEEDS, codes};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, json, load};
+use super::compare::codes;
+use super::{Console, Failure, OUTSIDE_TOLERANCE, folder_of, load, publish};
+use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
-use crate::prepared::file_stem;
 use crate::provenance::{account, processor};
+use crate::study::RunCache;
 use crate::tradeoff::{
-    self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Shelf, Study, Terms, recorded_engines,
+    self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Study, Terms, recorded_engines,
 };
 use makadam::scene::{Scene, Stop};
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -60,13 +60,10 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         time_limit: arguments.time_limit.unwrap_or(if arguments.quick { quick } else { full }),
         provenance: account(1, &[&scene]),
     };
-    let folder = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("results").join("tradeoff").join(file_stem(&scene.name)));
+    let folder = folder_of(arguments.output.as_deref(), "tradeoff", &scene);
     // Read first: a damaged file is told before anything runs.
     let engines = recorded_engines(&file, &processor())?;
-    let shelf = Shelf::open(&folder.join("runs"))?;
+    let cache = RunCache::open(&folder.join("runs"))?;
     let mut outcome = {
         let bar = console.bar(&scene.name);
         let progress: Progress = Arc::new(move |label, share| {
@@ -80,7 +77,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
             seeds: terms.seeds,
             codes: &runners,
             time_limit: terms.time_limit,
-            shelf: &shelf,
+            cache: &cache,
             progress,
         }
         .carry_out()?
@@ -94,12 +91,8 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         record.join(&scene, terms.seeds, &mut plan, &mut outcome);
     }
     outcome.notes[notes..].iter().for_each(|note| console.note(note));
-    let study = Study::new(&scene, &plan, &outcome, terms);
-    let page = tradeoff::write(&study, &folder)?;
-    console.result(&match arguments.json {
-        true => json(&study),
-        false => format!("{}\npage: {}", tradeoff::table(&study), page.display()),
-    })?;
+    let study = Study::new(&scene, &plan, &outcome, terms).with_findings();
+    publish(&study, || tradeoff::table(&study), &folder, arguments.json, console)?;
     // A bound that was asked for and that no reference has a value for was kept by nothing.
     let unmeasured = arguments.bound.iter().find(|bound| study.reference(&bound.observable, 1.0).is_none());
     match (study.complete, study.reaches_bounds("Makadam")) {

@@ -1,7 +1,8 @@
 //! All runs of one code on one scene: what a comparison knows of it.
 
-use super::{CodeSummary, FinalState, ForceDistribution, Harvest, MeasuredRun, Series, Source, Timing};
+use super::{CodeSummary, FinalState, Harvest, MeasuredRun, Source, Timing};
 use crate::observables::ForcePool;
+use crate::observables::{ForceDistribution, Series};
 
 /// Bins of a force distribution and their width in mean forces.
 const FORCE_BINS: (usize, f64) = (32, 0.25);

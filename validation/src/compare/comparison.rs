@@ -1,5 +1,7 @@
 //! What a comparison of one scene yields: the data that tables, JSON, CSV and the report are made from.
 
+use crate::observables::{ForceDistribution, Series};
+use crate::statistics::Outcome;
 use makadam::scene::Scene;
 use makadam::snapshot::Particle;
 use serde::{Deserialize, Serialize};
@@ -12,20 +14,6 @@ pub enum Source {
     Live,
     /// Read from `reference-scenes/*/reference/`.
     Recorded,
-}
-
-/// Verdict of the equivalence test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Outcome {
-    /// The interval of the difference lies inside the margin.
-    Agree,
-    /// The interval of the difference lies outside the margin.
-    Disagree,
-    /// The interval straddles the margin: too few seeds to tell.
-    Undecided,
-    /// One of the codes has no value of the observable, or one of fewer seeds than it was run with: there is no test.
-    NotMeasured,
 }
 
 /// How the wall times of a code's runs came about.
@@ -103,34 +91,6 @@ pub struct CodeSummary {
     pub processor: String,
     /// In a word or a sentence, where the numbers came from.
     pub provenance: String,
-}
-
-/// An observable over time in one run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Series {
-    /// The code.
-    pub code: String,
-    /// Seed of the run.
-    pub seed: u64,
-    /// Name of the observable.
-    pub observable: String,
-    /// Times, s.
-    pub time: Vec<f64>,
-    /// Values at these times.
-    pub value: Vec<f64>,
-}
-
-/// Distribution of normal forces over their mean, all seeds of a code pooled.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ForceDistribution {
-    /// The code.
-    pub code: String,
-    /// Centres of the bins, in mean forces.
-    pub force: Vec<f64>,
-    /// Probability density in the bins.
-    pub density: Vec<f64>,
-    /// Number of forces.
-    pub samples: usize,
 }
 
 /// The grains of one code at the end of a run, for pictures.

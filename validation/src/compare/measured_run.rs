@@ -1,6 +1,7 @@
 //! What is kept of one run once its frames have been measured.
 
-use super::{FinalState, Series};
+use super::FinalState;
+use crate::observables::Series;
 use crate::observables::{ForcePool, Measurement, measure, series};
 use crate::provenance::processor;
 use crate::recording::Recording;

@@ -3,13 +3,15 @@
 mod code_runs;
 mod comparison;
 mod measured_run;
+mod record;
 mod reference;
 mod rows;
 mod simulate;
 
 pub use code_runs::CodeRuns;
-pub use comparison::{CodeSummary, Comparison, FinalState, ForceDistribution, Outcome, Row, Series, Source, Timing};
+pub use comparison::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
 pub use measured_run::{Harvest, MeasuredRun};
+pub use record::{FEW_SEEDS, RecordError, Recorded, Recorder};
 pub use reference::{MergeError, Missing, Reference, ReferenceError, Wanted, physics_hash};
 pub use rows::{LiveCheck, STIFF, comparison, live_checks};
 pub use simulate::{Announce, Runs, Share, Simulated};

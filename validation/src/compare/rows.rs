@@ -1,6 +1,7 @@
 //! From runs to rows: means, differences, verdicts, the bias of soft grains, live runs against the recorded spread.
 
-use super::{CodeRuns, Comparison, MeasuredRun, Outcome, Row};
+use super::{CodeRuns, Comparison, MeasuredRun, Row};
+use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, equivalence, inside_recorded_spread};
 use makadam::scene::{Expectation, Scene};
 

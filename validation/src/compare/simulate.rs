@@ -1,8 +1,8 @@
 //! Runs of one code over several seeds, side by side, measured as they end.
 
 use super::{Harvest, physics_hash};
+use crate::output::{cache_folder, file_stem};
 use crate::peers::{Code, CodeError, Job};
-use crate::prepared::{cache_folder, file_stem};
 use crate::provenance::utc;
 use crate::recording::{Recording, RecordingError};
 use makadam::scene::Scene;

@@ -1,8 +1,8 @@
 //! Residuals against iterations and against wall time.
 
 use super::study::{Curve, Study};
-use crate::report::figure::Figure;
-use crate::report::plot::{Axis, Key, Plot};
+use crate::draw::figure::Figure;
+use crate::draw::plot::{Axis, Key, Plot};
 use makadam::ConvergencePoint;
 use makadam::scene::SolverMethod;
 use makadam::sweep::Residuals;
@@ -110,7 +110,7 @@ fn all_methods(study: &Study, against_time: bool) -> Figure {
 /// Wall time in ms, up to what the median method takes: the slowest would press all others against the edge.
 fn time_axis(study: &Study) -> Axis {
     let total = |curve: &Curve| curve.points.last().map_or(0.0, |point| 1e3 * point.seconds);
-    let most = crate::scaling::median(study.methods.iter().map(total));
+    let most = crate::statistics::median(study.methods.iter().map(total));
     Axis::linear("wall time (ms)", 0.0, most)
 }
 

@@ -2,10 +2,18 @@
 
 use super::figures::title;
 use super::study::{Curve, Reached, Study};
-use crate::report::numbers::{compact, two_digits};
+use crate::draw::numbers::{compact, two_digits};
+
+impl Study {
+    /// The same study, which says what was found.
+    pub fn with_findings(mut self) -> Study {
+        self.findings = findings(&self);
+        self
+    }
+}
 
 /// Which method reaches each tolerance first, and which never arrive.
-pub(super) fn findings(study: &Study) -> Vec<String> {
+fn findings(study: &Study) -> Vec<String> {
     let mut sentences = Vec::new();
     let unit = &study.problem.residual_unit_name;
     for (place, &tolerance) in study.tolerances.iter().enumerate() {

@@ -11,11 +11,11 @@
 
 mod figures;
 mod findings;
+mod measure;
 mod page;
 mod study;
 mod terminal;
-mod write;
 
-pub use study::{Curve, LeftOut, Problem, Reached, Study, TOLERANCES};
+pub use measure::{methods, solve, suitable};
+pub use study::{Curve, Effort, LeftOut, Problem, Reached, Study, TOLERANCES};
 pub use terminal::table;
-pub use write::{write, write_tables};

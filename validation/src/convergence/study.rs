@@ -1,9 +1,8 @@
 //! A study of convergence as data.
 
-use super::findings::findings;
 use crate::output::JSON_VERSION;
 use crate::provenance::Provenance;
-use crate::scaling::median;
+use crate::statistics::median;
 use makadam::scene::{Scene, SolverMethod};
 use makadam::sweep::{Residual, Residuals};
 use makadam::{ConvergencePoint, Simulation};
@@ -36,6 +35,15 @@ pub struct Study {
     pub findings: Vec<String>,
     /// Where it came from.
     pub provenance: Provenance,
+}
+
+/// How much each method is made to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Iterations of a solve.
+    pub iterations: u32,
+    /// Solves of the same problem.
+    pub repetitions: u32,
 }
 
 /// A method that was not run.
@@ -137,28 +145,26 @@ impl Curve {
 }
 
 impl Study {
-    /// Makes a study of curves of so many iterations, repeated so many times.
+    /// Makes a study of curves.
     pub fn new(
         problem: Problem,
-        [iterations, repetitions]: [u32; 2],
+        effort: Effort,
         methods: Vec<Curve>,
         left_out: Vec<LeftOut>,
         provenance: Provenance,
     ) -> Study {
-        let mut study = Study {
+        Study {
             version: JSON_VERSION,
             command: "convergence".into(),
             problem,
-            iterations,
-            repetitions,
+            iterations: effort.iterations,
+            repetitions: effort.repetitions,
             tolerances: TOLERANCES.into(),
             methods,
             left_out,
             findings: Vec::new(),
             provenance,
-        };
-        study.findings = findings(&study);
-        study
+        }
     }
 }
 

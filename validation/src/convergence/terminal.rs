@@ -2,13 +2,13 @@
 
 use super::findings::power;
 use super::study::{Curve, Study};
-use crate::report::columns;
-use crate::report::numbers::{compact, two_digits};
+use crate::draw::numbers::{compact, two_digits};
+use crate::study::{Cell, Table};
 
 /// Methods, each with what it took to each tolerance, and the sentences below.
 pub fn table(study: &Study) -> String {
-    let mut rows = vec![heads(study)];
-    rows.extend(study.methods.iter().map(cells));
+    let heads = study.tolerances.iter().flat_map(|&tolerance| [power(tolerance), "ms".into()]);
+    let methods = Table::new(&["method"], &["ms an iteration"]).with_numbers(heads).of(&study.methods, cells);
     let problem = &study.problem;
     let mut text = format!(
         "{}: {} grains, {} contacts, step {} ms\n\n{}\n",
@@ -16,7 +16,7 @@ pub fn table(study: &Study) -> String {
         problem.particles,
         problem.contacts,
         compact(1e3 * problem.time_step),
-        columns(&rows, |column| column == 0),
+        methods.text(),
     );
     text += &format!(
         "Iterations and milliseconds to a root mean square residual of so many {}",
@@ -29,16 +29,11 @@ pub fn table(study: &Study) -> String {
     text
 }
 
-fn heads(study: &Study) -> Vec<String> {
-    let tolerances = study.tolerances.iter().flat_map(|&tolerance| [power(tolerance), "ms".into()]);
-    ["method".to_string(), "ms an iteration".to_string()].into_iter().chain(tolerances).collect()
-}
-
-fn cells(curve: &Curve) -> Vec<String> {
-    let mut cells = vec![curve.method.name().to_string(), two_digits(1e3 * curve.seconds_per_iteration)];
+fn cells(curve: &Curve) -> Vec<Cell> {
+    let mut cells = vec![curve.method.name().into(), two_digits(1e3 * curve.seconds_per_iteration).into()];
     for reached in &curve.reached {
-        cells.push(reached.iterations.map_or("-".into(), |iterations| iterations.to_string()));
-        cells.push(reached.seconds.map_or("-".into(), |seconds| two_digits(1e3 * seconds)));
+        cells.push(reached.iterations.map(|iterations| iterations.to_string()).into());
+        cells.push(reached.seconds.map(|seconds| two_digits(1e3 * seconds)).into());
     }
     cells
 }

@@ -3,17 +3,19 @@
 //! Each run is kept as soon as it is measured, and taken up by the next start.
 
 use super::variations::{Variation, variations};
-use crate::compare::{Announce, MeasuredRun, Outcome, Runs};
-use crate::output::{WriteError, create_folder, write_whole};
+use crate::compare::{Announce, MeasuredRun, Runs};
+use crate::draw::numbers::Rounding;
+use crate::output::WriteError;
+use crate::output::file_stem;
 use crate::peers::{Code, CodeError, Makadam};
-use crate::prepared::file_stem;
 use crate::provenance::scene_hash;
-use crate::report::numbers::Rounding;
+use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, Equivalence, equivalence};
+use crate::study::{Key, RunCache};
 use makadam::scene::{Expectation, Scene};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use serde::Serialize;
+use std::path::Path;
 use std::time::Duration;
 
 /// What is to be run.
@@ -32,14 +34,6 @@ pub struct Plan<'a> {
     pub again: bool,
     /// Opens progress displays.
     pub announce: Announce<'a>,
-}
-
-/// What is kept of a run.
-#[derive(Serialize, Deserialize)]
-struct Kept {
-    /// Hash of all that the changed scene says.
-    scene_hash: String,
-    run: MeasuredRun,
 }
 
 /// Why there is no ablation.
@@ -123,13 +117,14 @@ impl Ablation {
     /// # Errors
     /// [`AblationError`] if the scene itself cannot be run; a variation that cannot is not measurable.
     pub fn run(plan: &Plan<'_>) -> Result<Ablation, AblationError> {
-        create_folder(plan.folder)?;
+        let cache = RunCache::open(plan.folder)?;
         let base = Variation { effect: "as it is", change: String::new(), scene: plan.scene.clone() };
         let mut versions = vec![base];
         versions.extend(variations(plan.scene));
         let jobs: Vec<(&Variation, u64)> =
             versions.iter().flat_map(|version| plan.seeds.iter().map(move |&seed| (version, seed))).collect();
-        let ended: Vec<_> = jobs.par_iter().with_max_len(1).map(|&(version, seed)| plan.one(version, seed)).collect();
+        let ended: Vec<_> =
+            jobs.par_iter().with_max_len(1).map(|&(version, seed)| plan.one(&cache, version, seed)).collect();
         let mut runs = Vec::new();
         for (number, result) in ended.into_iter().enumerate() {
             match result {
@@ -150,17 +145,10 @@ impl Ablation {
 
 impl Plan<'_> {
     /// One run: that of an earlier start if it is of the same scene, seed and version.
-    fn one(&self, version: &Variation, seed: u64) -> Result<MeasuredRun, AblationError> {
-        let (file, scene_hash) = (self.file(version, seed), format!("{:016x}", scene_hash(&version.scene)));
-        let kept = || {
-            let kept: Kept = serde_json::from_slice(&std::fs::read(&file).ok()?).ok()?;
-            let (run, installed) = (kept.run, Makadam.version());
-            (kept.scene_hash == scene_hash && run.seed == seed && Some(&run.version) == installed.as_ref())
-                .then_some(run)
-        };
-        if let Some(run) = (!self.again).then(kept).flatten() {
-            return Ok(run);
-        }
+    fn one(&self, cache: &RunCache, version: &Variation, seed: u64) -> Result<MeasuredRun, AblationError> {
+        let build = Makadam.version().unwrap_or_default();
+        let scene_hash = format!("{:016x}", scene_hash(&version.scene));
+        let name = format!("{}-s{seed}", file_stem(version.effect));
         let runs = Runs {
             scene: &version.scene,
             scene_file: self.scene_file,
@@ -171,14 +159,8 @@ impl Plan<'_> {
             recordings: None,
             announce: self.announce,
         };
-        let kept = Kept { scene_hash, run: runs.one(&Makadam, &version.scene, seed)?.run };
-        let text = serde_json::to_vec_pretty(&kept).expect("a run is made of numbers and plain text");
-        write_whole(&file, &text)?;
-        Ok(kept.run)
-    }
-
-    fn file(&self, version: &Variation, seed: u64) -> PathBuf {
-        self.folder.join(format!("{}-s{seed}.json", file_stem(version.effect)))
+        let make = || Ok(runs.one(&Makadam, &version.scene, seed)?.run);
+        cache.take(&Key::new(name, &[&scene_hash, &seed.to_string(), &build]), self.again, make)
     }
 
     /// The observables that have a margin, under one variation.

@@ -28,19 +28,23 @@ pub fn called(scene: &Scene, text: &str) -> Vec<Called> {
         compliance(scene, text),
         viscosity(scene, text),
         of_materials(scene, text, "restitution", "restitution", |one| one.restitution, "impacts are inelastic"),
-        optional(
-            (scene, text),
-            ("falling restitution", "restitution_speed"),
-            (|one| one.restitution_speed, |rule| rule.restitution_speed),
-            "restitution is the same at any speed",
-        ),
+        Optional {
+            effect: "falling restitution",
+            key: "restitution_speed",
+            of_material: |one| one.restitution_speed,
+            of_rule: |rule| rule.restitution_speed,
+            without: "restitution is the same at any speed",
+        }
+        .called(scene, text),
         of_materials(scene, text, "Coulomb friction", "friction", |one| one.friction, "grains are smooth"),
-        optional(
-            (scene, text),
-            ("kinetic friction", "kinetic_friction"),
-            (|one| one.kinetic_friction, |rule| rule.kinetic_friction),
-            "friction is the same for what sticks and what slides",
-        ),
+        Optional {
+            effect: "kinetic friction",
+            key: "kinetic_friction",
+            of_material: |one| one.kinetic_friction,
+            of_rule: |rule| rule.kinetic_friction,
+            without: "friction is the same for what sticks and what slides",
+        }
+        .called(scene, text),
         spin(scene, text),
         cohesion(scene, text),
         of_materials(
@@ -213,25 +217,32 @@ fn spin(scene: &Scene, text: &str) -> Called {
 type Value<Table> = fn(&Table) -> Option<f64>;
 
 /// An effect that is on where some material or pair names its key, which it need not.
-fn optional(
-    (scene, text): (&Scene, &str),
-    (effect, key): (&'static str, &'static str),
-    (of_material, of_rule): (Value<Material>, Value<PairRule>),
-    without: &str,
-) -> Called {
-    let mut materials = scene.material.iter();
-    if let Some((name, value)) = materials.find_map(|(name, one)| Some((name, of_material(one)?))) {
-        let line = line_of(text, &["material", name, key]);
-        return on(effect, format!("material '{name}': {key} = {value}"), line);
-    }
-    let mut rules = scene.pair.iter().enumerate();
-    match rules.find_map(|(index, rule)| Some((index, rule, of_rule(rule)?))) {
-        Some((index, rule, value)) => {
-            let [a, b] = &rule.between;
-            let line = line_of(text, &["pair", &index.to_string(), key]);
-            on(effect, format!("pair '{a}', '{b}': {key} = {value}"), line)
+struct Optional {
+    effect: &'static str,
+    key: &'static str,
+    of_material: Value<Material>,
+    of_rule: Value<PairRule>,
+    /// What is the case where none does.
+    without: &'static str,
+}
+
+impl Optional {
+    fn called(&self, scene: &Scene, text: &str) -> Called {
+        let Optional { effect, key, of_material, of_rule, without } = self;
+        let mut materials = scene.material.iter();
+        if let Some((name, value)) = materials.find_map(|(name, one)| Some((name, of_material(one)?))) {
+            let line = line_of(text, &["material", name, key]);
+            return on(effect, format!("material '{name}': {key} = {value}"), line);
         }
-        None => off(effect, without),
+        let mut rules = scene.pair.iter().enumerate();
+        match rules.find_map(|(index, rule)| Some((index, rule, of_rule(rule)?))) {
+            Some((index, rule, value)) => {
+                let [a, b] = &rule.between;
+                let line = line_of(text, &["pair", &index.to_string(), key]);
+                on(effect, format!("pair '{a}', '{b}': {key} = {value}"), line)
+            }
+            None => off(effect, *without),
+        }
     }
 }
 

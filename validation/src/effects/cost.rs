@@ -1,6 +1,6 @@
 //! What effects cost: every kernel that is compiled, swept over the same contacts.
 
-use crate::scaling::median;
+use crate::statistics::median;
 use makadam::Simulation;
 use makadam::effects::EffectSet;
 use makadam::groups::{PairGroup, TorqueLanes};

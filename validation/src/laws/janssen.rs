@@ -8,10 +8,11 @@
 use super::case::values;
 use super::fit::least;
 use super::{Case, Law, LawError, Mean, Run, Values, reported};
-use crate::report::figure::Figure;
-use crate::report::names::{CodeStyle, Marker};
-use crate::report::plot::{Axis, Key, Plot};
-use crate::stability::{Finding, GRAVITY, Sketch};
+use crate::draw::figure::Figure;
+use crate::draw::names::{CodeStyle, Marker};
+use crate::draw::plot::{Axis, Key, Plot};
+use crate::sketch::{GRAVITY, Sketch};
+use crate::study::Finding;
 use makadam::scene::{Motion, Population, RadiusDistribution, Region, Shape, Wall};
 use makadam::snapshot::{Partner, Snapshot};
 use nalgebra::Vector3;

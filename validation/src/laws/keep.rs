@@ -1,12 +1,11 @@
 //! All cases of a law over all seeds, side by side; each row is kept as soon as it is there, and taken up by the next start.
 
 use super::{Case, Law, LawError, Row, Run};
-use crate::output::{create_folder, write_whole};
 use crate::provenance::{VERSION, scene_hash};
+use crate::study::{Key, RunCache};
 use makadam::BUILD;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -31,7 +30,7 @@ pub(crate) fn carry_out(
     plan: &Plan<'_>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Vec<Row>, LawError> {
-    create_folder(&plan.folder.join("runs"))?;
+    let cache = RunCache::open(&plan.folder.join("runs"))?;
     let runs: Vec<(&Case, u64)> =
         cases.iter().flat_map(|case| plan.seeds.iter().map(move |&seed| (case, seed))).collect();
     let weights: Vec<f64> = runs.iter().map(|(case, _)| work(case)).collect();
@@ -44,10 +43,7 @@ pub(crate) fn carry_out(
             let done = shares.iter().map(|share| f64::from_bits(share.load(Ordering::Relaxed)));
             progress(done.zip(&weights).map(|(share, weight)| share * weight).sum::<f64>() / total);
         };
-        let row = match kept(case, seed, plan) {
-            Some(row) => row,
-            None => measured(law, case, seed, plan, &told)?,
-        };
+        let row = cache.take(&key(case, seed), plan.again, || measured(law, case, seed, &told))?;
         told(1.0);
         Ok(row)
     };
@@ -67,41 +63,17 @@ fn work(case: &Case) -> f64 {
     (grains + case.scene.grain.len()) as f64 * case.scene.duration / case.scene.solver.step
 }
 
-fn file(case: &Case, seed: u64, plan: &Plan<'_>) -> PathBuf {
-    plan.folder.join("runs").join(format!("{}-s{seed}.json", case.name))
+/// What a row follows from: the scene, the seed and the build.
+fn key(case: &Case, seed: u64) -> Key {
+    Key::new(format!("{}-s{seed}", case.name), &[&hash(case), &seed.to_string(), BUILD])
 }
 
-/// A row on disk, and the build that measured it.
-#[derive(Serialize, Deserialize)]
-struct Kept {
-    build: String,
-    #[serde(flatten)]
-    row: Row,
-}
-
-/// The row of an earlier start, if it is of the same scene and build.
-fn kept(case: &Case, seed: u64, plan: &Plan<'_>) -> Option<Row> {
-    if plan.again {
-        return None;
-    }
-    let text = std::fs::read_to_string(file(case, seed, plan)).ok()?;
-    let Kept { build, row } = serde_json::from_str(&text).ok()?;
-    let same = row.scene_hash == hash(case) && row.seed == seed && build == BUILD;
-    same.then_some(row)
-}
-
-fn measured(
-    law: &dyn Law,
-    case: &Case,
-    seed: u64,
-    plan: &Plan<'_>,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Row, LawError> {
+fn measured(law: &dyn Law, case: &Case, seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<Row, LawError> {
     let start = Instant::now();
     let mut run = Run::start(case, seed, progress)?;
     let mut values = law.measure(case, &mut run)?;
     values.extend(case.given.clone());
-    let row = Row {
+    Ok(Row {
         case: case.name.clone(),
         seed,
         values,
@@ -110,11 +82,7 @@ fn measured(
         grains: run.frame().particles.len(),
         steps: run.steps(),
         wall_seconds: start.elapsed().as_secs_f64(),
-    };
-    let kept = Kept { build: BUILD.into(), row };
-    let text = serde_json::to_vec_pretty(&kept).expect("a row is made of numbers and plain text");
-    write_whole(&file(case, seed, plan), &text)?;
-    Ok(kept.row)
+    })
 }
 
 /// Hash of a case's scene, 16 hexadecimal digits.

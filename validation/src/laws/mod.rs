@@ -31,8 +31,8 @@ pub(crate) use study::{LawResult, Mean, Row, Study};
 pub(crate) use terminal::table;
 pub(crate) use write::{write, write_scenes};
 
-use crate::report::figure::Figure;
-use crate::stability::Finding;
+use crate::draw::figure::Figure;
+use crate::study::Finding;
 
 /// A published law.
 pub(crate) trait Law: Sync {

@@ -3,7 +3,7 @@
 use super::Case;
 use crate::execution::{Execution, ExecutionError};
 use crate::output::WriteError;
-use crate::prepared::steps_in;
+use crate::stepping::{Halt, Stepping, steps_in};
 use makadam::Simulation;
 use makadam::scene::SceneError;
 use makadam::snapshot::Snapshot;
@@ -45,9 +45,6 @@ pub(crate) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Steps from one look for interruption to the next.
-    const LOOK: u64 = 20;
-
     /// A simulation at its start; `progress` is told the share that is done.
     ///
     /// # Errors
@@ -79,22 +76,19 @@ impl<'a> Run<'a> {
         self.simulation.snapshot()
     }
 
-    /// Goes on to a time, s.
+    /// Goes on to a time (s), which need not be a whole number of steps: the nearest counts.
     ///
     /// # Errors
     /// [`LawError`] if the user asked to stop, or the watchdog found a state that ends a run.
     pub(crate) fn to(&mut self, time: f64) -> Result<(), LawError> {
-        while !self.has_reached(time) {
-            let report = self.simulation.step();
-            let reached = self.has_reached(time);
-            self.watchdog
-                .check(&self.simulation, &report, reached)
-                .map_err(|alarm| LawError::Worthless { case: self.name.into(), alarm })?;
-            if self.steps().is_multiple_of(Self::LOOK) || reached {
-                self.look()?;
-            }
-        }
-        Ok(())
+        let steps = steps_in(time, self.simulation.time_step()).saturating_sub(self.steps());
+        let (from, duration, progress) = (self.time(), self.duration, self.progress);
+        let told = |share: f64| progress((from + share * (time - from)) / duration);
+        let stepping = Stepping::new(steps, &told).watched(&mut self.watchdog);
+        stepping.carry_out(&mut self.simulation, |_, _| {}).map(|_| ()).map_err(|halt| match halt {
+            Halt::Worthless(alarm) => LawError::Worthless { case: self.name.into(), alarm },
+            Halt::Interrupted | Halt::OutOfTime(_) => LawError::Interrupted,
+        })
     }
 
     /// Goes on to a time (s), and takes frames at an interval (s) on the way; the one at the start is not taken.
@@ -114,13 +108,5 @@ impl<'a> Run<'a> {
             take(&self.frame());
         }
         Ok(())
-    }
-
-    fn look(&self) -> Result<(), LawError> {
-        (self.progress)(self.time() / self.duration);
-        match crate::interrupt::requested() {
-            true => Err(LawError::Interrupted),
-            false => Ok(()),
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! What `makadam laws` yields.
 
 use super::{Law, Values};
-use crate::stability::Finding;
+use crate::study::Finding;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

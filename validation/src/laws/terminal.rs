@@ -1,9 +1,9 @@
 //! A study as plain text for a terminal.
 
 use super::{LawResult, Study};
-use crate::report::columns;
-use crate::report::numbers::bounds;
-use crate::stability::Finding;
+use crate::draw::columns;
+use crate::draw::numbers::bounds;
+use crate::study::Finding;
 
 /// Each law with its figures and bounds.
 pub(crate) fn table(study: &Study) -> String {

@@ -3,7 +3,7 @@
 use super::{Case, Law, Row, Study};
 use crate::output::cells::without_formulas;
 use crate::output::{WriteError, create_folder, write_whole};
-use crate::report::svg::standalone;
+use crate::study::{DocumentError, drawn, json, write_together};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -23,18 +23,14 @@ pub(crate) fn write_scenes(cases: &[Case], folder: &Path) -> Result<(), WriteErr
 /// Writes `laws.json`, `rows.csv` and the figures of the one law of a study.
 ///
 /// # Errors
-/// [`WriteError`] if the system refuses.
-pub(crate) fn write(law: &dyn Law, study: &Study, folder: &Path) -> Result<(), WriteError> {
-    let json = serde_json::to_vec_pretty(study).expect("a study holds only numbers, plain text and lists");
-    write_whole(&folder.join("laws.json"), &json)?;
+/// [`DocumentError`] if the system refuses.
+pub(crate) fn write(law: &dyn Law, study: &Study, folder: &Path) -> Result<(), DocumentError> {
+    let mut files = vec![json("laws", study)?];
     for result in &study.laws {
-        write_whole(&folder.join("rows.csv"), &without_formulas(csv(&result.rows).into_bytes()))?;
-        for figure in law.figures(&result.means) {
-            let path = folder.join(format!("{}.svg", figure.name));
-            write_whole(&path, standalone(&figure.svg).as_bytes())?;
-        }
+        files.push(("rows.csv".into(), without_formulas(csv(&result.rows).into_bytes())));
+        files.extend(law.figures(&result.means).iter().map(drawn));
     }
-    Ok(())
+    write_together(folder, &files)
 }
 
 /// Columns before the values.

@@ -4,10 +4,22 @@ use super::bulk::Bulk;
 use super::frames::Frames;
 use super::view::View;
 use super::{bed_of, heap_of, measured_frames, setting_of};
-use crate::compare::ForceDistribution;
 use crate::recording::Recording;
 use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
+
+/// Distribution of normal forces over their mean, all seeds of a code pooled.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ForceDistribution {
+    /// The code.
+    pub code: String,
+    /// Centres of the bins, in mean forces.
+    pub force: Vec<f64>,
+    /// Probability density in the bins.
+    pub density: Vec<f64>,
+    /// Number of forces.
+    pub samples: usize,
+}
 
 /// Width of a bin in which forces are counted, in mean forces.
 const FINE: f64 = 0.01;

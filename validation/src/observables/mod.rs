@@ -48,17 +48,18 @@ pub mod measurement;
 pub mod mixing;
 pub mod neighbours;
 pub mod packing_fraction;
+mod series;
 pub mod setting;
 pub mod sphere_volume;
 pub mod static_angle;
 pub mod view;
 pub mod walls;
 
-pub use force_distribution::{ForcePool, force_distribution};
+pub use force_distribution::{ForceDistribution, ForcePool, force_distribution};
 pub use measurement::Measurement;
 pub use neighbours::close_pairs;
+pub use series::Series;
 
-use crate::compare::Series;
 use crate::recording::Recording;
 use bed_surface::BedFields;
 use bulk::Bulk;

@@ -1,4 +1,18 @@
-//! Cells of tables that programs for tables would take for formulas.
+//! Tables as CSV, without cells that programs for tables would take for formulas.
+
+use serde::Serialize;
+
+/// Rows of a table as CSV.
+///
+/// # Errors
+/// [`csv::Error`] if a row is none.
+pub(crate) fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    Ok(without_formulas(writer.into_inner().map_err(|error| error.into_error())?))
+}
 
 /// A table in CSV in which no text begins as a formula does: such cells get an apostrophe in front, which these programs read as
 /// "this is text". Numbers stay as they are. What is no CSV comes back as it was.

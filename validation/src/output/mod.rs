@@ -1,19 +1,25 @@
 //! What `makadam run` leaves on disk: frames for ParaView, observables as CSV, a summary as JSON.
 
+mod cache;
 pub(crate) mod cells;
 mod collection;
 mod frames;
 mod lock;
+mod names;
 mod record;
 mod run_files;
+mod shown;
 mod summary;
 mod table;
 mod vtk;
 
+pub use cache::cache_folder;
 pub use frames::{FrameWriter, FramesWritten};
 pub use lock::{FolderLock, LockError};
+pub use names::file_stem;
 pub use record::record_folder;
 pub use run_files::RunFiles;
+pub(crate) use shown::shown;
 pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
 pub use table::{TableWritten, TimeTable};
 

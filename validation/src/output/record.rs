@@ -1,6 +1,6 @@
 //! Where tables that belong to one machine are kept beside their scene.
 
-use crate::prepared::file_stem;
+use crate::output::file_stem;
 use makadam::lanes::InstructionSet;
 use std::path::{Path, PathBuf};
 

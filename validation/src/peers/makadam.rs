@@ -3,11 +3,12 @@
 use super::{Code, CodeError, Job};
 use crate::execution::Execution;
 use crate::output::WriteError;
-use crate::prepared::{StartError, start, steps_in};
+use crate::prepared::{StartError, start};
 use crate::provenance::Build;
 use crate::recording::Recording;
+use crate::stepping::{Halt, Stepping, Taken, steps_in};
+use makadam::Simulation;
 use makadam::watch::Watchdog;
-use std::time::{Duration, Instant};
 
 /// Makadam, in this process, on one thread.
 pub struct Makadam;
@@ -36,24 +37,13 @@ impl Code for Makadam {
         let (started, step_seconds) = (simulation.time(), simulation.time_step());
         let steps = steps_in(scene.duration, step_seconds);
         let mut frames = vec![simulation.snapshot()];
-        let mut wall = Duration::ZERO;
         let mut watchdog = Watchdog::new(&scene.watch, &simulation);
-        for step in 1..=steps {
-            let clock = Instant::now();
-            let report = simulation.step();
-            wall += clock.elapsed();
-            let framed = step == steps || frame_is_due(step, step_seconds, scene.measure.interval);
-            watchdog
-                .check(&simulation, &report, framed)
-                .map_err(|alarm| CodeError::Worthless { code: "Makadam", alarm })?;
-            if framed {
-                frames.push(simulation.snapshot());
-            }
-            (job.progress)(step as f64 / steps as f64);
-            if crate::interrupt::requested() {
-                return Err(interrupted());
-            }
-        }
+        let stepping = Stepping::new(steps, job.progress).framed(scene.measure.interval).watched(&mut watchdog);
+        let keep = |simulation: &Simulation, taken: &Taken| frames.extend(taken.framed.then(|| simulation.snapshot()));
+        let wall = stepping.carry_out(&mut simulation, keep).map_err(|halt| match halt {
+            Halt::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },
+            Halt::Interrupted | Halt::OutOfTime(_) => interrupted(),
+        })?;
         Ok(Recording {
             scene: scene.name.clone(),
             code: self.name().into(),
@@ -67,25 +57,5 @@ impl Code for Makadam {
             simulated_seconds: simulation.time() - started,
             frames,
         })
-    }
-}
-
-/// Whether a frame is due after a step: the first one at or after each multiple of the interval.
-pub fn frame_is_due(step: u64, step_seconds: f64, interval: f64) -> bool {
-    // A thousandth of a step absorbs rounding where the interval is a whole number of steps.
-    let intervals = |step: u64| ((step as f64 + 1e-3) * step_seconds / interval).floor();
-    step > 0 && intervals(step) > intervals(step - 1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frames_fall_on_multiples_of_the_interval() {
-        let due: Vec<u64> = (0..=300).filter(|&step| frame_is_due(step, 5e-4, 0.05)).collect();
-        assert_eq!(due, [100, 200, 300]);
-        let due: Vec<u64> = (0..=10).filter(|&step| frame_is_due(step, 1.0, 2.5)).collect();
-        assert_eq!(due, [3, 5, 8, 10]);
     }
 }

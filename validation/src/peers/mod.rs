@@ -12,7 +12,7 @@ mod yade_rolling;
 
 pub use assemble::merge_wall_contacts;
 pub use liggghts::Liggghts;
-pub use makadam::{Makadam, frame_is_due};
+pub use makadam::Makadam;
 pub use yade::Yade;
 
 use crate::recording::Recording;

@@ -1,7 +1,7 @@
 //! A peer as a child process: started in its own group, watched, stopped whole.
 
 use super::CodeError;
-use crate::commands::shown;
+use crate::output::shown;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::ffi::{OsStr, OsString};
 use std::fs::File;

@@ -1,9 +1,10 @@
 //! Distribution of normal forces of all codes on a logarithmic axis, with the curve of the literature.
 
-use super::names;
-use super::numbers::count;
-use super::plot::{Axis, Key, Plot};
-use crate::compare::{Comparison, ForceDistribution};
+use crate::compare::Comparison;
+use crate::draw::names;
+use crate::draw::numbers::count;
+use crate::draw::plot::{Axis, Key, Plot};
+use crate::observables::ForceDistribution;
 
 /// Probability density of a normal force over its mean after Mueth, Jaeger and Nagel (Phys. Rev. E 57, 3164, 1998):
 /// `P(f) = 3 (1 - 0.75 exp(-f^2)) exp(-1.5 f)`.

@@ -1,9 +1,11 @@
 //! Intervals of differences against the margins: one line an observable and pair of codes, in units of the margin.
 
-use super::names;
 use super::qualification::JUDGED;
-use super::svg::{Anchor, Drawing};
-use crate::compare::{Comparison, Outcome, Row};
+use super::words;
+use crate::compare::{Comparison, Row};
+use crate::draw::names;
+use crate::draw::svg::{Anchor, Drawing};
+use crate::statistics::Outcome;
 
 const WIDTH: f64 = 580.0;
 const LEFT: f64 = 168.0;
@@ -109,7 +111,7 @@ fn line(drawing: &mut Drawing, row: &Row, y: f64, reach: f64, x: &impl Fn(f64) -
     }
     let (class, text) = match (judged, row.outcome) {
         (false, _) => ("name faint", "floor".to_string()),
-        (true, Some(outcome)) => (outcome_class(outcome), names::outcome(outcome).to_string()),
+        (true, Some(outcome)) => (outcome_class(outcome), words::outcome(outcome).to_string()),
         (true, None) => ("name", String::new()),
     };
     drawing.text(class, [WIDTH - RIGHT + 14.0, y + 4.0], Anchor::Start, &text);

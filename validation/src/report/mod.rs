@@ -10,30 +10,22 @@
 //! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures show what the
 //! comparison says and compute no verdict of their own.
 
-mod axis;
-mod columns;
-pub(crate) mod figure;
 mod forces;
 mod forest;
-pub(crate) mod names;
-pub(crate) mod numbers;
 mod outlines;
-pub(crate) mod page;
+mod page;
 mod pictures;
-pub(crate) mod plot;
 pub mod published;
 mod qualification;
 mod rows;
 mod series;
 mod speed;
-pub(crate) mod svg;
 mod tables;
 mod terminal;
-mod view;
+mod words;
 mod write;
 
-pub(crate) use columns::columns;
 pub use qualification::{Qualification, Standing, Verdict};
 pub use speed::speed_sentence;
 pub use terminal::comparison_table;
-pub use write::{REPORT_VERSION, ReportDocument, ReportError, ReportPaths, write};
+pub use write::{REPORT_VERSION, ReportDocument, ReportPaths, write};

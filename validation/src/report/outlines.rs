@@ -1,8 +1,8 @@
 //! Outlines of the walls in a picture, and the arrow of a drum's rotation.
 
-use super::numbers::compact;
-use super::svg::{Anchor, Drawing};
-use super::view::View;
+use crate::draw::numbers::compact;
+use crate::draw::svg::{Anchor, Drawing};
+use crate::draw::view::View;
 use makadam::scene::{Motion, Scene, Shape};
 use nalgebra::Vector3;
 
@@ -21,7 +21,8 @@ pub(super) fn walls(drawing: &mut Drawing, scene: &Scene, view: &View, time: f64
             Shape::Box { min, max, open } => box_sides(drawing, view, at(min), at(max), open, place),
             Shape::Cylinder { base, axis, radius, length } => {
                 let axis = Vector3::from(*axis).normalize();
-                tube(drawing, view, at(base), axis, *radius, *length, scale, place);
+                let cylinder = Cylinder { base: at(base), axis, radius: *radius, length: *length };
+                tube(drawing, view, &cylinder, scale, place);
                 if let Motion::Rotating { axis: turning, rate, .. } = &wall.motion {
                     let about = Vector3::from(*turning).normalize() * *rate;
                     rotation(drawing, view, at(base), about, *radius, place);
@@ -100,17 +101,16 @@ fn box_sides(
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "a cylinder is four numbers, and where to draw it three more")]
-fn tube(
-    drawing: &mut Drawing,
-    view: &View,
+/// A cylinder's mantle; the axis is a unit vector.
+struct Cylinder {
     base: Vector3<f64>,
     axis: Vector3<f64>,
     radius: f64,
     length: f64,
-    scale: f64,
-    place: Place<'_>,
-) {
+}
+
+fn tube(drawing: &mut Drawing, view: &View, cylinder: &Cylinder, scale: f64, place: Place<'_>) {
+    let Cylinder { base, axis, radius, length } = *cylinder;
     if axis.dot(&view.forward).abs() > 0.99 {
         drawing.circle("wall", place(flat(view, base)), radius * scale);
         return;

@@ -1,26 +1,11 @@
 //! The page: everything that the template shows, gathered and named.
 
 use super::qualification::{Qualification, Standing, join};
-use super::{forces, forest, names, numbers, pictures, published, series, speed, tables};
+use super::{forces, forest, pictures, published, series, speed, tables};
 use crate::compare::{Comparison, Source};
-use minijinja::{AutoEscape, Environment, Value, context};
-
-/// Style sheet of a page with figures.
-pub(crate) fn style() -> &'static str {
-    concat!(include_str!("figure.css"), include_str!("page.css"))
-}
-
-/// Templates whose every value is escaped, with the parts that all pages share: "head" takes `title` and `style`,
-/// "provenance" takes pairs.
-pub(crate) fn environment() -> Result<Environment<'static>, minijinja::Error> {
-    let mut environment = Environment::new();
-    environment.set_trim_blocks(true);
-    environment.set_lstrip_blocks(true);
-    environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    environment.add_template("head", include_str!("head.html"))?;
-    environment.add_template("provenance", include_str!("provenance.html"))?;
-    Ok(environment)
-}
+use crate::draw::{names, numbers};
+use crate::study::{environment, style};
+use minijinja::{Value, context};
 
 /// Renders the page.
 pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja::Error> {

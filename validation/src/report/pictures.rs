@@ -1,10 +1,10 @@
 //! Pictures of the final states: grains shaded by speed on one scale for all codes of a scene.
 
-use super::numbers::{compact, round_ticks};
 use super::outlines;
-use super::svg::{Anchor, Drawing};
-use super::view::{self, Frame, View};
 use crate::compare::{Comparison, FinalState};
+use crate::draw::numbers::{compact, round_ticks};
+use crate::draw::svg::{Anchor, Drawing};
+use crate::draw::view::{self, Frame, View};
 use nalgebra::Vector3;
 use std::fmt::Write as _;
 

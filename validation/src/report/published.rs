@@ -1,6 +1,6 @@
 //! Published laws of granular matter in a report: figures that were measured, beside what experiments found.
 
-use super::numbers;
+use crate::draw::numbers;
 use minijinja::{Value, context};
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,8 @@
 //! What a report is made from: the comparisons of one run, and the verdict that follows from their rows.
 
 use super::published::PublishedLaw;
-use crate::compare::{Comparison, Outcome, Row};
+use crate::compare::{Comparison, Row};
+use crate::statistics::Outcome;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

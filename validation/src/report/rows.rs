@@ -86,7 +86,7 @@ fn line<'a>(table: &'static str, row: &'a Row, source: Option<Source>) -> Line<'
         verdict_low: row.interval_of_verdict.map(|i| i[0]),
         verdict_high: row.interval_of_verdict.map(|i| i[1]),
         margin: row.margin,
-        outcome: row.outcome.map(super::names::outcome),
+        outcome: row.outcome.map(super::words::outcome),
         seeds_needed: row.seeds_needed,
         missing: row.missing.as_deref(),
     }

@@ -1,9 +1,10 @@
 //! An observable over time: all codes in one plot, the measured window marked, the means drawn in.
 
-use super::names;
-use super::numbers::Rounding;
-use super::plot::{Axis, Key, Plot};
-use crate::compare::{Comparison, Series};
+use crate::compare::Comparison;
+use crate::draw::names;
+use crate::draw::numbers::Rounding;
+use crate::draw::plot::{Axis, Key, Plot};
+use crate::observables::Series;
 
 /// A figure and what it says.
 pub(super) struct SeriesFigure {
@@ -90,7 +91,7 @@ fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
     let window = match from {
         Some(from) => format!(
             "Thick lines with markers are the means over the shaded window, from {} s on; what comes before is not measured.",
-            super::numbers::compact(from)
+            crate::draw::numbers::compact(from)
         ),
         None => "Only the last frame enters the tables.".into(),
     };

@@ -1,10 +1,11 @@
 //! Makadam's speed against each peer. A ratio is taken only between runs of one qualification on one processor, each of which was
 //! timed alone: runs side by side share memory and caches, so that their wall times are no measure of speed.
 
-use super::names;
-use super::numbers::{duration, two_digits};
 use super::qualification::{JUDGED, join};
+use super::words;
 use crate::compare::{CodeSummary, Comparison, Source, Timing};
+use crate::draw::names;
+use crate::draw::numbers::{duration, two_digits};
 use serde::Serialize;
 
 /// The speeds of one scene, ready for the page.
@@ -136,7 +137,7 @@ pub(super) fn line(comparison: &Comparison) -> Option<SpeedLine> {
             code: code.code.clone(),
             class: names::code_style(&code.code).class,
             time: time(code),
-            source: names::source(code.source),
+            source: words::source(code.source),
             ratio: judged.and_then(|judged| ratio(judged, code)).map(two_digits),
             setting: setting(code),
             from: match code.source {
@@ -150,9 +151,9 @@ pub(super) fn line(comparison: &Comparison) -> Option<SpeedLine> {
 
 /// The time step of a code, and what share of the Rayleigh step it is.
 pub(super) fn setting(code: &CodeSummary) -> String {
-    let step = format!("step {} s", super::numbers::compact(code.time_step));
+    let step = format!("step {} s", crate::draw::numbers::compact(code.time_step));
     match code.rayleigh_fraction {
-        Some(fraction) => format!("{step}, {}% of the Rayleigh step", super::numbers::compact(100.0 * fraction)),
+        Some(fraction) => format!("{step}, {}% of the Rayleigh step", crate::draw::numbers::compact(100.0 * fraction)),
         None => step,
     }
 }

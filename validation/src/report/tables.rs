@@ -1,9 +1,11 @@
 //! The tables of a scene: values and differences, how each code was run, the bias of soft grains.
 
-use super::numbers::{Rounding, compact};
 use super::qualification::{JUDGED, floor_exceeds_margin, join, plural};
-use super::{names, speed};
-use crate::compare::{CodeSummary, Comparison, Outcome, Row};
+use super::{speed, words};
+use crate::compare::{CodeSummary, Comparison, Row};
+use crate::draw::names;
+use crate::draw::numbers::{Rounding, compact};
+use crate::statistics::Outcome;
 use serde::Serialize;
 
 /// A column of differences: the first code minus the second.
@@ -105,7 +107,7 @@ pub(super) fn results(comparison: &Comparison) -> Results {
         .map(|&name| Code {
             name: name.into(),
             class: names::code_style(name).class,
-            source: comparison.codes.iter().find(|c| c.code == name).map(|c| names::source(c.source)),
+            source: comparison.codes.iter().find(|c| c.code == name).map(|c| words::source(c.source)),
         })
         .collect();
     Results { codes, pairs, lines }
@@ -113,7 +115,7 @@ pub(super) fn results(comparison: &Comparison) -> Results {
 
 fn line(comparison: &Comparison, observable: &str, codes: &[&str], pairs: &[Pair]) -> Line {
     let rows: Vec<&Row> = comparison.rows.iter().filter(|row| row.observable == observable).collect();
-    let rounding = Rounding::of(rows.iter().copied());
+    let rounding = words::rounding(rows.iter().copied());
     let unit = rows.first().map_or("", |row| row.unit.as_str());
     Line {
         name: names::with_unit(observable, unit, rounding),
@@ -142,8 +144,8 @@ fn difference(rows: &[&Row], pair: &Pair, rounding: Rounding) -> Option<Differen
         difference: row.difference.map(|difference| rounding.signed(difference)),
         interval: row.interval90.map(|interval| rounding.interval(interval)),
         verdict_interval: row.interval_of_verdict.map(|interval| rounding.interval(interval)),
-        outcome: row.outcome.map(names::outcome),
-        class: row.outcome.map(names::outcome_class),
+        outcome: row.outcome.map(words::outcome),
+        class: row.outcome.map(words::outcome_class),
         missing: row.missing.clone(),
         seeds_needed: row.seeds_needed.filter(|_| row.outcome == Some(Outcome::Undecided)),
         floor: pair.floor,
@@ -213,7 +215,7 @@ fn run(code: &CodeSummary) -> Run {
         code: code.code.clone(),
         class: names::code_style(&code.code).class,
         version: code.version.clone(),
-        source: names::source(code.source),
+        source: words::source(code.source),
         seeds: seeds(&code.seeds),
         time_step: format!("{} s", compact(code.time_step)),
         rayleigh: code.rayleigh_fraction.map_or("–".into(), |f| format!("{}%", compact(100.0 * f))),
@@ -259,8 +261,8 @@ pub(super) fn shifts(comparison: &Comparison) -> Vec<Shift> {
             let same = comparison.soft_bias.iter().filter(|other| other.observable == row.observable);
             let rounding = match margin {
                 // A third of the margin is the yardstick here.
-                Some(margin) => Rounding::of(std::iter::once(&Row { margin: Some(margin / 3.0), ..row.clone() })),
-                None => Rounding::of(same),
+                Some(margin) => words::rounding(std::iter::once(&Row { margin: Some(margin / 3.0), ..row.clone() })),
+                None => words::rounding(same),
             };
             Shift {
                 name: names::with_unit(&row.observable, &row.unit, rounding),

@@ -1,10 +1,11 @@
 //! The table of a comparison as plain text for a terminal.
 
-use super::names;
-use super::numbers::Rounding;
 use super::speed::speed_sentence;
-use super::tables;
-use crate::compare::{Comparison, Outcome, Row};
+use super::{tables, words};
+use crate::compare::{Comparison, Row};
+use crate::draw::names;
+use crate::draw::numbers::Rounding;
+use crate::statistics::Outcome;
 
 const HEAD: [&str; 7] =
     ["observable", "code", "mean ± spread (seeds)", "against", "difference [90% interval]", "margin", "outcome"];
@@ -16,7 +17,7 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
     let mut lines: Vec<([String; 7], Option<Outcome>)> = Vec::new();
     let mut last = "";
     for row in &comparison.rows {
-        let rounding = Rounding::of(comparison.rows.iter().filter(|other| other.observable == row.observable));
+        let rounding = words::rounding(comparison.rows.iter().filter(|other| other.observable == row.observable));
         let first = row.observable != last;
         lines.push((cells(row, rounding, first), row.outcome));
         last = &row.observable;
@@ -56,7 +57,7 @@ fn cells(row: &Row, rounding: Rounding, first: bool) -> [String; 7] {
         (Some(Outcome::NotMeasured), _) => {
             format!("not measured: {}", row.missing.as_deref().unwrap_or("a value is missing"))
         }
-        (Some(outcome), _) => names::outcome(outcome).into(),
+        (Some(outcome), _) => words::outcome(outcome).into(),
         (None, _) => String::new(),
     };
     [

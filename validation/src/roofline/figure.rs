@@ -4,11 +4,11 @@ use super::machine::Roofs;
 use super::point::{Kernel, Point};
 use super::study::Study;
 use super::terminal::{kernel, threads};
-use crate::report::figure::Figure;
-use crate::report::names::{CodeStyle, Marker};
-use crate::report::numbers::two_digits;
-use crate::report::plot::{Axis, Key, Plot};
-use crate::report::svg::Anchor;
+use crate::draw::figure::Figure;
+use crate::draw::names::{CodeStyle, Marker};
+use crate::draw::numbers::two_digits;
+use crate::draw::plot::{Axis, Key, Plot};
+use crate::draw::svg::Anchor;
 
 /// Range of the horizontal axis, operations a byte: sweeps lie between 0.5 and 0.7.
 const INTENSITIES: (f64, f64) = (0.05, 10.0);

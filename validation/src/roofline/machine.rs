@@ -1,6 +1,6 @@
 //! What the processor's arithmetic and its memories deliver, measured.
 
-use crate::scaling::median;
+use crate::statistics::median;
 use makadam::lanes::{Eight, InstructionSet};
 use makadam::probe;
 use serde::{Deserialize, Serialize};

@@ -12,6 +12,7 @@
 
 mod figure;
 mod machine;
+mod page;
 mod point;
 mod study;
 mod terminal;

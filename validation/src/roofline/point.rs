@@ -2,7 +2,8 @@
 
 use super::machine::Roofs;
 use crate::execution::Execution;
-use crate::scaling::{MeasureError, median};
+use crate::execution::MeasureError;
+use crate::statistics::median;
 use crate::sweep_bytes::SweepBytes;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;

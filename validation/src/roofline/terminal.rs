@@ -2,8 +2,8 @@
 
 use super::point::{Kernel, Point};
 use super::study::Study;
-use crate::report::columns;
-use crate::report::numbers::two_digits;
+use crate::draw::numbers::two_digits;
+use crate::study::{Cell, Table};
 
 /// Roofs, and the sweeps beneath them.
 pub fn table(study: &Study) -> String {
@@ -20,28 +20,42 @@ pub fn table(study: &Study) -> String {
             giga(roofs.copy_bytes_per_second),
         );
     }
-    let heads = ["scene", "kernel", "lives in", "threads", "M/s", "ns", "flop", "byte", "Gflop/s", "GB/s", "of roof"];
-    let mut rows = vec![heads.map(String::from)];
-    rows.extend(study.points.iter().map(|point| cells(study, point)));
     text.push('\n');
-    text += &columns(&rows, |column| column < 3);
+    text += &sweeps(study).text();
     text + "\nM/s: million contact sweeps a second; flop and byte: of one contact sweep.\n"
 }
 
-/// A row of the table: the same on a terminal and on the page.
-pub(super) fn cells(study: &Study, point: &Point) -> [String; 11] {
-    [
-        point.scene.clone(),
-        kernel(study, point.kernel),
-        point.home.clone(),
-        point.threads.to_string(),
-        format!("{:.1}", point.contact_sweeps_per_second / 1e6),
-        format!("{:.2}", point.nanoseconds_per_contact_sweep),
-        format!("{:.1}", point.flops_per_contact_sweep),
-        format!("{:.0}", point.bytes_per_contact_sweep),
-        format!("{:.2}", point.flops_per_second / 1e9),
-        format!("{:.1}", point.bytes_per_second / 1e9),
-        format!("{:.0}%", 100.0 * point.share_of_roof),
+/// The sweeps: the same on a terminal and on the page.
+pub(super) fn sweeps(study: &Study) -> Table {
+    Table::new(
+        &["scene", "kernel", "lives in"],
+        &["threads", "M/s", "ns", "flop", "byte", "Gflop/s", "GB/s", "of roof"],
+    )
+    .on_a_page(&[
+        "million contact sweeps a second",
+        "ns each",
+        "operations each",
+        "bytes each",
+        "Gflop/s",
+        "GB/s",
+        "of its roof",
+    ])
+    .of(&study.points, |point| cells(study, point))
+}
+
+fn cells(study: &Study, point: &Point) -> Vec<Cell> {
+    vec![
+        point.scene.as_str().into(),
+        kernel(study, point.kernel).into(),
+        point.home.as_str().into(),
+        point.threads.into(),
+        format!("{:.1}", point.contact_sweeps_per_second / 1e6).into(),
+        format!("{:.2}", point.nanoseconds_per_contact_sweep).into(),
+        format!("{:.1}", point.flops_per_contact_sweep).into(),
+        format!("{:.0}", point.bytes_per_contact_sweep).into(),
+        format!("{:.2}", point.flops_per_second / 1e9).into(),
+        format!("{:.1}", point.bytes_per_second / 1e9).into(),
+        format!("{:.0}%", 100.0 * point.share_of_roof).into(),
     ]
 }
 

@@ -1,7 +1,8 @@
 //! What handing out work costs on this machine: measured apart from the solver, so that a replay predicts a measurement and is
 //! not fitted to it.
 
-use super::measure::MeasureError;
+use crate::execution::MeasureError;
+use crate::statistics::median;
 use makadam::schedule::CentralQueue;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -132,17 +133,6 @@ pub(super) fn fastest(call: impl Fn()) -> f64 {
 
 pub(super) fn pool(threads: usize) -> Result<ThreadPool, MeasureError> {
     Ok(ThreadPoolBuilder::new().num_threads(threads).build()?)
-}
-
-/// Median of a few numbers; not a number if there are none.
-pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.into_iter().collect();
-    values.sort_by(f64::total_cmp);
-    match (values.len(), values.len() / 2) {
-        (0, _) => f64::NAN,
-        (length, middle) if length % 2 == 1 => values[middle],
-        (_, middle) => 0.5 * (values[middle - 1] + values[middle]),
-    }
 }
 
 fn seconds_of(call: impl Fn()) -> f64 {

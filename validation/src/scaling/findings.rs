@@ -3,7 +3,7 @@
 use super::machine::Machine;
 use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 use super::study::Study;
-use crate::report::numbers::two_digits;
+use crate::draw::numbers::two_digits;
 use makadam::partition::Portion;
 use makadam::schedule::{Phase, Scheduler};
 
@@ -18,8 +18,16 @@ pub const THESIS_WORK_STEALING: usize = 40;
 /// The schedulers that share work.
 pub(super) const PARALLEL: [Scheduler; 2] = [Scheduler::CentralQueue, Scheduler::WorkStealing];
 
+impl Study {
+    /// The same study, which says what was found.
+    pub fn with_findings(mut self) -> Study {
+        self.findings = findings(&self);
+        self
+    }
+}
+
 /// The sentences.
-pub(super) fn findings(study: &Study) -> Vec<String> {
+fn findings(study: &Study) -> Vec<String> {
     let mut sentences = vec![same_bits(study)];
     sentences.extend(measured(study));
     sentences.extend(instruction_sets(study));

@@ -1,7 +1,7 @@
 //! What this machine's memory, caches and cores give a replay: measured, or told by the system.
 
 use super::costs::{PAUSE, fastest, pool};
-use super::measure::MeasureError;
+use crate::execution::MeasureError;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::hint::black_box;

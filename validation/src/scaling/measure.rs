@@ -1,8 +1,9 @@
 //! Measurement: one scene, the same state, the same steps, by every scheduler on every number of threads with every
 //! instruction set, in turn and several times over, so that whatever else the machine does hits all of them alike.
 
-use super::costs::median;
-use crate::execution::{Execution, ExecutionError};
+use crate::execution::{Execution, MeasureError};
+use crate::statistics::median;
+use crate::stepping::{Stepping, Taken};
 use crate::sweep_bytes::SweepBytes;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
@@ -80,20 +81,6 @@ pub struct Measurement {
     pub traces_same_bits: bool,
 }
 
-/// Why nothing was measured.
-#[derive(Debug, thiserror::Error)]
-pub enum MeasureError {
-    /// The machine cannot step as asked.
-    #[error(transparent)]
-    Execution(#[from] ExecutionError),
-    /// The system starts no threads to measure with.
-    #[error("cannot start threads: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The user asked to stop.
-    #[error("interrupted while measuring")]
-    Interrupted,
-}
-
 impl Plan {
     /// All configurations: for each instruction set serial first, then the parallel schedulers by number of threads; in the end
     /// the same once more for the widest, a box at a time.
@@ -154,19 +141,19 @@ impl Plan {
         let (mut times, mut contacts) = (Times::default(), 0);
         let before = simulation.contact_sweeps();
         let mut hash_when_traced = simulation.state_hash();
-        for step in 1..=self.steps {
-            let (clock, sweeps) = (Instant::now(), simulation.phase_seconds().sweep);
-            let report = simulation.step();
-            times.steps.push(clock.elapsed().as_secs_f64());
-            times.sweeps.push(simulation.phase_seconds().sweep - sweeps);
-            contacts += report.contacts;
-            if step == self.traced_steps {
+        let mut swept = simulation.phase_seconds().sweep;
+        let each = |simulation: &Simulation, taken: &Taken| {
+            let sweeps = simulation.phase_seconds().sweep;
+            times.steps.push(taken.seconds);
+            times.sweeps.push(sweeps - swept);
+            swept = sweeps;
+            contacts += taken.report.contacts;
+            if taken.number == self.traced_steps {
                 hash_when_traced = simulation.state_hash();
             }
-            if crate::interrupt::requested() {
-                return Err(MeasureError::Interrupted);
-            }
-        }
+        };
+        // Without a watchdog nothing but an interruption ends it.
+        Stepping::new(self.steps, &|_| {}).carry_out(&mut simulation, each).map_err(|_| MeasureError::Interrupted)?;
         *facts = Facts {
             contacts: contacts as f64 / self.steps as f64,
             contact_sweeps: (simulation.contact_sweeps() - before) as f64 / self.steps as f64,

@@ -22,16 +22,12 @@ mod rows;
 mod study;
 mod tasks;
 mod terminal;
-mod write;
 
 pub use costs::Costs;
-pub(crate) use costs::median;
 pub use hardware::{Bandwidth, cache_bytes, clock};
 pub use machine::{MOST_WORKERS, Machine, worker_counts};
-pub use measure::{MeasureError, Measurement, Plan, Times, Timing, Traces, WARM_UP};
+pub use measure::{Measurement, Plan, Times, Timing, Traces, WARM_UP};
 pub use replay::{Replayed, Traffic, replay};
 pub use rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 pub use study::{Setting, Study};
 pub use terminal::table;
-pub(crate) use write::csv;
-pub use write::{write, write_tables};

@@ -1,11 +1,11 @@
 //! Replays of the traces on a machine, and how far they are from what was measured there.
 
-use super::costs::median;
 use super::machine::{MOST_WORKERS, Machine, worker_counts};
 use super::measure::{Measurement, Plan, Traces};
 use super::replay::{Replayed, Traffic, replay};
 use super::rows::{Check, ReplayedRow};
 use super::study::mean;
+use crate::statistics::median;
 use makadam::schedule::{Phase, Region, Scheduler};
 use rayon::prelude::*;
 

@@ -1,6 +1,5 @@
 //! A scaling study: rows made of a measurement, and replays of its traces on models of machines.
 
-use super::costs::median;
 use super::hardware::Bandwidth;
 use super::machine::Machine;
 use super::measure::{Measurement, Plan, Timing, Traces, WARM_UP};
@@ -9,6 +8,7 @@ use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 use super::tasks::task_rows;
 use crate::output::JSON_VERSION;
 use crate::provenance::Provenance;
+use crate::statistics::median;
 use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
 use rayon::prelude::*;
@@ -84,7 +84,7 @@ pub struct Setting {
 }
 
 impl Study {
-    /// Makes rows, replays and sentences of a measurement.
+    /// Makes rows and replays of a measurement.
     pub fn new(plan: &Plan, measurement: &Measurement, setting: Setting) -> Study {
         let measured = measured_rows(measurement);
         let serial = |traces: &&Traces| traces.configuration.scheduler == Scheduler::Serial;
@@ -100,8 +100,9 @@ impl Study {
                 curves(machine, &traces, measurement, &plan.threads)
             })
             .collect();
+        let differing = differing(measurement);
         let checks = setting.machines.first().map_or(Vec::new(), |here| checks(plan, measurement, here, &replayed));
-        let mut study = Study {
+        Study {
             version: JSON_VERSION,
             command: "scaling".into(),
             scene: setting.scene,
@@ -118,8 +119,8 @@ impl Study {
             bytes_per_contact_sweep: (measurement.contacts > 0.0)
                 .then(|| measurement.sweep_bytes.moved as f64 / measurement.contacts),
             bandwidth: setting.bandwidth,
-            same_bits: false,
-            differing: differing(measurement),
+            same_bits: differing.is_empty(),
+            differing,
             measured,
             machines: setting.machines,
             replayed,
@@ -127,10 +128,7 @@ impl Study {
             tasks: serial_traces.iter().copied().flat_map(task_rows).collect(),
             findings: Vec::new(),
             provenance: setting.provenance,
-        };
-        study.same_bits = study.differing.is_empty();
-        study.findings = super::findings::findings(&study);
-        study
+        }
     }
 
     /// The widest instruction set that was measured.

@@ -3,27 +3,13 @@
 use super::findings::time;
 use super::page::signed_percent;
 use super::study::Study;
-use crate::report::columns;
-use crate::report::numbers::two_digits;
+use crate::draw::numbers::two_digits;
+use crate::study::Table;
 
 /// Measured configurations, each with what the replay says of it, and the sentences below.
 pub fn table(study: &Study) -> String {
-    let mut rows = vec![
-        [
-            "set",
-            "scheduler",
-            "given",
-            "threads",
-            "a step",
-            "speed-up",
-            "sweeps",
-            "speed-up",
-            "ns",
-            "replayed",
-            "deviation",
-        ]
-        .map(String::from),
-    ];
+    let numbers = ["threads", "a step", "speed-up", "sweeps", "speed-up", "ns", "replayed", "deviation"];
+    let mut configurations = Table::new(&["set", "scheduler", "given"], &numbers);
     for row in &study.measured {
         let check = study.checks.iter().find(|check| {
             check.instruction_set == row.instruction_set
@@ -31,22 +17,22 @@ pub fn table(study: &Study) -> String {
                 && check.threads == row.threads
                 && check.portion == row.portion
         });
-        rows.push([
+        configurations.row([
             row.instruction_set.name().into(),
             row.scheduler.name().into(),
             row.portion.name().into(),
-            row.threads.to_string(),
-            time(row.step_seconds),
-            format!("{:.2}", row.speedup),
-            time(row.sweep_seconds),
-            format!("{:.2}", row.sweep_speedup),
-            row.nanoseconds_per_contact_sweep.map_or("-".into(), two_digits),
-            check.map_or("-".into(), |check| time(check.replayed_seconds)),
-            check.map_or("-".into(), |check| signed_percent(check.deviation_percent)),
+            row.threads.into(),
+            time(row.step_seconds).into(),
+            format!("{:.2}", row.speedup).into(),
+            time(row.sweep_seconds).into(),
+            format!("{:.2}", row.sweep_speedup).into(),
+            row.nanoseconds_per_contact_sweep.map(two_digits).into(),
+            check.map(|check| time(check.replayed_seconds)).into(),
+            check.map(|check| signed_percent(check.deviation_percent)).into(),
         ]);
     }
     let mut text = format!("{}: {} grains, {:.0} contacts\n\n", study.scene, study.particles, study.contacts);
-    text += &columns(&rows, |column| column < 3);
+    text += &configurations.text();
     text.push('\n');
     for sentence in &study.findings {
         text += &format!("{sentence}\n");

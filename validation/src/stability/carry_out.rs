@@ -1,8 +1,10 @@
 //! A case in one code: run, measured, judged. A run that fails is an outcome.
 
-use super::{Case, Evidence, Finding, Outcome, Verdict};
-use crate::peers::{Code, CodeError, Job, frame_is_due};
-use crate::prepared::steps_in;
+use super::{Case, Evidence, Outcome, Verdict};
+use crate::output::WriteError;
+use crate::peers::{Code, CodeError, Job};
+use crate::stepping::{Halt, Stepping, Taken, steps_in};
+use crate::study::Finding;
 use makadam::Simulation;
 use makadam::scene::{Grain, Reaction, SceneError, Watch, populate};
 use makadam::snapshot::Snapshot;
@@ -19,12 +21,15 @@ pub enum StabilityError {
     /// The scene cannot be populated.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The user asked to stop.
-    #[error("interrupted")]
-    Interrupted,
+    /// The user asked to stop; what is kept, in words.
+    #[error("interrupted; what was computed so far is {0}")]
+    Interrupted(String),
     /// The code is not there, or its files cannot be written.
     #[error(transparent)]
     Code(CodeError),
+    /// The study cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 /// What came of a run: its frames, or the verdict and the reason why there are none.
@@ -49,7 +54,6 @@ impl Case {
     }
 
     fn simulate(&self, limit: Duration, file: &Path) -> Result<Run, StabilityError> {
-        let start = Instant::now();
         let mut simulation = Simulation::new(&self.scene, self.scene.seed, file)?;
         let time_step = simulation.time_step();
         let steps = steps_in(self.scene.duration, time_step).max(1);
@@ -58,27 +62,22 @@ impl Case {
         let [on_overlap, on_deep_overlap, on_escape, on_stagnation] = [Reaction::Ignore; 4];
         let watch = Watch { on_overlap, on_deep_overlap, on_escape, on_stagnation, ..self.scene.watch.clone() };
         let mut watchdog = Watchdog::new(&watch, &simulation);
-        for step in 1..=steps {
-            let report = simulation.step();
-            let framed = step == steps || frame_is_due(step, time_step, self.scene.measure.interval);
-            // Walls that close on each other leave a grain no place: what becomes of it is for the case to judge.
-            let alarm = watchdog.check(&simulation, &report, framed).err();
-            if let Some(alarm) = alarm.filter(|alarm| !matches!(alarm.trouble, Trouble::Crossing { .. })) {
-                return Ok(Err((Verdict::Crashed, alarm.to_string())));
-            }
-            if framed {
-                frames.push(simulation.snapshot());
-            }
-            if crate::interrupt::requested() {
-                return Err(StabilityError::Interrupted);
-            }
-            if start.elapsed() > limit {
-                let done = 100.0 * step as f64 / steps as f64;
-                let reason = format!("stopped after {} s at {done:.0}% of the run", limit.as_secs_f64());
-                return Ok(Err((Verdict::TookTooLong, reason)));
+        // Walls that close on each other leave a grain no place: what becomes of it is for the case to judge.
+        let stepping = Stepping::new(steps, &|_| {})
+            .framed(self.scene.measure.interval)
+            .watched(&mut watchdog)
+            .tolerating(|alarm| matches!(alarm.trouble, Trouble::Crossing { .. }))
+            .within(limit);
+        let keep = |simulation: &Simulation, taken: &Taken| frames.extend(taken.framed.then(|| simulation.snapshot()));
+        match stepping.carry_out(&mut simulation, keep) {
+            Ok(_) => Ok(Ok(Frames { frames, time_step })),
+            Err(Halt::Worthless(alarm)) => Ok(Err((Verdict::Crashed, alarm.to_string()))),
+            Err(Halt::Interrupted) => Err(StabilityError::Interrupted("nothing".into())),
+            Err(Halt::OutOfTime(share)) => {
+                let (seconds, done) = (limit.as_secs_f64(), 100.0 * share);
+                Ok(Err((Verdict::TookTooLong, format!("stopped after {seconds} s at {done:.0}% of the run"))))
             }
         }
-        Ok(Ok(Frames { frames, time_step }))
     }
 
     /// Runs the case in another code; its files go to `folder`.
@@ -102,7 +101,7 @@ impl Case {
         let start = Instant::now();
         let run = match code.simulate(&job) {
             Ok(recording) => Ok(Frames { frames: recording.frames, time_step: recording.time_step }),
-            Err(CodeError::Interrupted { .. }) => return Err(StabilityError::Interrupted),
+            Err(CodeError::Interrupted { .. }) => return Err(StabilityError::Interrupted("nothing".into())),
             Err(CodeError::Scene(error)) => return Err(error.into()),
             Err(CodeError::Unsupported { reason, .. }) => Err((Verdict::CannotBeExpressed, reason)),
             Err(CodeError::TimedOut { seconds, .. }) => {

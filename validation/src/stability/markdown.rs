@@ -1,7 +1,8 @@
 //! A study as tables in Markdown: one a group, with what is right in each case and what came of it in each code.
 
 use super::table::figure;
-use super::{CaseResult, Outcome, Study, Verdict};
+use super::{Outcome, Study, Verdict};
+use crate::study::{Cell, Table};
 
 /// The cases by group.
 pub fn markdown(study: &Study) -> String {
@@ -16,29 +17,21 @@ pub fn markdown(study: &Study) -> String {
     if !study.unfinished.is_empty() {
         text += &format!("\nNot finished: {}.\n", study.unfinished.join(", "));
     }
-    let mut group = "";
-    for case in &study.cases {
-        if case.group != group {
-            group = case.group;
-            text += &head(case);
-        }
-        let outcomes: Vec<String> = case.outcomes.iter().map(cell).collect();
-        text += &format!("| `{}` | {} | {} |\n", case.name, case.right, outcomes.join(" | "));
+    for cases in study.cases.chunk_by(|one, next| one.group == next.group) {
+        let codes: Vec<&str> = cases[0].outcomes.iter().map(|outcome| outcome.code.as_str()).collect();
+        let table = Table::new(&["case", "what is right"], &[]).with_numbers(codes).of(cases, |case| {
+            let name = [format!("`{}`", case.name), case.right.clone()];
+            name.into_iter().chain(case.outcomes.iter().map(cell)).map(Cell::from).collect()
+        });
+        text += &format!("\n## {}\n\n{}", title(cases[0].group), table.markdown());
     }
     text
 }
 
-/// The title of a group and the head of its table.
-fn head(case: &CaseResult) -> String {
-    let mut letters = case.group.chars();
-    let title: String =
-        letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default() + letters.as_str();
-    let codes: Vec<&str> = case.outcomes.iter().map(|outcome| outcome.code.as_str()).collect();
-    format!(
-        "\n## {title}\n\n| case | what is right | {} |\n| --- | --- |{}\n",
-        codes.join(" | "),
-        " --- |".repeat(codes.len())
-    )
+/// The name of a group with a capital.
+fn title(group: &str) -> String {
+    let mut letters = group.chars();
+    letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default() + letters.as_str()
 }
 
 /// The verdict, loud where the case did not end as stated, and the figure that tells most.

@@ -6,20 +6,20 @@
 //!
 //! Every code is measured by the same figures from its frames. A run that fails is an outcome like any other.
 
+mod campaign;
 mod carry_out;
 mod case;
 mod catalogue;
 mod evidence;
 mod markdown;
 mod outcome;
-mod sketch;
 mod table;
 
+pub use campaign::Campaign;
 pub use carry_out::StabilityError;
-pub use case::{Case, Finding, Judge};
+pub use case::{Case, Judge};
 pub use catalogue::catalogue;
 pub use evidence::Evidence;
 pub use markdown::markdown;
 pub use outcome::{CaseResult, Outcome, Study, Verdict};
-pub(crate) use sketch::{DENSITY, GRAVITY, Sketch};
 pub use table::table;

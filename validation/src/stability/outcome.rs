@@ -1,6 +1,7 @@
 //! What came of the cases.
 
-use super::{Case, Finding};
+use super::Case;
+use crate::study::Finding;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -1,6 +1,7 @@
 //! A study as plain text for a terminal: one row a case, one column a code, and what is not as stated below.
 
-use super::{CaseResult, Finding, Outcome, Study, Verdict};
+use super::{CaseResult, Outcome, Study, Verdict};
+use crate::study::Finding;
 
 /// The cases by group as aligned text.
 pub fn table(study: &Study) -> String {

@@ -40,6 +40,17 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
+/// Median of a few numbers; not a number if there are none.
+pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    match (values.len(), values.len() / 2) {
+        (0, _) => f64::NAN,
+        (length, middle) if length % 2 == 1 => values[middle],
+        (_, middle) => 0.5 * (values[middle - 1] + values[middle]),
+    }
+}
+
 /// Standard deviation with n - 1 in the denominator; absent for fewer than two values.
 pub fn standard_deviation(values: &[f64]) -> Option<f64> {
     let middle = mean(values);

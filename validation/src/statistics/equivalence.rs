@@ -7,7 +7,7 @@
 //! comparisons of one code with its peers together err in no more than 5%.
 
 use super::ensemble::{Ensemble, student_quantile};
-use crate::compare::Outcome;
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Significance of the whole family of one-sided tests.
@@ -15,6 +15,20 @@ const SIGNIFICANCE: f64 = 0.05;
 
 /// Power for which seeds are counted: normal quantile 1.28.
 const POWER: f64 = 0.9;
+
+/// Verdict of the equivalence test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// The interval of the difference lies inside the margin.
+    Agree,
+    /// The interval of the difference lies outside the margin.
+    Disagree,
+    /// The interval straddles the margin: too few seeds to tell.
+    Undecided,
+    /// One of the codes has no value of the observable, or one of fewer seeds than it was run with: there is no test.
+    NotMeasured,
+}
 
 /// The difference of two ensembles and the verdict on it.
 #[derive(Clone, Copy, Debug, PartialEq)]

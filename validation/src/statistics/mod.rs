@@ -14,8 +14,8 @@ pub mod rank;
 
 pub use blocks::{Average, block_average, block_count};
 pub use distances::{kolmogorov_smirnov, wasserstein};
-pub use ensemble::{Ensemble, mean, standard_deviation, standard_error, student_quantile};
-pub use equivalence::{Equivalence, equivalence, seeds_needed};
+pub use ensemble::{Ensemble, mean, median, standard_deviation, standard_error, student_quantile};
+pub use equivalence::{Equivalence, Outcome, equivalence, seeds_needed};
 pub use inequality::{gini, second_moment, share_below_mean, weak_load_share};
 pub use prediction::{Spread, inside_recorded_spread, prediction_interval};
 pub use rank::ranked;

@@ -3,12 +3,13 @@
 use super::configuration::Configuration;
 use super::core_share::CoreClock;
 use super::cost::Costs;
-use super::kept::{Found, KeptRun, Key, Shelf};
+use super::kept::{KeptRun, run_key};
 use super::plan::Plan;
 use crate::compare::{Harvest, Runs, Share};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError};
 use crate::provenance::{Build, command_line, processor};
+use crate::study::{Found, Key, RunCache};
 use makadam::scene::{Scene, SceneError, populate};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -40,7 +41,7 @@ pub struct Campaign<'a> {
     /// Wall time beyond which a run is cut short and its wall time extrapolated, s.
     pub time_limit: f64,
     /// Where finished runs are kept.
-    pub shelf: &'a Shelf,
+    pub cache: &'a RunCache,
     /// Told of the progress.
     pub progress: Progress,
 }
@@ -125,7 +126,7 @@ impl Campaign<'_> {
             match self.attempt(&task, &mut costs)? {
                 Attempt::Run(kept) => {
                     let runs = &mut outcome.runs[place];
-                    self.shelf.keep(&self.key(place, seed), &kept)?;
+                    self.cache.keep(&self.key(place, seed), &kept)?;
                     costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
                     runs.push(*kept);
                     runs.sort_by_key(|kept| kept.run.seed);
@@ -154,10 +155,10 @@ impl Campaign<'_> {
         let mut missing = BTreeSet::new();
         for (place, configuration) in self.plan.configurations.iter().enumerate() {
             for seed in 1..=self.seeds {
-                match self.shelf.find(&self.key(place, seed))? {
+                match self.cache.find(&self.key(place, seed))? {
                     Found::Run(kept) if self.serves(&kept) => {
                         costs.learn(configuration, kept.core_seconds(), kept.run.simulated_seconds);
-                        outcome.runs[place].push(*kept);
+                        outcome.runs[place].push(kept);
                         continue;
                     }
                     Found::Damaged(file) => outcome.notes.push(format!(
@@ -197,7 +198,7 @@ impl Campaign<'_> {
     fn key(&self, place: usize, seed: u64) -> Key {
         let configuration = &self.plan.configurations[place];
         let version = self.code(configuration).and_then(|code| code.version()).unwrap_or_default();
-        Key::new(self.scene, configuration, &version, seed, &processor())
+        run_key(self.scene, configuration, &version, seed, &processor())
     }
 
     fn code(&self, configuration: &Configuration) -> Option<&dyn Code> {

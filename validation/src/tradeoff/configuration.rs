@@ -1,6 +1,6 @@
 //! One way to run one code.
 
-use crate::report::numbers::compact;
+use crate::draw::numbers::compact;
 use makadam::scene::{Scene, SolverMethod, SolverSettings, Stop};
 use serde::{Deserialize, Serialize};
 

@@ -7,9 +7,9 @@ use super::rows::{Point, Reference};
 use super::study::Study;
 use super::variations::{Family, Variation};
 use super::words::modulus;
-use crate::prepared::file_stem;
-use crate::report::figure::Figure;
-use crate::report::names::{CodeStyle, Marker, code_style, observable};
+use crate::draw::figure::Figure;
+use crate::draw::names::{CodeStyle, Marker, code_style, observable};
+use crate::output::file_stem;
 
 /// Observables that have a figure at the scene's stiffness; at others only bounded ones have.
 const SHOWN: usize = 4;

@@ -3,14 +3,22 @@
 use super::rows::{Fastest, Point, Reference, Varied};
 use super::study::Study;
 use super::words::{self, modulus};
-use crate::report::names::observable;
-use crate::report::numbers::two_digits;
+use crate::draw::names::observable;
+use crate::draw::numbers::two_digits;
 
 /// Share of a core below which a run was disturbed.
 const QUIET: f64 = 0.9;
 
+impl Study {
+    /// The same study, which says what was found.
+    pub fn with_findings(mut self) -> Study {
+        self.findings = findings(&self);
+        self
+    }
+}
+
 /// The sentences, the answer first.
-pub(super) fn findings(study: &Study) -> Vec<String> {
+fn findings(study: &Study) -> Vec<String> {
     let mut sentences: Vec<String> = study.fastest.iter().map(|row| fastest(study, row)).collect();
     sentences.extend(study.stiffness_factors().into_iter().filter_map(|factor| ratios(study, factor)));
     sentences.extend(study.variations.iter().filter_map(|row| varied(study, row)));

@@ -35,7 +35,6 @@ mod table;
 mod terminal;
 mod variations;
 mod words;
-mod write;
 
 pub use campaign::{Campaign, CampaignError, Outcome, Progress};
 pub use configuration::{Configuration, Knobs};
@@ -44,9 +43,8 @@ pub use core_share::CoreClock;
 pub use engine_runs::{EngineRunError, EngineRuns};
 pub use engines::{EngineError, EngineOrigin, EngineRecord, recorded_engines};
 pub use front::pareto_front;
-pub use kept::{Found, KeptRun, Key, Shelf, sealed, unseal};
+pub use kept::{KeptRun, run_key};
 pub use plan::{Plan, Refinement, STIFFNESS_FACTORS, Scope};
 pub use rows::{Bound, Deviation, Fastest, Point, Reference, Varied};
 pub use study::{Study, Terms};
 pub use terminal::table;
-pub use write::write;

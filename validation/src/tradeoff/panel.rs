@@ -3,9 +3,9 @@
 use super::rows::{Deviation, Point, Reference};
 use super::study::Study;
 use super::words::titled;
-use crate::report::names::{CodeStyle, Marker};
-use crate::report::numbers::compact;
-use crate::report::plot::{Axis, Key, Plot};
+use crate::draw::names::{CodeStyle, Marker};
+use crate::draw::numbers::compact;
+use crate::draw::plot::{Axis, Key, Plot};
 
 /// A point and what is drawn of it.
 #[derive(Clone, Copy)]
@@ -52,7 +52,7 @@ pub(super) fn bound_of(study: &Study, name: &str) -> Option<f64> {
 pub(super) fn noise_of(study: &Study, reference: &Reference) -> f64 {
     let of = |point: &&Point| point.stiffness_factor == reference.stiffness_factor && !point.reference;
     let known = study.points.iter().filter(of).filter_map(|point| point.deviation(&reference.observable));
-    let noise = crate::scaling::median(known.filter_map(|deviation| deviation.deviation_standard_error));
+    let noise = crate::statistics::median(known.filter_map(|deviation| deviation.deviation_standard_error));
     if noise.is_finite() { noise } else { 0.0 }
 }
 

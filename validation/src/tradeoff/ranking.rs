@@ -2,7 +2,7 @@
 
 use super::front::pareto_front;
 use super::rows::{Bound, Fastest, Point, Varied};
-use crate::scaling::median;
+use crate::statistics::median;
 
 /// Marks the Pareto front of every code and observable at every stiffness. The reference is no point of it: its error
 /// is zero by definition.

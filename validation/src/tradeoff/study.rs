@@ -1,7 +1,6 @@
 //! A trade-off: what the runs say, in rows.
 
 use super::campaign::Outcome;
-use super::findings::findings;
 use super::plan::Plan;
 use super::ranking::{fastest, mark_fronts, variations};
 use super::rows::{Bound, Fastest, Point, Reference, Varied};
@@ -74,7 +73,7 @@ impl Study {
         let references = plan.refinements.iter().flat_map(|refinement| table.references(refinement)).collect();
         let mut points: Vec<Point> = (0..plan.configurations.len()).filter_map(|place| table.point(place)).collect();
         mark_fronts(&mut points, &names);
-        let mut study = Study {
+        Study {
             version: JSON_VERSION,
             command: "tradeoff".into(),
             scene: scene.name.clone(),
@@ -91,9 +90,7 @@ impl Study {
             findings: Vec::new(),
             notes: outcome.notes.clone(),
             provenance: terms.provenance,
-        };
-        study.findings = findings(&study);
-        study
+        }
     }
 
     /// Stiffness factors of the study, rising.

@@ -5,7 +5,7 @@ use super::convergence::Convergence;
 use super::kept::KeptRun;
 use super::plan::{Plan, Refinement};
 use super::rows::{Bound, Deviation, Point, Reference};
-use crate::scaling::median;
+use crate::statistics::median;
 use crate::statistics::{Ensemble, mean, standard_error};
 use makadam::scene::Scene;
 use std::collections::BTreeMap;

@@ -3,11 +3,8 @@
 use super::rows::Point;
 use super::study::Study;
 use super::words::{self, modulus, titled};
-use crate::report::columns;
-use crate::report::numbers::two_digits;
-
-/// Columns of words; the others are numbers.
-const WORDS: usize = 3;
+use crate::draw::numbers::two_digits;
+use crate::study::{Cell, Table};
 
 /// Observables that a terminal has room for, bounded ones first.
 const SHOWN: usize = 2;
@@ -16,14 +13,13 @@ const SHOWN: usize = 2;
 pub fn table(study: &Study) -> String {
     let names: Vec<&str> = study.observables().into_iter().take(SHOWN).collect();
     let unit = |name: &str| study.references.iter().find(|row| row.observable == name).map_or("", |row| &row.unit);
-    let mut head: Vec<String> = ["stiffness", "code", "setting", "s a simulated s"].map(String::from).into();
-    head.extend(names.iter().map(|name| format!("error of {}", titled(name, unit(name)))));
-    head.push("bounds".into());
-    let mut rows = vec![head];
-    rows.extend(ordered(study).into_iter().map(|point| cells(study, point, &names)));
-    let last = rows[0].len() - 1;
+    let errors = names.iter().map(|name| format!("error of {}", titled(name, unit(name))));
+    let points = Table::new(&["stiffness", "code", "setting"], &["s a simulated s"])
+        .with_numbers(errors)
+        .with_words("bounds")
+        .of(ordered(study), |point| cells(study, point, &names));
     let mut text = format!("{}: {} grains, {} seeds\n\n", study.scene, study.particles, study.seeds);
-    text += &columns(&rows, |column| column < WORDS || column == last);
+    text += &points.text();
     text += "\n* on the Pareto front of its code; ~ extrapolated; ± standard error over seeds\n\n";
     for sentence in study.findings.iter().chain(&study.notes) {
         text += &format!("{sentence}\n");
@@ -57,18 +53,18 @@ pub(super) fn verdict(study: &Study, point: &Point) -> &'static str {
     }
 }
 
-fn cells(study: &Study, point: &Point, names: &[&str]) -> Vec<String> {
+fn cells(study: &Study, point: &Point, names: &[&str]) -> Vec<Cell> {
     let about = if point.extrapolated { "~" } else { "" };
     let mut cells = vec![
-        modulus(point.youngs_modulus),
-        point.code.clone(),
-        point.setting.clone(),
-        format!("{about}{}", two_digits(point.wall_seconds_per_simulated_second)),
+        modulus(point.youngs_modulus).into(),
+        point.code.as_str().into(),
+        point.setting.as_str().into(),
+        format!("{about}{}", two_digits(point.wall_seconds_per_simulated_second)).into(),
     ];
     cells.extend(names.iter().map(|name| {
-        point.deviation(name).map_or("-".into(), |deviation| {
-            format!("{}{}", words::deviation(deviation), if deviation.on_front { " *" } else { "  " })
-        })
+        let star = |on_front| if on_front { " *" } else { "  " };
+        let found = point.deviation(name);
+        found.map(|deviation| format!("{}{}", words::deviation(deviation), star(deviation.on_front))).into()
     }));
     cells.push(verdict(study, point).into());
     cells

@@ -1,6 +1,6 @@
 //! What is varied beside step and sweeps: the method, the precision, the warm start and the settings of the sweeps.
 
-use crate::report::names::{CodeStyle, Marker};
+use crate::draw::names::{CodeStyle, Marker};
 use makadam::scene::{Precision, SolverMethod, SolverSettings, Stop};
 
 /// A change of one setting of the solver, beside step and sweeps.

@@ -1,8 +1,8 @@
 //! Numbers as the table, the page and the sentences write them.
 
 use super::rows::{Bound, Deviation};
-use crate::report::names::{observable, unit};
-use crate::report::numbers::compact;
+use crate::draw::names::{observable, unit};
+use crate::draw::numbers::compact;
 
 /// A value to the second digit of its error; to four digits where the error is not known.
 pub(super) fn measured(value: f64, error: Option<f64>) -> String {

@@ -2,11 +2,12 @@
 
 use makadam::scene::Scene;
 use makadam::snapshot::Particle;
-use makadam_validation::compare::{
-    CodeSummary, Comparison, FinalState, ForceDistribution, Outcome, Row, Series, Source, Timing,
-};
+use makadam_validation::compare::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
+use makadam_validation::observables::ForceDistribution;
+use makadam_validation::observables::Series;
 use makadam_validation::report::Qualification;
 use makadam_validation::report::published::{Judged, PublishedLaw};
+use makadam_validation::statistics::Outcome;
 use std::path::Path;
 
 pub const CODES: [&str; 3] = ["Makadam", "LIGGGHTS", "YADE"];

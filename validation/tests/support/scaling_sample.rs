@@ -117,5 +117,5 @@ pub fn parts() -> (Plan, Measurement, Setting) {
 /// The study.
 pub fn study() -> Study {
     let (plan, measurement, setting) = parts();
-    Study::new(&plan, &measurement, setting)
+    Study::new(&plan, &measurement, setting).with_findings()
 }

@@ -11,8 +11,8 @@ use super::measuring::{instant, measure};
 use super::progress::Progress;
 use crate::commands::{Console, Failure, json};
 use crate::output::{FrameWriter, RunFiles, RunSummary, TimeTable, WriteError, write_durably};
-use crate::peers::frame_is_due;
 use crate::provenance::Provenance;
+use crate::stepping::frame_is_due;
 use makadam::Simulation;
 use makadam::checkpoint::sync_folder;
 use makadam::scene::{Finding, Reaction, Scene};
@@ -59,6 +59,14 @@ pub(super) struct Plan<'a> {
     pub provenance: Provenance,
 }
 
+/// What a run writes to.
+struct Outputs {
+    frames: FrameWriter,
+    table: TimeTable,
+    measured: MeasuredFrames,
+    place: Place,
+}
+
 /// A run under way.
 pub(super) struct Session<'a> {
     plan: Plan<'a>,
@@ -90,7 +98,7 @@ impl<'a> Session<'a> {
         let frames = FrameWriter::create(&plan.output)?;
         let table = TimeTable::create(&plan.output.join(RunFiles::TABLE), &COLUMNS)?;
         let measured = MeasuredFrames::begin(&plan.output);
-        Ok(Session::new(plan, simulation, progress, (frames, table, measured, place)))
+        Ok(Session::new(plan, simulation, progress, Outputs { frames, table, measured, place }))
     }
 
     /// A run that goes on.
@@ -102,15 +110,11 @@ impl<'a> Session<'a> {
         RunFiles::inside(&plan.output).remove_frames_from(frames.count())?;
         progress.continued_at.push(progress.steps);
         announce(&plan, &simulation, &progress)?;
-        Ok(Session::new(plan, simulation, progress, (frames, table, measured, place)))
+        Ok(Session::new(plan, simulation, progress, Outputs { frames, table, measured, place }))
     }
 
-    fn new(
-        plan: Plan<'a>,
-        simulation: Simulation,
-        progress: Progress,
-        (frames, table, measured, place): (FrameWriter, TimeTable, MeasuredFrames, Place),
-    ) -> Session<'a> {
+    fn new(plan: Plan<'a>, simulation: Simulation, progress: Progress, outputs: Outputs) -> Session<'a> {
+        let Outputs { frames, table, measured, place } = outputs;
         Session {
             watchdog: Watchdog::new(&plan.scene.watch, &simulation),
             phases_before: phases(&simulation),

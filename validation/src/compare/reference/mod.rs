@@ -20,7 +20,8 @@ pub use merge::MergeError;
 pub use missing::{Missing, Wanted};
 pub use read::ReferenceError;
 
-use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source, Timing};
+use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing};
+use crate::observables::{ForceDistribution, Series};
 use makadam::checkpoint::checksum;
 use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};

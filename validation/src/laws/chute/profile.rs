@@ -7,7 +7,7 @@
 use super::super::fit::{least, line};
 use super::{DIAMETER, PERIOD};
 use crate::observables::balances::force_on_partner;
-use crate::stability::DENSITY;
+use crate::sketch::DENSITY;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use std::f64::consts::PI;
 

@@ -2,7 +2,7 @@
 
 use super::super::Case;
 use super::law;
-use crate::stability::{GRAVITY, Sketch};
+use crate::sketch::{GRAVITY, Sketch};
 use makadam::scene::{Motion, Population, RadiusDistribution, Reaction, Region, Scene, Shape, Wall};
 use std::f64::consts::{PI, SQRT_2};
 

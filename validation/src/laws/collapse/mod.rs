@@ -26,11 +26,12 @@ mod deposit;
 use super::case::values;
 use super::fit::{at_zero, line, parabola_at_zero};
 use super::{Case, Law, LawError, Mean, Run, Values, reported};
-use crate::report::figure::Figure;
-use crate::report::names::{CodeStyle, Marker};
-use crate::report::plot::{Axis, Key, Plot};
-use crate::report::svg::Anchor;
-use crate::stability::{Finding, GRAVITY};
+use crate::draw::figure::Figure;
+use crate::draw::names::{CodeStyle, Marker};
+use crate::draw::plot::{Axis, Key, Plot};
+use crate::draw::svg::Anchor;
+use crate::sketch::GRAVITY;
+use crate::study::Finding;
 use column::{DIAMETER, Part, case, heap};
 use deposit::{
     angle_of_repose, centre_of_mass, connected, coverage, edge, height_at_axis, holding, solid_volume, speed,

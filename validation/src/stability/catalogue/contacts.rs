@@ -1,7 +1,8 @@
 //! Single contacts at their limits: friction, seams, curved walls, gaps that close, walls that stop.
 
-use crate::stability::sketch::{GRAVITY, RADIUS, Sketch, hertz_force, hertz_overlap, mass};
-use crate::stability::{Case, Evidence, Finding};
+use crate::sketch::{GRAVITY, RADIUS, Sketch, hertz_force, hertz_overlap, mass};
+use crate::stability::{Case, Evidence};
+use crate::study::Finding;
 use makadam::scene::{Motion, Shape};
 use std::f64::consts::TAU;
 

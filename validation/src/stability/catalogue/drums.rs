@@ -1,7 +1,8 @@
 //! Drums from creeping to centrifuging, stopped and reversed, and the grain that lets go.
 
-use crate::stability::sketch::{GRAVITY, RADIUS, Sketch, turning};
-use crate::stability::{Case, Evidence, Finding};
+use crate::sketch::{GRAVITY, RADIUS, Sketch, turning};
+use crate::stability::{Case, Evidence};
+use crate::study::Finding;
 use makadam::scene::{Motion, Region, Shape};
 use makadam::snapshot::Snapshot;
 

@@ -1,8 +1,9 @@
 //! Impacts: too fast for the step, with and without restitution, and the same scene at steps from a microsecond to a tenth of a
 //! second.
 
-use crate::stability::sketch::{GRAVITY, RADIUS, Sketch};
-use crate::stability::{Case, Evidence, Finding};
+use crate::sketch::{GRAVITY, RADIUS, Sketch};
+use crate::stability::{Case, Evidence};
+use crate::study::Finding;
 use makadam::scene::{Motion, Shape};
 use makadam::snapshot::Snapshot;
 

@@ -1,7 +1,8 @@
 //! Loads that a solver has to carry through: mass ratios, stacks, deep columns, hyperstatic jams, size and stiffness ratios.
 
-use crate::stability::sketch::{DENSITY, GRAVITY, RADIUS, Sketch, hertz_overlap, mass};
-use crate::stability::{Case, Evidence, Finding};
+use crate::sketch::{DENSITY, GRAVITY, RADIUS, Sketch, hertz_overlap, mass};
+use crate::stability::{Case, Evidence};
+use crate::study::Finding;
 use makadam::scene::Region;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 

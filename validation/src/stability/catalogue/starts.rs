@@ -1,7 +1,8 @@
 //! Starts that no experiment has: grains inside each other, no grains, no gravity, everything in one box.
 
-use crate::stability::sketch::{GRAVITY, RADIUS, Sketch, hertz_overlap, mass};
-use crate::stability::{Case, Finding};
+use crate::sketch::{GRAVITY, RADIUS, Sketch, hertz_overlap, mass};
+use crate::stability::Case;
+use crate::study::Finding;
 use makadam::scene::Region;
 
 pub(super) fn cases() -> Vec<Case> {

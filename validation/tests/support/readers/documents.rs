@@ -7,7 +7,8 @@ use makadam_validation::compare::MeasuredRun;
 use makadam_validation::observables::Measurement;
 use makadam_validation::provenance::Build;
 use makadam_validation::recording::Recording;
-use makadam_validation::tradeoff::{Configuration, KeptRun, Key, Knobs, sealed};
+use makadam_validation::study::{Key, sealed};
+use makadam_validation::tradeoff::{Configuration, KeptRun, Knobs, run_key};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -406,7 +407,7 @@ pub fn kept() -> KeptRun {
 /// Its key.
 pub fn key() -> Key {
     static MADE: OnceLock<Key> = OnceLock::new();
-    let make = || Key::new(&scene(SMALL_SCENE), &configuration(), "0.2.0", 1, "a processor");
+    let make = || run_key(&scene(SMALL_SCENE), &configuration(), "0.2.0", 1, "a processor");
     MADE.get_or_init(make).clone()
 }
 

@@ -14,7 +14,8 @@ use makadam_validation::observables::{force_distribution, measure, series};
 use makadam_validation::peers::liggghts::{self, loop_seconds, read_dump};
 use makadam_validation::peers::yade;
 use makadam_validation::recording::Recording;
-use makadam_validation::tradeoff::unseal;
+use makadam_validation::study::unseal;
+use makadam_validation::tradeoff::KeptRun;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -247,7 +248,7 @@ fn reference(bytes: &[u8]) -> bool {
 }
 
 fn kept_run(bytes: &[u8]) -> bool {
-    match unseal(bytes, &documents::key()) {
+    match unseal::<KeptRun>(bytes, &documents::key()) {
         Some(kept) => {
             assert_eq!(kept, documents::kept(), "damage that the seal does not show");
             true

@@ -1,7 +1,6 @@
-//! How observables, units, codes and outcomes are called and marked in tables and figures.
+//! How observables, units and codes are called and marked in tables and figures.
 
 use super::numbers::Rounding;
-use crate::compare::{Outcome, Source};
 
 /// A reader's name of an observable.
 pub(crate) fn observable(name: &str) -> String {
@@ -33,7 +32,7 @@ pub(crate) fn unit(unit: &str) -> &str {
 }
 
 /// An observable with its unit in brackets, and the power of ten that its values are multiples of.
-pub(super) fn with_unit(name: &str, of: &str, rounding: Rounding) -> String {
+pub(crate) fn with_unit(name: &str, of: &str, rounding: Rounding) -> String {
     let symbol = if unit(of) == "°" { "degrees" } else { unit(of) };
     match [rounding.factor().as_str(), symbol].join(" ").trim() {
         "" => observable(name),
@@ -72,30 +71,4 @@ pub(crate) fn code_style(code: &str) -> CodeStyle {
         _ => ("code-other", Marker::Diamond),
     };
     CodeStyle { class, marker }
-}
-
-/// Word of an outcome.
-pub(super) fn outcome(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Agree => "agree",
-        Outcome::Disagree => "disagree",
-        Outcome::Undecided => "undecided",
-        Outcome::NotMeasured => "not measured",
-    }
-}
-
-/// Style class of an outcome.
-pub(super) fn outcome_class(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::NotMeasured => "undecided",
-        other => self::outcome(other),
-    }
-}
-
-/// Word of a source.
-pub(super) fn source(source: Source) -> &'static str {
-    match source {
-        Source::Live => "live",
-        Source::Recorded => "recorded",
-    }
 }

@@ -6,15 +6,15 @@ use nalgebra::Vector3;
 
 /// A parallel projection.
 #[derive(Clone, Debug)]
-pub(super) struct View {
+pub(crate) struct View {
     /// What the caption calls it.
-    pub(super) name: &'static str,
+    pub(crate) name: &'static str,
     /// Direction to the right of the picture.
-    pub(super) right: Vector3<f64>,
+    pub(crate) right: Vector3<f64>,
     /// Direction to the top of the picture.
-    pub(super) up: Vector3<f64>,
+    pub(crate) up: Vector3<f64>,
     /// Direction away from the viewer.
-    pub(super) forward: Vector3<f64>,
+    pub(crate) forward: Vector3<f64>,
 }
 
 impl View {
@@ -23,14 +23,14 @@ impl View {
     }
 
     /// A point on the picture's plane, and its depth.
-    pub(super) fn project(&self, point: &[f64; 3]) -> [f64; 3] {
+    pub(crate) fn project(&self, point: &[f64; 3]) -> [f64; 3] {
         let point = Vector3::from(*point);
         [point.dot(&self.right), point.dot(&self.up), point.dot(&self.forward)]
     }
 }
 
 /// The two views of a scene: along and across the axis of a turning drum; otherwise from the front and from above.
-pub(super) fn views(scene: &Scene) -> [View; 2] {
+pub(crate) fn views(scene: &Scene) -> [View; 2] {
     let up = -Vector3::from(scene.gravity);
     let up = if up.norm() > 0.0 { up.normalize() } else { Vector3::z() };
     // Along y, unless gravity points that way.
@@ -59,14 +59,14 @@ fn drum_axis(scene: &Scene, up: &Vector3<f64>) -> Option<Vector3<f64>> {
 
 /// The rectangle of the picture's plane that is shown, metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
-    pub(super) min: [f64; 2],
-    pub(super) max: [f64; 2],
+pub(crate) struct Frame {
+    pub(crate) min: [f64; 2],
+    pub(crate) max: [f64; 2],
 }
 
 impl Frame {
     /// The grains of all codes but stray ones, and a turning drum whole.
-    pub(super) fn of<'a>(view: &View, scene: &Scene, grains: impl Iterator<Item = &'a Particle>) -> Option<Frame> {
+    pub(crate) fn of<'a>(view: &View, scene: &Scene, grains: impl Iterator<Item = &'a Particle>) -> Option<Frame> {
         let mut across = [Vec::new(), Vec::new()];
         let mut radius: f64 = 0.0;
         for grain in grains {
@@ -112,23 +112,23 @@ impl Frame {
         }
     }
 
-    pub(super) fn width(&self) -> f64 {
+    pub(crate) fn width(&self) -> f64 {
         self.max[0] - self.min[0]
     }
 
-    pub(super) fn height(&self) -> f64 {
+    pub(crate) fn height(&self) -> f64 {
         self.max[1] - self.min[1]
     }
 }
 
 /// A grain on the picture's plane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
-    pub(super) centre: [f64; 2],
-    pub(super) radius: f64,
+pub(crate) struct Spot {
+    pub(crate) centre: [f64; 2],
+    pub(crate) radius: f64,
     /// 0 for the foremost grain of the picture, 1 for the hindmost.
-    pub(super) depth: f64,
-    pub(super) speed: f64,
+    pub(crate) depth: f64,
+    pub(crate) speed: f64,
 }
 
 /// Pixels of the visibility test over a mean radius: a grain that shows less than this is not drawn.
@@ -139,7 +139,7 @@ const MOST_PIXELS: f64 = 1500.0;
 ///
 /// Most grains of a bed are hidden behind others. They are left out, which keeps a report small: a coarse image is
 /// filled from front to back, and a grain stays if it fills a pixel.
-pub(super) fn visible(view: &View, frame: &Frame, particles: &[Particle]) -> (Vec<Spot>, usize) {
+pub(crate) fn visible(view: &View, frame: &Frame, particles: &[Particle]) -> (Vec<Spot>, usize) {
     let mut spots: Vec<Spot> = particles
         .iter()
         .filter(|p| p.position.iter().chain(&p.velocity).all(|v| v.is_finite()))

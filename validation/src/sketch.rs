@@ -1,4 +1,4 @@
-//! A scene put together in a few words: what the cases of the catalogue have in common is said here once.
+//! A scene put together in a few words: what hard cases and laws have in common is said here once.
 
 use makadam::scene::{
     Domain, GrainEntry, Material, Measure, Motion, NormalLaw, Population, RadiusDistribution, Region, Scene, Shape,

@@ -1,7 +1,5 @@
 //! Numbers as a reader wants them: as many digits as the margin or the spread bears, a true minus sign.
 
-use crate::compare::Row;
-
 /// How the values of one observable are rounded, the same in every column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rounding {
@@ -15,15 +13,9 @@ pub(crate) enum Rounding {
 const PARTS_OF_MARGIN: f64 = 20.0;
 
 impl Rounding {
-    /// Rounding of the rows of one observable: a twentieth of the margin is still seen; without a margin two
-    /// digits of the largest spread; without a spread three digits of the largest value.
-    pub(super) fn of<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Rounding {
-        let largest = |value: fn(&Row) -> f64| {
-            rows.clone().map(value).filter(|v| v.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()))
-        };
-        let margin = largest(|row| row.margin.unwrap_or(0.0));
-        let spread = largest(|row| row.standard_deviation.filter(|_| row.seeds > 1).unwrap_or(0.0));
-        let value = largest(|row| row.mean.unwrap_or(0.0));
+    /// Rounding of values up to `value`: a twentieth of the margin is still seen; without a margin (0) two digits of the
+    /// largest spread; without a spread (0) three digits of the largest value.
+    pub(crate) fn seeing(margin: f64, spread: f64, value: f64) -> Rounding {
         // A spread far below the value is rounding noise of a deterministic quantity, not a reason for more digits.
         let resolution = if margin > 0.0 {
             margin / PARTS_OF_MARGIN
@@ -55,7 +47,7 @@ impl Rounding {
     }
 
     /// A margin of equivalence, without needless zeros.
-    pub(super) fn margin(self, margin: f64) -> String {
+    pub(crate) fn margin(self, margin: f64) -> String {
         format!("±{}", compact(margin / self.scale()))
     }
 
@@ -67,7 +59,7 @@ impl Rounding {
     }
 
     /// The factor that all values are multiples of, such as "10⁻⁴"; empty where it is one.
-    pub(super) fn factor(self) -> String {
+    pub(crate) fn factor(self) -> String {
         match self {
             Rounding::Decimals(_) => String::new(),
             Rounding::PowerOfTen(exponent) => format!("10{}", superscript(exponent)),
@@ -75,7 +67,7 @@ impl Rounding {
     }
 
     /// A difference, with its sign; none if it rounds to zero.
-    pub(super) fn signed(self, value: f64) -> String {
+    pub(crate) fn signed(self, value: f64) -> String {
         let text = self.value(value);
         let zero = text.chars().all(|c| matches!(c, '0' | '.'));
         if value > 0.0 && !zero { format!("+{text}") } else { text }
@@ -103,7 +95,7 @@ fn with_minus(text: String) -> String {
 }
 
 /// A whole number as superscript digits.
-pub(super) fn superscript(exponent: i32) -> String {
+pub(crate) fn superscript(exponent: i32) -> String {
     exponent
         .to_string()
         .chars()
@@ -185,7 +177,7 @@ pub(crate) fn compact(value: f64) -> String {
 }
 
 /// Evenly spaced round numbers that cover a range, about `count` of them, and the decimals that tell them apart.
-pub(super) fn round_ticks(low: f64, high: f64, count: usize) -> (Vec<f64>, usize) {
+pub(crate) fn round_ticks(low: f64, high: f64, count: usize) -> (Vec<f64>, usize) {
     let span = (high - low).max(f64::MIN_POSITIVE);
     let raw = span / count.max(1) as f64;
     let power = 10f64.powf(raw.log10().floor());

@@ -5,7 +5,7 @@ use super::numbers::{compact, round_ticks, superscript};
 /// One axis.
 pub(crate) struct Axis {
     /// What it shows, with its unit.
-    pub(super) label: String,
+    pub(crate) label: String,
     /// Lower end.
     pub(crate) low: f64,
     /// Upper end.
@@ -63,7 +63,7 @@ impl Axis {
     }
 
     /// Where a value lies, 0 at the lower end and 1 at the upper.
-    pub(super) fn share(&self, value: f64) -> f64 {
+    pub(crate) fn share(&self, value: f64) -> f64 {
         if self.scale != Scale::Linear {
             (value / self.low).ln() / (self.high / self.low).ln()
         } else {
@@ -72,7 +72,7 @@ impl Axis {
     }
 
     /// Values that are marked, with their labels; on a linear axis about so many.
-    pub(super) fn ticks(&self, count: usize) -> Vec<(f64, String)> {
+    pub(crate) fn ticks(&self, count: usize) -> Vec<(f64, String)> {
         let within = |value: &f64| (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(value);
         let decades = (self.low.log10() - 1e-9).floor() as i32..=(self.high.log10() + 1e-9).ceil() as i32;
         match self.scale {

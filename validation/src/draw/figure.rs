@@ -4,11 +4,11 @@ use serde::Serialize;
 
 /// A finished figure.
 #[derive(Serialize)]
-pub(crate) struct Figure {
+pub struct Figure {
     /// Name of its file, without the ending.
-    pub(crate) name: String,
+    pub name: String,
     /// The drawing.
-    pub(crate) svg: String,
+    pub svg: String,
     /// What it shows.
-    pub(crate) caption: String,
+    pub caption: String,
 }

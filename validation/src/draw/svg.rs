@@ -4,7 +4,7 @@ use super::names::{CodeStyle, Marker};
 use std::fmt::Write as _;
 
 /// A drawing that is being made, in units of CSS pixels at its natural size.
-pub(super) struct Drawing {
+pub(crate) struct Drawing {
     body: String,
     width: f64,
     height: f64,
@@ -20,12 +20,12 @@ pub(crate) enum Anchor {
 
 impl Drawing {
     /// An empty drawing.
-    pub(super) fn new(width: f64, height: f64) -> Drawing {
+    pub(crate) fn new(width: f64, height: f64) -> Drawing {
         Drawing { body: String::new(), width, height }
     }
 
     /// A straight line.
-    pub(super) fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
+    pub(crate) fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
         let _ = write!(
             self.body,
             r#"<line class="{class}" x1="{}" y1="{}" x2="{}" y2="{}"/>"#,
@@ -37,7 +37,7 @@ impl Drawing {
     }
 
     /// A rectangle by two opposite corners.
-    pub(super) fn rectangle(&mut self, class: &str, a: [f64; 2], b: [f64; 2]) {
+    pub(crate) fn rectangle(&mut self, class: &str, a: [f64; 2], b: [f64; 2]) {
         let _ = write!(
             self.body,
             r#"<rect class="{class}" x="{}" y="{}" width="{}" height="{}"/>"#,
@@ -49,7 +49,7 @@ impl Drawing {
     }
 
     /// A circle.
-    pub(super) fn circle(&mut self, class: &str, centre: [f64; 2], radius: f64) {
+    pub(crate) fn circle(&mut self, class: &str, centre: [f64; 2], radius: f64) {
         let _ = write!(
             self.body,
             r#"<circle class="{class}" cx="{}" cy="{}" r="{}"/>"#,
@@ -60,7 +60,7 @@ impl Drawing {
     }
 
     /// An open curve through points; points that are not finite break it.
-    pub(super) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+    pub(crate) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
         let mut data = String::new();
         let mut pen_down = false;
         for [x, y] in points {
@@ -77,12 +77,12 @@ impl Drawing {
     }
 
     /// A path by its data.
-    pub(super) fn path(&mut self, class: &str, data: &str) {
+    pub(crate) fn path(&mut self, class: &str, data: &str) {
         let _ = write!(self.body, r#"<path class="{class}" d="{data}"/>"#);
     }
 
     /// A text.
-    pub(super) fn text(&mut self, class: &str, at: [f64; 2], anchor: Anchor, text: &str) {
+    pub(crate) fn text(&mut self, class: &str, at: [f64; 2], anchor: Anchor, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -98,7 +98,7 @@ impl Drawing {
     }
 
     /// A text that reads upwards, for the label of a vertical axis.
-    pub(super) fn text_upwards(&mut self, class: &str, at: [f64; 2], text: &str) {
+    pub(crate) fn text_upwards(&mut self, class: &str, at: [f64; 2], text: &str) {
         let (x, y) = (short(at[0]), short(at[1]));
         let _ = write!(
             self.body,
@@ -108,7 +108,7 @@ impl Drawing {
     }
 
     /// A text that begins at a point and is turned clockwise by so many degrees.
-    pub(super) fn text_turned(&mut self, class: &str, at: [f64; 2], degrees: f64, text: &str) {
+    pub(crate) fn text_turned(&mut self, class: &str, at: [f64; 2], degrees: f64, text: &str) {
         let (x, y, degrees) = (short(at[0]), short(at[1]), short(degrees));
         let _ = write!(
             self.body,
@@ -118,7 +118,7 @@ impl Drawing {
     }
 
     /// The marker of a code; hollow ones mark what is not live.
-    pub(super) fn marker(&mut self, style: CodeStyle, at: [f64; 2], size: f64, hollow: bool) {
+    pub(crate) fn marker(&mut self, style: CodeStyle, at: [f64; 2], size: f64, hollow: bool) {
         let class = format!("{} {}", style.class, if hollow { "hollow" } else { "marker" });
         let [x, y] = at;
         match style.marker {
@@ -153,13 +153,13 @@ impl Drawing {
     }
 
     /// A closed polygon.
-    pub(super) fn polygon(&mut self, class: &str, points: &[[f64; 2]]) {
+    pub(crate) fn polygon(&mut self, class: &str, points: &[[f64; 2]]) {
         let points: Vec<String> = points.iter().map(|p| format!("{},{}", short(p[0]), short(p[1]))).collect();
         let _ = write!(self.body, r#"<polygon class="{class}" points="{}"/>"#, points.join(" "));
     }
 
     /// What is drawn from here to [`Drawing::end_clip`] is cut off at a rectangle.
-    pub(super) fn begin_clip(&mut self, corner: [f64; 2], width: f64, height: f64) {
+    pub(crate) fn begin_clip(&mut self, corner: [f64; 2], width: f64, height: f64) {
         // A nested viewport clips without an id, which would have to be unique on the page.
         let _ = write!(
             self.body,
@@ -172,12 +172,12 @@ impl Drawing {
     }
 
     /// Ends a clipped part.
-    pub(super) fn end_clip(&mut self) {
+    pub(crate) fn end_clip(&mut self) {
         self.body.push_str("</svg>");
     }
 
     /// The drawing, with a name for those who cannot see it.
-    pub(super) fn finish(self, name: &str) -> String {
+    pub(crate) fn finish(self, name: &str) -> String {
         format!(
             r#"<svg role="img" aria-label="{}" viewBox="0 0 {} {}" style="max-width:{}px">{}</svg>"#,
             escape(name),
@@ -212,6 +212,6 @@ fn short(value: f64) -> String {
 }
 
 /// Text with the characters that mean something in XML replaced.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

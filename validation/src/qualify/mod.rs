@@ -1,5 +1,9 @@
 //! The whole judgement: every reference scene against the recorded references, live runs of the peers, one report.
 
+mod one_scene;
+
+pub use one_scene::{JudgeError, Judged, OneScene};
+
 use crate::compare::{
     Announce, CodeRuns, CodeSummary, Comparison, Harvest, ReferenceError, Runs, Timing, comparison, live_checks,
 };

@@ -1,0 +1,222 @@
+//! Recording: what is missing in a scene's references is measured or run, and taken in.
+
+use super::{
+    Announce, CodeRuns, MergeError, Missing, Reference, ReferenceError, Runs, Simulated, Wanted, physics_hash,
+};
+use crate::output::WriteError;
+use crate::peers::{Code, CodeError};
+use crate::statistics::Ensemble;
+use makadam::scene::Scene;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Seeds where nothing is recorded and none are asked for.
+pub const FEW_SEEDS: u64 = 3;
+
+/// What is to be recorded.
+pub struct Recorder<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its file.
+    pub scene_file: &'a Path,
+    /// Number of seeds, counted from 1; absent, as many as are recorded, and [`FEW_SEEDS`] at least.
+    pub seeds: Option<u64>,
+    /// Time step of explicit codes over the Rayleigh step.
+    pub rayleigh_fraction: f64,
+    /// Factor on every Young's modulus.
+    pub stiffness_factor: f64,
+    /// Wall time after which a run is stopped.
+    pub time_limit: Duration,
+    /// Whether all that is recorded is replaced.
+    pub again: bool,
+    /// Folder of raw recordings.
+    pub recordings: PathBuf,
+    /// Opens progress displays.
+    pub announce: Announce<'a>,
+    /// Told what will be run.
+    pub note: &'a dyn Fn(&str),
+    /// Told what will be replaced and what failed.
+    pub warn: &'a dyn Fn(&str),
+}
+
+/// What came of it.
+pub struct Recorded {
+    /// Folder of the references.
+    pub folder: PathBuf,
+    /// Whether anything changed.
+    pub changed: bool,
+    /// Whether every recorded run has a value of all that is compared.
+    pub whole: bool,
+    /// What is recorded now, a line a code and observable.
+    pub lines: Vec<String>,
+    /// The first failure; what ended well was taken in.
+    pub failure: Option<RecordError>,
+}
+
+/// Why not all was recorded.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The references cannot be read.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// They cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A run failed.
+    #[error(transparent)]
+    Code(#[from] CodeError),
+    /// New runs cannot stand beside the recorded ones.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
+    /// Some seeds that were to replace recorded ones failed. Half a replacement would cost recorded runs, and the raw recordings
+    /// keep what was run.
+    #[error("some seeds that were to replace them failed; the runs that ended are kept, so try again")]
+    HalfReplaced,
+}
+
+impl Recorder<'_> {
+    /// Records what is missing of some codes. What ended well is taken in even if other seeds failed.
+    ///
+    /// # Errors
+    /// [`RecordError::Reference`] or [`RecordError::Write`] if the references cannot be read or written.
+    pub fn record(&self, codes: Vec<Box<dyn Code>>) -> Result<Recorded, RecordError> {
+        let folder = Reference::folder(self.scene_file);
+        let mut reference = Reference::load(&folder)?.unwrap_or_default();
+        let seeds: Vec<u64> = (1..=self.seeds.unwrap_or_else(|| reference.seeds().max(FEW_SEEDS))).collect();
+        let hash = physics_hash(self.scene);
+        // Said before the hours that the runs may take, so that a fraction mistyped is noticed in time.
+        let plan = |code: Box<dyn Code>| {
+            let missing = self.missing(code.as_ref(), &reference, &hash, &seeds);
+            self.say(code.name(), &missing, &reference, &seeds);
+            (code, missing)
+        };
+        let plans: Vec<(Box<dyn Code>, Missing)> = codes.into_iter().map(plan).collect();
+        let jobs: Vec<(&dyn Code, Runs<'_>)> =
+            plans.iter().map(|(code, missing)| (code.as_ref(), self.runs(missing))).collect();
+        let simulated: Vec<_> = jobs.par_iter().map(|(code, runs)| runs.simulate(*code)).collect();
+        let mut recorded = Recorded { folder, changed: false, whole: true, lines: Vec::new(), failure: None };
+        for ((code, missing), simulated) in plans.iter().zip(simulated) {
+            let code = code.name();
+            let (new, failed) = self.split(code, simulated);
+            let complete = failed.is_none();
+            recorded.failure = recorded.failure.or(failed);
+            match self.take_in(&mut reference, new, missing, complete, &hash) {
+                Ok(taken) => recorded.changed |= taken,
+                Err(problem) => {
+                    (self.warn)(&format!("{code}: its references stay as they were: {problem}"));
+                    recorded.failure = recorded.failure.or(Some(problem));
+                }
+            }
+            recorded.whole &= self.describe(&reference, code, &mut recorded.lines);
+        }
+        // Nothing new leaves the files alone, down to their dates.
+        if recorded.changed {
+            reference.save(self.scene, &recorded.folder)?;
+        }
+        Ok(recorded)
+    }
+
+    fn runs(&self, missing: &Missing) -> Runs<'_> {
+        Runs {
+            scene: self.scene,
+            scene_file: self.scene_file,
+            seeds: missing.seeds.clone(),
+            rayleigh_fraction: self.rayleigh_fraction,
+            stiffness_factor: self.stiffness_factor,
+            time_limit: self.time_limit,
+            recordings: Some(self.recordings.clone()),
+            announce: self.announce,
+        }
+    }
+
+    /// What has to be measured or run of a code.
+    fn missing(&self, code: &dyn Code, reference: &Reference, hash: &str, seeds: &[u64]) -> Missing {
+        if self.again {
+            let recorded = reference.at(code.name(), self.stiffness_factor).next();
+            return Missing { seeds: seeds.to_vec(), replaces: recorded.map(|_| "--again asks for it".into()) };
+        }
+        reference.missing(&Wanted {
+            code: code.name(),
+            version: code.version().as_deref(),
+            scene_hash: hash,
+            rayleigh_fraction: self.rayleigh_fraction,
+            stiffness_factor: self.stiffness_factor,
+            seeds,
+        })
+    }
+
+    /// Says what will be kept and what will be replaced.
+    fn say(&self, code: &str, missing: &Missing, reference: &Reference, seeds: &[u64]) {
+        let recorded = reference.at(code, self.stiffness_factor).count();
+        match &missing.replaces {
+            Some(reason) => (self.warn)(&format!(
+                "{code}: all {recorded} recorded runs will be replaced by seeds 1 to {}, not mixed with them: {reason}",
+                seeds.len()
+            )),
+            None => (self.note)(&format!(
+                "{code}: {} of {} seeds are recorded already, {} to measure or run",
+                seeds.len() - missing.seeds.len(),
+                seeds.len(),
+                missing.seeds.len()
+            )),
+        }
+    }
+
+    /// The runs that ended well; the first failure of the others, all of which are said.
+    fn split(&self, code: &str, simulated: Simulated) -> (CodeRuns, Option<RecordError>) {
+        let mut failure = None;
+        for (seed, error) in simulated.failures {
+            (self.warn)(&format!("{code}, seed {seed}: {error}"));
+            failure = failure.or(Some(error.into()));
+        }
+        (CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests), failure)
+    }
+
+    /// Puts new runs beside the recorded ones or in their place; whether anything changed, or why the references stay.
+    fn take_in(
+        &self,
+        reference: &mut Reference,
+        new: CodeRuns,
+        missing: &Missing,
+        complete: bool,
+        hash: &str,
+    ) -> Result<bool, RecordError> {
+        if missing.replaces.is_some() && !complete {
+            return Err(RecordError::HalfReplaced);
+        }
+        if new.runs.is_empty() {
+            return Ok(false);
+        }
+        match missing.replaces {
+            Some(_) => reference.replace(new, self.stiffness_factor, hash),
+            None => reference.add(new, self.stiffness_factor, hash)?,
+        }
+        Ok(true)
+    }
+
+    /// Adds mean and standard deviation of what is recorded of a code; whether every run has a value of all that is compared.
+    fn describe(&self, reference: &Reference, code: &str, lines: &mut Vec<String>) -> bool {
+        let runs = reference.at(code, self.stiffness_factor).count();
+        let mut whole = true;
+        for expectation in &self.scene.compare {
+            let observable = &expectation.observable;
+            let recorded = reference.at(code, self.stiffness_factor);
+            let values: Vec<f64> = recorded.filter_map(|run| run.value(observable)).collect();
+            let lacking = match runs - values.len() {
+                0 => String::new(),
+                _ => format!("; not measured in {} of {runs}", runs - values.len()),
+            };
+            whole &= lacking.is_empty() && runs > 0;
+            let text = match Ensemble::of(&values) {
+                Some(ensemble) => format!(
+                    "{:.5} +- {:.5} ({} seeds{lacking})",
+                    ensemble.mean, ensemble.standard_deviation, ensemble.seeds
+                ),
+                None => format!("not measured in any of {runs} seeds"),
+            };
+            lines.push(format!("{code:<10} {observable:<28} {text}"));
+        }
+        whole
+    }
+}

@@ -1,0 +1,18 @@
+//! How numbers, tables and figures are drawn, the same on every page and in every terminal.
+//!
+//! ```text
+//! values ─> Axis ─> Plot ─> Drawing (SVG) ─> Figure ─> page, file
+//! scene  ─> View ─────────> Drawing
+//! rows   ─> numbers, names ─> columns ─> terminal
+//! ```
+
+pub(crate) mod axis;
+mod columns;
+pub(crate) mod figure;
+pub(crate) mod names;
+pub(crate) mod numbers;
+pub(crate) mod plot;
+pub(crate) mod svg;
+pub(crate) mod view;
+
+pub(crate) use columns::columns;

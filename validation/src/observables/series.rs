@@ -1,0 +1,18 @@
+//! Quantities over time.
+
+use serde::{Deserialize, Serialize};
+
+/// An observable over time in one run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Series {
+    /// The code.
+    pub code: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Name of the observable.
+    pub observable: String,
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// Values at these times.
+    pub value: Vec<f64>,
+}

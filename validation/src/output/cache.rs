@@ -1,0 +1,69 @@
+//! The folder in which the program keeps what it can make again.
+
+use super::WriteError;
+use std::fs::DirBuilder;
+use std::io::{Error, ErrorKind};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::path::{Path, PathBuf};
+
+/// Folder in which prepared states and recordings are kept: `makadam` in `XDG_CACHE_HOME` or in `~/.cache`. Without either it is
+/// `makadam-UID` where the system keeps temporary files, with the number of the user, who alone may read and write it.
+///
+/// # Errors
+/// [`WriteError`] if the folder among temporary files belongs to somebody else, or others may write to it.
+pub fn cache_folder() -> Result<PathBuf, WriteError> {
+    let absolute = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let own = absolute("XDG_CACHE_HOME").or_else(|| absolute("HOME").map(|home| home.join(".cache")));
+    match own {
+        Some(folder) => Ok(folder.join("makadam")),
+        None => private_folder(&std::env::temp_dir(), rustix::process::getuid().as_raw()),
+    }
+}
+
+/// The folder of a user in one that all users share.
+fn private_folder(shared: &Path, user: u32) -> Result<PathBuf, WriteError> {
+    let folder = shared.join(format!("makadam-{user}"));
+    let refuse = |error| WriteError::new(&folder, error);
+    match DirBuilder::new().mode(0o700).create(&folder) {
+        Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(refuse(error)),
+        _ => {}
+    }
+    // Not through a link: anybody may have put one there.
+    let data = folder.symlink_metadata().map_err(refuse)?;
+    let problem = match () {
+        () if !data.is_dir() => "it is not a folder",
+        () if data.uid() != user => "it belongs to somebody else",
+        () if data.mode() & 0o022 != 0 => "others may write to it",
+        () => return Ok(folder),
+    };
+    let words =
+        format!("{problem}, so that what is kept there cannot be trusted; set XDG_CACHE_HOME to a folder of your own");
+    Err(refuse(Error::new(ErrorKind::PermissionDenied, words)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::{Permissions, set_permissions};
+    use std::os::unix::fs::{PermissionsExt, symlink};
+
+    #[test]
+    fn a_folder_among_temporary_files_is_taken_only_from_its_user() {
+        let shared = tempfile::tempdir().unwrap();
+        let user = shared.path().metadata().unwrap().uid();
+        let folder = private_folder(shared.path(), user).unwrap();
+        assert_eq!(folder.metadata().unwrap().mode() & 0o777, 0o700);
+        assert_eq!(private_folder(shared.path(), user).unwrap(), folder, "it is taken again");
+
+        let refused = |user: u32, words: &str| {
+            let message = private_folder(shared.path(), user).unwrap_err().to_string();
+            assert!(message.contains(words) && message.contains("XDG_CACHE_HOME"), "{message}");
+        };
+        set_permissions(&folder, Permissions::from_mode(0o770)).unwrap();
+        refused(user, "others may write");
+        refused(user + 1, "belongs to somebody else");
+        set_permissions(&folder, Permissions::from_mode(0o700)).unwrap();
+        symlink(&folder, shared.path().join(format!("makadam-{}", user + 2))).unwrap();
+        refused(user + 2, "not a folder");
+    }
+}

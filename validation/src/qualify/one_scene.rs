@@ -1,0 +1,150 @@
+//! One scene in several codes, judged.
+
+use crate::compare::{Announce, CodeRuns, FEW_SEEDS, Reference, ReferenceError, Runs, comparison};
+use crate::peers::{Code, CodeError};
+use crate::provenance::account;
+use crate::report::Qualification;
+use crate::scenes;
+use makadam::scene::Scene;
+use rayon::prelude::*;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// What is compared.
+pub struct OneScene<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its file.
+    pub scene_file: &'a Path,
+    /// The codes.
+    pub codes: Vec<Box<dyn Code>>,
+    /// Whether codes other than Makadam are run, in place of what is recorded of them.
+    pub live: bool,
+    /// Number of seeds, counted from 1; absent, as many as are recorded, or [`FEW_SEEDS`].
+    pub seeds: Option<u64>,
+    /// Time step of explicit codes over the Rayleigh step.
+    pub rayleigh_fraction: f64,
+    /// Wall time after which a run is stopped.
+    pub time_limit: Duration,
+    /// Opens progress displays.
+    pub announce: Announce<'a>,
+}
+
+/// A comparison of one scene with its verdict.
+pub struct Judged {
+    /// What the report is made from.
+    pub qualification: Qualification,
+    /// The first run that failed; the verdict is that of the others.
+    pub failure: Option<CodeError>,
+}
+
+/// Why nothing was judged.
+#[derive(Debug, thiserror::Error)]
+pub enum JudgeError {
+    /// The scene compares nothing.
+    #[error("{scene} names nothing to compare; add observables under [[compare]], or measure it with 'makadam run'")]
+    NothingToCompare {
+        /// The scene.
+        scene: String,
+    },
+    /// Recorded references cannot be read.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// Nothing is recorded of a code.
+    #[error(
+        "nothing is recorded of {code} on the scene {scene}; run it with --live (scripts/install-peers installs it), or leave it \
+         out with --codes"
+    )]
+    NotRecorded {
+        /// The code.
+        code: &'static str,
+        /// The scene.
+        scene: String,
+    },
+    /// A code that must run is missing, or the scene is invalid.
+    #[error(transparent)]
+    Code(#[from] CodeError),
+}
+
+impl OneScene<'_> {
+    /// Runs the codes, or takes what is recorded of them, and compares.
+    ///
+    /// # Errors
+    /// [`JudgeError`]; a run that fails is told beside the verdict on the others.
+    pub fn judge(self) -> Result<Judged, JudgeError> {
+        let scene = self.scene;
+        if scene.compare.is_empty() {
+            return Err(JudgeError::NothingToCompare { scene: scene.name.clone() });
+        }
+        let clock = Instant::now();
+        let reference = scenes::reference(self.scene_file)?;
+        let seeds = self.seeds.or_else(|| reference.as_ref().map(Reference::seeds)).unwrap_or(FEW_SEEDS);
+        let runs = Runs {
+            scene,
+            scene_file: self.scene_file,
+            seeds: (1..=seeds).collect(),
+            rayleigh_fraction: self.rayleigh_fraction,
+            stiffness_factor: 1.0,
+            time_limit: self.time_limit,
+            recordings: None,
+            announce: self.announce,
+        };
+        let (mut notes, mut recorded) = (Vec::new(), Vec::new());
+        let mut live: Vec<Box<dyn Code>> = Vec::new();
+        for code in self.codes {
+            if code.name() == "Makadam" || self.live {
+                if code.version().is_none() {
+                    return Err(CodeError::Missing { code: code.name() }.into());
+                }
+                live.push(code);
+            } else {
+                recorded.push(from_reference(code.name(), reference.as_ref(), scene, &mut notes)?);
+            }
+        }
+        let simulated: Vec<_> = live.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
+        let side_by_side = rayon::current_num_threads().min(live.len() * runs.seeds.len());
+        let (mut measured, mut failure) = (Vec::new(), None);
+        for (code, simulated) in simulated {
+            for (seed, error) in simulated.failures {
+                if !matches!(error, CodeError::Interrupted { .. }) {
+                    notes.push(format!("{code}, seed {seed}: {error}"));
+                }
+                failure = failure.or(Some(error));
+            }
+            measured.push(CodeRuns::live(code, side_by_side, simulated.harvests));
+        }
+        if let Some(error @ CodeError::Scene(_)) = failure {
+            return Err(error.into());
+        }
+        measured.extend(recorded);
+        let qualification = Qualification {
+            title: format!("Comparison of codes on the scene {}", scene.name),
+            tier: "compare".into(),
+            comparisons: vec![comparison(scene, &measured, notes)],
+            wall_seconds: clock.elapsed().as_secs_f64(),
+            provenance: account(rayon::current_num_threads(), &[scene]),
+            notes: Vec::new(),
+            outside_spread: Vec::new(),
+            unchecked: Vec::new(),
+            laws: Vec::new(),
+        };
+        Ok(Judged { qualification, failure })
+    }
+}
+
+/// What is recorded of a code, or an error that says how to get it.
+fn from_reference(
+    code: &'static str,
+    reference: Option<&Reference>,
+    scene: &Scene,
+    notes: &mut Vec<String>,
+) -> Result<CodeRuns, JudgeError> {
+    let Some(runs) = reference.and_then(|reference| reference.code(code)) else {
+        return Err(JudgeError::NotRecorded { code, scene: scene.name.clone() });
+    };
+    notes.push(format!("{code} was not run: its numbers are the recorded references ({})", runs.provenance));
+    if reference.and_then(|reference| reference.is_current(code, scene)) == Some(false) {
+        notes.push(format!("the scene has changed since {code} was recorded: record anew with --record"));
+    }
+    Ok(runs)
+}

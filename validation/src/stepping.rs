@@ -1,0 +1,129 @@
+//! The loop that takes a simulation through its steps: who watches, who is told, what ends it early.
+//!
+//! ```text
+//! step ─> watchdog ─> frame, if one is due ─> progress ─> interrupted? out of time?
+//! ```
+
+use makadam::watch::{Alarm, Watchdog};
+use makadam::{Simulation, StepReport};
+use std::time::{Duration, Instant};
+
+/// Why a simulation did not come to its last step.
+#[derive(Debug)]
+pub enum Halt {
+    /// The user asked to stop.
+    Interrupted,
+    /// The watchdog noticed what makes a run worthless.
+    Worthless(Alarm),
+    /// It took too long; the share of the steps that were taken, 0 to 1.
+    OutOfTime(f64),
+}
+
+/// A step that was taken.
+pub struct Taken {
+    /// What the simulation reports of it.
+    pub report: StepReport,
+    /// Its wall time, s.
+    pub seconds: f64,
+    /// Its number, from 1.
+    pub number: u64,
+    /// Whether a frame is due after it; one always is after the last.
+    pub framed: bool,
+}
+
+/// How a simulation is taken through its steps.
+pub struct Stepping<'a> {
+    steps: u64,
+    interval: Option<f64>,
+    watchdog: Option<&'a mut Watchdog>,
+    tolerated: fn(&Alarm) -> bool,
+    limit: Option<Duration>,
+    progress: &'a dyn Fn(f64),
+}
+
+impl<'a> Stepping<'a> {
+    /// So many steps; `progress` is told the share that is done.
+    pub fn new(steps: u64, progress: &'a dyn Fn(f64)) -> Stepping<'a> {
+        Stepping { steps, interval: None, watchdog: None, tolerated: |_| false, limit: None, progress }
+    }
+
+    /// The same with frames at an interval, s.
+    pub fn framed(self, interval: f64) -> Stepping<'a> {
+        Stepping { interval: Some(interval), ..self }
+    }
+
+    /// The same under the eyes of a watchdog, which looks at each state that a frame is taken of.
+    pub fn watched(self, watchdog: &'a mut Watchdog) -> Stepping<'a> {
+        Stepping { watchdog: Some(watchdog), ..self }
+    }
+
+    /// The same, but what the watchdog notices does not end it where this says so.
+    pub fn tolerating(self, tolerated: fn(&Alarm) -> bool) -> Stepping<'a> {
+        Stepping { tolerated, ..self }
+    }
+
+    /// The same with a wall time after which it ends.
+    pub fn within(self, limit: Duration) -> Stepping<'a> {
+        Stepping { limit: Some(limit), ..self }
+    }
+
+    /// Takes the steps; `each` is shown every one of them that the watchdog lets pass. Gives the wall time of the stepping.
+    ///
+    /// # Errors
+    /// [`Halt`] before the last step.
+    pub fn carry_out(
+        self,
+        simulation: &mut Simulation,
+        mut each: impl FnMut(&Simulation, &Taken),
+    ) -> Result<Duration, Halt> {
+        let Stepping { steps, interval, mut watchdog, tolerated, limit, progress } = self;
+        let (start, step_seconds, mut wall) = (Instant::now(), simulation.time_step(), Duration::ZERO);
+        for number in 1..=steps {
+            let clock = Instant::now();
+            let report = simulation.step();
+            let took = clock.elapsed();
+            wall += took;
+            let framed =
+                number == steps || interval.is_some_and(|interval| frame_is_due(number, step_seconds, interval));
+            let alarm = watchdog.as_mut().and_then(|watchdog| watchdog.check(simulation, &report, framed).err());
+            if let Some(alarm) = alarm.filter(|alarm| !tolerated(alarm)) {
+                return Err(Halt::Worthless(alarm));
+            }
+            each(simulation, &Taken { report, seconds: took.as_secs_f64(), number, framed });
+            let share = number as f64 / steps as f64;
+            progress(share);
+            if crate::interrupt::requested() {
+                return Err(Halt::Interrupted);
+            }
+            if limit.is_some_and(|limit| start.elapsed() > limit) {
+                return Err(Halt::OutOfTime(share));
+            }
+        }
+        Ok(wall)
+    }
+}
+
+/// Whole steps nearest to a duration.
+pub fn steps_in(duration: f64, step: f64) -> u64 {
+    (duration / step).round() as u64
+}
+
+/// Whether a frame is due after a step: the first one at or after each multiple of the interval.
+pub fn frame_is_due(step: u64, step_seconds: f64, interval: f64) -> bool {
+    // A thousandth of a step absorbs rounding where the interval is a whole number of steps.
+    let intervals = |step: u64| ((step as f64 + 1e-3) * step_seconds / interval).floor();
+    step > 0 && intervals(step) > intervals(step - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_fall_on_multiples_of_the_interval() {
+        let due: Vec<u64> = (0..=300).filter(|&step| frame_is_due(step, 5e-4, 0.05)).collect();
+        assert_eq!(due, [100, 200, 300]);
+        let due: Vec<u64> = (0..=10).filter(|&step| frame_is_due(step, 1.0, 2.5)).collect();
+        assert_eq!(due, [3, 5, 8, 10]);
+    }
+}

@@ -1,0 +1,156 @@
+//! The files of a study: tables as CSV, all of it as JSON, figures as SVG, one page to read.
+
+use crate::draw::figure::Figure;
+use crate::draw::svg::standalone;
+use crate::output::cells::csv;
+use serde::Serialize;
+use std::io::{ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
+
+/// Name and content of a file.
+pub type File = (String, Vec<u8>);
+
+/// A study that can be written down.
+pub trait Document: Serialize {
+    /// Name of its JSON document and of its page, without their endings.
+    const NAME: &'static str;
+
+    /// Its tables as CSV, and what else is recorded of it beside its scene.
+    ///
+    /// # Errors
+    /// [`DocumentError`] if a row or the provenance cannot be written out.
+    fn tables(&self) -> Result<Vec<File>, DocumentError>;
+
+    /// Its figures.
+    fn figures(&self) -> Vec<Figure>;
+
+    /// Its page, with these figures.
+    ///
+    /// # Errors
+    /// [`minijinja::Error`] if the template does not fit.
+    fn page(&self, figures: &[Figure]) -> Result<String, minijinja::Error>;
+
+    /// Writes all files into a folder, which is made if it is not there; returns the page's path.
+    ///
+    /// # Errors
+    /// [`DocumentError`] if a file cannot be written; none is changed then.
+    fn write(&self, folder: &Path) -> Result<PathBuf, DocumentError> {
+        let figures = self.figures();
+        let mut files = self.tables()?;
+        files.push(json(Self::NAME, self)?);
+        files.extend(figures.iter().map(drawn));
+        let page = format!("{}.html", Self::NAME);
+        files.push((page.clone(), self.page(&figures)?.into_bytes()));
+        write_together(folder, &files)?;
+        Ok(folder.join(page))
+    }
+
+    /// Writes the tables alone into a folder, which is made if it is not there.
+    ///
+    /// # Errors
+    /// As [`Document::write`].
+    fn write_tables(&self, folder: &Path) -> Result<(), DocumentError> {
+        write_together(folder, &self.tables()?)
+    }
+}
+
+/// Why a document was not written. No file is left half-written.
+#[derive(Debug, thiserror::Error)]
+pub enum DocumentError {
+    /// The system refused.
+    #[error("cannot write {}: {source}; {}", path.display(), remedy(source))]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The page's template does not fit its data.
+    #[error("cannot render the page: {0:#}; this is a fault of the program")]
+    Template(#[from] minijinja::Error),
+    /// The data cannot be written as JSON.
+    #[error("cannot write the data as JSON: {0}; this is a fault of the program")]
+    Json(#[from] serde_json::Error),
+    /// The rows cannot be written as CSV.
+    #[error("cannot write the rows as CSV: {0}; this is a fault of the program")]
+    Csv(#[from] csv::Error),
+}
+
+fn remedy(source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            "the disk is full: free some room, or choose another folder"
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
+            "a file stands where a folder is needed: choose another folder"
+        }
+        _ => "check that the folder exists and the disk has room",
+    }
+}
+
+/// A table as a file NAME.csv.
+pub(crate) fn table(name: &str, rows: &[impl Serialize]) -> Result<File, DocumentError> {
+    Ok((format!("{name}.csv"), csv(rows)?))
+}
+
+/// A value as a file NAME.json.
+pub(crate) fn json(name: &str, value: &(impl Serialize + ?Sized)) -> Result<File, DocumentError> {
+    Ok((format!("{name}.json"), serde_json::to_vec_pretty(value)?))
+}
+
+/// A figure as a file NAME.svg.
+pub(crate) fn drawn(figure: &Figure) -> File {
+    (format!("{}.svg", figure.name), standalone(&figure.svg).into_bytes())
+}
+
+/// Writes files into a folder, which is made if it is not there. All of them are complete on disk under temporary names before
+/// the first is renamed, so that what an earlier command has written stays whole if this one fails.
+///
+/// # Errors
+/// [`DocumentError::Io`] if the system refuses.
+pub(crate) fn write_together(folder: &Path, files: &[File]) -> Result<(), DocumentError> {
+    let refused = |path: &Path| {
+        let path = path.to_path_buf();
+        move |source| DocumentError::Io { path, source }
+    };
+    std::fs::create_dir_all(folder).map_err(refused(folder))?;
+    // A temporary name beside a file, so that the rename stays within one file system.
+    let draft = |name: &str| folder.join(format!("{name}.{}.part", std::process::id()));
+    let written = files
+        .iter()
+        .try_for_each(|(name, bytes)| write_and_sync(&draft(name), bytes).map_err(refused(&folder.join(name))));
+    let renamed = written.and_then(|()| {
+        files.iter().try_for_each(|(name, _)| {
+            let path = folder.join(name);
+            std::fs::rename(draft(name), &path).map_err(refused(&path))
+        })
+    });
+    if renamed.is_err() {
+        for (name, _) in files {
+            // The first error is the one to report; a draft that cannot be removed was never a document.
+            let _ = std::fs::remove_file(draft(name));
+        }
+    }
+    renamed
+}
+
+fn write_and_sync(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = std::fs::File::create(path)?;
+    file.write_all(bytes)?;
+    // Without this a full disk may show only after the rename.
+    file.sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_disk_is_named() {
+        let error =
+            DocumentError::Io { path: "out/report.html".into(), source: std::io::Error::from(ErrorKind::StorageFull) };
+        assert!(error.to_string().contains("out/report.html"), "{error}");
+        assert!(error.to_string().contains("the disk is full"), "{error}");
+    }
+}

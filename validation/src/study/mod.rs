@@ -1,0 +1,19 @@
+//! What the studies have in common.
+//!
+//! ```text
+//! study ─> tables, figures ─> page ─> Document ─> NAME.html, NAME.json, CSV, SVG
+//!                      └─> terminal, Markdown
+//! ```
+
+mod cache;
+mod document;
+mod finding;
+mod page;
+mod table;
+
+pub use cache::{Found, Key, RunCache, sealed, unseal};
+pub use document::{Document, DocumentError, File};
+pub(crate) use document::{drawn, json, table, write_together};
+pub use finding::Finding;
+pub(crate) use page::{environment, page, style};
+pub(crate) use table::{Cell, Table};
