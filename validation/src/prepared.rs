@@ -3,8 +3,9 @@
 use crate::execution::{Execution, ExecutionError};
 use crate::output::{WriteError, create_folder};
 use crate::provenance::scene_hash;
+use crate::scenes::{SceneError, in_file};
 use makadam::checkpoint::{CheckpointError, checksum, open, seal, write_atomically};
-use makadam::scene::{Scene, SceneError};
+use makadam::scene::Scene;
 use makadam::watch::{Alarm, Watchdog};
 use makadam::{BUILD, Simulation};
 use serde::{Deserialize, Serialize};
@@ -115,7 +116,7 @@ pub fn start(
     progress: &dyn Fn(f64),
 ) -> Result<(Simulation, Start), StartError> {
     let Some(prepare) = &scene.prepare else {
-        let mut simulation = Simulation::new(scene, seed, scene_file)?;
+        let mut simulation = Simulation::new(scene, seed).map_err(in_file(scene_file))?;
         execution.apply(&mut simulation)?;
         return Ok((simulation, Start::Fresh));
     };
@@ -131,7 +132,7 @@ pub fn start(
     };
     let mut beforehand = scene.clone();
     beforehand.solver.step = prepare.step;
-    let mut simulation = Simulation::new(&beforehand, seed, scene_file)?;
+    let mut simulation = Simulation::new(&beforehand, seed).map_err(in_file(scene_file))?;
     execution.apply(&mut simulation)?;
     let steps = steps_in(prepare.duration, prepare.step);
     let mut watchdog = Watchdog::new(&scene.watch, &simulation);
@@ -149,7 +150,7 @@ pub fn start(
     let state = simulation.checkpoint();
     let labelled = postcard::to_stdvec(&(Label::of(scene, seed), &state)).expect("numbers, text and bytes");
     write_atomically(&file, &seal(MARK, &labelled)).map_err(|error| WriteError::new(&file, error))?;
-    let mut simulation = Simulation::start_from(scene, &state, &file)?;
+    let mut simulation = Simulation::start_from(scene, &state)?;
     execution.apply(&mut simulation)?;
     Ok((
         simulation,
@@ -165,7 +166,12 @@ fn start_from(scene: &Scene, seed: u64, file: &Path) -> Option<Result<Simulation
         Err(error) => return Some(Err(format!("cannot be read: {error}"))),
     };
     let state = labelled_state(scene, seed, &bytes);
-    let started = |state: Vec<u8>| Simulation::start_from(scene, &state, file).map_err(|error| error.to_string());
+    let started = |state: Vec<u8>| {
+        Simulation::start_from(scene, &state).map_err(|error| match error {
+            CheckpointError::Format { problem } => problem,
+            other => other.to_string(),
+        })
+    };
     Some(state.and_then(started))
 }
 

@@ -194,7 +194,7 @@ fn scene(gravity: &str, duration: f64, interval: f64, materials: &str, body: &st
          domain = {{ min = [-0.3, -0.3, -0.3], max = [0.3, 0.3, 0.3] }}\n\
          [measure]\ninterval = {interval}\nfrom = 0.0\n{materials}{body}"
     );
-    Scene::parse(&text, Path::new("peers.toml")).unwrap_or_else(|error| panic!("{error}"))
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn material(name: &str, friction: f64) -> String {

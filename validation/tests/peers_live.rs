@@ -67,7 +67,7 @@ fn scene(gravity: f64, duration: f64, interval: f64, body: &str) -> Scene {
         }
         text += part;
     }
-    Scene::parse(&text, Path::new("live.toml")).unwrap_or_else(|error| panic!("{error}"))
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn grain(position: [f64; 3], velocity: [f64; 3]) -> String {

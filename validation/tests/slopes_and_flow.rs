@@ -139,7 +139,7 @@ fn segregation() -> Scene {
 
 /// What is measured of the grains where they start, by name.
 fn at_start(scene: &Scene) -> (Vec<f64>, BTreeMap<String, f64>) {
-    let grains = populate(scene, 1, Path::new("scene.toml")).unwrap();
+    let grains = populate(scene, 1).unwrap();
     let radii = grains.iter().map(|grain| grain.radius).collect();
     let particle = |(id, grain): (usize, Grain)| Particle {
         id: id as u32,

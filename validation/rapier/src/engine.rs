@@ -10,6 +10,7 @@ use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_validation::peers::{Code, CodeError, Job, frame_is_due};
 use makadam_validation::prepared::steps_in;
 use makadam_validation::recording::Recording;
+use makadam_validation::scenes::in_file;
 use rapier3d_f64::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -131,7 +132,7 @@ impl Code for Rapier {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
-        let grains = populate(scene, job.seed, job.scene_file)?;
+        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
         let mut world = build(scene, &grains, &self.settings)?;
         let steps = steps_in(scene.duration, self.settings.step);
         let mut frames = vec![snapshot(&world, &grains, 0.0, self.settings.step)];

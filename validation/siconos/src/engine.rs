@@ -10,6 +10,7 @@ use makadam_validation::peers::yade::{read_frames, read_result};
 use makadam_validation::peers::{Code, CodeError, Job, frame_is_due};
 use makadam_validation::prepared::steps_in;
 use makadam_validation::recording::Recording;
+use makadam_validation::scenes::in_file;
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -133,7 +134,7 @@ impl Code for Siconos {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
-        let grains = populate(scene, job.seed, job.scene_file)?;
+        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
         let step = self.settings.step;
         let steps = steps_in(scene.duration, step);
         let (friction, restitution) = coefficients(scene, &grains)?;

@@ -9,8 +9,9 @@ use crate::prepared::StartError;
 use crate::recording::RecordingError;
 use crate::report::ReportError;
 use crate::scaling::MeasureError;
+use crate::scenes::SceneError;
 use crate::tradeoff::{CampaignError, EngineError};
-use makadam::scene::SceneError;
+use makadam::scene::SceneFileError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
 pub const OUTSIDE_TOLERANCE: u8 = 4;
@@ -44,7 +45,7 @@ impl Failure {
         match self {
             Failure::Running(_) | Failure::Interrupted(_) | Failure::ClosedOutput => 1,
             // The scene is sound, and runs where there is more.
-            Failure::Scene(SceneError::Memory { .. }) => 1,
+            Failure::Scene(SceneError::File(SceneFileError::Memory { .. })) => 1,
             Failure::Usage(_) => 2,
             Failure::Scene(_) => 3,
             Failure::MissingCode(_) => 5,

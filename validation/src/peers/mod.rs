@@ -120,7 +120,7 @@ pub enum CodeError {
     },
     /// The scene cannot be populated.
     #[error(transparent)]
-    Scene(#[from] ::makadam::scene::SceneError),
+    Scene(#[from] crate::scenes::SceneError),
     /// The recording cannot be kept or read back.
     #[error(transparent)]
     Recording(#[from] crate::recording::RecordingError),

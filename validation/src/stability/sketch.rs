@@ -4,7 +4,6 @@ use makadam::scene::{
     Domain, GrainEntry, Material, Measure, Motion, NormalLaw, Population, RadiusDistribution, Region, Scene, Shape,
     SolverMethod, SolverSettings, Stop, Wall, Watch,
 };
-use std::path::Path;
 
 /// Radius of a grain where a case says nothing else, m.
 pub const RADIUS: f64 = 0.005;
@@ -214,7 +213,7 @@ impl Sketch {
     /// The scene breaks a rule that scenes from files have to keep: the catalogue is wrong then.
     pub fn scene(self) -> Scene {
         let text = toml::to_string(&self.0).expect("a scene is made of plain tables");
-        Scene::parse(&text, Path::new(&self.0.name)).unwrap_or_else(|error| panic!("{error}"))
+        Scene::parse(&text).unwrap_or_else(|error| panic!("{}: {error}", self.0.name))
     }
 }
 

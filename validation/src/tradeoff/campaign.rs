@@ -9,7 +9,8 @@ use crate::compare::{Harvest, Runs, Share};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError};
 use crate::provenance::{Build, command_line, processor};
-use makadam::scene::{Scene, SceneError, populate};
+use crate::scenes::{SceneError, in_file};
+use makadam::scene::{Scene, populate};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -99,7 +100,7 @@ impl Campaign<'_> {
     /// # Errors
     /// [`CampaignError`]; a run that fails by itself is only noted.
     pub fn carry_out(&self) -> Result<Outcome, CampaignError> {
-        let grains = populate(self.scene, 1, self.scene_file)?;
+        let grains = populate(self.scene, 1).map_err(in_file(self.scene_file))?;
         let mut costs = Costs::new(self.scene, grains.len(), self.scene.rayleigh_step(&grains));
         let configurations = &self.plan.configurations;
         let mut outcome =

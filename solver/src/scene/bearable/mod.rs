@@ -18,7 +18,6 @@ use super::populate::placed;
 use bed::Bed;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::path::Path;
 
 pub(super) use motion::longest_step;
 
@@ -77,15 +76,12 @@ impl Scene {
     }
 
     /// Refuses what cannot be carried out: values out of range, motions that the step passes over, a restitution that falls where
-    /// the step resolves impacts. `file` is named in errors.
+    /// the step resolves impacts. Scenes made in code keep the same rules as those from files.
     ///
     /// # Errors
-    /// [`SceneError::Invalid`] with the first of these; it names the line if the file can be read, and else the path of the value.
-    pub fn check(&self, file: &Path) -> Result<(), SceneError> {
-        self.first_fault().map_or(Ok(()), |fault| {
-            let text = std::fs::read_to_string(file).ok();
-            Err(fault.locate(file, text.as_deref()))
-        })
+    /// [`SceneError::Invalid`] with the first of these.
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.first_fault().map_or(Ok(()), |fault| Err(fault.into()))
     }
 
     fn first_fault(&self) -> Option<Fault> {

@@ -21,6 +21,7 @@ use describe::describe;
 use folder::{FINER, Task, Wish, settle_finer, task};
 use kept::Place;
 use makadam::Simulation;
+use makadam::checkpoint::CheckpointError;
 use makadam::lanes::InstructionSet;
 use makadam::scene::{Finding, Scene};
 use progress::Progress;
@@ -175,8 +176,12 @@ impl<'a> Asked<'a> {
                  --restart"
             )));
         }
-        let mut simulation = Simulation::resume(scene, &kept.simulation, place.file())
-            .map_err(|error| Failure::Running(error.to_string()))?;
+        let mut simulation = Simulation::resume(scene, &kept.simulation).map_err(|error| {
+            Failure::Running(match error {
+                CheckpointError::Format { problem } => format!("{shown} {problem}; delete it and start anew"),
+                other => other.to_string(),
+            })
+        })?;
         if self.arguments.ledger && simulation.balance().is_none() {
             return Err(Failure::Usage(format!(
                 "{shown} is of a run without a ledger, which cannot be opened on the way: leave --ledger out, or give --restart"

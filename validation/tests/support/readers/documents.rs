@@ -9,7 +9,6 @@ use makadam_validation::provenance::Build;
 use makadam_validation::recording::Recording;
 use makadam_validation::tradeoff::{Configuration, KeptRun, Key, Knobs, sealed};
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::OnceLock;
 
 /// What the line in front of a part of a document starts with; the part's name follows.
@@ -214,7 +213,7 @@ fn text(head: &str, rest: &str) -> String {
 /// A scene from its walls and grains.
 pub fn scene(rest: &str) -> Scene {
     let text = text("", rest);
-    Scene::parse(&text, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 /// Scenes.
@@ -230,7 +229,7 @@ pub fn checkpoints() -> Vec<Vec<u8>> {
     static MADE: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
     let make = || {
         let scene = scene(SMALL_SCENE);
-        let mut simulation = Simulation::new(&scene, 1, Path::new("small.toml")).expect("the scene is sound");
+        let mut simulation = Simulation::new(&scene, 1).expect("the scene is sound");
         let start = simulation.checkpoint();
         let touching = (0..1000).find(|_| simulation.step().contacts > 1 && !simulation.snapshot().contacts.is_empty());
         assert!(touching.is_some(), "no checkpoint with impulses");
