@@ -2,8 +2,8 @@
 //!
 //! A recording that is already there is left alone.
 
-use makadam::scene::Scene;
 use makadam_validation::peers::{Code, Job, Liggghts, Yade};
+use makadam_validation::plan::Scene;
 use makadam_validation::scenes;
 use std::path::{Path, PathBuf};
 use std::time::Duration;

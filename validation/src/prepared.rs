@@ -2,10 +2,10 @@
 
 use crate::execution::{Execution, ExecutionError};
 use crate::output::{WriteError, create_folder};
+use crate::plan::Scene;
 use crate::provenance::scene_hash;
 use crate::scenes::{SceneError, in_file};
 use makadam::checkpoint::{CheckpointError, checksum, open, seal, write_atomically};
-use makadam::scene::Scene;
 use makadam::watch::{Alarm, Watchdog};
 use makadam::{BUILD, Simulation};
 use serde::{Deserialize, Serialize};

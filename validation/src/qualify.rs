@@ -4,10 +4,11 @@ use crate::compare::{
     Announce, CodeRuns, CodeSummary, Comparison, Harvest, ReferenceError, Runs, Timing, comparison, live_checks,
 };
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
+use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{Qualification, Standing};
 use crate::scenes::{self, SceneError};
-use makadam::scene::{Scene, SceneFileError};
+use makadam::scene::SceneFileError;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

@@ -5,7 +5,8 @@
 
 use crate::compare::{Reference, ReferenceError};
 use crate::observables::catalogue;
-use makadam::scene::{Scene, SceneFileError};
+use crate::plan::Scene;
+use makadam::scene::SceneFileError;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 

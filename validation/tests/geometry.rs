@@ -1,12 +1,12 @@
 //! Contours, lines and walls: the geometry that measures stand on.
 
 use approx::assert_abs_diff_eq;
-use makadam::scene::Scene;
 use makadam::snapshot::{DrivenWall, Snapshot};
 use makadam_validation::observables::contour::{area, contours, encloses, outline, segments, squared_distance};
 use makadam_validation::observables::field::Field;
 use makadam_validation::observables::line::{Line, clip};
 use makadam_validation::observables::walls::PlacedWalls;
+use makadam_validation::plan::Scene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 

@@ -1,8 +1,9 @@
 //! The real peers against closed forms of one contact, where they are installed.
 
-use makadam::scene::{Cohesion, Scene};
+use makadam::scene::Cohesion;
 use makadam::snapshot::{Contact, Partner, Snapshot};
 use makadam_validation::peers::{Code, Job, Liggghts, Yade};
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
 use std::path::Path;

@@ -4,10 +4,11 @@ use crate::support::beds::{
     Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum, value,
 };
 use approx::assert_abs_diff_eq;
-use makadam::scene::{Grain, Scene, populate};
+use makadam::scene::{Grain, populate};
 use makadam::snapshot::{Contact, Particle, Partner};
 use makadam_validation::effects::variations;
 use makadam_validation::observables::{measure, series};
+use makadam_validation::plan::Scene;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -35,7 +35,7 @@ impl SceneError {
     }
 
     /// What the reader of TOML says of a text.
-    pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> SceneError {
+    pub fn from_toml(text: &str, error: &toml::de::Error) -> SceneError {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         let problem = error.message().replace('\n', " ");
         let kinds = || error.span().and_then(|span| kinds_at(text, span.start));

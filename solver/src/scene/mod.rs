@@ -8,6 +8,7 @@
 mod accuracy;
 mod bearable;
 mod check;
+mod document;
 mod error;
 mod file;
 mod impacts;
@@ -25,24 +26,27 @@ pub use crate::effects::compliance::NormalLaw;
 use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
 pub use accuracy::Accuracy;
-pub use bearable::{Finding, Severity};
+pub use bearable::{Beforehand, Finding, Severity};
+pub use document::TABLES_OF_WHO_MEASURES;
 pub use error::{Fault, SceneError, line_of};
 pub use file::SceneFileError;
 pub(crate) use periodic::REACHES;
+pub use place::{Checked, Place};
 pub use populate::{Grain, populate};
 pub use settings::{MOST_MEMORY, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
-    Axis, Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population, Prepare,
-    RadiusDistribution, Region, Shape, Wall,
+    Axis, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region, Shape, Wall,
 };
 pub use watch::{Reaction, Watch};
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A scene: materials, walls, grains, gravity, duration, solver settings and what to measure.
+/// A scene: materials, walls, grains, gravity, duration and solver settings.
+///
+/// The tables `measure`, `compare` and `prepare` of a scene's file are for who measures it: they are passed over here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(from = "document::Document")]
 pub struct Scene {
     /// Short name, used in tables and file names.
     pub name: String,
@@ -51,51 +55,35 @@ pub struct Scene {
     /// Simulated time, seconds.
     pub duration: f64,
     /// Acceleration of gravity, m/s2.
-    #[serde(default = "types::earth_gravity")]
     pub gravity: [f64; 3],
     /// Later values of gravity, straight lines between them and the start; none where it is constant.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gravity_changes: Vec<GravityChange>,
     /// Seed used where none is asked for.
-    #[serde(default = "types::first_seed")]
     pub seed: u64,
     /// Box that no grain may leave, metres.
     pub domain: Domain,
     /// Largest overlap of two grains, or of a grain and a wall, that is accepted at the start, over the smaller radius.
-    #[serde(default = "types::slight_overlap", skip_serializing_if = "types::is_slight")]
+    #[serde(skip_serializing_if = "types::is_slight")]
     pub largest_start_overlap: f64,
     /// Materials by name.
     pub material: BTreeMap<String, Material>,
     /// Friction and restitution of particular pairs of materials.
-    #[serde(default)]
     pub pair: Vec<PairRule>,
     /// Walls, in the order in which contacts number them.
-    #[serde(default)]
     pub wall: Vec<Wall>,
     /// Groups of grains placed by rule.
-    #[serde(default)]
     pub population: Vec<Population>,
     /// Grains placed one by one.
-    #[serde(default)]
     pub grain: Vec<GrainEntry>,
-    /// What is simulated before the run begins, where a run starts from a flowing state.
-    #[serde(default)]
-    pub prepare: Option<Prepare>,
     /// How accurate the result has to be; it then decides on the solver's `step` and `stop`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
     /// How Makadam solves it.
-    #[serde(default)]
     pub solver: SolverSettings,
     /// What a run watches for.
-    #[serde(default, skip_serializing_if = "settings::is_default")]
+    #[serde(skip_serializing_if = "settings::is_default")]
     pub watch: Watch,
-    /// What is measured and when.
-    #[serde(default)]
-    pub measure: Measure,
-    /// Observables that are compared between codes, with their margins of equivalence.
-    #[serde(default)]
-    pub compare: Vec<Expectation>,
 }
 
 /// What a contact of two materials has by the scene's rules.
@@ -131,7 +119,7 @@ impl Scene {
             check::chosen_twice(text)?;
             scene.ask(accuracy);
         }
-        scene.unbearable().map_or(Ok(()), Err)?;
+        scene.unbearable(None).map_or(Ok(()), Err)?;
         Ok(scene)
     }
 

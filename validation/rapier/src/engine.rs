@@ -5,9 +5,10 @@
 //! whose stiffness is that of an oscillator of the pair's mass at the natural frequency, so that it sinks in by
 //! `g / (2 pi f)^2` under the weight of its own mass, whatever the size of the grains.
 
-use makadam::scene::{Grain, Motion, Scene, Shape, populate};
+use makadam::scene::{Grain, Motion, Shape, populate};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_validation::peers::{Code, CodeError, Job, frame_is_due};
+use makadam_validation::plan::Scene;
 use makadam_validation::prepared::steps_in;
 use makadam_validation::recording::Recording;
 use makadam_validation::scenes::in_file;

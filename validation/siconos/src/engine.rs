@@ -5,9 +5,10 @@
 //! Gauss-Seidel (NSGS) until the error of its own measure, relative to the free velocities, is below a tolerance. Its grains
 //! are rigid, its restitution is Newton's, its contacts are found by Bullet.
 
-use makadam::scene::{Grain, Motion, Scene, Shape, populate};
+use makadam::scene::{Grain, Motion, Shape, populate};
 use makadam_validation::peers::yade::{read_frames, read_result};
 use makadam_validation::peers::{Code, CodeError, Job, frame_is_due};
+use makadam_validation::plan::Scene;
 use makadam_validation::prepared::steps_in;
 use makadam_validation::recording::Recording;
 use makadam_validation::scenes::in_file;

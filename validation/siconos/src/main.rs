@@ -8,8 +8,8 @@
 mod engine;
 
 use engine::{NAME, Settings, Siconos, installed};
-use makadam::scene::Scene;
 use makadam_validation::peers::Code;
+use makadam_validation::plan::Scene;
 use makadam_validation::scenes;
 use makadam_validation::tradeoff::{EngineRuns, KeptRun, Knobs};
 use std::path::{Path, PathBuf};

@@ -6,10 +6,10 @@ use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, load, use_threa
 use crate::compare::{CodeRuns, CodeSummary, Comparison, Reference, Row, Runs, comparison};
 use crate::output::JSON_VERSION;
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
+use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{self, Qualification, Standing, Verdict};
 use crate::scenes;
-use makadam::scene::Scene;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -22,12 +22,12 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
 use crate::compare::Share;
 use crate::execution::Execution;
+use crate::plan::Scene;
 use crate::prepared::{Start, cache_folder, is_ready, start, steps_in};
 use crate::scenes;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use makadam::Simulation;
-use makadam::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

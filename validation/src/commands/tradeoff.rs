@@ -4,12 +4,13 @@ use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
 use super::compare::{FEW_SEEDS, codes};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json, load};
 use crate::observables::catalogue::group_of;
+use crate::plan::Scene;
 use crate::prepared::file_stem;
 use crate::provenance::{account, processor};
 use crate::tradeoff::{
     self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Shelf, Study, Terms, recorded_engines,
 };
-use makadam::scene::{Scene, Stop};
+use makadam::scene::Stop;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;

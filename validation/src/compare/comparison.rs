@@ -1,6 +1,6 @@
 //! What a comparison of one scene yields: the data that tables, JSON, CSV and the report are made from.
 
-use makadam::scene::Scene;
+use crate::plan::Scene;
 use makadam::snapshot::Particle;
 use serde::{Deserialize, Serialize};
 

@@ -2,9 +2,10 @@
 
 use super::findings::findings;
 use crate::output::JSON_VERSION;
+use crate::plan::Scene;
 use crate::provenance::Provenance;
 use crate::scaling::median;
-use makadam::scene::{Scene, SolverMethod};
+use makadam::scene::SolverMethod;
 use makadam::sweep::{Residual, Residuals};
 use makadam::{ConvergencePoint, Simulation};
 use serde::{Serialize, Serializer};

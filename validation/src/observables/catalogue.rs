@@ -1,7 +1,8 @@
 //! Which quantities there are, and what a scene must measure to get them.
 
 use crate::nearest::nearest;
-use makadam::scene::{Observable, Scene, SceneFileError, line_of};
+use crate::plan::{Observable, Scene};
+use makadam::scene::{SceneFileError, line_of};
 use std::path::Path;
 
 /// The groups of quantities, as `measure.observables` names them, with their quantities, as `[[compare]]` names them.

@@ -5,8 +5,8 @@ use super::frames::Frames;
 use super::view::View;
 use super::{bed_of, heap_of, measured_frames, setting_of};
 use crate::compare::ForceDistribution;
+use crate::plan::Scene;
 use crate::recording::Recording;
-use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// Width of a bin in which forces are counted, in mean forces.

@@ -15,8 +15,9 @@ pub use liggghts::Liggghts;
 pub use makadam::{Makadam, frame_is_due};
 pub use yade::Yade;
 
+use crate::plan::Scene;
 use crate::recording::Recording;
-use ::makadam::scene::{ContactCoefficients, Motion, Scene, Shape};
+use ::makadam::scene::{ContactCoefficients, Motion, Shape};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 

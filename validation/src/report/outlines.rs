@@ -3,7 +3,8 @@
 use super::numbers::compact;
 use super::svg::{Anchor, Drawing};
 use super::view::View;
-use makadam::scene::{Motion, Scene, Shape};
+use crate::plan::Scene;
+use makadam::scene::{Motion, Shape};
 use nalgebra::Vector3;
 
 /// From metres on the picture's plane to the drawing.

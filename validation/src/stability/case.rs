@@ -1,7 +1,7 @@
 //! One hard case: what is simulated, what must come of it and why, and how that is measured.
 
 use super::Evidence;
-use makadam::scene::Scene;
+use crate::plan::Scene;
 use serde::Serialize;
 
 /// A hard case.

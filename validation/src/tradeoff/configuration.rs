@@ -1,7 +1,8 @@
 //! One way to run one code.
 
+use crate::plan::Scene;
 use crate::report::numbers::compact;
-use makadam::scene::{Scene, SolverMethod, SolverSettings, Stop};
+use makadam::scene::{SolverMethod, SolverSettings, Stop};
 use serde::{Deserialize, Serialize};
 
 /// One way to run one code: a point of the trade-off once it has run.

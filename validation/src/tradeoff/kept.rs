@@ -3,10 +3,10 @@
 use super::configuration::Configuration;
 use crate::compare::MeasuredRun;
 use crate::output::{WriteError, create_folder, write_whole};
+use crate::plan::Scene;
 use crate::prepared::file_stem;
 use crate::provenance::{Build, scene_hash};
 use makadam::checkpoint::checksum;
-use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! Beds whose numbers are known beforehand, and scenes to measure them with.
 
-use makadam::scene::Scene;
 use makadam::snapshot::{Particle, Snapshot};
 use makadam_validation::observables::Measurement;
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::SQRT_2;

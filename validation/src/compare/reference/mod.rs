@@ -21,8 +21,8 @@ pub use missing::{Missing, Wanted};
 pub use read::ReferenceError;
 
 use super::{CodeRuns, FinalState, ForceDistribution, MeasuredRun, Series, Source, Timing};
+use crate::plan::Scene;
 use makadam::checkpoint::checksum;
-use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

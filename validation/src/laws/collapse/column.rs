@@ -2,8 +2,9 @@
 
 use super::super::Case;
 use super::law;
+use crate::plan::Scene;
 use crate::stability::{GRAVITY, Sketch};
-use makadam::scene::{Motion, Population, RadiusDistribution, Reaction, Region, Scene, Shape, Wall};
+use makadam::scene::{Motion, Population, RadiusDistribution, Reaction, Region, Shape, Wall};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Mean diameter of the grains, m.

@@ -1,10 +1,10 @@
 //! Small sound documents of every kind.
 
 use makadam::Simulation;
-use makadam::scene::Scene;
 use makadam::snapshot::{Contact, DrivenWall, Particle, Partner, Snapshot};
 use makadam_validation::compare::MeasuredRun;
 use makadam_validation::observables::Measurement;
+use makadam_validation::plan::Scene;
 use makadam_validation::provenance::Build;
 use makadam_validation::recording::Recording;
 use makadam_validation::tradeoff::{Configuration, KeptRun, Key, Knobs, sealed};
