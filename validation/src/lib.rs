@@ -16,6 +16,7 @@ mod nearest;
 pub mod observables;
 pub mod output;
 pub mod peers;
+pub mod plan;
 pub mod prepared;
 pub mod provenance;
 pub mod qualify;

@@ -12,6 +12,7 @@ mod peers;
 mod peers_live;
 mod report;
 mod scaling;
+mod scene_hashes;
 mod slopes_and_flow;
 mod sphere_volume;
 mod statistics;

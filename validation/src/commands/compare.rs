@@ -6,9 +6,9 @@ use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, load, use_threa
 use crate::compare::{CodeSummary, Comparison, Row};
 use crate::output::JSON_VERSION;
 use crate::peers::{Code, Liggghts, Makadam, Yade};
+use crate::plan::Scene;
 use crate::qualify::{Judged, OneScene};
 use crate::report::{self, Standing, Verdict};
-use makadam::scene::Scene;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -8,10 +8,11 @@ use crate::peers::CodeError;
 use crate::prepared::StartError;
 use crate::qualify::JudgeError;
 use crate::recording::RecordingError;
+use crate::scenes::SceneError;
 use crate::stability::StabilityError;
 use crate::study::DocumentError;
 use crate::tradeoff::{CampaignError, EngineError};
-use makadam::scene::SceneError;
+use makadam::scene::SceneFileError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
 pub const OUTSIDE_TOLERANCE: u8 = 4;
@@ -45,7 +46,7 @@ impl Failure {
         match self {
             Failure::Running(_) | Failure::Interrupted(_) | Failure::ClosedOutput => 1,
             // The scene is sound, and runs where there is more.
-            Failure::Scene(SceneError::Memory { .. }) => 1,
+            Failure::Scene(SceneError::File(SceneFileError::Memory { .. })) => 1,
             Failure::Usage(_) => 2,
             Failure::Scene(_) => 3,
             Failure::MissingCode(_) => 5,

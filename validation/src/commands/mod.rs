@@ -22,6 +22,7 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 use crate::compare::Share;
 use crate::execution::Execution;
 use crate::output::{cache_folder, file_stem};
+use crate::plan::Scene;
 use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
@@ -29,7 +30,6 @@ use crate::study::Document;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use makadam::Simulation;
-use makadam::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
