@@ -45,3 +45,13 @@ fn a_scene_is_written_as_it_was_read() {
         assert_eq!(again, read, "{name}");
     }
 }
+
+#[test]
+fn reference_scenes_have_no_findings() {
+    assert!(scenes::names().count() >= 18);
+    for name in scenes::names() {
+        let scene = scenes::load(&scenes::find(name, &[]).unwrap()).unwrap();
+        let findings = scene.findings(None);
+        assert!(findings.is_empty(), "{name}: {findings:?}");
+    }
+}

@@ -7,6 +7,7 @@
 
 mod accuracy;
 mod bearable;
+mod builder;
 mod check;
 mod document;
 mod error;
@@ -27,6 +28,7 @@ use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
 pub use accuracy::Accuracy;
 pub use bearable::{Beforehand, Finding, Severity};
+pub use builder::{Face, SceneBuilder};
 pub use document::TABLES_OF_WHO_MEASURES;
 pub use error::{Fault, SceneError, line_of};
 pub use file::SceneFileError;

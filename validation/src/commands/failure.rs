@@ -2,7 +2,6 @@
 
 use crate::compare::ReferenceError;
 use crate::effects::AblationError;
-use crate::execution::ExecutionError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
@@ -11,6 +10,7 @@ use crate::report::ReportError;
 use crate::scaling::MeasureError;
 use crate::scenes::SceneError;
 use crate::tradeoff::{CampaignError, EngineError};
+use makadam::SettingError;
 use makadam::scene::SceneFileError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
@@ -59,11 +59,14 @@ impl From<WriteError> for Failure {
     }
 }
 
-impl From<ExecutionError> for Failure {
-    fn from(error: ExecutionError) -> Failure {
+impl From<SettingError> for Failure {
+    fn from(error: SettingError) -> Failure {
         match error {
-            ExecutionError::NoInstructionSet(_) => Failure::Usage(error.to_string()),
-            ExecutionError::NoThreads(..) => Failure::Running(error.to_string()),
+            SettingError::NoInstructionSet { .. } => {
+                Failure::Usage(format!("{error}; leave --isa out, or give one that there is"))
+            }
+            SettingError::NoThreads { .. } => Failure::Running(format!("{error}; give fewer with --threads")),
+            SettingError::Method { .. } | SettingError::SinglePrecision(_) => Failure::Usage(error.to_string()),
         }
     }
 }

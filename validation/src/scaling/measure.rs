@@ -2,7 +2,7 @@
 //! instruction set, in turn and several times over, so that whatever else the machine does hits all of them alike.
 
 use super::costs::median;
-use crate::execution::{Execution, ExecutionError};
+use crate::execution::Execution;
 use crate::sweep_bytes::SweepBytes;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
@@ -85,7 +85,7 @@ pub struct Measurement {
 pub enum MeasureError {
     /// The machine cannot step as asked.
     #[error(transparent)]
-    Execution(#[from] ExecutionError),
+    Execution(#[from] makadam::SettingError),
     /// The system starts no threads to measure with.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

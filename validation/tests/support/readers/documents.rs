@@ -355,7 +355,7 @@ pub fn references() -> Vec<Vec<u8>> {
 }
 
 fn configuration() -> Configuration {
-    let settings = scene(SMALL_SCENE).solver;
+    let settings = scene(SMALL_SCENE).simulated.solver;
     let knobs = Knobs::Solver { settings, variation: Some("warm start 0".into()) };
     Configuration { code: "Makadam".into(), stiffness_factor: 10.0, knobs }
 }
