@@ -16,7 +16,6 @@ use crate::solve::{SolveReport, StopReason, solve};
 use crate::sweep::{Relaxation, start_driven};
 use crate::swept::Swept;
 use crate::world::{Body, Sphere, World, chunk, chunks};
-use rayon::ThreadPoolBuildError;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -441,9 +440,11 @@ impl Simulation {
     /// Steps on so many threads that share tasks in this way; any choice gives the same bits.
     ///
     /// # Errors
-    /// The system gives no more threads.
-    pub fn use_team(&mut self, scheduler: Scheduler, threads: usize) -> Result<(), ThreadPoolBuildError> {
-        self.team = Team::new(scheduler, threads)?;
+    /// [`SettingError::NoThreads`] where the system gives no more threads.
+    pub fn use_team(&mut self, scheduler: Scheduler, threads: usize) -> Result<(), SettingError> {
+        let refused =
+            |error: rayon::ThreadPoolBuildError| SettingError::NoThreads { threads, reason: error.to_string() };
+        self.team = Team::new(scheduler, threads).map_err(refused)?;
         Ok(())
     }
 

@@ -123,7 +123,7 @@ fn a_file_that_cannot_be_written_is_an_error_and_the_old_one_stays() {
     simulation.save(&file).unwrap();
     assert_eq!(std::fs::read(&file).unwrap(), simulation.checkpoint());
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "no draft stays behind");
-    let message = simulation.save(&file.join("below-a-file")).unwrap_err().to_string();
+    let message = simulation.save(file.join("below-a-file")).unwrap_err().to_string();
     assert!(message.contains("below-a-file") && message.contains("disk has room"), "{message}");
     std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -266,14 +266,14 @@ fn what_cannot_be_driven_is_refused_with_a_remedy() {
         ("start = 0.0", "start = -1.0", "start"),
     ] {
         assert!(text.contains(sound), "{text}");
-        let message = Scene::parse(&text.replacen(sound, wrong, 1)).unwrap_err().to_string();
+        let message = crate::common::parse(&text.replacen(sound, wrong, 1)).unwrap_err();
         assert!(message.contains(word) && message.contains("test.toml:"), "{message}");
     }
     for (key, line) in
         [("precision", "precision = 'single'"), ("method", "method = { kind = 'jacobi', damping = 0.5 }")]
     {
         let wrong = text.replace("[solver]\n", &format!("[solver]\n{line}\n"));
-        let message = Scene::parse(&wrong).unwrap_err().to_string();
+        let message = crate::common::parse(&wrong).unwrap_err();
         assert!(message.contains(key) && message.contains("lid"), "{message}");
     }
 }

@@ -171,7 +171,7 @@ fn a_scene_without_changes_does_not_mention_them_and_wrong_ones_are_refused() {
     assert!(!plain.contains("gravity_changes"), "{plain}");
     let parse = |changes: &str| {
         let text = format!("gravity_changes = [{changes}]\n{plain}");
-        Scene::parse(&text).map_err(|error| error.to_string())
+        crate::common::parse(&text)
     };
     assert!(parse("{ time = 1.0, gravity = [0, 0, -1] }, { time = 2.0, gravity = [0, 0, 1] }").is_ok());
     for wrong in [

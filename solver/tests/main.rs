@@ -11,6 +11,7 @@ mod discs;
 mod driven_walls;
 mod effect_combinations;
 mod empty_domain;
+mod front_door;
 mod golden;
 mod gravity;
 mod impact;

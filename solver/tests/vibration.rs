@@ -3,7 +3,6 @@
 use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, Setup, grain, run_until};
 use approx::assert_relative_eq;
 use makadam::Simulation;
-use makadam::scene::Scene;
 use std::f64::consts::{PI, TAU};
 
 const RADIUS: f64 = 0.005;
@@ -165,7 +164,7 @@ fn what_makes_no_vibration_is_refused_with_a_remedy() {
         ("start = 0.0", "start = 2.0\nstop = 1.0", "stop"),
     ] {
         assert!(text.contains(sound), "{text}");
-        let message = Scene::parse(&text.replace(sound, wrong)).unwrap_err().to_string();
+        let message = crate::common::parse(&text.replace(sound, wrong)).unwrap_err();
         assert!(message.contains(word) && message.contains("test.toml:"), "{message}");
     }
 }

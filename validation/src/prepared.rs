@@ -1,6 +1,6 @@
 //! Where a run starts: at the lattice gas, or at a flowing state that was prepared once and is kept on the machine.
 
-use crate::execution::{Execution, ExecutionError};
+use crate::execution::Execution;
 use crate::output::{WriteError, cache_folder, create_folder, file_stem};
 use crate::plan::Scene;
 use crate::provenance::scene_hash;
@@ -27,7 +27,7 @@ pub enum StartError {
     Checkpoint(#[from] CheckpointError),
     /// The machine cannot run it as asked.
     #[error(transparent)]
-    Execution(#[from] ExecutionError),
+    Execution(#[from] makadam::SettingError),
     /// The state that was prepared is worth nothing.
     #[error("while the flowing state was prepared: {0}")]
     Worthless(Alarm),

@@ -49,7 +49,8 @@ impl Simulation {
     ///
     /// # Errors
     /// [`CheckpointError::Io`] if the file cannot be written.
-    pub fn save(&self, file: &Path) -> Result<(), CheckpointError> {
+    pub fn save(&self, file: impl AsRef<Path>) -> Result<(), CheckpointError> {
+        let file = file.as_ref();
         write_atomically(file, &self.checkpoint()).map_err(|source| CheckpointError::Io { file: file.into(), source })
     }
 

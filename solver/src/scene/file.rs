@@ -46,7 +46,8 @@ impl Scene {
     /// # Errors
     /// [`SceneFileError`] if the file is missing, is not TOML, says something that is not read, holds a value out of range, or prescribes
     /// a motion that its step passes over.
-    pub fn load(file: &Path) -> Result<Scene, SceneFileError> {
+    pub fn load(file: impl AsRef<Path>) -> Result<Scene, SceneFileError> {
+        let file = file.as_ref();
         let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
         let text = std::fs::read_to_string(file).map_err(missing)?;
         Scene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))

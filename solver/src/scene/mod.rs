@@ -7,6 +7,7 @@
 
 mod accuracy;
 mod bearable;
+mod builder;
 mod check;
 mod document;
 mod error;
@@ -27,6 +28,7 @@ use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
 pub use accuracy::Accuracy;
 pub use bearable::{Beforehand, Finding, Severity};
+pub use builder::{Face, SceneBuilder};
 pub use document::TABLES_OF_WHO_MEASURES;
 pub use error::{Fault, SceneError, line_of};
 pub use file::SceneFileError;
@@ -152,6 +154,9 @@ impl Scene {
     ///
     /// A `[[pair]]` rule decides where there is one. Otherwise a wall contact takes the wall's values, and two
     /// grains take the smaller of each of the two.
+    ///
+    /// # Panics
+    /// The scene has no such material. A scene that was [checked](Scene::check) has all that its grains, walls and pairs name.
     pub fn contact_coefficients(&self, first: &str, second: &str, wall: bool) -> ContactCoefficients {
         let rule = self.pair.iter().find(|rule| {
             let [a, b] = &rule.between;
@@ -181,6 +186,9 @@ impl Scene {
 
     /// Rayleigh time step of explicit codes, seconds: the smallest over `grains` of
     /// `pi r sqrt(rho/G) / (0.1631 nu + 0.8766)`, with `G = E / (2 (1 + nu))`.
+    ///
+    /// # Panics
+    /// A grain is of a material that the scene does not have: it is not one of the scene's.
     pub fn rayleigh_step(&self, grains: &[Grain]) -> f64 {
         grains
             .iter()

@@ -96,3 +96,8 @@ pub fn run_until(simulation: &mut Simulation, time: f64) {
         simulation.step();
     }
 }
+
+/// Reads a scene's text as if it stood in `test.toml`, which errors name.
+pub fn parse(text: &str) -> Result<Scene, String> {
+    Scene::parse(text).map_err(|error| error.in_file(std::path::Path::new("test.toml"), Some(text)).to_string())
+}

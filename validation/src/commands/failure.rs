@@ -2,7 +2,7 @@
 
 use crate::compare::{RecordError, ReferenceError};
 use crate::effects::AblationError;
-use crate::execution::{ExecutionError, MeasureError};
+use crate::execution::MeasureError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
@@ -12,6 +12,7 @@ use crate::scenes::SceneError;
 use crate::stability::StabilityError;
 use crate::study::DocumentError;
 use crate::tradeoff::{CampaignError, EngineError};
+use makadam::SettingError;
 use makadam::scene::SceneFileError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
@@ -60,11 +61,14 @@ impl From<WriteError> for Failure {
     }
 }
 
-impl From<ExecutionError> for Failure {
-    fn from(error: ExecutionError) -> Failure {
+impl From<SettingError> for Failure {
+    fn from(error: SettingError) -> Failure {
         match error {
-            ExecutionError::NoInstructionSet(_) => Failure::Usage(error.to_string()),
-            ExecutionError::NoThreads(..) => Failure::Running(error.to_string()),
+            SettingError::NoInstructionSet { .. } => {
+                Failure::Usage(format!("{error}; leave --isa out, or give one that there is"))
+            }
+            SettingError::NoThreads { .. } => Failure::Running(format!("{error}; give fewer with --threads")),
+            SettingError::Method { .. } | SettingError::SinglePrecision(_) => Failure::Usage(error.to_string()),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! One simulation of a case, on one thread.
 
 use super::Case;
-use crate::execution::{Execution, ExecutionError};
+use crate::execution::Execution;
 use crate::output::WriteError;
 use crate::scenes::{SceneError, named};
 use crate::stepping::{Halt, Stepping, steps_in};
@@ -17,7 +17,7 @@ pub(crate) enum LawError {
     Scene(#[from] SceneError),
     /// The machine cannot run it.
     #[error(transparent)]
-    Execution(#[from] ExecutionError),
+    Execution(#[from] makadam::SettingError),
     /// A row cannot be kept.
     #[error(transparent)]
     Write(#[from] WriteError),

@@ -127,7 +127,7 @@ pub enum CodeError {
     Recording(#[from] crate::recording::RecordingError),
     /// It cannot be carried out as asked.
     #[error(transparent)]
-    Execution(#[from] crate::execution::ExecutionError),
+    Execution(#[from] ::makadam::SettingError),
     /// The state that the scene starts from cannot be kept.
     #[error(transparent)]
     State(#[from] ::makadam::checkpoint::CheckpointError),
