@@ -8,7 +8,7 @@ use makadam::{
 
 /// Inner radius and length of the drum, m.
 const RADIUS: f64 = 0.06;
-const LENGTH: f64 = 0.03;
+const LENGTH: f64 = 0.04;
 /// Angular velocity, rad/s.
 const RATE: f64 = 2.0;
 /// Width of the strips in which the highest grain is taken, m.
@@ -26,7 +26,7 @@ fn main() -> Result<(), Error> {
         .domain([-RADIUS, 0.0, -RADIUS], [RADIUS, LENGTH, RADIUS])
         .periodic(Axis::Y)
         .wall(Wall::new("shell", "glass", shell).moving(turning))
-        .population(Population::new(130, "glass", RadiusDistribution::uniform(0.004, 0.05), within))
+        .population(Population::new(400, "glass", RadiusDistribution::uniform(0.004, 0.05), within))
         .build()?;
     let mut simulation = Simulation::builder(&scene).seed(1).threads(2).build()?;
     let (mut angles, mut next) = (Vec::new(), 2.0);
