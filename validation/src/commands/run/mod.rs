@@ -7,6 +7,7 @@ mod folder;
 mod kept;
 mod measured;
 mod measuring;
+mod plan;
 mod progress;
 mod session;
 
@@ -24,8 +25,9 @@ use kept::Place;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::scene::{Finding, Scene};
+use plan::Plan;
 use progress::Progress;
-use session::{Plan, Session};
+use session::Session;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
