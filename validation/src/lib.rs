@@ -2,7 +2,11 @@
 //!
 //! ```text
 //! peers (Makadam, YADE, LIGGGHTS) ─> Recording ─> observables ─> statistics ─> compare ─> report
+//!
+//! convergence, effects, laws, roofline, scaling, stability, tradeoff ─> study (tables, files, finished runs) ─> draw
 //! ```
+//!
+//! Rooms import downwards alone: [`stepping`], [`statistics`], [`output`] and `draw` know no study, [`commands`] knows all.
 
 pub mod commands;
 pub mod compare;

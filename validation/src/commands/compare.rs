@@ -1,11 +1,10 @@
 //! `makadam compare`: one scene in several codes, a table, a verdict.
 
-use super::arguments::{CodeName, CompareArguments};
+use super::arguments::CompareArguments;
 use super::record::record;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, load, use_threads};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes, json, load, use_threads};
 use crate::compare::{CodeSummary, Comparison, Row};
 use crate::output::JSON_VERSION;
-use crate::peers::{Code, Liggghts, Makadam, Yade};
 use crate::plan::Scene;
 use crate::qualify::{Judged, OneScene};
 use crate::report::{self, Standing, Verdict};
@@ -89,14 +88,4 @@ fn document<'a>(
         notes: &comparison.notes,
         provenance,
     }
-}
-
-/// The codes that are asked for, each once, Makadam first.
-pub(super) fn codes(names: &[CodeName]) -> Vec<Box<dyn Code>> {
-    let all: [(CodeName, Box<dyn Code>); 3] = [
-        (CodeName::Makadam, Box::new(Makadam)),
-        (CodeName::Yade, Box::new(Yade::default())),
-        (CodeName::Liggghts, Box::new(Liggghts::default())),
-    ];
-    all.into_iter().filter(|(name, _)| names.contains(name)).map(|(_, code)| code).collect()
 }

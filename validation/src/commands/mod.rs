@@ -22,12 +22,13 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 use crate::compare::Share;
 use crate::execution::Execution;
 use crate::output::{cache_folder, file_stem};
+use crate::peers::{Code, Liggghts, Makadam, Yade};
 use crate::plan::Scene;
 use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::Document;
-use arguments::{Arguments, Command};
+use arguments::{Arguments, CodeName, Command};
 use clap::Parser;
 use makadam::Simulation;
 use std::path::{Path, PathBuf};
@@ -179,6 +180,28 @@ fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
         .num_threads(usize::from(threads))
         .build_global()
         .map_err(|error| Failure::Running(format!("cannot start {threads} threads: {error}")))
+}
+
+/// The codes that are asked for, each once, Makadam first.
+fn codes(names: &[CodeName]) -> Vec<Box<dyn Code>> {
+    let all: [(CodeName, Box<dyn Code>); 3] = [
+        (CodeName::Makadam, Box::new(Makadam)),
+        (CodeName::Yade, Box::new(Yade::default())),
+        (CodeName::Liggghts, Box::new(Liggghts::default())),
+    ];
+    all.into_iter().filter(|(name, _)| names.contains(name)).map(|(_, code)| code).collect()
+}
+
+/// The same, all of which are installed.
+fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
+    let codes = codes(names);
+    match codes.iter().find(|code| code.version().is_none()) {
+        None => Ok(codes),
+        Some(missing) => Err(Failure::MissingCode(format!(
+            "{} is not installed; run scripts/install-peers, or leave it out with --codes",
+            missing.name()
+        ))),
+    }
 }
 
 /// Opens progress bars on the console.

@@ -1,8 +1,7 @@
 //! `makadam compare --record`: what is missing in a scene's recorded references is measured or run, and taken in.
 
 use super::arguments::CompareArguments;
-use super::compare::codes;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record, codes};
 use crate::compare::Recorder;
 use crate::output::cache_folder;
 use crate::peers::Code;

@@ -1,8 +1,7 @@
 //! `makadam stability`: the hard cases, in Makadam and in other codes.
 
 use super::arguments::StabilityArguments;
-use super::compare::codes;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, json, use_threads};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, installed, json, use_threads};
 use crate::nearest::nearest;
 use crate::stability::{Campaign, Case, catalogue, table};
 use std::path::PathBuf;
@@ -20,13 +19,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
         console.result(&lines.join("\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let codes = codes(&arguments.codes);
-    if let Some(code) = codes.iter().find(|code| code.version().is_none()) {
-        return Err(Failure::MissingCode(format!(
-            "{} is not installed; run scripts/install-peers, or leave it out with --codes",
-            code.name()
-        )));
-    }
+    let codes = installed(&arguments.codes)?;
     use_threads(arguments.threads)?;
     let [quick, all] = TIME_LIMITS;
     let time_limit = arguments.time_limit.unwrap_or(if arguments.quick { quick } else { all });

@@ -1,8 +1,7 @@
 //! `makadam tradeoff`: what accuracy costs in time.
 
 use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
-use super::compare::codes;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, folder_of, load, publish};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, codes, folder_of, installed, load, publish};
 use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
 use crate::plan::Scene;
@@ -37,13 +36,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
             )));
         }
     }
-    let wanted = codes(&arguments.codes);
-    if let Some(code) = wanted.iter().find(|code| code.version().is_none()) {
-        return Err(Failure::MissingCode(format!(
-            "{} is not installed; run scripts/install-peers, or leave it out with --codes",
-            code.name()
-        )));
-    }
+    let wanted = installed(&arguments.codes)?;
     let names: Vec<&str> = wanted.iter().map(|code| code.name()).collect();
     let scope = match (arguments.quick, arguments.variations) {
         (false, _) => Scope::Full,

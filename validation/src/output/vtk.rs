@@ -167,9 +167,9 @@ mod tests {
             grains(&Snapshot { particles: particles.collect(), ..Snapshot::default() })
         };
         let points = |text: &str| {
-            let (_, array) = text.split_once("Name=\"Points\"").unwrap();
-            let (kind, data) = (text.contains("Float64"), array.split(['>', '<']).nth(1).unwrap());
-            (kind, STANDARD.decode(data).unwrap()[8..].to_vec())
+            let (before, array) = text.split_once(" Name=\"Points\"").unwrap();
+            let (double, data) = (before.ends_with("type=\"Float64\""), array.split(['>', '<']).nth(1).unwrap());
+            (double, STANDARD.decode(data).unwrap()[8..].to_vec())
         };
         let (double, bytes) = points(&at(9e5));
         assert!(double);

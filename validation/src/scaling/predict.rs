@@ -4,7 +4,7 @@ use super::machine::{MOST_WORKERS, Machine, worker_counts};
 use super::measure::{Measurement, Plan, Traces};
 use super::replay::{Replayed, Traffic, replay};
 use super::rows::{Check, ReplayedRow};
-use super::study::mean;
+use super::tasks::mean;
 use crate::statistics::median;
 use makadam::schedule::{Phase, Region, Scheduler};
 use rayon::prelude::*;

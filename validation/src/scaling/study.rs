@@ -5,7 +5,7 @@ use super::machine::Machine;
 use super::measure::{Measurement, Plan, Timing, Traces, WARM_UP};
 use super::predict::{checks, curves};
 use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
-use super::tasks::task_rows;
+use super::tasks::{mean, task_rows};
 use crate::output::JSON_VERSION;
 use crate::provenance::Provenance;
 use crate::statistics::median;
@@ -135,10 +135,6 @@ impl Study {
     pub fn widest(&self) -> Option<InstructionSet> {
         self.measured.last().map(|row| row.instruction_set)
     }
-}
-
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 fn differing(measurement: &Measurement) -> Vec<String> {

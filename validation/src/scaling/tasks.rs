@@ -2,7 +2,6 @@
 
 use super::measure::Traces;
 use super::rows::TaskRow;
-use super::study::mean;
 use makadam::schedule::Phase;
 
 /// Durations of tasks, by phase, and by stage in sweeps.
@@ -66,4 +65,9 @@ struct Kind {
     regions: usize,
     most_tasks: usize,
     tasks: Vec<f64>,
+}
+
+/// Mean of a few numbers; 0 if there are none.
+pub(super) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }

@@ -1,7 +1,7 @@
 //! The summary of a run, finished or not.
 
+use super::plan::Plan;
 use super::progress::Progress;
-use super::session::Plan;
 use crate::output::{AlarmSummary, JSON_VERSION, PhaseTimes, RunSummary, SolveSummary};
 use crate::provenance::peak_bytes;
 use makadam::Simulation;

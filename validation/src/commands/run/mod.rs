@@ -7,6 +7,7 @@ mod folder;
 mod kept;
 mod measured;
 mod measuring;
+mod plan;
 mod progress;
 mod session;
 
@@ -26,8 +27,9 @@ use makadam::Simulation;
 use makadam::checkpoint::CheckpointError;
 use makadam::lanes::InstructionSet;
 use makadam::scene::Finding;
+use plan::Plan;
 use progress::Progress;
-use session::{Plan, Session};
+use session::Session;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;

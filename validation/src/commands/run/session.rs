@@ -8,19 +8,17 @@ use super::account::Account;
 use super::kept::{Kept, Place};
 use super::measured::MeasuredFrames;
 use super::measuring::{instant, measure};
+use super::plan::Plan;
 use super::progress::Progress;
 use crate::commands::{Console, Failure, json};
 use crate::output::{FrameWriter, RunFiles, RunSummary, TimeTable, WriteError, write_durably};
-use crate::plan::Scene;
-use crate::provenance::Provenance;
 use crate::stepping::frame_is_due;
 use makadam::Simulation;
 use makadam::checkpoint::sync_folder;
-use makadam::scene::{Finding, Reaction};
+use makadam::scene::Reaction;
 use makadam::solve::StopReason;
 use makadam::watch::{Alarm, Watchdog};
-use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// First columns of `observables.csv`; what is measured of each frame follows.
 const COLUMNS: [&str; 8] = [
@@ -39,26 +37,6 @@ const HELD_EVERY: u64 = 512;
 
 /// What `run.json` says from the beginning of a run to its end.
 const UNDER_WAY: &str = "the run is under way, or was killed: then --resume goes on from its last checkpoint";
-
-/// What a run is, and where and how it is kept.
-pub(super) struct Plan<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// Seed of the initial positions.
-    pub seed: u64,
-    /// Folder that everything is written into.
-    pub output: PathBuf,
-    /// Folder of the results, for messages and the summary.
-    pub shown: String,
-    /// Wall time from one checkpoint to the next.
-    pub interval: Duration,
-    /// What to give to go on from a checkpoint; absent where a run leaves none.
-    pub go_on_with: Option<&'static str>,
-    /// What the settings are not expected to bear, told before the run.
-    pub findings: Vec<Finding>,
-    /// Where the run came from.
-    pub provenance: Provenance,
-}
 
 /// What a run writes to.
 struct Outputs {
