@@ -27,6 +27,7 @@ mod ledger;
 pub mod methods;
 pub mod partition;
 pub mod probe;
+pub mod problem;
 pub mod scene;
 pub mod schedule;
 mod setting_error;
