@@ -16,6 +16,7 @@ pub mod observables;
 pub mod output;
 pub mod peers;
 pub mod prepared;
+pub mod problem;
 pub mod provenance;
 pub mod qualify;
 pub mod recording;
