@@ -67,6 +67,7 @@ pub mod methods;
 pub mod partition;
 #[doc(hidden)]
 pub mod probe;
+pub mod problem;
 pub mod scene;
 #[doc(hidden)]
 pub mod schedule;

@@ -21,6 +21,7 @@ mod ledger;
 mod ledger_closure;
 mod methods;
 mod periodic;
+mod problem;
 mod random_scenes;
 mod resistance;
 mod rest;

@@ -22,6 +22,7 @@ pub mod output;
 pub mod peers;
 pub mod plan;
 pub mod prepared;
+pub mod problem;
 pub mod provenance;
 pub mod qualify;
 pub mod recording;

@@ -10,6 +10,7 @@ mod measured_frames;
 mod observables;
 mod peers;
 mod peers_live;
+mod problem;
 mod report;
 mod scaling;
 mod scene_hashes;

@@ -6,6 +6,7 @@ use crate::execution::MeasureError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
+use crate::problem::{ProblemFileError, SiconosError};
 use crate::qualify::JudgeError;
 use crate::recording::RecordingError;
 use crate::scenes::SceneError;
@@ -27,6 +28,9 @@ pub enum Failure {
     /// The scene is invalid.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A file holds no contact problem that could be solved.
+    #[error(transparent)]
+    Problem(#[from] ProblemFileError),
     /// A reference code, or what was recorded of it, is missing.
     #[error("{0}")]
     MissingCode(String),
@@ -49,7 +53,7 @@ impl Failure {
             // The scene is sound, and runs where there is more.
             Failure::Scene(SceneError::File(SceneFileError::Memory { .. })) => 1,
             Failure::Usage(_) => 2,
-            Failure::Scene(_) => 3,
+            Failure::Scene(_) | Failure::Problem(_) => 3,
             Failure::MissingCode(_) => 5,
         }
     }
@@ -58,6 +62,15 @@ impl Failure {
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Failure {
         Failure::Running(error.to_string())
+    }
+}
+
+impl From<SiconosError> for Failure {
+    fn from(error: SiconosError) -> Failure {
+        match error {
+            SiconosError::Missing(_) => Failure::MissingCode(error.to_string()),
+            SiconosError::Failed(_) => Failure::Running(error.to_string()),
+        }
     }
 }
 

@@ -8,6 +8,7 @@ mod convergence;
 mod effects;
 mod failure;
 mod laws;
+mod problem;
 mod qualify;
 mod record;
 mod roofline;
@@ -48,6 +49,7 @@ pub fn main() -> ExitCode {
         Command::Convergence(convergence) => convergence::convergence(convergence, &console),
         Command::Effects(effects) => effects::effects(effects, &console),
         Command::Laws(laws) => laws::laws(laws, &console),
+        Command::Problem(problem) => problem::problem(problem, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),
