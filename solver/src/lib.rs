@@ -49,7 +49,6 @@ pub use solution_error::SolutionError;
 pub use swept::Crossing;
 
 /// What tells this build from every other one whose bits may be others: the version and, behind a dash, 16 hexadecimal digits of a
-/// hash over the sources of the solver and the packages that compute. Builds of the same sources
-/// have the same, wherever and however they are made, and give the same bits; whatever keeps states or results to go on from
-/// keeps this with them.
+/// hash over the sources of the solver and the packages that compute. Builds of the same sources have the same, wherever and
+/// however they are made, and give the same bits; whatever keeps states or results to go on from keeps this with them.
 pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "-", env!("MAKADAM_BUILD_KEY"));

@@ -141,8 +141,8 @@ impl<N: Number> NormalContact<N> {
     /// Regularisation and bias by the scheme's law.
     ///
     /// The damping time is that of the impact law, `c/k`, wherever the step resolves it or is short against the contact, and
-    /// `damping_steps h` where it is not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay stable. Across a gap a
-    /// contact is as stiff as at the depth that it can reach in this step.
+    /// `damping_steps h` where it is not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay
+    /// stable. Across a gap a contact is as stiff as at the depth that it can reach in this step.
     #[inline(always)]
     pub fn constraint(&self, scheme: &NormalScheme) -> NormalConstraint<N> {
         // Divisions and roots are what this costs, so there is one of each where there could be several.
