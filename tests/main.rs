@@ -10,6 +10,7 @@ mod effects_command;
 mod faults;
 mod laws_command;
 mod output_folder;
+mod problem_command;
 mod reference_scenes;
 mod resume_command;
 mod roofline_command;

@@ -4,9 +4,10 @@
 //! A few seeds each, so this guards against a change that moves the physics; the verdict over all seeds is `makadam qualify`'s.
 
 use approx::assert_relative_eq;
-use makadam::scene::{Scene, Stop};
+use makadam::scene::Stop;
 use makadam_validation::compare::{Harvest, MeasuredRun, Reference};
 use makadam_validation::peers::{Code, Job, Makadam};
+use makadam_validation::plan::Scene;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::time::Duration;

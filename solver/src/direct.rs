@@ -1,7 +1,7 @@
 //! A direct reference: the contact problem of one small step, solved to rounding with dense matrices.
 //!
 //! With the relative velocities `u = G v`, the operator `A = G M^-1 G^T + Sigma'` and `w = A lambda + c`, where c holds the
-//! velocities without impulses and the biases, a solution is a zero of Alart and Curnier's function
+//! velocities without impulses and the biases (the [`LocalProblem`]), a solution is a zero of Alart and Curnier's function
 //!
 //! ```text
 //! y_n = lambda_n - w_n / D_n      Phi_n = lambda_n - max(0, y_n)
@@ -16,13 +16,12 @@
 //! with a little compliance, as in the proximal-point method (R. T. Rockafellar, SIAM Journal on Control and Optimization 14, 1976);
 //! the function whose zero is sought stays what it is.
 //!
-//! Nothing here is shared with the kernels but the constraint data: it is a witness for all methods.
+//! Nothing here is shared with the kernels but the [problem](crate::problem) as plain data: it is a witness for all methods.
 
 use crate::Simulation;
-use crate::groups::ContactLanes;
-use crate::schedule::Team;
-use crate::world::World;
-use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
+use crate::effects::drive::Drive;
+use crate::problem::LocalProblem;
+use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 
 /// Most contacts: matrices are dense, and a step takes time with the third power.
 pub const MOST_CONTACTS: usize = 500;
@@ -45,9 +44,6 @@ const WORST: f64 = 1e-12;
 /// Shares of the operator's diagonal that are added to it in Newton's direction, one after the other until one leads down.
 const REGULARISATIONS: [f64; 5] = [0.0, 1e-9, 1e-6, 1e-4, 1e-2];
 
-/// Biases below this belong to contacts that must bear nothing, m/s.
-const NEVER: f64 = -1e29;
-
 /// Why there is no direct solution.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DirectError {
@@ -57,6 +53,9 @@ pub enum DirectError {
         /// Contacts of the step.
         contacts: usize,
     },
+    /// Angular impulses have no place in it.
+    #[error("contacts resist rolling or twisting, which the direct solution leaves out; take a scene without")]
+    Torques,
     /// Neither Newton steps nor sweeps arrive: so it is with some piles of rigid grains with friction, whose solutions are not
     /// isolated.
     #[error("the direct solution stopped at a residual of {residual:e} m/s; there may be none at this friction")]
@@ -89,79 +88,67 @@ impl Simulation {
     /// # Errors
     /// [`DirectError`] if there are more than [`MOST_CONTACTS`] contacts or no solution was found.
     pub fn direct_solution(&self) -> Result<DirectSolution, DirectError> {
-        let mut copy = self.clone();
-        let team = Team::default();
-        copy.pose_problem(&team);
-        if copy.layout.contacts > MOST_CONTACTS {
-            return Err(DirectError::TooLarge { contacts: copy.layout.contacts });
+        let problem = self.contact_problem();
+        if problem.resists_turning() {
+            return Err(DirectError::Torques);
         }
-        let mut problem = Dense::new(&copy);
-        let newton_steps = problem.solve();
-        let residual = problem.scaled_function(&problem.impulses).amax();
-        if residual.is_nan() || residual > WORST * problem.scale {
-            return Err(DirectError::NotConverged { residual });
-        }
-        let bodies = &problem.free + problem.to_bodies * &problem.impulses;
-        let grain =
-            |place: &u32, offset: usize| std::array::from_fn(|axis| bodies[6 * *place as usize + offset + axis]);
-        let places = copy.places_by_id();
-        let world = |(index, contact): (usize, &DenseContact)| {
-            (contact.frame * Vector3::from_fn(|axis, _| problem.impulses[3 * index + axis])).into()
-        };
+        let local = problem.local();
+        let direct = local.direct_solution()?;
+        let impulses = problem.impulses_of(&local, &direct.impulses);
+        let state = problem.state_of(&impulses);
+        let (grains, drives) = (problem.grains, &self.world.drives);
+        let surface_speed =
+            |(place, spin): (u32, &Vector3<f64>)| (spin * self.world.spheres[place as usize].radius).into();
+        let moving = state.velocities[grains..].iter().zip(&state.spins[grains..]);
+        let rate =
+            |(drive, (velocity, spin)): (&Drive, (&Vector3<f64>, &Vector3<f64>))| (velocity + spin).dot(&drive.axis());
+        let vector = |&number: &usize| impulses[number].vector(&problem.contacts[number].normal).into();
         Ok(DirectSolution {
-            velocities: places.iter().map(|place| grain(place, 0)).collect(),
-            surface_speeds: places.iter().map(|place| grain(place, 3)).collect(),
-            wall_rates: bodies.iter().skip(6 * places.len()).copied().collect(),
-            impulses: problem.contacts.iter().enumerate().map(world).collect(),
-            residual,
-            newton_steps,
+            velocities: state.velocities[..grains].iter().map(|&velocity| velocity.into()).collect(),
+            surface_speeds: self.places_by_id().into_iter().zip(&state.spins).map(surface_speed).collect(),
+            wall_rates: drives.iter().zip(moving).map(rate).collect(),
+            impulses: local.contacts.iter().map(vector).collect(),
+            residual: direct.residual,
+            newton_steps: direct.newton_steps,
         })
     }
 }
 
-/// One contact in its own frame: normal and two tangential directions.
-struct DenseContact {
-    first: usize,
-    /// Absent where the contact is with a wall.
-    second: Option<usize>,
-    frame: Matrix3<f64>,
-    bias: f64,
-    regularisation: f64,
-    friction: f64,
-    impulse: Vector3<f64>,
-    wall_velocity: Vector3<f64>,
-    /// Number of the drive that moves the wall, and the Jacobian there; absent where none does.
-    driven: Option<(usize, Vector3<f64>)>,
+/// The solution of a local problem to rounding.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LocalSolution {
+    /// Impulses in the frames of the contacts, N s.
+    pub impulses: Vec<Vector3<f64>>,
+    /// Certificate: largest natural-map residual `|change of lambda| D` of any contact, m/s.
+    pub residual: f64,
+    /// Newton steps that it took.
+    pub newton_steps: usize,
 }
 
-impl DenseContact {
-    fn read(lanes: &ContactLanes, lane: usize, first: u32, second: Option<u32>, wall_velocity: Vector3<f64>) -> Self {
-        let normal = Vector3::from(lanes.normal(lane));
-        let least = normal.iamin();
-        let u = normal.cross(&Vector3::ith(least, 1.0)).normalize();
-        let frame = Matrix3::from_columns(&[normal, u, normal.cross(&u)]);
-        let impulse = Vector3::from(lanes.tangential_impulse(lane)) + normal * lanes.normal_impulse(lane);
-        DenseContact {
-            first: first as usize,
-            second: second.map(|place| place as usize),
-            frame,
-            bias: lanes.bias.0[lane],
-            regularisation: lanes.regularisation.0[lane],
-            friction: lanes.friction(lane),
-            impulse: frame.transpose() * impulse,
-            wall_velocity,
-            driven: None,
+impl LocalProblem {
+    /// Solves the problem directly.
+    ///
+    /// # Errors
+    /// [`DirectError`] if there are more than [`MOST_CONTACTS`] contacts or no solution was found.
+    pub fn direct_solution(&self) -> Result<LocalSolution, DirectError> {
+        if self.offset.len() > MOST_CONTACTS {
+            return Err(DirectError::TooLarge { contacts: self.offset.len() });
         }
+        let mut dense = Dense::new(self);
+        let newton_steps = dense.solve();
+        let residual = if dense.impulses.is_empty() { 0.0 } else { dense.scaled_function(&dense.impulses).amax() };
+        if residual.is_nan() || residual > WORST * dense.scale {
+            return Err(DirectError::NotConverged { residual });
+        }
+        let vector = |row: usize| Vector3::from_fn(|axis, _| dense.impulses[3 * row + axis]);
+        Ok(LocalSolution { impulses: (0..self.offset.len()).map(vector).collect(), residual, newton_steps })
     }
 }
 
-/// The problem as dense matrices, three rows a contact, six columns a body and one a driven wall.
+/// The problem as dense matrices, three rows a contact.
 struct Dense {
-    contacts: Vec<DenseContact>,
-    /// Velocities and surface speeds without impulses, m/s.
-    free: DVector<f64>,
-    /// `M^-1 G^T`.
-    to_bodies: DMatrix<f64>,
+    /// Coefficient of friction of each contact.
+    friction: Vec<f64>,
     /// A, 1/kg.
     operator: DMatrix<f64>,
     /// c, m/s.
@@ -175,49 +162,21 @@ struct Dense {
 }
 
 impl Dense {
-    fn new(simulation: &Simulation) -> Dense {
-        let world = &simulation.world;
-        let mut contacts = contacts_of(simulation);
-        contacts.retain(|contact| contact.bias > NEVER);
-        let (rows, columns) = (3 * contacts.len(), 6 * world.grains() + world.drives.len());
-        // G: relative velocity v_b - v_a + n x (s_a + s_b), turned into the contact's frame.
-        let mut gradient = DMatrix::zeros(rows, columns);
-        let mut wall = DVector::zeros(rows);
-        let mut impulses = DVector::zeros(rows);
-        for (index, contact) in contacts.iter().enumerate() {
-            let turn = contact.frame.transpose();
-            let spin = turn * contact.frame.column(0).into_owned().cross_matrix();
-            gradient.view_mut((3 * index, 6 * contact.first), (3, 3)).copy_from(&-turn);
-            gradient.view_mut((3 * index, 6 * contact.first + 3), (3, 3)).copy_from(&spin);
-            if let Some(second) = contact.second {
-                gradient.view_mut((3 * index, 6 * second), (3, 3)).copy_from(&turn);
-                gradient.view_mut((3 * index, 6 * second + 3), (3, 3)).copy_from(&spin);
-            }
-            if let Some((drive, jacobian)) = contact.driven {
-                gradient.view_mut((3 * index, 6 * world.grains() + drive), (3, 1)).copy_from(&(turn * jacobian));
-            }
-            wall.rows_mut(3 * index, 3).copy_from(&(turn * contact.wall_velocity));
-            impulses.rows_mut(3 * index, 3).copy_from(&contact.impulse);
+    fn new(local: &LocalProblem) -> Dense {
+        let rows = 3 * local.offset.len();
+        let mut operator = DMatrix::zeros(rows, rows);
+        for block in &local.blocks {
+            operator.view_mut((3 * block.row, 3 * block.column), (3, 3)).copy_from(&block.values);
         }
-        let (present, inverse_masses) = bodies_of(world);
-        let mut to_bodies = gradient.transpose();
-        for (mut row, inverse_mass) in to_bodies.row_iter_mut().zip(&inverse_masses) {
-            row *= *inverse_mass;
-        }
-        let mut operator = &gradient * &to_bodies;
-        let free = present - &to_bodies * &impulses;
-        let mut offset = &gradient * &free + wall;
-        let mut diagonal = DVector::zeros(rows);
-        for (index, contact) in contacts.iter().enumerate() {
-            operator[(3 * index, 3 * index)] += contact.regularisation;
-            offset[3 * index] -= contact.bias;
-            diagonal[3 * index] = operator[(3 * index, 3 * index)];
+        let flat = |vectors: &[Vector3<f64>]| DVector::from_iterator(rows, vectors.iter().flatten().copied());
+        let (offset, mut diagonal) = (flat(&local.offset), operator.diagonal());
+        for row in (0..rows).step_by(3) {
             // Sliding opposes the velocity only if both directions are scaled alike: a driven wall gives more way in one.
-            let [u, v] = [1, 2].map(|axis| operator[(3 * index + axis, 3 * index + axis)]);
-            diagonal.rows_mut(3 * index + 1, 2).fill(u.max(v));
+            let larger = diagonal[row + 1].max(diagonal[row + 2]);
+            diagonal.rows_mut(row + 1, 2).fill(larger);
         }
-        let scale = if rows == 0 { 1.0 } else { offset.amax().max(free.amax()).max(f64::MIN_POSITIVE) };
-        Dense { contacts, free, to_bodies, operator, offset, diagonal, impulses, scale }
+        let scale = if rows == 0 { 1.0 } else { offset.amax().max(f64::MIN_POSITIVE) };
+        Dense { friction: local.friction.clone(), operator, offset, diagonal, impulses: flat(&local.impulses), scale }
     }
 
     /// Newton steps, with sweeps where they fail; returns the number of steps. Leaves impulses inside their cones.
@@ -272,9 +231,9 @@ impl Dense {
     /// Projects targets: normal parts onto repulsion, tangential parts onto the disc at that normal part.
     fn projected(&self, target: &DVector<f64>) -> DVector<f64> {
         let mut projected = target.clone();
-        for (index, contact) in self.contacts.iter().enumerate() {
+        for (index, &friction) in self.friction.iter().enumerate() {
             let row = 3 * index;
-            let [normal, u, v] = project([target[row], target[row + 1], target[row + 2]], contact.friction);
+            let [normal, u, v] = project([target[row], target[row + 1], target[row + 2]], friction);
             (projected[row], projected[row + 1], projected[row + 2]) = (normal, u, v);
         }
         projected
@@ -296,7 +255,7 @@ impl Dense {
             by_impulse[(row, row)] += 1.0 - regularisation;
         }
         let mut jacobian = DMatrix::identity(size, size);
-        for (index, contact) in self.contacts.iter().enumerate() {
+        for (index, &friction) in self.friction.iter().enumerate() {
             let row = 3 * index;
             let (normal, tangential) = (target[row], Vector2::new(target[row + 1], target[row + 2]));
             if normal <= 0.0 {
@@ -304,7 +263,7 @@ impl Dense {
             }
             let own = jacobian.row(row) - by_impulse.row(row);
             jacobian.row_mut(row).copy_from(&own);
-            let (length, radius) = (tangential.norm(), contact.friction * normal);
+            let (length, radius) = (tangential.norm(), friction * normal);
             for axis in 0..2 {
                 let mut change = jacobian.row(row + 1 + axis).into_owned();
                 if length <= radius {
@@ -316,7 +275,7 @@ impl Dense {
                         let turns = f64::from(u8::from(axis == other)) - along[axis] * along[other];
                         change -= by_impulse.row(row + 1 + other) * (radius / length * turns);
                     }
-                    change -= by_impulse.row(row) * (contact.friction * along[axis]);
+                    change -= by_impulse.row(row) * (friction * along[axis]);
                 }
                 jacobian.row_mut(row + 1 + axis).copy_from(&change);
             }
@@ -332,13 +291,13 @@ impl Dense {
     /// Gauss-Seidel over contacts.
     fn sweep(&mut self, times: usize) {
         for _ in 0..times {
-            for (index, contact) in self.contacts.iter().enumerate() {
+            for (index, &friction) in self.friction.iter().enumerate() {
                 let row = 3 * index;
                 let target = [0, 1, 2].map(|axis| {
                     let velocity = self.operator.column(row + axis).dot(&self.impulses) + self.offset[row + axis];
                     self.impulses[row + axis] - velocity / self.diagonal[row + axis]
                 });
-                for (axis, value) in project(target, contact.friction).into_iter().enumerate() {
+                for (axis, value) in project(target, friction).into_iter().enumerate() {
                     self.impulses[row + axis] = value;
                 }
             }
@@ -352,43 +311,4 @@ fn project([normal, u, v]: [f64; 3], friction: f64) -> [f64; 3] {
     let (length, radius) = (u.hypot(v), friction * normal);
     let share = if length <= radius { 1.0 } else { radius / length };
     [normal, u * share, v * share]
-}
-
-/// The contacts that are laid out.
-fn contacts_of(simulation: &Simulation) -> Vec<DenseContact> {
-    let mut contacts = Vec::with_capacity(simulation.layout.contacts);
-    // They are listed in the order in which they come here.
-    let mut driven = simulation.layout.driven.iter();
-    for (_, task) in simulation.layout.tasks() {
-        for (group, sources) in task.pairs.iter().zip(&task.pair_sources) {
-            for (lane, _) in sources.occupied() {
-                let second = Some(group.second[lane]);
-                contacts.push(DenseContact::read(&group.contacts, lane, group.first[lane], second, Vector3::zeros()));
-            }
-        }
-        for (number, (group, sources)) in task.walls.iter().zip(&task.wall_sources).enumerate() {
-            for (lane, _) in sources.occupied() {
-                let velocity = Vector3::from_fn(|axis, _| group.wall_velocity[axis].0[lane]);
-                let mut contact = DenseContact::read(&group.contacts, lane, group.body[lane], None, velocity);
-                if number >= task.prescribed_walls() {
-                    contact.wall_velocity = Vector3::zeros();
-                    contact.driven = driven.next().map(|one| (one.drive as usize, one.jacobian.into()));
-                }
-                contacts.push(contact);
-            }
-        }
-    }
-    contacts
-}
-
-/// Velocities and surface speeds of the grains, then rates of driven walls, and the inverse masses that go with them: 2.5/m for a
-/// solid sphere's surface speed.
-fn bodies_of(world: &World) -> (DVector<f64>, Vec<f64>) {
-    let grains = &world.bodies[..world.grains()];
-    let present = grains.iter().flat_map(|body| body.velocity.into_iter().chain(body.surface_speed));
-    let masses = grains.iter().flat_map(|body| [1.0, 1.0, 1.0, 2.5, 2.5, 2.5].map(|factor| factor * body.inverse_mass));
-    let drives = &world.drives;
-    let present = present.chain(drives.iter().map(|drive| drive.rate));
-    let masses = masses.chain(drives.iter().map(|drive| drive.inverse_inertia));
-    (DVector::from_iterator(6 * grains.len() + drives.len(), present), masses.collect())
 }

@@ -1,12 +1,42 @@
 //! Makadam: granular matter by non-smooth contact dynamics, solved by projected Gauss-Seidel.
 //!
+//! ```
+//! use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
+//!
+//! # fn main() -> Result<(), makadam::Error> {
+//! let [min, max] = [[0.0; 3], [0.08, 0.08, 0.2]];
+//! let scene = Scene::builder()
+//!     .material("glass", Material { friction: 0.4, ..Material::default() })
+//!     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
+//!     .population(Population::new(300, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
+//!     .build()?; // checked by the rules for scenes from files
+//! let mut simulation = Simulation::builder(&scene).seed(1).threads(2).time_step(5e-4).build()?;
+//! while simulation.time() < 0.5 {
+//!     simulation.step();
+//! }
+//! let frame = simulation.frame(); // arrays by grain: positions(), velocities(), radii()
+//! let highest = frame.positions().iter().map(|position| position[2]).fold(0.0, f64::max);
+//! println!("{:.2} contacts per grain below {highest:.3} m", frame.coordination_number());
+//! # assert!(frame.coordination_number() > 3.0 && highest < 0.1, "{} {highest}", frame.coordination_number());
+//! let continued = Simulation::resume(&scene, &simulation.checkpoint())?;
+//! assert_eq!(continued.state_hash(), simulation.state_hash());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A scene comes from code, as here, or from a file ([`Scene::load`]); [`Simulation`] steps it; [`Frame`] and
+//! [`Snapshot`](snapshot::Snapshot) are what leaves it; [`watch`] notices when its numbers are worthless; [`Error`] is all that can go
+//! wrong. The laws of contacts and walls stand in [`effects`], the methods of solution in [`methods`].
+//!
 //! ```text
-//! scene.toml -- scene --> World --+
-//!                                 v
-//!        +------------------ step ------------------------------+
-//!        | detect -> constrain -> partition -> solve -> move    | --> Snapshot, StepReport
-//!        |                          sweep, schedule             |
-//!        +------------------------------------------------------+
+//! scene.toml, builder -- scene --> World --+
+//!                                          v
+//!        +---------------------- step ----------------------+
+//!        | detect ---> constrain ---> solve ---> move       | --> Frame, Snapshot, StepReport
+//!        |    |            |            |                   |
+//!        |    +---- partition ----------+--- sweep          |      who may write what, and in which order
+//!        |          schedule                                |      who does it when
+//!        +--------------------------------------------------+
 //! ```
 //!
 //! **Same bits.** A scene and a seed give the same bits on any number of threads, with any scheduler and on any instruction
@@ -14,38 +44,68 @@
 //! every lane does the same IEEE operations, without fused multiply-add and without approximate division or roots.
 
 pub mod checkpoint;
+#[doc(hidden)]
 pub mod constrain;
 mod convergence;
+#[doc(hidden)]
 pub mod detect;
+#[doc(hidden)]
 pub mod direct;
 pub mod effects;
 mod energy;
+mod error;
+mod execution;
+mod frame;
+#[doc(hidden)]
 pub mod groups;
 pub mod interrupt;
+#[doc(hidden)]
 pub mod lanes;
 mod ledger;
 pub mod methods;
+#[doc(hidden)]
 pub mod partition;
+#[doc(hidden)]
 pub mod probe;
+pub mod problem;
 pub mod scene;
+#[doc(hidden)]
 pub mod schedule;
 mod setting_error;
 mod simulation;
 pub mod snapshot;
 mod solution_error;
+#[doc(hidden)]
 pub mod solve;
+#[doc(hidden)]
 pub mod sweep;
 mod swept;
 pub mod watch;
+#[doc(hidden)]
 pub mod world;
 
 pub use convergence::{ConvergencePoint, UnsuitableMethod};
+pub use effects::EffectSet;
 pub use energy::Energy;
+pub use error::Error;
+pub use execution::{Execution, SimulationBuilder};
+pub use frame::Frame;
 pub use interrupt::Interrupt;
+pub use lanes::InstructionSet;
 pub use ledger::Balance;
+pub use partition::Portion;
+pub use scene::{
+    Axis, Cohesion, Domain, Face, GrainEntry, Material, Motion, NormalLaw, PairRule, Population, Precision,
+    RadiusDistribution, Region, Scene, SceneBuilder, SceneError, SceneFileError, Shape, SolverMethod, SolverSettings,
+    Stop, Wall,
+};
+pub use schedule::{Scheduler, StepTrace};
 pub use setting_error::{Obstacle, SettingError};
 pub use simulation::{PhaseSeconds, Simulation, StepReport};
+pub use snapshot::{Contact, Partner, Snapshot};
 pub use solution_error::SolutionError;
+pub use solve::{NotConverged, SolveReport, StopReason};
+pub use sweep::{Residual, Residuals};
 pub use swept::Crossing;
 
 /// What tells this build from every other one whose bits may be others: the version and, behind a dash, 16 hexadecimal digits of a

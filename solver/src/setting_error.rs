@@ -22,6 +22,14 @@ pub enum SettingError {
         /// What it does not go with.
         obstacle: Obstacle,
     },
+    /// The system gives no more threads.
+    #[error("cannot start {threads} threads: {reason}")]
+    NoThreads {
+        /// What was asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
     /// Sweeps in single precision know nothing of what the scene or the method has.
     #[error("single precision does not go with {0}; double precision does")]
     SinglePrecision(Obstacle),

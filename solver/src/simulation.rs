@@ -16,9 +16,7 @@ use crate::solve::{SolveReport, StopReason, solve};
 use crate::sweep::{Relaxation, start_driven};
 use crate::swept::Swept;
 use crate::world::{Body, Sphere, World, chunk, chunks};
-use rayon::ThreadPoolBuildError;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 use std::time::Instant;
 
 /// A scene in motion.
@@ -72,9 +70,9 @@ impl Simulation {
     /// # Errors
     /// [`SceneError`] if the scene breaks a rule that scenes from files have to keep ([`Scene::check`]), or if its grains do not fit their
     /// container or overlap.
-    pub fn new(scene: &Scene, seed: u64, file: &Path) -> Result<Simulation, SceneError> {
-        scene.check(file)?;
-        let grains = populate(scene, seed, file)?;
+    pub fn new(scene: &Scene, seed: u64) -> Result<Simulation, SceneError> {
+        scene.check()?;
+        let grains = populate(scene, seed)?;
         Ok(Simulation::of_world(scene, World::new(scene, &grains)))
     }
 
@@ -442,9 +440,11 @@ impl Simulation {
     /// Steps on so many threads that share tasks in this way; any choice gives the same bits.
     ///
     /// # Errors
-    /// The system gives no more threads.
-    pub fn use_team(&mut self, scheduler: Scheduler, threads: usize) -> Result<(), ThreadPoolBuildError> {
-        self.team = Team::new(scheduler, threads)?;
+    /// [`SettingError::NoThreads`] where the system gives no more threads.
+    pub fn use_team(&mut self, scheduler: Scheduler, threads: usize) -> Result<(), SettingError> {
+        let refused =
+            |error: rayon::ThreadPoolBuildError| SettingError::NoThreads { threads, reason: error.to_string() };
+        self.team = Team::new(scheduler, threads).map_err(refused)?;
         Ok(())
     }
 
@@ -483,8 +483,7 @@ mod tests {
                  [[population]]\ncount = {count}\nmaterial = 'grain'\nradius = {{ kind = 'uniform', mean = 0.005, spread = 0 }}\n\
                  region = {{ kind = 'box', min = [0, 0, 0], max = [1, 1, 1] }}\n"
             );
-            let file = Path::new("cloud.toml");
-            let mut simulation = Simulation::new(&Scene::parse(&text, file).unwrap(), 1, file).unwrap();
+            let mut simulation = Simulation::new(&Scene::parse(&text).unwrap(), 1).unwrap();
             assert_eq!(simulation.step().contacts, 0, "bodies alone count");
             simulation.constrainer.fetches
         };

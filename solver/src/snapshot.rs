@@ -31,6 +31,13 @@ pub enum Partner {
     Wall(u32),
 }
 
+impl Partner {
+    /// Whether it is a grain.
+    pub fn is_grain(self) -> bool {
+        matches!(self, Partner::Grain(_))
+    }
+}
+
 /// One contact that bears a force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {

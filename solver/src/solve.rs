@@ -42,6 +42,36 @@ pub struct SolveReport {
     pub fell_back: bool,
 }
 
+impl SolveReport {
+    /// Whether the solve came to its bound, or had nothing to solve. One that ends after a number of sweeps, or a time, is not known to.
+    pub fn is_converged(&self) -> bool {
+        matches!(self.reason, StopReason::NoContacts | StopReason::Residual)
+    }
+
+    /// Lets nothing that has not converged pass in silence.
+    ///
+    /// # Errors
+    /// [`NotConverged`] unless the solve [is converged](SolveReport::is_converged).
+    pub fn require_converged(&self) -> Result<(), NotConverged> {
+        match self.is_converged() {
+            true => Ok(()),
+            false => Err(NotConverged { reason: self.reason, sweeps: self.sweeps, residual: self.residuals.rms() }),
+        }
+    }
+}
+
+/// A solve that ended before it came to its bound.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("a solve stopped after {sweeps} sweeps ({reason:?}) at a residual of {residual:.3e} m/s, above its bound")]
+pub struct NotConverged {
+    /// Why it stopped.
+    pub reason: StopReason,
+    /// Iterations done.
+    pub sweeps: u32,
+    /// Root mean square residual that was left, m/s.
+    pub residual: f64,
+}
+
 /// Where the number of sweeps is fixed, the last one is measured, and of the first and every one whose number this divides the
 /// total residual is, which over-relaxation watches.
 const MEASURE_EVERY: u32 = 4;

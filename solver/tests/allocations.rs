@@ -51,7 +51,7 @@ fn allocations(simulation: &mut Simulation, steps: usize) -> Vec<u64> {
 fn steady_steps_allocate_nothing() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
     let scene = Scene::load(&file).unwrap();
-    let mut settled = Simulation::new(&scene, 1, &file).unwrap();
+    let mut settled = Simulation::new(&scene, 1).unwrap();
     assert!(allocations(&mut settled, 2400).iter().sum::<u64>() > 0, "the count counts");
     let (lists, steps) = (settled.rebuilds(), 600);
     assert_eq!(allocations(&mut settled, steps).iter().sum::<u64>(), 0, "a settled packing on one thread");
@@ -85,7 +85,7 @@ fn steady_steps_allocate_nothing() {
     // Where grains flow, lists are built all the time; their memory is found within the first of them.
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum/scene.toml");
     let scene = Scene::load(&file).unwrap();
-    let mut flowing = Simulation::new(&scene, 1, &file).unwrap();
+    let mut flowing = Simulation::new(&scene, 1).unwrap();
     allocations(&mut flowing, 4000);
     let lists = flowing.rebuilds();
     let counts = allocations(&mut flowing, steps);

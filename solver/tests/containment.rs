@@ -32,8 +32,7 @@ enum Outcome {
 
 /// Runs a container on so many threads; how it kept its grains, and the bits of the end.
 fn run(drawn: &Drawn, threads: usize) -> (Outcome, u64) {
-    let mut simulation = Simulation::new(&drawn.scene(), 1, Path::new("container.toml"))
-        .unwrap_or_else(|error| panic!("{error}\n{}", drawn.text()));
+    let mut simulation = Simulation::new(&drawn.scene(), 1).unwrap_or_else(|error| panic!("{error}\n{}", drawn.text()));
     simulation.use_team(Scheduler::WorkStealing, threads).unwrap();
     for step in 1..=STEPS {
         simulation.step();
@@ -122,8 +121,8 @@ fn a_lone_grain_stays_in_a_closed_drum_in_every_direction() {
             let across = (1.0 - height * height).sqrt();
             let direction = [across * angle.cos(), height, across * angle.sin()];
             let text = lone(direction, diameters, "");
-            let scene = makadam::scene::Scene::parse(&text, Path::new("drum.toml")).unwrap();
-            let mut simulation = Simulation::new(&scene, 1, Path::new("drum.toml")).unwrap();
+            let scene = makadam::scene::Scene::parse(&text).unwrap();
+            let mut simulation = Simulation::new(&scene, 1).unwrap();
             let energy = simulation.energy().kinetic;
             for step in 0..100 {
                 simulation.step();
@@ -146,8 +145,8 @@ fn grains_bounce_off_a_shell_as_newton_says_however_old_the_candidate_list_is() 
         let text = lone([angle.cos(), 0.0, angle.sin()], 1.0, CONVERGED)
             .replace("friction = 0.3", "friction = 0.0")
             .replace("restitution = 0.9", "restitution = 1.0");
-        let scene = makadam::scene::Scene::parse(&text, Path::new("drum.toml")).unwrap();
-        let mut simulation = Simulation::new(&scene, 1, Path::new("drum.toml")).unwrap();
+        let scene = makadam::scene::Scene::parse(&text).unwrap();
+        let mut simulation = Simulation::new(&scene, 1).unwrap();
         let energy = simulation.energy().kinetic;
         for _ in 0..100 {
             simulation.step();
@@ -163,7 +162,7 @@ fn the_drum_keeps_its_grains_at_fifty_diameters_a_step() {
     for diameters in [1.0, 10.0, 50.0] {
         let mut scene = makadam::scene::Scene::load(&file).unwrap();
         scene.population[0].agitation = diameters * 0.01 / scene.solver.step;
-        let mut simulation = Simulation::new(&scene, 1, &file).unwrap();
+        let mut simulation = Simulation::new(&scene, 1).unwrap();
         for step in 0..60 {
             simulation.step();
             assert!(simulation.crossing().is_none());
@@ -181,7 +180,7 @@ fn the_drum_keeps_its_grains_at_fifty_diameters_a_step() {
 fn the_ledger_closes_over_impacts_that_no_solve_knew_of() {
     for number in 0..60 {
         let drawn = Drawn::number(number);
-        let mut simulation = Simulation::new(&drawn.scene(), 1, Path::new("container.toml")).unwrap();
+        let mut simulation = Simulation::new(&drawn.scene(), 1).unwrap();
         simulation.open_ledger();
         for _ in 0..STEPS {
             simulation.step();

@@ -10,7 +10,6 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::f64::consts::PI;
-use std::path::Path;
 
 const RADIUS: f64 = 0.005;
 const MASS: f64 = DENSITY * 4.0 / 3.0 * PI * RADIUS * RADIUS * RADIUS;
@@ -125,7 +124,7 @@ fn a_grain_with_twisting_resistance_brakes_the_table_that_turns_under_it() {
     let body = turntable(1e-5, 1e-7) + &grain(RADIUS, [0.0, 0.0, RADIUS], [0.0; 3]);
     let mut scene = Setup { body, ..Setup::default() }.scene();
     scene.material.values_mut().for_each(|material| material.twisting_friction = 100.0);
-    let mut simulation = Simulation::new(&scene, 1, Path::new("test.toml")).unwrap();
+    let mut simulation = Simulation::new(&scene, 1).unwrap();
     run_until(&mut simulation, 0.05);
     let frame = simulation.snapshot();
     let rate = 1e-5 * 0.05 / (1e-7 + 0.4 * MASS * RADIUS * RADIUS);
@@ -152,7 +151,7 @@ fn a_pressed_packing_has_the_direct_solution_on_its_way_to_rest() {
     for (masses, friction) in [(10.0, 0.0), (0.5, 0.2), (10.0, 0.5)] {
         let mut scene = pressed(masses, CONVERGED_HERTZ);
         scene.material.values_mut().for_each(|material| material.friction = friction);
-        let mut simulation = Simulation::new(&scene, 1, Path::new("test.toml")).unwrap();
+        let mut simulation = Simulation::new(&scene, 1).unwrap();
         for look in 1..=4 {
             run_until(&mut simulation, 0.04 * f64::from(look));
             let direct = simulation.direct_solution().unwrap();
@@ -213,10 +212,9 @@ fn a_drum_that_a_torque_turns_has_the_same_bits_everywhere_and_hangs_askew() {
 #[test]
 fn a_run_that_starts_from_a_state_finds_its_driven_walls_there() {
     let scene = pressed(10.0, FEW_SWEEPS);
-    let mut simulation = Simulation::new(&scene, 1, Path::new("test.toml")).unwrap();
+    let mut simulation = Simulation::new(&scene, 1).unwrap();
     run_until(&mut simulation, 0.3);
-    let file = Path::new("a.checkpoint");
-    let mut started = Simulation::start_from(&scene, &simulation.checkpoint(), file).unwrap();
+    let mut started = Simulation::start_from(&scene, &simulation.checkpoint()).unwrap();
     let (last, first) = (simulation.snapshot(), started.snapshot());
     assert_eq!((first.time, &first.driven_walls), (0.0, &last.driven_walls));
     simulation.step();
@@ -226,16 +224,16 @@ fn a_run_that_starts_from_a_state_finds_its_driven_walls_there() {
     // Other walls: the grains alone.
     let mut other = scene.clone();
     other.wall[1].motion = Default::default();
-    let other = Simulation::start_from(&other, &Simulation::new(&scene, 1, file).unwrap().checkpoint(), file).unwrap();
+    let other = Simulation::start_from(&other, &Simulation::new(&scene, 1).unwrap().checkpoint()).unwrap();
     assert_eq!(other.snapshot().driven_walls[0].displacement, 0.0);
-    let refused = Simulation::resume(&scene, &other.checkpoint(), file).unwrap_err().to_string();
+    let refused = Simulation::resume(&scene, &other.checkpoint()).unwrap_err().to_string();
     assert!(refused.contains("driven walls"), "{refused}");
 }
 
 #[test]
 fn a_lid_presses_with_its_weight_and_force_whatever_its_mass() {
     for masses in [0.01, 1.0, 100.0] {
-        let mut simulation = Simulation::new(&pressed(masses, FEW_SWEEPS), 1, Path::new("test.toml")).unwrap();
+        let mut simulation = Simulation::new(&pressed(masses, FEW_SWEEPS), 1).unwrap();
         run_until(&mut simulation, 0.6);
         let frame = simulation.snapshot();
         assert!(frame.driven_walls[1].rate.abs() < 1e-3, "{masses} masses: {:?}", frame.driven_walls);
@@ -245,7 +243,7 @@ fn a_lid_presses_with_its_weight_and_force_whatever_its_mass() {
 
 #[test]
 fn the_ledger_closes_with_the_work_of_driven_walls() {
-    let mut simulation = Simulation::new(&pressed(10.0, CONVERGED_RIGID), 1, Path::new("test.toml")).unwrap();
+    let mut simulation = Simulation::new(&pressed(10.0, CONVERGED_RIGID), 1).unwrap();
     simulation.step();
     simulation.open_ledger();
     run_until(&mut simulation, 0.1);
@@ -268,14 +266,14 @@ fn what_cannot_be_driven_is_refused_with_a_remedy() {
         ("start = 0.0", "start = -1.0", "start"),
     ] {
         assert!(text.contains(sound), "{text}");
-        let message = Scene::parse(&text.replacen(sound, wrong, 1), Path::new("test.toml")).unwrap_err().to_string();
+        let message = crate::common::parse(&text.replacen(sound, wrong, 1)).unwrap_err();
         assert!(message.contains(word) && message.contains("test.toml:"), "{message}");
     }
     for (key, line) in
         [("precision", "precision = 'single'"), ("method", "method = { kind = 'jacobi', damping = 0.5 }")]
     {
         let wrong = text.replace("[solver]\n", &format!("[solver]\n{line}\n"));
-        let message = Scene::parse(&wrong, Path::new("test.toml")).unwrap_err().to_string();
+        let message = crate::common::parse(&wrong).unwrap_err();
         assert!(message.contains(key) && message.contains("lid"), "{message}");
     }
 }

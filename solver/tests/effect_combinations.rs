@@ -4,7 +4,6 @@
 use crate::common::Setup;
 use makadam::Simulation;
 use makadam::scene::{Scene, SolverMethod};
-use std::path::Path;
 
 /// A pile on a floor with some of the effects; friction in all pairs, resistances and cohesion between the grains and at the floor.
 fn pile([friction, rolling, twisting, kinetic, cohesive]: [bool; 5]) -> Scene {
@@ -45,8 +44,7 @@ fn every_combination_of_effects_answers_to_all_that_is_asked() {
         let effects = [0, 1, 2, 3, 4].map(|effect| choice >> effect & 1 == 1);
         let [friction, rolling, twisting, kinetic, cohesive] = effects;
         let scene = pile(effects);
-        let file = Path::new("pile.toml");
-        let mut simulation = Simulation::new(&scene, 1, file).unwrap_or_else(|error| panic!("{effects:?}: {error}"));
+        let mut simulation = Simulation::new(&scene, 1).unwrap_or_else(|error| panic!("{effects:?}: {error}"));
         let set = simulation.effects();
         let found = [set.friction(), set.rolling(), set.twisting(), set.kinetic_friction(), set.cohesion()];
         assert_eq!(found, [friction, rolling, twisting, friction && kinetic, cohesive], "what was asked for");
@@ -58,7 +56,7 @@ fn every_combination_of_effects_answers_to_all_that_is_asked() {
         let rms = |place: usize| points[place].residuals.rms();
         assert!(rms(40) < 0.5 * rms(0), "{effects:?}: {} after {}", rms(40), rms(0));
         assert_eq!(simulation.snapshot().particles.len(), 20);
-        let mut resumed = Simulation::resume(&scene, &simulation.checkpoint(), file).unwrap();
+        let mut resumed = Simulation::resume(&scene, &simulation.checkpoint()).unwrap();
         advance(&mut simulation, 60);
         advance(&mut resumed, 60);
         assert_eq!(resumed.state_hash(), simulation.state_hash(), "{effects:?}");

@@ -25,5 +25,5 @@ fn a_smooth_packing_has_the_bits_that_it_had() {
         .unwrap()
         .replace("friction = 0.5", "friction = 0.0")
         .replace("\"packing\"", "\"smooth\"");
-    assert_bits(&Scene::parse(&text, &file).unwrap(), 0xbb31_549f_5aae_5809);
+    assert_bits(&Scene::parse(&text).unwrap(), 0xbb31_549f_5aae_5809);
 }

@@ -7,7 +7,6 @@ use makadam::scene::{GravityChange, Scene, Watch};
 use makadam::solve::StopReason;
 use makadam::watch::Watchdog;
 use std::f64::consts::PI;
-use std::path::Path;
 
 const RADIUS: f64 = 0.005;
 const MASS: f64 = DENSITY * 4.0 / 3.0 * PI * RADIUS * RADIUS * RADIUS;
@@ -21,7 +20,7 @@ fn changing(setup: &Setup, changes: &[(f64, [f64; 3])]) -> Scene {
 }
 
 fn start(scene: &Scene) -> Simulation {
-    Simulation::new(scene, 1, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
+    Simulation::new(scene, 1).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn on_the_floor() -> Setup {
@@ -147,7 +146,7 @@ fn a_run_that_was_stopped_goes_on_with_the_gravity_of_its_time() {
     let scene = changing(&on_the_floor(), &[(0.05, [1.0, 2.0, -15.0]), (0.1, [-8.0, 0.0, -5.0])]);
     let mut simulation = start(&scene);
     run_until(&mut simulation, 0.07);
-    let mut continued = Simulation::resume(&scene, &simulation.checkpoint(), Path::new("a.checkpoint")).unwrap();
+    let mut continued = Simulation::resume(&scene, &simulation.checkpoint()).unwrap();
     run_until(&mut simulation, 0.12);
     run_until(&mut continued, 0.12);
     assert_eq!(continued.state_hash(), simulation.state_hash());
@@ -172,7 +171,7 @@ fn a_scene_without_changes_does_not_mention_them_and_wrong_ones_are_refused() {
     assert!(!plain.contains("gravity_changes"), "{plain}");
     let parse = |changes: &str| {
         let text = format!("gravity_changes = [{changes}]\n{plain}");
-        Scene::parse(&text, Path::new("test.toml")).map_err(|error| error.to_string())
+        crate::common::parse(&text)
     };
     assert!(parse("{ time = 1.0, gravity = [0, 0, -1] }, { time = 2.0, gravity = [0, 0, 1] }").is_ok());
     for wrong in [

@@ -5,7 +5,6 @@ use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, FLOOR, Setup, grain, run_u
 use approx::assert_relative_eq;
 use makadam::Simulation;
 use makadam::scene::Scene;
-use std::path::Path;
 
 const RADIUS: f64 = 0.005;
 const G: f64 = 9.81;
@@ -160,7 +159,7 @@ fn a_rule_for_friction_alone_holds_for_both_and_more_than_static_friction_is_ref
     let text = text.replace("pair = []\n", "");
     let parse = |rule: &str| {
         let rule = format!("{text}\n[[pair]]\nbetween = ['wall', 'grain']\n{rule}\n");
-        Scene::parse(&rule, Path::new("test.toml")).map_err(|error| error.to_string())
+        Scene::parse(&rule).map_err(|error| error.to_string())
     };
     let coefficients = |rule: &str| {
         let pair = parse(rule).unwrap().contact_coefficients("grain", "wall", true);
@@ -172,6 +171,6 @@ fn a_rule_for_friction_alone_holds_for_both_and_more_than_static_friction_is_ref
     let message = parse("kinetic_friction = 0.6").unwrap_err();
     assert!(message.contains("pair[0].kinetic_friction") && message.contains("from 0 to 0.5"), "{message}");
     let text = text.replace("[material.grain]", "[material.grain]\nkinetic_friction = 0.9");
-    let message = Scene::parse(&text, Path::new("test.toml")).unwrap_err().to_string();
+    let message = Scene::parse(&text).unwrap_err().to_string();
     assert!(message.contains("material.grain.kinetic_friction"), "{message}");
 }

@@ -100,7 +100,7 @@ fn the_ledger_of_a_packing_and_of_a_drum_closes() {
     for (name, time) in [("packing", 0.5), ("drum", 0.8)] {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../reference-scenes/{name}/scene.toml"));
         let scene = Scene::load(&file).unwrap();
-        let mut simulation = Simulation::new(&scene, 1, &file).unwrap();
+        let mut simulation = Simulation::new(&scene, 1).unwrap();
         let mut without = simulation.clone();
         simulation.open_ledger();
         run_until(&mut simulation, time);

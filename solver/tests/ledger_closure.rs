@@ -4,7 +4,6 @@ use crate::common::{DENSITY, FLOOR, Setup, grain};
 use makadam::scene::{Axis, Cohesion, GravityChange, Scene};
 use makadam::{Balance, Simulation};
 use std::f64::consts::PI;
-use std::path::Path;
 
 const RADIUS: f64 = 0.005;
 const MASS: f64 = DENSITY * 4.0 / 3.0 * PI * RADIUS * RADIUS * RADIUS;
@@ -27,7 +26,7 @@ fn wall(name: &str, shape: &str, motion: &str) -> String {
 
 /// What the ledger of a scene says after so many steps, having been asked at each.
 fn balance(scene: &Scene, steps: usize) -> Balance {
-    let mut simulation = Simulation::new(scene, 1, Path::new("test.toml")).unwrap();
+    let mut simulation = Simulation::new(scene, 1).unwrap();
     simulation.open_ledger();
     let mut last = simulation.balance().unwrap();
     for step in 0..steps {

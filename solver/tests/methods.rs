@@ -108,7 +108,7 @@ fn methods_agree_with_the_direct_reference() {
 /// A drum whose grains have come to lie on each other.
 fn drum() -> Simulation {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum/scene.toml");
-    let mut simulation = Simulation::new(&Scene::load(&file).unwrap(), 1, &file).unwrap();
+    let mut simulation = Simulation::new(&Scene::load(&file).unwrap(), 1).unwrap();
     steps(&mut simulation, 1000);
     assert!(simulation.layout().contacts > 2000, "{}", simulation.layout().contacts);
     simulation
@@ -175,7 +175,7 @@ fn many_contacts_are_no_case_for_dense_matrices() {
 /// The drum with grains that resist rolling, after they have come to lie on each other.
 fn rolling_drum() -> Simulation {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/drum-rolling/scene.toml");
-    let mut simulation = Simulation::new(&Scene::load(&file).unwrap(), 1, &file).unwrap();
+    let mut simulation = Simulation::new(&Scene::load(&file).unwrap(), 1).unwrap();
     steps(&mut simulation, 1000);
     simulation
 }

@@ -7,7 +7,6 @@ use makadam::scene::{Axis, Domain, Scene, populate};
 use makadam::snapshot::{Particle, Partner};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use std::path::Path;
 
 const RADIUS: f64 = 0.005;
 const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
@@ -144,7 +143,7 @@ fn every_pair_that_overlaps_is_stopped_and_momentum_stays() {
 fn where_the_boundary_lies_does_not_matter() {
     // The same gas, its contents shifted by a part of a period: other boxes, other order, the same motion.
     let scene = gas(6.0, 80);
-    let grains = populate(&scene, 1, Path::new("test.toml")).unwrap();
+    let grains = populate(&scene, 1).unwrap();
     let shifted = |shift: [f64; 3]| {
         let mut moved = scene.clone();
         moved.population.clear();
@@ -296,7 +295,7 @@ fn what_cannot_repeat_itself_is_refused() {
              [material.m]\ndensity = 2500\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\nrestitution = 0.5\n\
              [[grain]]\nmaterial = 'm'\nradius = 0.01\nposition = [0.02, 0.5, 0.5]\n{wall}"
         );
-        Scene::parse(&text, Path::new("x.toml")).map(drop).map_err(|error| error.to_string())
+        Scene::parse(&text).map(drop).map_err(|error| error.to_string())
     };
     let wall = |shape: &str| format!("[[wall]]\nname = 'w'\nmaterial = 'm'\nshape = {shape}\n");
     assert!(refusal(1.0, "").is_ok());

@@ -6,7 +6,6 @@ use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, FLOOR, Setup, grain, run_u
 use approx::assert_relative_eq;
 use makadam::Simulation;
 use makadam::scene::Scene;
-use std::path::Path;
 
 const RADIUS: f64 = 0.005;
 const G: f64 = 9.81;
@@ -57,10 +56,10 @@ fn an_impact_that_a_compliant_step_does_not_resolve_does_the_same() {
 fn where_the_step_resolves_impacts_it_is_refused() {
     let body = format!("{FLOOR}{}", grain(RADIUS, [0.0, 0.0, 0.006], [0.0, 0.0, -2.0]));
     let setup = Setup { solver: CONVERGED_HERTZ.replace("1e-4", "1e-5"), body, ..Setup::default() };
-    let message = Simulation::new(&falling(&setup), 1, Path::new("test.toml")).unwrap_err().to_string();
+    let message = Simulation::new(&falling(&setup), 1).unwrap_err().to_string();
     assert!(message.contains("restitution_speed") && message.contains("rigid"), "{message}");
     let rigid = Setup { solver: CONVERGED_RIGID.into(), ..setup };
-    assert!(Simulation::new(&falling(&rigid), 1, Path::new("test.toml")).is_ok());
+    assert!(Simulation::new(&falling(&rigid), 1).is_ok());
 }
 
 #[test]
@@ -139,12 +138,12 @@ fn a_pair_rule_decides_and_wrong_speeds_are_refused() {
     let mut text = toml::to_string(&Setup { gravity: [0.0; 3], body, ..Setup::default() }.scene()).unwrap();
     text = text.replace("pair = []\n", "");
     let rule = |speed: &str| format!("{text}\n[[pair]]\nbetween = ['wall', 'grain']\nrestitution_speed = {speed}\n");
-    let scene = Scene::parse(&rule("1.0"), Path::new("test.toml")).unwrap();
+    let scene = Scene::parse(&rule("1.0")).unwrap();
     let mut simulation = start(&scene);
     run_until(&mut simulation, 0.01);
     assert_relative_eq!(simulation.snapshot().particles[0].velocity[2], 0.5 * 0.5 * 16.0, max_relative = 1e-9);
     for wrong in ["0.0", "-1.0", "nan"] {
-        let message = Scene::parse(&rule(wrong), Path::new("test.toml")).unwrap_err().to_string();
+        let message = Scene::parse(&rule(wrong)).unwrap_err().to_string();
         assert!(message.contains("pair[0].restitution_speed"), "{message}");
     }
 }

@@ -5,7 +5,6 @@ use makadam::Simulation;
 use makadam::scene::{Domain, Motion, Scene, Shape, Wall};
 use makadam::world::{Pose, Surface};
 use nalgebra::Vector3;
-use std::path::Path;
 
 const HOLE: f64 = 0.05;
 const RADIUS: f64 = 0.01;
@@ -85,8 +84,7 @@ fn simulation(across: f64, height: f64, velocity: f64) -> Simulation {
         velocity = [{velocity}, 0.0, 0.0]
         "#
     );
-    let file = Path::new("ring.toml");
-    Simulation::new(&Scene::parse(&text, file).unwrap(), 1, file).unwrap()
+    Simulation::new(&Scene::parse(&text).unwrap(), 1).unwrap()
 }
 
 #[test]
@@ -145,6 +143,6 @@ fn a_hole_wider_than_its_disc_is_refused() {
         material = "glass"
         shape = { kind = "disc", centre = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0], radius = 0.2, hole = 0.3 }
     "#;
-    let error = Scene::parse(text, Path::new("ring.toml")).unwrap_err().to_string();
+    let error = Scene::parse(text).unwrap_err().to_string();
     assert!(error.contains("hole") && error.contains("0.3"), "{error}");
 }

@@ -14,7 +14,7 @@ const CHECK_EVERY: usize = 100;
 fn reference_scene(name: &str, seed: u64) -> Simulation {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes").join(name).join("scene.toml");
     let scene = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
-    Simulation::new(&scene, seed, &file).unwrap_or_else(|error| panic!("{error}"))
+    Simulation::new(&scene, seed).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Hashes of the state on the way.

@@ -5,7 +5,6 @@ use makadam::Simulation;
 use makadam::lanes::{InstructionSet, PREFETCH};
 use makadam::scene::{Precision, Scene, SolverMethod};
 use makadam::schedule::Scheduler;
-use std::path::Path;
 
 /// Miri is some thousand times slower.
 const STEPS: usize = if cfg!(miri) { 2 } else { 40 };
@@ -26,11 +25,11 @@ fn scene() -> Scene {
         text += &format!("[[grain]]\nmaterial = 'stone'\nradius = 0.005\nposition = [{x:?}, {y:?}, {z:?}]\n");
         text += &format!("velocity = [{:?}, 0.0, -0.01]\n", 0.01 * f64::from(12 - number));
     }
-    Scene::parse(&text, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error}"))
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn start(scene: &Scene) -> Simulation {
-    let mut simulation = Simulation::new(scene, 1, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let mut simulation = Simulation::new(scene, 1).unwrap_or_else(|error| panic!("{error}"));
     simulation.use_instruction_set(InstructionSet::Generic).unwrap();
     simulation
 }
@@ -80,11 +79,10 @@ fn every_method_and_precision_steps() {
 
 #[test]
 fn a_checkpoint_goes_on() {
-    let (scene, file) = (scene(), Path::new("small.state"));
+    let scene = scene();
     let mut simulation = start(&scene);
     simulation.step();
-    let mut resumed =
-        Simulation::resume(&scene, &simulation.checkpoint(), file).unwrap_or_else(|error| panic!("{error}"));
+    let mut resumed = Simulation::resume(&scene, &simulation.checkpoint()).unwrap_or_else(|error| panic!("{error}"));
     resumed.use_instruction_set(InstructionSet::Generic).unwrap();
     assert_eq!(hash_after(resumed), hash_after(simulation));
 }

@@ -3,9 +3,7 @@
 use crate::common::{CONVERGED_HERTZ, CONVERGED_RIGID, DENSITY, Setup, grain, run_until};
 use approx::assert_relative_eq;
 use makadam::Simulation;
-use makadam::scene::Scene;
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
 const RADIUS: f64 = 0.005;
 const MASS: f64 = DENSITY * 4.0 / 3.0 * PI * RADIUS * RADIUS * RADIUS;
@@ -94,7 +92,7 @@ fn friction_carries_a_grain_along_with_a_plate_that_vibrates_in_its_plane() {
     let mut scene = on_a_plate([amplitude, 0.0, 0.0], 20.0, "").scene();
     // So that it cannot roll.
     scene.material.values_mut().for_each(|material| material.rolling_friction = 100.0);
-    let mut simulation = Simulation::new(&scene, 1, Path::new("test.toml")).unwrap();
+    let mut simulation = Simulation::new(&scene, 1).unwrap();
     // It slips at the start, where the plate jumps to its speed, and then no more.
     run_until(&mut simulation, 0.05);
     while simulation.time() < 0.1 {
@@ -166,7 +164,7 @@ fn what_makes_no_vibration_is_refused_with_a_remedy() {
         ("start = 0.0", "start = 2.0\nstop = 1.0", "stop"),
     ] {
         assert!(text.contains(sound), "{text}");
-        let message = Scene::parse(&text.replace(sound, wrong), Path::new("test.toml")).unwrap_err().to_string();
+        let message = crate::common::parse(&text.replace(sound, wrong)).unwrap_err();
         assert!(message.contains(word) && message.contains("test.toml:"), "{message}");
     }
 }

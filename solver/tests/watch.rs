@@ -4,13 +4,12 @@ use crate::common::{FLOOR, Setup, grain, run_until};
 use makadam::scene::{Reaction, Scene, Watch};
 use makadam::watch::{Alarm, Trouble, Watchdog};
 use makadam::{Simulation, StepReport};
-use std::path::Path;
 
 const RADIUS: f64 = 0.005;
 
 /// What is noticed until a time (s), the last step included.
 fn alarms(scene: &Scene, until: f64) -> Vec<Alarm> {
-    let mut simulation = Simulation::new(scene, 1, Path::new("test.toml")).unwrap();
+    let mut simulation = Simulation::new(scene, 1).unwrap();
     let mut watchdog = Watchdog::new(&scene.watch, &simulation);
     let mut alarms = Vec::new();
     while simulation.time() < until - 0.5 * simulation.time_step() {
@@ -50,7 +49,7 @@ fn a_state_is_looked_at_once_and_solves_are_judged_when_it_is_time_to() {
     let domain = |scene: &mut Scene| (scene.domain.min, scene.domain.max) = ([-30.0; 3], [30.0; 3]);
     let mut scene = Setup { gravity: [0.0; 3], body, ..Setup::default() }.scene();
     domain(&mut scene);
-    let mut simulation = Simulation::new(&scene, 1, Path::new("test.toml")).unwrap();
+    let mut simulation = Simulation::new(&scene, 1).unwrap();
     let outside = Setup { gravity: [0.0; 3], ..Setup::default() }.scene();
     let watch = Watch { residual: 1e-9, ..outside.watch };
     let mut watchdog = Watchdog::new(&watch, &simulation);
@@ -146,7 +145,7 @@ fn a_wall_that_grains_are_inside_of_makes_numbers_worthless() {
     let look = |scene: &Scene, sunk: f64| {
         let mut scene = scene.clone();
         scene.grain[0].position[2] = sunk;
-        let mut simulation = Simulation::new(&scene, 1, Path::new("test.toml")).unwrap();
+        let mut simulation = Simulation::new(&scene, 1).unwrap();
         let mut watchdog = Watchdog::new(&scene.watch, &simulation);
         let report = simulation.step();
         watchdog.observe(&simulation, &report);

@@ -14,11 +14,12 @@
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use makadam::lanes::InstructionSet;
-use makadam::scene::{Precision, Scene, Watch};
+use makadam::scene::{Precision, Watch};
 use makadam::schedule::Scheduler;
 use makadam::watch::Watchdog;
 use makadam::{Simulation, StepReport};
 use makadam_validation::execution::{Execution, cores};
+use makadam_validation::plan::Scene;
 use makadam_validation::prepared::{Start, is_ready, start};
 use makadam_validation::stepping::steps_in;
 use std::hint::black_box;

@@ -1,7 +1,7 @@
 //! Prints what the measurement code finds in recordings: `measure SCENE RECORDING...`
 
-use makadam::scene::Scene;
 use makadam_validation::observables::{ForcePool, measure};
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use std::path::Path;
 use std::time::Instant;

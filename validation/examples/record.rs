@@ -2,8 +2,9 @@
 //!
 //! A recording that is already there is left alone.
 
-use makadam::scene::Scene;
 use makadam_validation::peers::{Code, Job, Liggghts, Yade};
+use makadam_validation::plan::Scene;
+use makadam_validation::scenes;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -18,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Ok(());
     }
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
-    let file = Scene::find(scene, &[root])?;
+    let file = scenes::find(scene, &[root])?;
     let factor: f64 = factor.parse()?;
     let scene = Scene::load(&file)?.with_stiffness_factor(factor);
     let code: Box<dyn Code> = match code.as_str() {

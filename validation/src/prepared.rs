@@ -1,11 +1,12 @@
 //! Where a run starts: at the lattice gas, or at a flowing state that was prepared once and is kept on the machine.
 
-use crate::execution::{Execution, ExecutionError};
+use crate::execution::Execution;
 use crate::output::{WriteError, cache_folder, create_folder, file_stem};
+use crate::plan::Scene;
 use crate::provenance::scene_hash;
+use crate::scenes::{SceneError, in_file};
 use crate::stepping::{Halt, Stepping, steps_in};
 use makadam::checkpoint::{CheckpointError, open, seal, write_atomically};
-use makadam::scene::{Scene, SceneError};
 use makadam::watch::{Alarm, Watchdog};
 use makadam::{BUILD, Simulation};
 use serde::{Deserialize, Serialize};
@@ -26,7 +27,7 @@ pub enum StartError {
     Checkpoint(#[from] CheckpointError),
     /// The machine cannot run it as asked.
     #[error(transparent)]
-    Execution(#[from] ExecutionError),
+    Execution(#[from] makadam::SettingError),
     /// The state that was prepared is worth nothing.
     #[error("while the flowing state was prepared: {0}")]
     Worthless(Alarm),
@@ -79,7 +80,7 @@ pub fn start(
     progress: &dyn Fn(f64),
 ) -> Result<(Simulation, Start), StartError> {
     let Some(prepare) = &scene.prepare else {
-        let mut simulation = Simulation::new(scene, seed, scene_file)?;
+        let mut simulation = Simulation::new(scene, seed).map_err(in_file(scene_file))?;
         execution.apply(&mut simulation)?;
         return Ok((simulation, Start::Fresh));
     };
@@ -95,7 +96,7 @@ pub fn start(
     };
     let mut beforehand = scene.clone();
     beforehand.solver.step = prepare.step;
-    let mut simulation = Simulation::new(&beforehand, seed, scene_file)?;
+    let mut simulation = Simulation::new(&beforehand, seed).map_err(in_file(scene_file))?;
     execution.apply(&mut simulation)?;
     let steps = steps_in(prepare.duration, prepare.step);
     let mut watchdog = Watchdog::new(&scene.watch, &simulation);
@@ -110,7 +111,7 @@ pub fn start(
     let state = simulation.checkpoint();
     let labelled = postcard::to_stdvec(&(Label::of(scene, seed), &state)).expect("numbers, text and bytes");
     write_atomically(&file, &seal(MARK, &labelled)).map_err(|error| WriteError::new(&file, error))?;
-    let mut simulation = Simulation::start_from(scene, &state, &file)?;
+    let mut simulation = Simulation::start_from(scene, &state)?;
     execution.apply(&mut simulation)?;
     Ok((
         simulation,
@@ -126,7 +127,12 @@ fn start_from(scene: &Scene, seed: u64, file: &Path) -> Option<Result<Simulation
         Err(error) => return Some(Err(format!("cannot be read: {error}"))),
     };
     let state = labelled_state(scene, seed, &bytes);
-    let started = |state: Vec<u8>| Simulation::start_from(scene, &state, file).map_err(|error| error.to_string());
+    let started = |state: Vec<u8>| {
+        Simulation::start_from(scene, &state).map_err(|error| match error {
+            CheckpointError::Format { problem } => problem,
+            other => other.to_string(),
+        })
+    };
     Some(state.and_then(started))
 }
 

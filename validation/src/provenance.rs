@@ -1,10 +1,11 @@
 //! Where a result came from: version, commit, compiler, machine, seed, scene, settings.
 
 use crate::execution::Execution;
+use crate::plan::Scene;
 use crate::stepping::steps_in;
 use makadam::checkpoint::checksum;
 use makadam::lanes::InstructionSet;
-use makadam::scene::{Scene, SolverSettings, Watch};
+use makadam::scene::{SolverSettings, Watch};
 use makadam::schedule::Scheduler;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -176,7 +177,8 @@ pub fn account(threads: usize, scenes: &[&Scene]) -> BTreeMap<String, String> {
 /// Hash of everything that a scene says of what is simulated (64-bit FNV-1a over its JSON form), the same on every machine. What a
 /// run watches for is left out: it changes when a run ends, and nothing of what came before.
 pub fn scene_hash(scene: &Scene) -> u64 {
-    let unwatched = Scene { watch: Watch::default(), ..scene.clone() };
+    let mut unwatched = scene.clone();
+    unwatched.watch = Watch::default();
     let text = serde_json::to_vec(&unwatched).expect("a checked scene holds only finite numbers and plain text");
     checksum(&text)
 }

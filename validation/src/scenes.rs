@@ -5,12 +5,39 @@
 
 use crate::compare::{Reference, ReferenceError};
 use crate::observables::catalogue;
-use makadam::scene::{Scene, SceneError, known_scenes};
+use crate::plan::Scene;
+use makadam::scene::SceneFileError;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// The first part of the paths of what the program holds; what follows is as under `reference-scenes`.
 pub const BUILT_IN: &str = "<built-in>";
+
+/// Why there is no scene to run.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The name is neither a file nor a known scene.
+    #[error("no scene '{name}': give a path to a TOML file or one of: {}", known.join(", "))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// Scenes that exist.
+        known: Vec<String>,
+    },
+    /// The file cannot be read, or what it says is refused.
+    #[error(transparent)]
+    File(#[from] SceneFileError),
+}
+
+/// Turns what is wrong with the scene of a file into an error that names the file and, where it can be read, the line.
+pub fn in_file(file: &Path) -> impl Fn(makadam::scene::SceneError) -> SceneError + '_ {
+    move |error| error.in_file(file, text(file).ok().as_deref()).into()
+}
+
+/// The same for a scene that was made in code and has a name alone.
+pub fn named(name: &str) -> impl Fn(makadam::scene::SceneError) -> SceneError + '_ {
+    move |error| error.in_file(Path::new(name), None).into()
+}
 
 /// A file under `reference-scenes`: its path there, and what it holds.
 type Held = (&'static str, &'static [u8]);
@@ -27,12 +54,17 @@ pub fn roots() -> Vec<PathBuf> {
 /// the program holds.
 ///
 /// # Errors
-/// [`SceneError::Missing`] if a path names no file, [`SceneError::Unknown`] if there is no scene of a name.
+/// [`SceneFileError::Missing`] if a path names no file, [`SceneError::Unknown`] if there is no scene of a name.
 pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
-    let mut known = match Scene::find(name, roots) {
-        Err(SceneError::Unknown { known, .. }) => known,
-        found => return found,
-    };
+    let as_path = PathBuf::from(name);
+    if as_path.is_file() {
+        return Ok(as_path);
+    }
+    let folders = roots.iter().map(|root| root.join("reference-scenes").join(name));
+    let files = std::iter::once(as_path).chain(folders).map(|folder| folder.join("scene.toml"));
+    if let Some(file) = files.into_iter().find(|file| file.is_file()) {
+        return Ok(file);
+    }
     let held = Path::new(BUILT_IN).join(name).join("scene.toml");
     if bytes_of(&held).is_some() {
         return Ok(held);
@@ -45,12 +77,9 @@ pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
                 "it is no regular file, such as a pipe or a device; write the scene to a file and name that",
             ),
         };
-        return Err(SceneError::Missing { file: name.into(), source });
+        return Err(SceneFileError::Missing { file: name.into(), source }.into());
     }
-    known.extend(names().map(String::from));
-    known.sort();
-    known.dedup();
-    Err(SceneError::Unknown { name: name.into(), known })
+    Err(SceneError::Unknown { name: name.into(), known: known(roots) })
 }
 
 /// Names of the scenes in `roots` and of those that the program holds, sorted.
@@ -60,6 +89,20 @@ pub fn known(roots: &[PathBuf]) -> Vec<String> {
     known.sort();
     known.dedup();
     known
+}
+
+/// Names of the folders under `reference-scenes/` that hold a scene, sorted.
+fn known_scenes(roots: &[PathBuf]) -> Vec<String> {
+    let mut names: Vec<String> = roots
+        .iter()
+        .filter_map(|root| std::fs::read_dir(root.join("reference-scenes")).ok())
+        .flat_map(|entries| entries.flatten())
+        .filter(|entry| entry.path().join("scene.toml").is_file())
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .collect();
+    names.sort();
+    names.dedup();
+    names
 }
 
 /// Names of the scenes that the program holds.
@@ -91,11 +134,11 @@ pub fn read(path: &Path) -> std::io::Result<Vec<u8>> {
 /// Reads a scene's file as text.
 ///
 /// # Errors
-/// [`SceneError::Missing`] if it cannot be read, or is no text.
+/// [`SceneFileError::Missing`] if it cannot be read, or is no text.
 pub fn text(file: &Path) -> Result<String, SceneError> {
-    let missing = |source| SceneError::Missing { file: file.to_path_buf(), source };
+    let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
     let bytes = read(file).map_err(missing)?;
-    String::from_utf8(bytes).map_err(|error| missing(Error::new(ErrorKind::InvalidData, error)))
+    String::from_utf8(bytes).map_err(|error| missing(Error::new(ErrorKind::InvalidData, error)).into())
 }
 
 /// Reads and checks a scene: also that what it compares is what it measures.
@@ -104,7 +147,7 @@ pub fn text(file: &Path) -> Result<String, SceneError> {
 /// [`SceneError`].
 pub fn load(file: &Path) -> Result<Scene, SceneError> {
     let text = text(file)?;
-    let scene = Scene::parse(&text, file)?;
+    let scene = Scene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))?;
     catalogue::check(&scene, &text, file)?;
     Ok(scene)
 }

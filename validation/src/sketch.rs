@@ -1,10 +1,10 @@
 //! A scene put together in a few words: what hard cases and laws have in common is said here once.
 
+use crate::plan::{Measure, Scene};
 use makadam::scene::{
-    Domain, GrainEntry, Material, Measure, Motion, NormalLaw, Population, RadiusDistribution, Region, Scene, Shape,
-    SolverMethod, SolverSettings, Stop, Wall, Watch,
+    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Region, Shape, SolverMethod,
+    SolverSettings, Stop, Wall, Watch,
 };
-use std::path::Path;
 
 /// Radius of a grain where a case says nothing else, m.
 pub const RADIUS: f64 = 0.005;
@@ -37,7 +37,7 @@ impl Sketch {
             cohesion: None,
         };
         let materials = [("grain", material.clone()), ("wall", material)];
-        Sketch(Scene {
+        let simulated = makadam::scene::Scene {
             name: name.into(),
             description: "A hard case of makadam stability.".into(),
             duration,
@@ -51,16 +51,15 @@ impl Sketch {
             wall: Vec::new(),
             population: Vec::new(),
             grain: Vec::new(),
-            prepare: None,
             accuracy: None,
             solver: SolverSettings {
                 stop: Stop::Residual { tolerance: 1e-6, max_sweeps: 1000 },
                 ..SolverSettings::default()
             },
             watch: Watch::default(),
-            measure: Measure { interval: duration / 50.0, from: Some(0.0), observables: Vec::new() },
-            compare: Vec::new(),
-        })
+        };
+        let measure = Measure { interval: duration / 50.0, from: Some(0.0), observables: Vec::new() };
+        Sketch(Scene { simulated, prepare: None, measure, compare: Vec::new() })
     }
 
     /// Lets the scene be changed at will.
@@ -213,8 +212,8 @@ impl Sketch {
     /// # Panics
     /// The scene breaks a rule that scenes from files have to keep: the catalogue is wrong then.
     pub fn scene(self) -> Scene {
-        let text = toml::to_string(&self.0).expect("a scene is made of plain tables");
-        Scene::parse(&text, Path::new(&self.0.name)).unwrap_or_else(|error| panic!("{error}"))
+        self.0.check().unwrap_or_else(|error| panic!("{}: {error}", self.0.name));
+        self.0
     }
 }
 

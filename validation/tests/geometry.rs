@@ -1,15 +1,14 @@
 //! Contours, lines and walls: the geometry that measures stand on.
 
 use approx::assert_abs_diff_eq;
-use makadam::scene::Scene;
 use makadam::snapshot::{DrivenWall, Snapshot};
 use makadam_validation::observables::contour::{area, contours, encloses, outline, segments, squared_distance};
 use makadam_validation::observables::field::Field;
 use makadam_validation::observables::line::{Line, clip};
 use makadam_validation::observables::walls::PlacedWalls;
+use makadam_validation::plan::Scene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use std::path::Path;
 
 /// A field whose value at the centre of each cell is given.
 fn field(value: impl Fn(f64, f64) -> f64) -> Field {
@@ -126,7 +125,7 @@ material = "steel"
 shape = { kind = "plane", point = [-9.0, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }
 motion = { kind = "torque-driven", point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], torque = 1.0, moment_of_inertia = 1.0 }
 "#;
-    let scene = Scene::parse(text, Path::new("walls.toml")).expect("a valid scene");
+    let scene = Scene::parse(text).expect("a valid scene");
     let at = |time: f64| PlacedWalls::at(&scene, &Snapshot { time, ..Snapshot::default() });
     let distance = |time: f64, point: [f64; 3]| at(time).distance(&Vector3::from(point));
     assert_abs_diff_eq!(distance(0.0, [0.07, 0.0, 0.05]), 0.03, epsilon = 1e-12);

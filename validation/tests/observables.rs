@@ -2,12 +2,12 @@
 
 use crate::support::beds::{Random, drum_scene, fcc, frame, particles, recording, scene, tilted_drum, value};
 use approx::assert_abs_diff_eq;
-use makadam::scene::Scene;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_validation::observables::literature::LiteratureCurve;
 use makadam_validation::observables::neighbours::close_pairs;
 use makadam_validation::observables::packing_fraction::fraction_in_box;
 use makadam_validation::observables::{ForcePool, Measurement, force_distribution, measure};
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, SQRT_2};
@@ -63,7 +63,8 @@ shape = { kind = "plane", point = [0.0, 0.0, -0.5], normal = [0.0, 0.0, 1.0] }
     let far = places.iter().copied().max_by(|a, b| a.x.total_cmp(&b.x)).expect("grains");
     places.extend((1..=3).map(|n| far + Vector3::x() * 0.01 * f64::from(n)));
     let all = places.len();
-    let scene = Scene { gravity: [0.0; 3], ..scene };
+    let mut scene = scene;
+    scene.gravity = [0.0; 3];
     let measurements = measure(&scene, &recording(vec![frame(0.0, particles(places, 0.005))]));
     assert_abs_diff_eq!(value(&measurements, "rattler_share"), 3.0 / all as f64, epsilon = 1e-12);
 }
@@ -92,7 +93,8 @@ fn close_pairs_match_all_pairs() {
 
 /// A crystal without gravity whose contacts bear forces of an exponential distribution.
 fn exponential_forces() -> (Scene, Recording) {
-    let scene = Scene { gravity: [0.0; 3], ..scene("", r#"["contact-forces", "balances"]"#, "") };
+    let mut scene = scene("", r#"["contact-forces", "balances"]"#, "");
+    scene.gravity = [0.0; 3];
     let grains = particles(fcc(0.01, 0.08, Rotation3::identity(), Vector3::zeros()), 0.005);
     let pairs = close_pairs(&grains, 1e-4);
     let count = pairs.len() as f64;

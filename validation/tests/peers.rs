@@ -1,11 +1,12 @@
 //! The peers: meshes and parsers always; misbehaving programs through fakes; the real codes where they are installed.
 
-use makadam::scene::{Domain, Scene, Shape};
+use makadam::scene::{Domain, Shape};
 use makadam::snapshot::{Contact, Partner};
 use makadam_validation::peers::liggghts::{loop_seconds, read_dump};
 use makadam_validation::peers::mesh::{Mesh, wall_mesh};
 use makadam_validation::peers::yade::read_frames;
 use makadam_validation::peers::{Code, CodeError, Job, Liggghts, Yade, merge_wall_contacts};
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -194,7 +195,7 @@ fn scene(gravity: &str, duration: f64, interval: f64, materials: &str, body: &st
          domain = {{ min = [-0.3, -0.3, -0.3], max = [0.3, 0.3, 0.3] }}\n\
          [measure]\ninterval = {interval}\nfrom = 0.0\n{materials}{body}"
     );
-    Scene::parse(&text, Path::new("peers.toml")).unwrap_or_else(|error| panic!("{error}"))
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn material(name: &str, friction: f64) -> String {

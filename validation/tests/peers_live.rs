@@ -1,8 +1,9 @@
 //! The real peers against closed forms of one contact, where they are installed.
 
-use makadam::scene::{Cohesion, Scene};
+use makadam::scene::Cohesion;
 use makadam::snapshot::{Contact, Partner, Snapshot};
 use makadam_validation::peers::{Code, Job, Liggghts, Yade};
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
 use std::path::Path;
@@ -67,7 +68,7 @@ fn scene(gravity: f64, duration: f64, interval: f64, body: &str) -> Scene {
         }
         text += part;
     }
-    Scene::parse(&text, Path::new("live.toml")).unwrap_or_else(|error| panic!("{error}"))
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn grain(position: [f64; 3], velocity: [f64; 3]) -> String {

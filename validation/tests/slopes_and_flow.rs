@@ -4,10 +4,11 @@ use crate::support::beds::{
     Random, drum_scene, frame, particles, random_crystal, recording, scene, tilted_drum, value,
 };
 use approx::assert_abs_diff_eq;
-use makadam::scene::{Grain, Scene, populate};
+use makadam::scene::{Grain, populate};
 use makadam::snapshot::{Contact, Particle, Partner};
 use makadam_validation::effects::variations;
 use makadam_validation::observables::{measure, series};
+use makadam_validation::plan::Scene;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -139,7 +140,7 @@ fn segregation() -> Scene {
 
 /// What is measured of the grains where they start, by name.
 fn at_start(scene: &Scene) -> (Vec<f64>, BTreeMap<String, f64>) {
-    let grains = populate(scene, 1, Path::new("scene.toml")).unwrap();
+    let grains = populate(scene, 1).unwrap();
     let radii = grains.iter().map(|grain| grain.radius).collect();
     let particle = |(id, grain): (usize, Grain)| Particle {
         id: id as u32,

@@ -1,7 +1,8 @@
 //! Fronts, orders of convergence and plans, against what can be worked out by hand.
 
 use approx::assert_relative_eq;
-use makadam::scene::{Precision, Scene, SolverMethod, SolverSettings, Stop};
+use makadam::scene::{Precision, SolverMethod, SolverSettings, Stop};
+use makadam_validation::plan::Scene;
 use makadam_validation::tradeoff::{Configuration, Convergence, Knobs, Plan, Scope, pareto_front};
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -31,10 +31,8 @@ pub enum CheckpointError {
         source: std::io::Error,
     },
     /// The bytes are no checkpoint of this version, or not one of this scene.
-    #[error("{} {problem}; delete it and start anew", file.display())]
+    #[error("the checkpoint {problem}; delete it and start anew")]
     Format {
-        /// The file.
-        file: PathBuf,
         /// What is wrong.
         problem: String,
     },
@@ -51,26 +49,27 @@ impl Simulation {
     ///
     /// # Errors
     /// [`CheckpointError::Io`] if the file cannot be written.
-    pub fn save(&self, file: &Path) -> Result<(), CheckpointError> {
+    pub fn save(&self, file: impl AsRef<Path>) -> Result<(), CheckpointError> {
+        let file = file.as_ref();
         write_atomically(file, &self.checkpoint()).map_err(|source| CheckpointError::Io { file: file.into(), source })
     }
 
-    /// Goes on from a checkpoint of the same scene, bit for bit as if it had never stopped. `file` is what errors name.
+    /// Goes on from a checkpoint of the same scene, bit for bit as if it had never stopped.
     ///
     /// # Errors
     /// [`CheckpointError::Format`] if the bytes are damaged, or belong to another version or scene.
-    pub fn resume(scene: &Scene, bytes: &[u8], file: &Path) -> Result<Simulation, CheckpointError> {
-        let refuse = |problem| CheckpointError::Format { file: file.into(), problem };
+    pub fn resume(scene: &Scene, bytes: &[u8]) -> Result<Simulation, CheckpointError> {
+        let refuse = |problem| CheckpointError::Format { problem };
         State::read(bytes).and_then(|state| state.resume(scene)).map_err(refuse)
     }
 
     /// Starts a scene at time zero from the grains of a checkpoint in place of its lattice gas, with the impulses of their
-    /// contacts scaled to the scene's time step. `file` is what errors name.
+    /// contacts scaled to the scene's time step.
     ///
     /// # Errors
     /// [`CheckpointError::Format`] if the bytes are damaged, of another version, or hold other grains than the scene.
-    pub fn start_from(scene: &Scene, bytes: &[u8], file: &Path) -> Result<Simulation, CheckpointError> {
-        let refuse = |problem| CheckpointError::Format { file: file.into(), problem };
+    pub fn start_from(scene: &Scene, bytes: &[u8]) -> Result<Simulation, CheckpointError> {
+        let refuse = |problem| CheckpointError::Format { problem };
         State::read(bytes).and_then(|state| state.start(scene)).map_err(refuse)
     }
 }

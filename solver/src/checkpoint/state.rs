@@ -10,7 +10,6 @@ use crate::schedule::Team;
 use crate::world::{Body, Sphere, World};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// No count of a run comes near it: beyond it, time as a product of steps is no longer exact.
 const LARGEST_COUNT: u64 = 1 << 53;
@@ -263,7 +262,7 @@ impl State {
         }
         let mut by_id: Vec<&GrainState> = self.grains.iter().collect();
         by_id.sort_by_key(|grain| grain.id);
-        scene.check(Path::new(&scene.name)).map_err(|error| format!("cannot go on with the scene: {error}"))?;
+        scene.check().map_err(|error| format!("cannot go on with the scene: {error}"))?;
         let mut world = World::new(scene, &[]);
         for (id, grain) in by_id.into_iter().enumerate() {
             let GrainState { position, velocity, surface_speed, radius, inverse_mass, .. } = grain;

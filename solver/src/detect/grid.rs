@@ -303,7 +303,6 @@ mod tests {
     use crate::Simulation;
     use crate::scene::Scene;
     use crate::world::Sphere;
-    use std::path::Path;
 
     /// Radius of the grains, m.
     const RADIUS: f64 = 0.005;
@@ -329,8 +328,8 @@ mod tests {
              [[grain]]\nmaterial = 'grain'\nradius = {RADIUS:?}\nposition = [0, 0, 0]\n",
             -half
         );
-        let scene = Scene::parse(&text, Path::new("blocks.toml")).unwrap();
-        let pattern = Simulation::new(&scene, 1, Path::new("blocks.toml")).unwrap().world;
+        let scene = Scene::parse(&text).unwrap();
+        let pattern = Simulation::new(&scene, 1).unwrap().world;
         let blocks = middles.iter().flat_map(|middle| {
             (0..EDGE * EDGE * EDGE).map(|number| {
                 let at = [number % EDGE, number / EDGE % EDGE, number / (EDGE * EDGE)];

@@ -83,6 +83,11 @@ impl Drive {
         self.pivot.map_or(self.axis, |pivot| self.axis.cross(&(point - pivot)))
     }
 
+    /// The axis along which or about which it moves.
+    pub(crate) fn axis(&self) -> Vector3<f64> {
+        self.axis
+    }
+
     /// The axis about which it turns; zero if it does not.
     pub(crate) fn turning(&self) -> Vector3<f64> {
         self.pivot.map_or_else(Vector3::zeros, |_| self.axis)

@@ -3,7 +3,6 @@ use crate::lanes::InstructionSet;
 use crate::scene::{Scene, SolverMethod};
 use crate::schedule::Scheduler;
 use crate::solve::StopReason;
-use std::path::Path;
 
 /// Sweeps of a step.
 const SWEEPS: u64 = 80;
@@ -20,16 +19,15 @@ fn pile(material: &str, solver: &str, walls: &str) -> Scene {
          [[population]]\ncount = 30\nmaterial = 'grain'\nradius = {{ kind = 'uniform', mean = 0.005, spread = 0.3 }}\n\
          region = {{ kind = 'box', {corners} }}\nagitation = 0.5\n"
     );
-    Scene::parse(&text, Path::new("pile.toml")).unwrap_or_else(|error| panic!("{error}"))
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Takes steps that are stopped at any sweep, goes on from what is left and from checkpoints of it, and compares with steps that are
 /// not.
 fn stops_leave_no_trace(scene: &Scene, adapt: impl Fn(&mut Simulation)) {
     const STEPS: u64 = 300;
-    let file = Path::new("pile.toml");
     let begin = || {
-        let mut simulation = Simulation::new(scene, 1, file).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = Simulation::new(scene, 1).unwrap_or_else(|error| panic!("{error}"));
         simulation.open_ledger();
         adapt(&mut simulation);
         simulation
@@ -50,8 +48,7 @@ fn stops_leave_no_trace(scene: &Scene, adapt: impl Fn(&mut Simulation)) {
             assert_eq!((broken.state_hash(), broken.steps_taken()), (before, step), "all is as before the step");
             assert!(broken.snapshot().contacts.is_empty(), "nothing half solved is shown");
             if stops % 2 == 0 {
-                broken =
-                    Simulation::resume(scene, &broken.checkpoint(), file).unwrap_or_else(|error| panic!("{error}"));
+                broken = Simulation::resume(scene, &broken.checkpoint()).unwrap_or_else(|error| panic!("{error}"));
                 adapt(&mut broken);
             }
             broken.step();
@@ -86,7 +83,7 @@ fn steps_that_are_stopped_leave_no_trace() {
 #[test]
 fn a_step_of_endless_inner_sweeps_ends_when_it_is_asked_to() {
     let scene = pile("", "stop = { kind = 'sweeps', sweeps = 1 }", "");
-    let mut simulation = Simulation::new(&scene, 1, Path::new("pile.toml")).unwrap();
+    let mut simulation = Simulation::new(&scene, 1).unwrap();
     // No scene may ask for so many.
     simulation.settings.inner_sweeps = u32::MAX;
     let interrupt = Interrupt::new();
@@ -103,7 +100,7 @@ fn a_step_of_endless_inner_sweeps_ends_when_it_is_asked_to() {
 #[test]
 fn solves_of_few_sweeps_do_not_look() {
     let scene = pile("", "stop = { kind = 'sweeps', sweeps = 64 }", "");
-    let mut simulation = Simulation::new(&scene, 1, Path::new("pile.toml")).unwrap();
+    let mut simulation = Simulation::new(&scene, 1).unwrap();
     assert!(!simulation.interrupt_handle().request(), "for the first time");
     for _ in 0..100 {
         assert_ne!(simulation.step().solve.reason, StopReason::Interrupted);

@@ -29,14 +29,13 @@ fn what_the_processor_lacks_is_refused_and_never_chosen() {
                  domain = { min = [-1, -1, -1], max = [1, 1, 1] }\n\
                  [material.grain]\ndensity = 2500\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nrestitution = 0.5\nfriction = 0\n\
                  [[grain]]\nmaterial = 'grain'\nradius = 0.01\nposition = [0, 0, 0]\n";
-    let file = std::path::Path::new("lone.toml");
-    let scene = crate::scene::Scene::parse(scene, file).unwrap();
+    let scene = crate::scene::Scene::parse(scene).unwrap();
     for lacking in [InstructionSet::Avx2, InstructionSet::Avx512] {
         on_a_processor_without(lacking, || {
             assert!(!lacking.is_available() && lacking.on_this_processor().is_none());
             assert!((InstructionSet::detect() as usize) < lacking as usize, "the widest of those that are left");
             assert_eq!(Available::detect().name(), InstructionSet::detect());
-            let mut simulation = Simulation::new(&scene, 1, file).unwrap();
+            let mut simulation = Simulation::new(&scene, 1).unwrap();
             let before = simulation.instruction_set();
             assert!(before.is_available());
             let error = simulation.use_instruction_set(lacking).unwrap_err();

@@ -138,7 +138,6 @@ impl Simulation {
 mod tests {
     use super::*;
     use crate::scene::Scene;
-    use std::path::Path;
 
     #[test]
     fn an_impulse_outside_of_the_solve_is_accounted_for() {
@@ -147,8 +146,7 @@ mod tests {
                     [material.grain]\ndensity = 2500.0\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nfriction = 0.5\n\
                     restitution = 0.5\n[[grain]]\nmaterial = 'grain'\nradius = 0.01\nposition = [0, 0, 0]\n\
                     velocity = [0.5, 0.0, -1.0]\nspin = [3.0, 2.0, 1.0]\n";
-        let file = Path::new("test.toml");
-        let mut simulation = Simulation::new(&Scene::parse(text, file).unwrap(), 1, file).unwrap();
+        let mut simulation = Simulation::new(&Scene::parse(text).unwrap(), 1).unwrap();
         simulation.open_ledger();
         simulation.step();
         // A wall that comes up at 2 m/s hits the grain from below, and turns it.

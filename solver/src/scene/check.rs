@@ -12,8 +12,6 @@ use super::{
 const MOST_GRAINS: f64 = 1e8;
 /// Most materials: their numbers have eight bits.
 const MOST_MATERIALS: usize = 256;
-/// Most frames of a run.
-const MOST_FRAMES: f64 = 1e6;
 /// Most sweeps of a step, those inside boxes counted: within a step nobody listens to an interrupt.
 const MOST_SWEEPS: f64 = 1e6;
 /// Most sweeps over a box for each over all boxes: more than one does not pay (`docs/memory.md`).
@@ -34,13 +32,8 @@ pub(super) fn check(scene: &Scene) -> Checked {
     walls(scene)?;
     grains(scene)?;
     accuracy(scene)?;
-    if let Some(prepare) = &scene.prepare {
-        root.key("prepare").key("duration").range(prepare.duration, 0.0, 1e5, "s")?;
-        root.key("prepare").key("step").range(prepare.step, 1e-9, 0.1, "s")?;
-    }
     solver(scene)?;
-    watch(scene)?;
-    measure(scene)
+    watch(scene)
 }
 
 fn gravity(scene: &Scene) -> Checked {
@@ -389,22 +382,6 @@ pub(super) fn solver(scene: &Scene) -> Checked {
             Err(at.key("inner_sweeps").fault(problem, &remedy))
         }
     }
-}
-
-fn measure(scene: &Scene) -> Checked {
-    let at = Place::default().key("measure");
-    at.key("interval").range(scene.measure.interval, 1e-6, 1e5, "s")?;
-    at.key("from").range(scene.measure.from.unwrap_or(0.0), 0.0, scene.duration, "s")?;
-    if scene.duration / scene.measure.interval > MOST_FRAMES {
-        let [interval, duration] = [scene.measure.interval, scene.duration].map(short);
-        let problem = format!("{interval} s within {duration} s are too many frames");
-        return Err(at.key("interval").fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
-    }
-    for (index, expectation) in scene.compare.iter().enumerate() {
-        let margin = Place::default().key("compare").index(index).key("margin");
-        margin.range(expectation.margin.unwrap_or(1.0), 1e-12, 1e6, "in the observable's unit")?;
-    }
-    Ok(())
 }
 
 fn interval(at: &Place, start: f64, stop: Option<f64>) -> Checked {

@@ -1,55 +1,41 @@
-//! Errors of scene files: which file, which line, what is wrong, what would be right.
+//! What is wrong with a scene: where in its document, what is wrong, what would be right.
+//!
+//! The solver knows no files. Who has read the document from one turns the place into a file and a line: [`SceneError::in_file`].
 
 use super::Scene;
-use std::path::{Path, PathBuf};
+use super::file::SceneFileError;
+use std::fmt;
+use std::path::Path;
 
 /// Why a scene was refused.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// The name is neither a file nor a known scene.
-    #[error("no scene '{name}': give a path to a TOML file or one of: {}", known.join(", "))]
-    Unknown {
-        /// What was asked for.
-        name: String,
-        /// Scenes that exist.
-        known: Vec<String>,
-    },
-    /// The file cannot be read.
-    #[error("{}: cannot be read: {source}; give a path to a readable TOML file", file.display())]
-    Missing {
-        /// The file.
-        file: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    /// What it says cannot be simulated.
+    #[error(transparent)]
+    Invalid(#[from] Fault),
     /// There is no room for the grains.
     #[error(
-        "{}: the memory for its grains is not there: {:.1} GB more were asked for; lower the count, or use a machine with more",
-        file.display(),
+        "the memory for its grains is not there: {:.1} GB more were asked for; lower the count, or use a machine with more",
         *bytes as f64 * 1e-9
     )]
     Memory {
-        /// The file, or what stands for it.
-        file: PathBuf,
         /// What was asked for, bytes.
         bytes: usize,
-    },
-    /// The file can be read, but what it says cannot be simulated.
-    #[error("{}{}: {problem}; {remedy}", file.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
-    Invalid {
-        /// The file, or what stands for it where the scene was built in code.
-        file: PathBuf,
-        /// Line, from 1; none where there is no file, and the problem names the field by its path.
-        line: Option<usize>,
-        /// What is wrong.
-        problem: String,
-        /// What would be right.
-        remedy: String,
     },
 }
 
 impl SceneError {
-    pub(super) fn from_toml(file: &Path, text: &str, error: &toml::de::Error) -> SceneError {
+    /// The same as an error of a file. `text` is what the file holds, which tells the line; without it the problem names the value by
+    /// its path.
+    pub fn in_file(self, file: &Path, text: Option<&str>) -> SceneFileError {
+        match self {
+            SceneError::Invalid(fault) => fault.locate(file, text),
+            SceneError::Memory { bytes } => SceneFileError::Memory { file: file.to_path_buf(), bytes },
+        }
+    }
+
+    /// What the reader of TOML says of a text.
+    pub fn from_toml(text: &str, error: &toml::de::Error) -> SceneError {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         let problem = error.message().replace('\n', " ");
         let kinds = || error.span().and_then(|span| kinds_at(text, span.start));
@@ -64,12 +50,7 @@ impl SceneError {
         } else {
             "see the scenes under reference-scenes/ for the form".into()
         };
-        SceneError::Invalid {
-            file: file.to_path_buf(),
-            line: Some(line),
-            problem: printable(&problem),
-            remedy: printable(&remedy),
-        }
+        SceneError::Invalid(Fault { line: Some(line), ..Fault::new(Vec::new(), problem, remedy) })
     }
 }
 
@@ -109,17 +90,20 @@ fn kinds_at(text: &str, table: usize) -> Option<String> {
     Some(listed.to_string())
 }
 
-/// A value that is wrong: where in the document, what, and what would be right.
-pub(super) struct Fault {
+/// A value that is wrong: its place in the scene's document, what is wrong with it, and what would be right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
     path: Vec<Step>,
     problem: String,
     remedy: String,
     /// Another place that the remedy speaks of.
     see: Option<Vec<Step>>,
+    /// Line, where the reader of the text has told it.
+    line: Option<usize>,
 }
 
 /// One step of the way to a value in a TOML document.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
     Key(&'static str),
     Name(String),
@@ -127,12 +111,12 @@ pub(super) enum Step {
 }
 
 impl Fault {
-    pub fn new(path: Vec<Step>, problem: String, remedy: impl Into<String>) -> Fault {
-        Fault { path, problem, remedy: remedy.into(), see: None }
+    pub(super) fn new(path: Vec<Step>, problem: String, remedy: impl Into<String>) -> Fault {
+        Fault { path, problem, remedy: remedy.into(), see: None, line: None }
     }
 
     /// The same, with another place that the remedy speaks of.
-    pub fn see(self, path: Vec<Step>) -> Fault {
+    pub(super) fn see(self, path: Vec<Step>) -> Fault {
         Fault { see: Some(path), ..self }
     }
 
@@ -148,14 +132,14 @@ impl Fault {
 
     /// Line of the value in the text of its document, or of the nearest table around it that the text spells out.
     pub fn line(&self, text: &str) -> usize {
-        span_start(text, &self.path).map_or(1, |at| line_at(text, at))
+        self.line.unwrap_or_else(|| span_start(text, &self.path).map_or(1, |at| line_at(text, at)))
     }
 
     /// Finds the line, where there is a text; elsewhere the path says where.
-    pub(super) fn locate(self, file: &Path, text: Option<&str>) -> SceneError {
+    fn locate(self, file: &Path, text: Option<&str>) -> SceneFileError {
         let (problem, remedy) = self.in_words();
         let Some(text) = text else {
-            return SceneError::Invalid { file: file.to_path_buf(), line: None, problem, remedy };
+            return SceneFileError::Invalid { file: file.to_path_buf(), line: self.line, problem, remedy };
         };
         let remedy = match &self.see {
             Some(path) => match whole_span(text, path) {
@@ -164,7 +148,7 @@ impl Fault {
             },
             None => remedy,
         };
-        SceneError::Invalid {
+        SceneFileError::Invalid {
             file: file.to_path_buf(),
             line: Some(self.line(text)),
             problem: printable(&self.problem),
@@ -172,6 +156,16 @@ impl Fault {
         }
     }
 }
+
+impl fmt::Display for Fault {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (problem, remedy) = self.in_words();
+        let line = self.line.map(|line| format!("line {line}: ")).unwrap_or_default();
+        write!(out, "{line}{problem}; {remedy}")
+    }
+}
+
+impl std::error::Error for Fault {}
 
 /// A path in words, such as `wall[0].motion`.
 pub(super) fn label(path: &[Step]) -> String {

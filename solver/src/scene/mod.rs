@@ -1,13 +1,17 @@
 //! What a scene says: the TOML file as typed data, in SI units, with every range checked.
 //!
-//! [`Scene::load`] is the door. A file that is wrong yields a [`SceneError`] that names the file, the
-//! line, what is wrong and what would be right. [`populate`](populate()) turns a scene and a seed into the grains
+//! [`Scene::load`] is the door. A file that is wrong yields a [`SceneFileError`] that names the file, the
+//! line, what is wrong and what would be right; a text or a scene made in code yields a [`SceneError`] that names
+//! the value by its path. [`populate`](populate()) turns a scene and a seed into the grains
 //! that every code starts from; [`Scene::findings`] tells what its settings are not expected to bear.
 
 mod accuracy;
 mod bearable;
+mod builder;
 mod check;
+mod document;
 mod error;
+mod file;
 mod impacts;
 mod names;
 mod periodic;
@@ -23,24 +27,28 @@ pub use crate::effects::compliance::NormalLaw;
 use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
 pub use accuracy::Accuracy;
-pub use bearable::{Finding, Severity};
-pub use error::{SceneError, line_of};
+pub use bearable::{Beforehand, Finding, Severity};
+pub use builder::{Face, SceneBuilder};
+pub use document::TABLES_OF_WHO_MEASURES;
+pub use error::{Fault, SceneError, line_of};
+pub use file::SceneFileError;
 pub(crate) use periodic::REACHES;
+pub use place::{Checked, Place};
 pub use populate::{Grain, populate};
 pub use settings::{MOST_MEMORY, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
-    Axis, Domain, Expectation, GrainEntry, Material, Measure, Motion, Observable, PairRule, Population, Prepare,
-    RadiusDistribution, Region, Shape, Wall,
+    Axis, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region, Shape, Wall,
 };
 pub use watch::{Reaction, Watch};
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
-/// A scene: materials, walls, grains, gravity, duration, solver settings and what to measure.
+/// A scene: materials, walls, grains, gravity, duration and solver settings.
+///
+/// The tables `measure`, `compare` and `prepare` of a scene's file are for who measures it: they are passed over here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(from = "document::Document")]
 pub struct Scene {
     /// Short name, used in tables and file names.
     pub name: String,
@@ -49,51 +57,35 @@ pub struct Scene {
     /// Simulated time, seconds.
     pub duration: f64,
     /// Acceleration of gravity, m/s2.
-    #[serde(default = "types::earth_gravity")]
     pub gravity: [f64; 3],
     /// Later values of gravity, straight lines between them and the start; none where it is constant.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gravity_changes: Vec<GravityChange>,
     /// Seed used where none is asked for.
-    #[serde(default = "types::first_seed")]
     pub seed: u64,
     /// Box that no grain may leave, metres.
     pub domain: Domain,
     /// Largest overlap of two grains, or of a grain and a wall, that is accepted at the start, over the smaller radius.
-    #[serde(default = "types::slight_overlap", skip_serializing_if = "types::is_slight")]
+    #[serde(skip_serializing_if = "types::is_slight")]
     pub largest_start_overlap: f64,
     /// Materials by name.
     pub material: BTreeMap<String, Material>,
     /// Friction and restitution of particular pairs of materials.
-    #[serde(default)]
     pub pair: Vec<PairRule>,
     /// Walls, in the order in which contacts number them.
-    #[serde(default)]
     pub wall: Vec<Wall>,
     /// Groups of grains placed by rule.
-    #[serde(default)]
     pub population: Vec<Population>,
     /// Grains placed one by one.
-    #[serde(default)]
     pub grain: Vec<GrainEntry>,
-    /// What is simulated before the run begins, where a run starts from a flowing state.
-    #[serde(default)]
-    pub prepare: Option<Prepare>,
     /// How accurate the result has to be; it then decides on the solver's `step` and `stop`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
     /// How Makadam solves it.
-    #[serde(default)]
     pub solver: SolverSettings,
     /// What a run watches for.
-    #[serde(default, skip_serializing_if = "settings::is_default")]
+    #[serde(skip_serializing_if = "settings::is_default")]
     pub watch: Watch,
-    /// What is measured and when.
-    #[serde(default)]
-    pub measure: Measure,
-    /// Observables that are compared between codes, with their margins of equivalence.
-    #[serde(default)]
-    pub compare: Vec<Expectation>,
 }
 
 /// What a contact of two materials has by the scene's rules.
@@ -116,31 +108,21 @@ pub struct ContactCoefficients {
 }
 
 impl Scene {
-    /// Reads and checks a scene file.
+    /// Parses and checks the text of a scene.
     ///
     /// # Errors
-    /// [`SceneError`] if the file is missing, is not TOML, says something that is not read, holds a value out of range, or prescribes a
-    /// motion that its step passes over.
-    pub fn load(path: &Path) -> Result<Scene, SceneError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| SceneError::Missing { file: path.to_path_buf(), source })?;
-        Scene::parse(&text, path)
-    }
-
-    /// Parses and checks the text of a scene; `file` is named in errors.
-    ///
-    /// # Errors
-    /// As [`Scene::load`].
-    pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
-        let mut scene: Scene = toml::from_str(text).map_err(|error| SceneError::from_toml(file, text, &error))?;
-        let refuse = |fault: error::Fault| fault.locate(file, Some(text));
-        unread::first_unread(text, &scene).map_or(Ok(()), |fault| Err(refuse(fault)))?;
-        check::check(&scene).map_err(refuse)?;
+    /// [`SceneError`] if the text is not TOML, says something that is not read, holds a value out of range, or prescribes a motion that its
+    /// step passes over.
+    pub fn parse(text: &str) -> Result<Scene, SceneError> {
+        let mut scene: Scene = toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))?;
+        unread::first_unread(text, &scene).map_or(Ok(()), Err)?;
+        check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {
-            check::chosen_twice(text).map_err(refuse)?;
+            check::chosen_twice(text)?;
             scene.ask(accuracy);
         }
-        scene.unbearable().map_or(Ok(scene), |fault| Err(refuse(fault)))
+        scene.unbearable(None).map_or(Ok(()), Err)?;
+        Ok(scene)
     }
 
     /// Asks for an accuracy, which decides on the solver's step and stop by the law of [`Accuracy`].
@@ -152,23 +134,6 @@ impl Scene {
     /// Whether the scene can be solved with these settings: single precision and most methods have no torques.
     pub fn accepts(&self, settings: &SolverSettings) -> bool {
         check::solver(&Scene { solver: settings.clone(), ..self.clone() }).is_ok()
-    }
-
-    /// Finds the file of a scene named by a path, or by its folder under `reference-scenes/` in `roots`.
-    ///
-    /// # Errors
-    /// [`SceneError::Unknown`] if no such file exists.
-    pub fn find(name: &str, roots: &[PathBuf]) -> Result<PathBuf, SceneError> {
-        let as_path = PathBuf::from(name);
-        if as_path.is_file() {
-            return Ok(as_path);
-        }
-        let candidates = std::iter::once(as_path.join("scene.toml"))
-            .chain(roots.iter().map(|root| root.join("reference-scenes").join(name).join("scene.toml")));
-        candidates
-            .into_iter()
-            .find(|path| path.is_file())
-            .ok_or_else(|| SceneError::Unknown { name: name.to_string(), known: known_scenes(roots) })
     }
 
     /// The same scene with every Young's modulus multiplied by `factor` (for the bias of soft grains).
@@ -189,6 +154,9 @@ impl Scene {
     ///
     /// A `[[pair]]` rule decides where there is one. Otherwise a wall contact takes the wall's values, and two
     /// grains take the smaller of each of the two.
+    ///
+    /// # Panics
+    /// The scene has no such material. A scene that was [checked](Scene::check) has all that its grains, walls and pairs name.
     pub fn contact_coefficients(&self, first: &str, second: &str, wall: bool) -> ContactCoefficients {
         let rule = self.pair.iter().find(|rule| {
             let [a, b] = &rule.between;
@@ -218,6 +186,9 @@ impl Scene {
 
     /// Rayleigh time step of explicit codes, seconds: the smallest over `grains` of
     /// `pi r sqrt(rho/G) / (0.1631 nu + 0.8766)`, with `G = E / (2 (1 + nu))`.
+    ///
+    /// # Panics
+    /// A grain is of a material that the scene does not have: it is not one of the scene's.
     pub fn rayleigh_step(&self, grains: &[Grain]) -> f64 {
         grains
             .iter()
@@ -229,18 +200,4 @@ impl Scene {
             })
             .fold(f64::INFINITY, f64::min)
     }
-}
-
-/// Names of the folders under `reference-scenes/` that hold a scene, sorted.
-pub fn known_scenes(roots: &[PathBuf]) -> Vec<String> {
-    let mut names: Vec<String> = roots
-        .iter()
-        .filter_map(|root| std::fs::read_dir(root.join("reference-scenes")).ok())
-        .flat_map(|entries| entries.flatten())
-        .filter(|entry| entry.path().join("scene.toml").is_file())
-        .filter_map(|entry| entry.file_name().into_string().ok())
-        .collect();
-    names.sort();
-    names.dedup();
-    names
 }

@@ -50,14 +50,6 @@ pub(super) fn check(scene: &Scene) -> Checked {
             return Err(at.fault(problem, "say in one rule all that holds for the two, in any order"));
         }
     }
-    let mut compared = HashMap::new();
-    for (index, expectation) in scene.compare.iter().enumerate() {
-        let at = root.key("compare").index(index).key("observable");
-        if let Some(before) = compared.insert(&expectation.observable, index) {
-            let problem = format!("'{}' is compared by compare[{before}] already", expectation.observable);
-            return Err(at.fault(problem, "give each observable one margin"));
-        }
-    }
     Ok(())
 }
 

@@ -2,22 +2,26 @@
 
 use super::error::{Fault, Step, label, short};
 
-pub(super) type Checked = Result<(), Fault>;
+/// Whether a value is what it may be.
+pub type Checked = Result<(), Fault>;
 
 /// A place in the document, built up as the check goes down into it.
 #[derive(Clone, Default)]
-pub(super) struct Place(Vec<Step>);
+pub struct Place(Vec<Step>);
 
 impl Place {
-    pub(super) fn key(&self, key: &'static str) -> Place {
+    /// The value of a key of the table here.
+    pub fn key(&self, key: &'static str) -> Place {
         self.with(Step::Key(key))
     }
 
-    pub(super) fn name(&self, name: &str) -> Place {
+    /// The value of a name that the document itself gives.
+    pub fn name(&self, name: &str) -> Place {
         self.with(Step::Name(name.to_string()))
     }
 
-    pub(super) fn index(&self, index: usize) -> Place {
+    /// An entry of the list here, from 0.
+    pub fn index(&self, index: usize) -> Place {
         self.with(Step::Index(index))
     }
 
@@ -31,11 +35,16 @@ impl Place {
         self.0.clone()
     }
 
-    pub(super) fn fault(&self, problem: String, remedy: &str) -> Fault {
+    /// What is wrong here, and what would be right.
+    pub fn fault(&self, problem: String, remedy: &str) -> Fault {
         Fault::new(self.path(), format!("{}: {problem}", label(&self.0)), remedy)
     }
 
-    pub(super) fn range(&self, value: f64, low: f64, high: f64, unit: &str) -> Checked {
+    /// Refuses a number outside a range. `unit` is named in the remedy.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn range(&self, value: f64, low: f64, high: f64, unit: &str) -> Checked {
         match value.is_finite() && value >= low && value <= high {
             true => Ok(()),
             false => {
@@ -46,14 +55,22 @@ impl Place {
         }
     }
 
-    pub(super) fn finite(&self, vector: &[f64; 3]) -> Checked {
+    /// Refuses a vector that is not of three SI numbers below 1e6.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn finite(&self, vector: &[f64; 3]) -> Checked {
         match vector.iter().all(|x| x.is_finite() && x.abs() < 1e6) {
             true => Ok(()),
             false => Err(self.fault(format!("{vector:?} is not usable"), "give three finite SI numbers below 1e6")),
         }
     }
 
-    pub(super) fn direction(&self, vector: &[f64; 3]) -> Checked {
+    /// Refuses a vector without a direction.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn direction(&self, vector: &[f64; 3]) -> Checked {
         self.finite(vector)?;
         match vector.iter().map(|x| x * x).sum::<f64>() > 1e-24 {
             true => Ok(()),

@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};
 use std::collections::HashMap;
-use std::path::Path;
 
 /// Most lattice sites of a region, used or not; a scene cannot have as many grains.
 const MOST_SITES: f64 = 2e8;
@@ -29,12 +28,12 @@ pub struct Grain {
 
 /// Places the scene's grains: listed grains first, then each population, all numbered in that order.
 ///
-/// The generator is ChaCha8 seeded with `seed`; equal scenes and seeds give equal bits. `file` is named in errors.
+/// The generator is ChaCha8 seeded with `seed`; equal scenes and seeds give equal bits.
 ///
 /// # Errors
 /// [`SceneError::Invalid`] if a population does not fit its region, a grain lies outside the domain or its
 /// container, or two grains overlap by more than `largest_start_overlap` of the smaller radius.
-pub fn populate(scene: &Scene, seed: u64, file: &Path) -> Result<Vec<Grain>, SceneError> {
+pub fn populate(scene: &Scene, seed: u64) -> Result<Vec<Grain>, SceneError> {
     let place = || {
         let grains = placed(scene, seed)?;
         inside_container(scene, &grains)?;
@@ -42,8 +41,8 @@ pub fn populate(scene: &Scene, seed: u64, file: &Path) -> Result<Vec<Grain>, Sce
         Ok(grains)
     };
     place().map_err(|unplaced| match unplaced {
-        Unplaced::Fault(fault) => fault.locate(file, std::fs::read_to_string(file).ok().as_deref()),
-        Unplaced::Memory(bytes) => SceneError::Memory { file: file.to_path_buf(), bytes },
+        Unplaced::Fault(fault) => fault.into(),
+        Unplaced::Memory(bytes) => SceneError::Memory { bytes },
     })
 }
 

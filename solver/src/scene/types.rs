@@ -3,7 +3,7 @@
 use crate::effects::cohesion::Cohesion;
 use crate::effects::period::Period;
 use crate::effects::vibration::Vibration;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 pub(super) fn earth_gravity() -> [f64; 3] {
     [0.0, 0.0, -9.81]
@@ -409,80 +409,4 @@ pub struct GrainEntry {
     /// Angular velocity, rad/s.
     #[serde(default)]
     pub spin: [f64; 3],
-}
-
-/// When frames are taken and over which of them observables are averaged.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Measure {
-    /// Time between frames, s.
-    pub interval: f64,
-    /// Frames from this time on are measured, s. If absent, only the last frame is.
-    pub from: Option<f64>,
-    /// What is measured.
-    pub observables: Vec<Observable>,
-}
-
-impl Default for Measure {
-    fn default() -> Self {
-        Self { interval: 0.05, from: None, observables: Vec::new() }
-    }
-}
-
-/// A group of quantities that the measurement code can take from frames; underscores are read as hyphens.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Observable {
-    /// Angle of the flowing surface in a rotating drum.
-    #[serde(alias = "dynamic_angle_of_repose")]
-    DynamicAngleOfRepose,
-    /// Angle of a heap at rest.
-    #[serde(alias = "static_angle_of_repose")]
-    StaticAngleOfRepose,
-    /// Solid volume over volume in the bulk.
-    #[serde(alias = "packing_fraction")]
-    PackingFraction,
-    /// Contacts a grain in the bulk.
-    #[serde(alias = "coordination_number")]
-    CoordinationNumber,
-    /// Shape of the distribution of normal forces.
-    #[serde(alias = "contact_forces")]
-    ContactForces,
-    /// Wall forces over weight, energy, overlap, Coulomb excess.
-    Balances,
-    /// Velocity profile, layer thickness, shell slip, wall torque.
-    #[serde(alias = "drum_flow")]
-    DrumFlow,
-    /// How well small and large grains are mixed.
-    #[serde(alias = "size_mixing")]
-    SizeMixing,
-    /// How far the first driven wall has moved.
-    #[serde(alias = "driven_wall")]
-    DrivenWall,
-}
-
-/// An observable that is compared, and how far two codes may differ.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Expectation {
-    /// Name of the measured quantity, for example `packing_fraction`; hyphens are read as underscores.
-    #[serde(deserialize_with = "underscored")]
-    pub observable: String,
-    /// Margin of equivalence, in the quantity's unit; absent where the quantity is reported without a verdict.
-    pub margin: Option<f64>,
-}
-
-/// Reads a name with underscores, however it is spelt.
-fn underscored<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
-    Ok(String::deserialize(deserializer)?.replace('-', "_"))
-}
-
-/// A state that a run starts from, in place of the lattice gas: the scene simulated for a while beforehand.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Prepare {
-    /// Time simulated beforehand, s.
-    pub duration: f64,
-    /// Time step used for it, s.
-    pub step: f64,
 }

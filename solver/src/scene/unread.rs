@@ -7,8 +7,8 @@
 //! 2. What stands in the document alone was either read and left out again, for being the default, or not read at all. It is read if
 //!    a value that nothing accepts makes reading fail in its place; if reading does not mind, nobody looks there.
 
-use super::Scene;
 use super::error::{Fault, Step, label};
+use super::{Scene, TABLES_OF_WHO_MEASURES};
 use toml::{Table, Value};
 
 /// The first place of a document that was not read into the scene.
@@ -27,7 +27,9 @@ struct Walk {
 
 impl Walk {
     fn table(&mut self, document: &Table, written: &Table) -> Option<Fault> {
-        document.iter().find_map(|(key, value)| {
+        let top = self.path.is_empty();
+        let ours = |key: &str| !(top && TABLES_OF_WHO_MEASURES.contains(&key));
+        document.iter().filter(|(key, _)| ours(key)).find_map(|(key, value)| {
             self.path.push(Step::Name(key.clone()));
             let fault = match written.get(key) {
                 Some(there) => self.value(value, there),

@@ -23,7 +23,7 @@ use crate::partition::SingleBody;
 use crate::world::Body;
 
 /// Inverse of `I/(m r^2)` for a solid sphere.
-pub(super) const INVERSE_INERTIA: f64 = 2.5;
+pub(crate) const INVERSE_INERTIA: f64 = 2.5;
 
 /// One body, or eight.
 #[derive(Clone, Copy)]

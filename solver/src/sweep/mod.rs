@@ -22,6 +22,7 @@ use crate::lanes::{Available, Eight, Kernel, Lanes, PREFETCH, Quad, cross, prefe
 use crate::partition::{TaskGroups, overlapped};
 use crate::schedule::Disjoint;
 use crate::world::Body;
+pub(crate) use kernel::INVERSE_INERTIA;
 use kernel::{Bodies, Contact, Pair, push_each};
 use std::marker::PhantomData;
 pub(crate) use torques::Torque;

@@ -14,7 +14,7 @@ pub fn reference_scene(name: &str) -> Scene {
 
 /// A scene at its start.
 pub fn start(scene: &Scene) -> Simulation {
-    Simulation::new(scene, 1, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
+    Simulation::new(scene, 1).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Steps so often.
@@ -49,7 +49,7 @@ pub fn same_bits_everywhere(scene: &Scene, count: usize) -> u64 {
     // A run that was stopped goes on as if it had not been.
     let mut broken = start(scene);
     for leg in [count / 3, count / 2 - count / 3, count - count / 2] {
-        broken = Simulation::resume(scene, &broken.checkpoint(), Path::new("a.checkpoint")).unwrap();
+        broken = Simulation::resume(scene, &broken.checkpoint()).unwrap();
         steps(&mut broken, leg);
     }
     assert_eq!(broken.state_hash(), expected, "resumed");

@@ -1,7 +1,6 @@
 //! A block of grains that close in on its middle, in a domain as large as one likes.
 
 use makadam::scene::Scene;
-use std::path::Path;
 
 /// Grains along an edge of the block.
 pub const EDGE: i32 = 11;
@@ -37,5 +36,5 @@ pub fn lattice(domain: [[f64; 3]; 2], periodic: &str, middles: &[[f64; 3]], lone
         }
     }
     lone.iter().for_each(|&position| grain(position, [0.0; 3]));
-    Scene::parse(&text, Path::new("lattice.toml")).unwrap_or_else(|error| panic!("{error}"))
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }

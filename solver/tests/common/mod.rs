@@ -5,7 +5,6 @@ pub mod lattice;
 
 use makadam::Simulation;
 use makadam::scene::Scene;
-use std::path::Path;
 
 /// Mass density of every test grain, kg/m3.
 pub const DENSITY: f64 = 2500.0;
@@ -56,7 +55,7 @@ impl Setup {
 
     /// The same from a seed.
     pub fn start_from(&self, seed: u64) -> Simulation {
-        Simulation::new(&self.scene(), seed, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}"))
+        Simulation::new(&self.scene(), seed).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The scene.
@@ -82,7 +81,7 @@ impl Setup {
             self.solver,
             self.body
         );
-        Scene::parse(&text, Path::new("test.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+        Scene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
     }
 }
 
@@ -96,4 +95,9 @@ pub fn run_until(simulation: &mut Simulation, time: f64) {
     while simulation.time() < time - 0.5 * simulation.time_step() {
         simulation.step();
     }
+}
+
+/// Reads a scene's text as if it stood in `test.toml`, which errors name.
+pub fn parse(text: &str) -> Result<Scene, String> {
+    Scene::parse(text).map_err(|error| error.in_file(std::path::Path::new("test.toml"), Some(text)).to_string())
 }

@@ -6,7 +6,6 @@ use nalgebra::{Rotation3, Unit, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};
 use std::fmt::Write;
-use std::path::Path;
 
 type Vector = Vector3<f64>;
 
@@ -208,7 +207,7 @@ impl Drawn {
     /// The scene as it is read.
     pub fn scene(&self) -> Scene {
         let text = self.text();
-        Scene::parse(&text, Path::new("container.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+        Scene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
     }
 }
 

@@ -6,7 +6,6 @@ use makadam::snapshot::{Particle, Snapshot};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::fmt::Write;
-use std::path::Path;
 
 type Vector = Vector3<f64>;
 
@@ -209,12 +208,12 @@ impl Drawn {
     /// The scene as it is read.
     pub fn scene(&self, solves: Solves) -> Scene {
         let text = self.text(solves);
-        Scene::parse(&text, Path::new("random.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+        Scene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
     }
 
     /// The scene at its start.
     pub fn start(&self, solves: Solves) -> Simulation {
-        let made = Simulation::new(&self.scene(solves), 1, Path::new("random.toml"));
+        let made = Simulation::new(&self.scene(solves), 1);
         made.unwrap_or_else(|error| panic!("{error}\n{}", self.text(solves)))
     }
 
@@ -227,7 +226,7 @@ impl Drawn {
             spin: particle.spin.into(),
         };
         let here = Drawn { grains: snapshot.particles.iter().map(grain).collect(), ..self.clone() };
-        Simulation::new(&here.scene(Solves::Usual), 1, Path::new("random.toml")).is_ok().then_some(here)
+        Simulation::new(&here.scene(Solves::Usual), 1).is_ok().then_some(here)
     }
 
     /// Mass of a grain, kg.

@@ -5,12 +5,13 @@
 //! whose stiffness is that of an oscillator of the pair's mass at the natural frequency, so that it sinks in by
 //! `g / (2 pi f)^2` under the weight of its own mass, whatever the size of the grains.
 
-use makadam::scene::{Grain, Motion, Scene, Shape, populate};
+use makadam::scene::{Grain, Motion, Shape, populate};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_validation::peers::{Code, CodeError, Job};
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
-use makadam_validation::stepping::frame_is_due;
-use makadam_validation::stepping::steps_in;
+use makadam_validation::scenes::in_file;
+use makadam_validation::stepping::{frame_is_due, steps_in};
 use rapier3d_f64::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -132,7 +133,7 @@ impl Code for Rapier {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
-        let grains = populate(scene, job.seed, job.scene_file)?;
+        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
         let mut world = build(scene, &grains, &self.settings)?;
         let steps = steps_in(scene.duration, self.settings.step);
         let mut frames = vec![snapshot(&world, &grains, 0.0, self.settings.step)];

@@ -5,12 +5,13 @@
 //! Gauss-Seidel (NSGS) until the error of its own measure, relative to the free velocities, is below a tolerance. Its grains
 //! are rigid, its restitution is Newton's, its contacts are found by Bullet.
 
-use makadam::scene::{Grain, Motion, Scene, Shape, populate};
+use makadam::scene::{Grain, Motion, Shape, populate};
 use makadam_validation::peers::yade::{read_frames, read_result};
 use makadam_validation::peers::{Code, CodeError, Job};
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
-use makadam_validation::stepping::frame_is_due;
-use makadam_validation::stepping::steps_in;
+use makadam_validation::scenes::in_file;
+use makadam_validation::stepping::{frame_is_due, steps_in};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -134,7 +135,7 @@ impl Code for Siconos {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
-        let grains = populate(scene, job.seed, job.scene_file)?;
+        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
         let step = self.settings.step;
         let steps = steps_in(scene.duration, step);
         let (friction, restitution) = coefficients(scene, &grains)?;

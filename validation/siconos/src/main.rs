@@ -8,8 +8,9 @@
 mod engine;
 
 use engine::{NAME, Settings, Siconos, installed};
-use makadam::scene::Scene;
 use makadam_validation::peers::Code;
+use makadam_validation::plan::Scene;
+use makadam_validation::scenes;
 use makadam_validation::tradeoff::{EngineRuns, KeptRun, Knobs};
 use std::path::{Path, PathBuf};
 
@@ -33,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Err("usage: siconos SCENE SEEDS FOLDER [SETTINGS...]".into());
     };
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let file = Scene::find(name, std::slice::from_ref(&root))?;
+    let file = scenes::find(name, std::slice::from_ref(&root))?;
     let scene = Scene::load(&file)?;
     let seeds: u64 = seeds.parse().map_err(|_| format!("'{seeds}' is no number of seeds"))?;
     let version = installed()?;

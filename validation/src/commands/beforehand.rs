@@ -1,7 +1,8 @@
 //! What is told before a scene runs: what its settings are not expected to bear, and whether there is memory for it.
 
 use super::{Console, Failure};
-use makadam::scene::{Finding, Scene};
+use crate::plan::Scene;
+use makadam::scene::Finding;
 use std::path::{Path, PathBuf};
 
 /// Tells what a scene is not expected to bear, on standard error; the findings go to `run.json` as well.

@@ -5,10 +5,11 @@ use super::{Console, Failure, begin, can_record, folder_of, load, publish, settl
 use crate::convergence::{self, Effort, Problem, Study};
 use crate::execution::Execution;
 use crate::output::record_folder;
+use crate::plan::Scene;
 use crate::prepared::Start;
 use crate::provenance::Provenance;
 use crate::study::Document;
-use makadam::scene::{Precision, Scene, SolverMethod, SolverSettings};
+use makadam::scene::{Precision, SolverMethod, SolverSettings};
 use makadam::schedule::Scheduler;
 use std::process::ExitCode;
 

@@ -2,16 +2,19 @@
 
 use crate::compare::{RecordError, ReferenceError};
 use crate::effects::AblationError;
-use crate::execution::{ExecutionError, MeasureError};
+use crate::execution::MeasureError;
 use crate::output::WriteError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
+use crate::problem::{ProblemFileError, SiconosError};
 use crate::qualify::JudgeError;
 use crate::recording::RecordingError;
+use crate::scenes::SceneError;
 use crate::stability::StabilityError;
 use crate::study::DocumentError;
 use crate::tradeoff::{CampaignError, EngineError};
-use makadam::scene::SceneError;
+use makadam::SettingError;
+use makadam::scene::SceneFileError;
 
 /// Exit code where a result lies outside its tolerance, or too few seeds leave it undecided.
 pub const OUTSIDE_TOLERANCE: u8 = 4;
@@ -25,6 +28,9 @@ pub enum Failure {
     /// The scene is invalid.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A file holds no contact problem that could be solved.
+    #[error(transparent)]
+    Problem(#[from] ProblemFileError),
     /// A reference code, or what was recorded of it, is missing.
     #[error("{0}")]
     MissingCode(String),
@@ -45,9 +51,9 @@ impl Failure {
         match self {
             Failure::Running(_) | Failure::Interrupted(_) | Failure::ClosedOutput => 1,
             // The scene is sound, and runs where there is more.
-            Failure::Scene(SceneError::Memory { .. }) => 1,
+            Failure::Scene(SceneError::File(SceneFileError::Memory { .. })) => 1,
             Failure::Usage(_) => 2,
-            Failure::Scene(_) => 3,
+            Failure::Scene(_) | Failure::Problem(_) => 3,
             Failure::MissingCode(_) => 5,
         }
     }
@@ -59,11 +65,23 @@ impl From<WriteError> for Failure {
     }
 }
 
-impl From<ExecutionError> for Failure {
-    fn from(error: ExecutionError) -> Failure {
+impl From<SiconosError> for Failure {
+    fn from(error: SiconosError) -> Failure {
         match error {
-            ExecutionError::NoInstructionSet(_) => Failure::Usage(error.to_string()),
-            ExecutionError::NoThreads(..) => Failure::Running(error.to_string()),
+            SiconosError::Missing(_) => Failure::MissingCode(error.to_string()),
+            SiconosError::Failed(_) => Failure::Running(error.to_string()),
+        }
+    }
+}
+
+impl From<SettingError> for Failure {
+    fn from(error: SettingError) -> Failure {
+        match error {
+            SettingError::NoInstructionSet { .. } => {
+                Failure::Usage(format!("{error}; leave --isa out, or give one that there is"))
+            }
+            SettingError::NoThreads { .. } => Failure::Running(format!("{error}; give fewer with --threads")),
+            SettingError::Method { .. } | SettingError::SinglePrecision(_) => Failure::Usage(error.to_string()),
         }
     }
 }

@@ -8,6 +8,7 @@ mod convergence;
 mod effects;
 mod failure;
 mod laws;
+mod problem;
 mod qualify;
 mod record;
 mod roofline;
@@ -23,6 +24,7 @@ use crate::compare::Share;
 use crate::execution::Execution;
 use crate::output::{cache_folder, file_stem};
 use crate::peers::{Code, Liggghts, Makadam, Yade};
+use crate::plan::Scene;
 use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
@@ -30,7 +32,6 @@ use crate::study::Document;
 use arguments::{Arguments, CodeName, Command};
 use clap::Parser;
 use makadam::Simulation;
-use makadam::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -48,6 +49,7 @@ pub fn main() -> ExitCode {
         Command::Convergence(convergence) => convergence::convergence(convergence, &console),
         Command::Effects(effects) => effects::effects(effects, &console),
         Command::Laws(laws) => laws::laws(laws, &console),
+        Command::Problem(problem) => problem::problem(problem, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),

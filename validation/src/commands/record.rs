@@ -5,7 +5,7 @@ use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record, codes};
 use crate::compare::Recorder;
 use crate::output::cache_folder;
 use crate::peers::Code;
-use makadam::scene::Scene;
+use crate::plan::Scene;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;

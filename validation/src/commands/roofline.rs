@@ -3,11 +3,11 @@
 use super::arguments::RooflineArguments;
 use super::{Console, Failure, begin, load, publish, settle};
 use crate::execution::{Execution, cores};
+use crate::plan::Scene;
 use crate::prepared::{Start, is_ready};
 use crate::provenance::account;
 use crate::roofline::{self, Kernel, Point, Roofs, Study};
 use makadam::lanes::InstructionSet;
-use makadam::scene::Scene;
 use makadam::sweep::Operations;
 use std::path::PathBuf;
 use std::process::ExitCode;

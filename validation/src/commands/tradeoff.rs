@@ -4,12 +4,13 @@ use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, codes, folder_of, installed, load, publish};
 use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
+use crate::plan::Scene;
 use crate::provenance::{account, processor};
 use crate::study::RunCache;
 use crate::tradeoff::{
     self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Study, Terms, recorded_engines,
 };
-use makadam::scene::{Scene, Stop};
+use makadam::scene::Stop;
 use std::process::ExitCode;
 use std::sync::Arc;
 

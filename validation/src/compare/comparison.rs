@@ -1,8 +1,8 @@
 //! What a comparison of one scene yields: the data that tables, JSON, CSV and the report are made from.
 
 use crate::observables::{ForceDistribution, Series};
+use crate::plan::Scene;
 use crate::statistics::Outcome;
-use makadam::scene::Scene;
 use makadam::snapshot::Particle;
 use serde::{Deserialize, Serialize};
 

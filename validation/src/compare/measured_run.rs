@@ -3,9 +3,9 @@
 use super::FinalState;
 use crate::observables::Series;
 use crate::observables::{ForcePool, Measurement, measure, series};
+use crate::plan::Scene;
 use crate::provenance::processor;
 use crate::recording::Recording;
-use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// One run of one code, measured.

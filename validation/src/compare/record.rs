@@ -5,8 +5,8 @@ use super::{
 };
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError};
+use crate::plan::Scene;
 use crate::statistics::Ensemble;
-use makadam::scene::Scene;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::Duration;

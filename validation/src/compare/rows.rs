@@ -1,9 +1,9 @@
 //! From runs to rows: means, differences, verdicts, the bias of soft grains, live runs against the recorded spread.
 
 use super::{CodeRuns, Comparison, MeasuredRun, Row};
+use crate::plan::{Expectation, Scene};
 use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, equivalence, inside_recorded_spread};
-use makadam::scene::{Expectation, Scene};
 
 /// Stiffness at which the bias of soft grains is measured, over the scene's.
 pub const STIFF: f64 = 10.0;

@@ -3,9 +3,9 @@
 use super::{Harvest, physics_hash};
 use crate::output::{cache_folder, file_stem};
 use crate::peers::{Code, CodeError, Job};
+use crate::plan::Scene;
 use crate::provenance::utc;
 use crate::recording::{Recording, RecordingError};
-use makadam::scene::Scene;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};

@@ -2,8 +2,9 @@
 
 use super::study::{Curve, Effort, LeftOut};
 use crate::execution::MeasureError;
+use crate::plan::Scene;
 use makadam::Simulation;
-use makadam::scene::{Scene, SolverMethod};
+use makadam::scene::SolverMethod;
 
 /// The methods of these names, each once; the scene's own method has its parameters, others have the defaults.
 pub fn methods(scene: &Scene, names: Option<&[String]>) -> Vec<SolverMethod> {

@@ -1,9 +1,10 @@
 //! A study of convergence as data.
 
 use crate::output::JSON_VERSION;
+use crate::plan::Scene;
 use crate::provenance::Provenance;
 use crate::statistics::median;
-use makadam::scene::{Scene, SolverMethod};
+use makadam::scene::SolverMethod;
 use makadam::sweep::{Residual, Residuals};
 use makadam::{ConvergencePoint, Simulation};
 use serde::{Serialize, Serializer};

@@ -1,6 +1,7 @@
 //! Where a picture is taken from: a parallel projection, what of the scene it frames, and which grains it shows.
 
-use makadam::scene::{Motion, Scene, Shape};
+use crate::plan::Scene;
+use makadam::scene::{Motion, Shape};
 use makadam::snapshot::Particle;
 use nalgebra::Vector3;
 

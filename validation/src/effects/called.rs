@@ -1,6 +1,7 @@
 //! Which effects a scene calls for, and which of its lines says so.
 
-use makadam::scene::{Cohesion, Material, Motion, NormalLaw, PairRule, Scene, line_of};
+use crate::plan::Scene;
+use makadam::scene::{Cohesion, Material, Motion, NormalLaw, PairRule, line_of};
 use serde::Serialize;
 
 /// One effect: whether the scene calls for it, and why.

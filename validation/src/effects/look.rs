@@ -1,6 +1,7 @@
 //! A look at a stretch of the run: where its energy goes, how deep its grains overlap, and what that says of the effects.
 
-use makadam::scene::{NormalLaw, Scene};
+use crate::plan::Scene;
+use makadam::scene::NormalLaw;
 use makadam::{Balance, Simulation};
 use serde::Serialize;
 

@@ -1,6 +1,7 @@
 //! What an ablation changes: the scene with one effect off, or on.
 
-use makadam::scene::{Motion, NormalLaw, Population, RadiusDistribution, Scene};
+use crate::plan::Scene;
+use makadam::scene::{Motion, NormalLaw, Population, RadiusDistribution};
 
 /// Coefficient with which rolling and twisting resistance are tried where a scene has none.
 const TRIED: f64 = 0.1;

@@ -1,6 +1,6 @@
 //! What a law simulates.
 
-use makadam::scene::Scene;
+use crate::plan::Scene;
 use std::collections::BTreeMap;
 
 /// Named numbers; SI units unless the name says otherwise.

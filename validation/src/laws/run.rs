@@ -1,14 +1,13 @@
 //! One simulation of a case, on one thread.
 
 use super::Case;
-use crate::execution::{Execution, ExecutionError};
+use crate::execution::Execution;
 use crate::output::WriteError;
+use crate::scenes::{SceneError, named};
 use crate::stepping::{Halt, Stepping, steps_in};
 use makadam::Simulation;
-use makadam::scene::SceneError;
 use makadam::snapshot::Snapshot;
 use makadam::watch::{Alarm, Watchdog};
-use std::path::Path;
 
 /// Why a law could not be measured.
 #[derive(Debug, thiserror::Error)]
@@ -18,7 +17,7 @@ pub(crate) enum LawError {
     Scene(#[from] SceneError),
     /// The machine cannot run it.
     #[error(transparent)]
-    Execution(#[from] ExecutionError),
+    Execution(#[from] makadam::SettingError),
     /// A row cannot be kept.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -50,7 +49,7 @@ impl<'a> Run<'a> {
     /// # Errors
     /// [`LawError`] if the case cannot be populated.
     pub(crate) fn start(case: &'a Case, seed: u64, progress: &'a (dyn Fn(f64) + Sync)) -> Result<Run<'a>, LawError> {
-        let mut simulation = Simulation::new(&case.scene, seed, Path::new(&case.name))?;
+        let mut simulation = Simulation::new(&case.scene, seed).map_err(named(&case.name))?;
         Execution::serial().apply(&mut simulation)?;
         let watchdog = Watchdog::new(&case.scene.watch, &simulation);
         Ok(Run { simulation, watchdog, name: &case.name, duration: case.scene.duration, progress })

@@ -9,7 +9,7 @@ use super::setting::Setting;
 use super::sphere_volume::half_space;
 use super::static_angle::{HeapFields, HeapFrame};
 use super::walls::PlacedWalls;
-use makadam::scene::Observable;
+use crate::plan::Observable;
 use makadam::snapshot::{Particle, Snapshot};
 use nalgebra::Vector3;
 

@@ -1,7 +1,8 @@
 //! Which quantities there are, and what a scene must measure to get them.
 
 use crate::nearest::nearest;
-use makadam::scene::{Observable, Scene, SceneError, line_of};
+use crate::plan::{Observable, Scene};
+use makadam::scene::{SceneFileError, line_of};
 use std::path::Path;
 
 /// The groups of quantities, as `measure.observables` names them, with their quantities, as `[[compare]]` names them.
@@ -67,14 +68,14 @@ pub fn group_of(quantity: &str) -> Option<(Observable, &'static str)> {
 /// value in any run. `text` is the scene's file, which names the line.
 ///
 /// # Errors
-/// [`SceneError::Invalid`] with the line, and the nearest names or what to add.
-pub fn check(scene: &Scene, text: &str, file: &Path) -> Result<(), SceneError> {
+/// [`SceneFileError::Invalid`] with the line, and the nearest names or what to add.
+pub fn check(scene: &Scene, text: &str, file: &Path) -> Result<(), SceneFileError> {
     for (index, expectation) in scene.compare.iter().enumerate() {
         let name = expectation.observable.as_str();
         let invalid = |problem: String, remedy: String| {
             let line = line_of(text, &["compare", &index.to_string(), "observable"]);
             let problem = format!("compare[{index}].observable: {problem}");
-            Err(SceneError::Invalid { file: file.to_path_buf(), line, problem, remedy })
+            Err(SceneFileError::Invalid { file: file.to_path_buf(), line, problem, remedy })
         };
         match group_of(name) {
             None => {

@@ -1,6 +1,7 @@
 //! A rotating drum: its axis, its size, and coordinates in its cross-section.
 
-use makadam::scene::{Motion, Scene, Shape};
+use crate::plan::Scene;
+use makadam::scene::{Motion, Shape};
 use nalgebra::Vector3;
 
 /// A cylinder that turns about its own axis, which is level or nearly so.

@@ -4,8 +4,8 @@ use super::bulk::Bulk;
 use super::frames::Frames;
 use super::view::View;
 use super::{bed_of, heap_of, measured_frames, setting_of};
+use crate::plan::Scene;
 use crate::recording::Recording;
-use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// Distribution of normal forces over their mean, all seeds of a code pooled.

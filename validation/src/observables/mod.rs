@@ -60,11 +60,11 @@ pub use measurement::Measurement;
 pub use neighbours::close_pairs;
 pub use series::Series;
 
+use crate::plan::{Observable, Scene};
 use crate::recording::Recording;
 use bed_surface::BedFields;
 use bulk::Bulk;
 use frames::Frames;
-use makadam::scene::{Observable, Scene};
 use makadam::snapshot::Snapshot;
 use measurement::Readings;
 use setting::Setting;

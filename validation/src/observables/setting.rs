@@ -1,7 +1,8 @@
 //! What the scene says that measures need: directions, masses, friction, the drum.
 
 use super::drum::Drum;
-use makadam::scene::{ContactCoefficients, Scene};
+use crate::plan::Scene;
+use makadam::scene::ContactCoefficients;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 

@@ -1,7 +1,8 @@
 //! Distance of a point from the walls, wherever their motion has brought them.
 
+use crate::plan::Scene;
 use makadam::effects::period::Period;
-use makadam::scene::{Domain, Motion, Scene, Shape, Wall};
+use makadam::scene::{Domain, Motion, Shape, Wall};
 use makadam::snapshot::Snapshot;
 use nalgebra::{Rotation3, Unit, Vector3};
 

@@ -15,8 +15,9 @@ pub use liggghts::Liggghts;
 pub use makadam::Makadam;
 pub use yade::Yade;
 
+use crate::plan::Scene;
 use crate::recording::Recording;
-use ::makadam::scene::{ContactCoefficients, Motion, Scene, Shape};
+use ::makadam::scene::{ContactCoefficients, Motion, Shape};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -120,13 +121,13 @@ pub enum CodeError {
     },
     /// The scene cannot be populated.
     #[error(transparent)]
-    Scene(#[from] ::makadam::scene::SceneError),
+    Scene(#[from] crate::scenes::SceneError),
     /// The recording cannot be kept or read back.
     #[error(transparent)]
     Recording(#[from] crate::recording::RecordingError),
     /// It cannot be carried out as asked.
     #[error(transparent)]
-    Execution(#[from] crate::execution::ExecutionError),
+    Execution(#[from] ::makadam::SettingError),
     /// The state that the scene starts from cannot be kept.
     #[error(transparent)]
     State(#[from] ::makadam::checkpoint::CheckpointError),

@@ -1,6 +1,7 @@
 //! Materials as the codes want them: numbered, those of grains apart from those of walls.
 
-use makadam::scene::{ContactCoefficients, Grain, Scene};
+use crate::plan::Scene;
+use makadam::scene::{ContactCoefficients, Grain};
 
 /// The numbered materials of a scene. One that both grains and walls use appears twice, since friction and
 /// restitution follow other rules at walls.

@@ -1,6 +1,7 @@
 //! The run as steps: when frames are taken and when walls start and stop.
 
-use makadam::scene::{Motion, Scene};
+use crate::plan::Scene;
+use makadam::scene::Motion;
 
 /// Time between the frames before measuring begins, s.
 const COARSE_INTERVAL: f64 = 0.25;

@@ -8,6 +8,7 @@ use super::process::{self, Program, Run, io};
 use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
+use crate::scenes::in_file;
 use makadam::scene::{Cohesion, Grain, Motion, populate};
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
@@ -150,7 +151,7 @@ impl Code for Yade {
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
         let scene = job.scene;
-        let grains = populate(scene, job.seed, job.scene_file)?;
+        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
         super::refuse_unsupported(NAME, scene, &grains)?;
         let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
 

@@ -8,10 +8,11 @@ use crate::compare::{
     Announce, CodeRuns, CodeSummary, Comparison, Harvest, ReferenceError, Runs, Timing, comparison, live_checks,
 };
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
+use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{Qualification, Standing};
-use crate::scenes;
-use makadam::scene::{Scene, SceneError};
+use crate::scenes::{self, SceneError};
+use makadam::scene::SceneFileError;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -202,7 +203,7 @@ impl Case {
         if scene.compare.iter().all(|expectation| expectation.margin.is_none()) {
             let problem = "no observable has a margin, so that there is nothing to judge".into();
             let remedy = "give a margin under [[compare]]".into();
-            return Err(SceneError::Invalid { file, line: None, problem, remedy }.into());
+            return Err(SceneError::from(SceneFileError::Invalid { file, line: None, problem, remedy }).into());
         }
         let reference = scenes::reference(&file)?.unwrap_or_default();
         let mut case = Case {

@@ -2,10 +2,10 @@
 
 use crate::compare::{Announce, CodeRuns, FEW_SEEDS, Reference, ReferenceError, Runs, comparison};
 use crate::peers::{Code, CodeError};
+use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::Qualification;
 use crate::scenes;
-use makadam::scene::Scene;
 use rayon::prelude::*;
 use std::path::Path;
 use std::time::{Duration, Instant};

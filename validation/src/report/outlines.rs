@@ -3,7 +3,8 @@
 use crate::draw::numbers::compact;
 use crate::draw::svg::{Anchor, Drawing};
 use crate::draw::view::View;
-use makadam::scene::{Motion, Scene, Shape};
+use crate::plan::Scene;
+use makadam::scene::{Motion, Shape};
 use nalgebra::Vector3;
 
 /// From metres on the picture's plane to the drawing.

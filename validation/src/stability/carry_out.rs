@@ -3,10 +3,11 @@
 use super::{Case, Evidence, Outcome, Verdict};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError, Job};
+use crate::scenes::{SceneError, named};
 use crate::stepping::{Halt, Stepping, Taken, steps_in};
 use crate::study::Finding;
 use makadam::Simulation;
-use makadam::scene::{Grain, Reaction, SceneError, Watch, populate};
+use makadam::scene::{Grain, Reaction, Watch, populate};
 use makadam::snapshot::Snapshot;
 use makadam::watch::{Trouble, Watchdog};
 use std::path::Path;
@@ -46,15 +47,14 @@ impl Case {
     /// # Errors
     /// [`StabilityError`] if the scene is wrong or the user asked to stop.
     pub fn in_makadam(&self, limit: Duration) -> Result<Outcome, StabilityError> {
-        let file = Path::new(&self.name);
-        let grains = populate(&self.scene, self.scene.seed, file)?;
+        let grains = populate(&self.scene, self.scene.seed).map_err(named(&self.name))?;
         let start = Instant::now();
-        let run = self.simulate(limit, file)?;
+        let run = self.simulate(limit)?;
         Ok(self.outcome("Makadam", &grains, run, start))
     }
 
-    fn simulate(&self, limit: Duration, file: &Path) -> Result<Run, StabilityError> {
-        let mut simulation = Simulation::new(&self.scene, self.scene.seed, file)?;
+    fn simulate(&self, limit: Duration) -> Result<Run, StabilityError> {
+        let mut simulation = Simulation::new(&self.scene, self.scene.seed).map_err(named(&self.name))?;
         let time_step = simulation.time_step();
         let steps = steps_in(self.scene.duration, time_step).max(1);
         let mut frames = vec![simulation.snapshot()];
@@ -85,12 +85,11 @@ impl Case {
     /// # Errors
     /// [`StabilityError`] if the code is not there, its files cannot be written, or the user asked to stop.
     pub fn in_peer(&self, code: &dyn Code, folder: &Path, limit: Duration) -> Result<Outcome, StabilityError> {
-        let file = Path::new(&self.name);
-        let grains = populate(&self.scene, self.scene.seed, file)?;
+        let grains = populate(&self.scene, self.scene.seed).map_err(named(&self.name))?;
         let rayleigh_step = self.scene.rayleigh_step(&grains);
         let job = Job {
             scene: &self.scene,
-            scene_file: file,
+            scene_file: Path::new(&self.name),
             seed: self.scene.seed,
             stiffness_factor: 1.0,
             rayleigh_fraction: self.peer_step.map_or(RAYLEIGH_FRACTION, |step| step / rayleigh_step),

@@ -1,8 +1,8 @@
 //! One hard case: what is simulated, what must come of it and why, and how that is measured.
 
 use super::Evidence;
+use crate::plan::Scene;
 use crate::study::Finding;
-use makadam::scene::Scene;
 
 /// A hard case.
 pub struct Case {

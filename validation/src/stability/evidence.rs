@@ -1,7 +1,8 @@
 //! What a run left behind, and the figures that cases take from it: the same for every code, from frames alone.
 
 use crate::observables::close_pairs;
-use makadam::scene::{Grain, Material, NormalLaw, Scene};
+use crate::plan::Scene;
+use makadam::scene::{Grain, Material, NormalLaw};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use makadam::world::{Pose, Surface};
 use nalgebra::Vector3;

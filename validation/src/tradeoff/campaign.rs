@@ -8,9 +8,11 @@ use super::plan::Plan;
 use crate::compare::{Harvest, Runs, Share};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError};
+use crate::plan::Scene;
 use crate::provenance::{Build, command_line, processor};
+use crate::scenes::{SceneError, in_file};
 use crate::study::{Found, Key, RunCache};
-use makadam::scene::{Scene, SceneError, populate};
+use makadam::scene::populate;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -100,7 +102,7 @@ impl Campaign<'_> {
     /// # Errors
     /// [`CampaignError`]; a run that fails by itself is only noted.
     pub fn carry_out(&self) -> Result<Outcome, CampaignError> {
-        let grains = populate(self.scene, 1, self.scene_file)?;
+        let grains = populate(self.scene, 1).map_err(in_file(self.scene_file))?;
         let mut costs = Costs::new(self.scene, grains.len(), self.scene.rayleigh_step(&grains));
         let configurations = &self.plan.configurations;
         let mut outcome =

@@ -1,7 +1,8 @@
 //! One way to run one code.
 
 use crate::draw::numbers::compact;
-use makadam::scene::{Scene, SolverMethod, SolverSettings, Stop};
+use crate::plan::Scene;
+use makadam::scene::{SolverMethod, SolverSettings, Stop};
 use serde::{Deserialize, Serialize};
 
 /// One way to run one code: a point of the trade-off once it has run.

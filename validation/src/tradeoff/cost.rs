@@ -1,7 +1,8 @@
 //! What a run will take, from those that have ended: for the order, the time left, and what is cut short.
 
 use super::configuration::{Configuration, Knobs};
-use makadam::scene::{Scene, SolverMethod, SolverSettings, Stop};
+use crate::plan::Scene;
+use makadam::scene::{SolverMethod, SolverSettings, Stop};
 use std::collections::BTreeMap;
 
 /// Time of a grain's step before anything has run, s: of the right order on a processor of the 2020s.

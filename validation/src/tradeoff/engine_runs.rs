@@ -7,8 +7,8 @@ use super::kept::KeptRun;
 use crate::compare::{Runs, Share, physics_hash};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError};
+use crate::plan::Scene;
 use crate::provenance::{Build, utc};
-use makadam::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 

@@ -10,8 +10,8 @@ use super::plan::Plan;
 use crate::compare::{MeasuredRun, physics_hash};
 use crate::observables::Measurement;
 use crate::output::{WriteError, create_folder, write_whole};
+use crate::plan::Scene;
 use crate::provenance::Build;
-use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

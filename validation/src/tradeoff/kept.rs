@@ -3,9 +3,9 @@
 use super::configuration::Configuration;
 use crate::compare::MeasuredRun;
 use crate::output::file_stem;
+use crate::plan::Scene;
 use crate::provenance::{Build, scene_hash};
 use crate::study::Key;
-use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// What is kept of one run.

@@ -2,7 +2,8 @@
 
 use super::configuration::{Configuration, Knobs};
 use super::variations::Variation;
-use makadam::scene::{Scene, SolverSettings, Stop};
+use crate::plan::Scene;
+use makadam::scene::{SolverSettings, Stop};
 
 /// How much is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::ranking::{fastest, mark_fronts, variations};
 use super::rows::{Bound, Fastest, Point, Reference, Varied};
 use super::table::Table;
 use crate::output::JSON_VERSION;
-use makadam::scene::Scene;
+use crate::plan::Scene;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

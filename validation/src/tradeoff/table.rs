@@ -5,9 +5,9 @@ use super::convergence::Convergence;
 use super::kept::KeptRun;
 use super::plan::{Plan, Refinement};
 use super::rows::{Bound, Deviation, Point, Reference};
+use crate::plan::Scene;
 use crate::statistics::median;
 use crate::statistics::{Ensemble, mean, standard_error};
-use makadam::scene::Scene;
 use std::collections::BTreeMap;
 
 /// Values of one observable by seed.

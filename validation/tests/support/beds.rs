@@ -1,12 +1,11 @@
 //! Beds whose numbers are known beforehand, and scenes to measure them with.
 
-use makadam::scene::Scene;
 use makadam::snapshot::{Particle, Snapshot};
 use makadam_validation::observables::Measurement;
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::SQRT_2;
-use std::path::Path;
 
 /// A small generator, so that synthetic beds are the same in every run.
 pub struct Random(pub u64);
@@ -44,7 +43,7 @@ observables = {observables}
 {from}
 "#
     );
-    Scene::parse(&text, Path::new("synthetic.toml")).expect("a valid scene")
+    Scene::parse(&text).expect("a valid scene")
 }
 
 /// The same in a drum that turns at `rate` (rad/s).

@@ -1,10 +1,9 @@
 //! An invented qualification that looks like a real one: three codes, three scenes, every kind of outcome.
 
-use makadam::scene::Scene;
 use makadam::snapshot::Particle;
 use makadam_validation::compare::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
-use makadam_validation::observables::ForceDistribution;
-use makadam_validation::observables::Series;
+use makadam_validation::observables::{ForceDistribution, Series};
+use makadam_validation::plan::Scene;
 use makadam_validation::report::Qualification;
 use makadam_validation::report::published::{Judged, PublishedLaw};
 use makadam_validation::statistics::Outcome;

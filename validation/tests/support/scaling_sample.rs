@@ -102,7 +102,7 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         traces_same_bits: true,
     };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
-    let scene = makadam::scene::Scene::load(&file).expect("the small scene is valid");
+    let scene = makadam_validation::plan::Scene::load(&file).expect("the small scene is valid");
     let setting = Setting {
         scene: "invented".into(),
         started: 1.0,

@@ -9,6 +9,7 @@
 //! grains take up (R' the effective radius), and the way that a bed goes on into itself while its sweeps have not yet told all of it
 //! that it is stopped. The constants are measured, and so is that the two add up: `docs/scene-checks.md`.
 
+use super::Beforehand;
 use super::bed::{Bed, Fall};
 use crate::scene::error::{Fault, Step, short};
 use crate::scene::populate::origin;
@@ -37,12 +38,12 @@ struct Impact {
 }
 
 /// Tells of an impact whose overlap is larger than the scene tolerates.
-pub(super) fn fault(scene: &Scene, grains: &[Grain], bed: &Bed) -> Option<Fault> {
+pub(super) fn fault(scene: &Scene, grains: &[Grain], bed: &Bed, beforehand: Option<Beforehand>) -> Option<Fault> {
     let watched = tolerated(scene)?;
     // Nobody watches while a flow is prepared, which then forgets its start; but grains must not pass each other.
-    let bound = if scene.prepare.is_some() { watched.max(PASSING) } else { watched };
+    let bound = if beforehand.is_some() { watched.max(PASSING) } else { watched };
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
-    let step = scene.prepare.as_ref().map_or(scene.solver.step, |prepare| prepare.step);
+    let step = beforehand.map_or(scene.solver.step, |prepare| prepare.step);
     let stiffness = Stiffness::of(scene);
     let densities: BTreeMap<&str, f64> =
         scene.material.iter().map(|(name, material)| (name.as_str(), material.density)).collect();
@@ -82,7 +83,7 @@ pub(super) fn fault(scene: &Scene, grains: &[Grain], bed: &Bed) -> Option<Fault>
         // Half of what is tolerated for each of the two.
         let mut remedies = Vec::new();
         if worst.by_step > 0.5 * bound {
-            let key = if scene.prepare.is_some() { "prepare.step" } else { "solver.step" };
+            let key = if beforehand.is_some() { "prepare.step" } else { "solver.step" };
             remedies.push(format!("lower {key} to {:e} s", floor(step * 0.5 * bound / worst.by_step)));
         }
         if worst.by_stiffness > 0.5 * bound {

@@ -18,9 +18,18 @@ use super::populate::placed;
 use bed::Bed;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::path::Path;
 
 pub(super) use motion::longest_step;
+
+/// What is simulated of a scene before its run begins, where the run starts from a state that this comes to: the document says so in
+/// a table `prepare`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beforehand {
+    /// Simulated time, s.
+    pub duration: f64,
+    /// Time step, s.
+    pub step: f64,
+}
 
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,44 +65,55 @@ impl Scene {
     ///
     /// Grains are placed for that, without a look at whether they overlap: some tenths of a second for half a million.
     pub fn findings(&self, text: Option<&str>) -> Vec<Finding> {
+        self.findings_after(None, text)
+    }
+
+    /// The same where the run starts from what the grains have come to beforehand.
+    pub fn findings_after(&self, beforehand: Option<Beforehand>, text: Option<&str>) -> Vec<Finding> {
         let finding = |severity: Severity, fault: Fault| {
             let (problem, remedy) = fault.in_words();
             Finding { severity, problem, remedy, line: text.map(|text| fault.line(text)) }
         };
-        let errors = motion::faults(self).into_iter().map(|fault| finding(Severity::Error, fault));
-        let warnings = self.warnings().into_iter().map(|fault| finding(Severity::Warning, fault));
+        let errors = motion::faults(self, beforehand).into_iter().map(|fault| finding(Severity::Error, fault));
+        let warnings = self.warnings(beforehand).into_iter().map(|fault| finding(Severity::Warning, fault));
         errors.chain(warnings).collect()
     }
 
-    fn warnings(&self) -> Vec<Fault> {
+    fn warnings(&self, beforehand: Option<Beforehand>) -> Vec<Fault> {
         let mut warnings = vain::faults(self);
         // Grains that cannot be placed are an error of the scene, which placing them tells.
         let Ok(grains) = placed(self, self.seed) else { return warnings };
         let bed = Bed::new(self, &grains);
         warnings.extend(held::fault(self, &grains, &bed));
-        warnings.extend(impact::fault(self, &grains, &bed));
+        warnings.extend(impact::fault(self, &grains, &bed, beforehand));
         warnings.extend(shear::faults(self, &grains));
         warnings
     }
 
     /// Refuses what cannot be carried out: values out of range, motions that the step passes over, a restitution that falls where
-    /// the step resolves impacts. `file` is named in errors.
+    /// the step resolves impacts. Scenes made in code keep the same rules as those from files.
     ///
     /// # Errors
-    /// [`SceneError::Invalid`] with the first of these; it names the line if the file can be read, and else the path of the value.
-    pub fn check(&self, file: &Path) -> Result<(), SceneError> {
-        self.first_fault().map_or(Ok(()), |fault| {
-            let text = std::fs::read_to_string(file).ok();
-            Err(fault.locate(file, text.as_deref()))
-        })
+    /// [`SceneError::Invalid`] with the first of these.
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.first_fault().map_or(Ok(()), |fault| Err(fault.into()))
+    }
+
+    /// The same where the run starts from what the grains have come to beforehand.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the first of these.
+    pub fn check_after(&self, beforehand: Beforehand) -> Result<(), SceneError> {
+        self.check()?;
+        self.unbearable(Some(beforehand)).map_or(Ok(()), |fault| Err(fault.into()))
     }
 
     fn first_fault(&self) -> Option<Fault> {
-        super::check::check(self).err().or_else(|| self.unbearable()).or_else(|| self.resolved_impact())
+        super::check::check(self).err().or_else(|| self.unbearable(None)).or_else(|| self.resolved_impact())
     }
 
     /// The first error among the findings.
-    pub(super) fn unbearable(&self) -> Option<Fault> {
-        motion::faults(self).into_iter().next()
+    pub(super) fn unbearable(&self, beforehand: Option<Beforehand>) -> Option<Fault> {
+        motion::faults(self, beforehand).into_iter().next()
     }
 }

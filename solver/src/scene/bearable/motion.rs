@@ -1,5 +1,6 @@
 //! Prescribed motions against the step: one that changes within a step is not what is simulated.
 
+use super::Beforehand;
 use crate::scene::error::{Fault, short};
 use crate::scene::place::Place;
 use crate::scene::{Motion, Scene};
@@ -25,10 +26,10 @@ struct Stepping {
 }
 
 /// What moves faster than the steps of the scene can tell.
-pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
+pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault> {
     let solver = Place::default().key("solver").key("step");
     let mut all = vec![Stepping { step: scene.solver.step, until: scene.duration, at: solver }];
-    if let Some(prepare) = &scene.prepare {
+    if let Some(prepare) = beforehand {
         let at = Place::default().key("prepare").key("step");
         all.push(Stepping { step: prepare.step, until: prepare.duration, at });
     }

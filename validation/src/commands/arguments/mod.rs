@@ -1,9 +1,13 @@
 //! The command line: every command's arguments, and the words that they take.
 
+mod problem;
 mod runs;
 mod studies;
 mod values;
 
+pub use problem::{
+    ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
+};
 pub use runs::{CompareArguments, QualifyArguments, RunArguments, Tier};
 pub use studies::{
     ConvergenceArguments, EffectsArguments, LawsArguments, RooflineArguments, ScalingArguments, StabilityArguments,
@@ -13,7 +17,7 @@ pub use values::{BoundArgument, CodeName};
 
 use clap::{Parser, Subcommand};
 
-const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, \
+const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene or problem file, \
     4 outside tolerance, undecided or not measured, 5 a reference code is missing.";
 
 /// Granular matter by non-smooth contact dynamics, judged against YADE and LIGGGHTS.
@@ -54,4 +58,6 @@ pub enum Command {
     Effects(EffectsArguments),
     /// Measure published laws of granular matter and judge them against the published values.
     Laws(LawsArguments),
+    /// Keep the contact problem of one step in a file, and solve it by every solver that there is.
+    Problem(ProblemArguments),
 }

@@ -1,6 +1,7 @@
 //! The best accuracy that fits into a time: first the coarsest, which tells what the scene costs, then a finer one in its place.
 
-use makadam::scene::{Accuracy, Scene};
+use crate::plan::Scene;
+use makadam::scene::Accuracy;
 
 /// What is run first: the coarsest setting that the law of [`Accuracy`] was measured for.
 pub(super) const COARSEST: Accuracy =

@@ -3,9 +3,9 @@
 use super::kept::Place;
 use crate::commands::Failure;
 use crate::output::{RunFiles, WriteError, write_durably};
+use crate::plan::Scene;
 use crate::provenance::scene_hash;
 use makadam::checkpoint::sync_folder;
-use makadam::scene::Scene;
 use serde_json::Value;
 use std::path::Path;
 

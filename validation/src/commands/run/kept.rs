@@ -3,10 +3,11 @@
 use super::progress::Progress;
 use crate::commands::Failure;
 use crate::output::{RunFiles, WriteError};
+use crate::plan::Scene;
 use crate::provenance::scene_hash;
 use makadam::BUILD;
 use makadam::checkpoint::{open, seal, sync_folder, write_atomically};
-use makadam::scene::{Scene, Watch};
+use makadam::scene::Watch;
 use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -117,5 +118,7 @@ impl Kept {
 /// Hash of what must be the same to go on. What is watched for changes no bit of a state: a run that its watch has stopped may go on
 /// under another one.
 fn hash_to_go_on(scene: &Scene) -> u64 {
-    scene_hash(&Scene { watch: Watch::default(), ..scene.clone() })
+    let mut unwatched = scene.clone();
+    unwatched.watch = Watch::default();
+    scene_hash(&unwatched)
 }

@@ -8,8 +8,8 @@ use crate::commands::Failure;
 use crate::observables::frames::Frames;
 use crate::observables::{Measurement, is_measured, measure_frames};
 use crate::output::WriteError;
+use crate::plan::Scene;
 use makadam::checkpoint::{open, seal};
-use makadam::scene::Scene;
 use makadam::snapshot::Snapshot;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
@@ -193,7 +193,7 @@ mod tests {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(SCENE);
         let mut scene = Scene::load(&file).unwrap();
         scene.measure.from = Some(0.1);
-        let mut simulation = Simulation::new(&scene, 1, &file).unwrap();
+        let mut simulation = Simulation::new(&scene, 1).unwrap();
         let mut frames = Vec::new();
         while simulation.time() < 0.3 {
             frames.push(simulation.snapshot());

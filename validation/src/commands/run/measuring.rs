@@ -4,7 +4,7 @@ use super::measured::MeasuredFrames;
 use crate::commands::Failure;
 use crate::observables;
 use crate::output::Measured;
-use makadam::scene::Scene;
+use crate::plan::Scene;
 use makadam::snapshot::Snapshot;
 use std::collections::BTreeMap;
 

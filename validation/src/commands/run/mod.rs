@@ -17,14 +17,16 @@ use super::{Console, Failure, begin, json, load};
 use crate::execution::{Execution, cores};
 use crate::output::file_stem;
 use crate::output::{FolderLock, LockError, RunFiles, RunSummary, create_folder};
+use crate::plan::Scene;
 use crate::provenance::Provenance;
 use crate::stepping::steps_in;
 use describe::describe;
 use folder::{FINER, Task, Wish, settle_finer, task};
 use kept::Place;
 use makadam::Simulation;
+use makadam::checkpoint::CheckpointError;
 use makadam::lanes::InstructionSet;
-use makadam::scene::{Finding, Scene};
+use makadam::scene::Finding;
 use plan::Plan;
 use progress::Progress;
 use session::Session;
@@ -178,8 +180,12 @@ impl<'a> Asked<'a> {
                  --restart"
             )));
         }
-        let mut simulation = Simulation::resume(scene, &kept.simulation, place.file())
-            .map_err(|error| Failure::Running(error.to_string()))?;
+        let mut simulation = Simulation::resume(scene, &kept.simulation).map_err(|error| {
+            Failure::Running(match error {
+                CheckpointError::Format { problem } => format!("{shown} {problem}; delete it and start anew"),
+                other => other.to_string(),
+            })
+        })?;
         if self.arguments.ledger && simulation.balance().is_none() {
             return Err(Failure::Usage(format!(
                 "{shown} is of a run without a ledger, which cannot be opened on the way: leave --ledger out, or give --restart"

@@ -1,7 +1,8 @@
 //! What a run is.
 
+use crate::plan::Scene;
 use crate::provenance::Provenance;
-use makadam::scene::{Finding, Scene};
+use makadam::scene::Finding;
 use std::path::PathBuf;
 use std::time::Duration;
 

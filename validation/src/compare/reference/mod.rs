@@ -22,8 +22,8 @@ pub use read::ReferenceError;
 
 use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing};
 use crate::observables::{ForceDistribution, Series};
+use crate::plan::Scene;
 use makadam::checkpoint::checksum;
-use makadam::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

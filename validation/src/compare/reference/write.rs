@@ -6,7 +6,7 @@ use super::{
 };
 use crate::output::cells::without_formulas;
 use crate::output::{WriteError, create_folder, write_whole};
-use makadam::scene::Scene;
+use crate::plan::Scene;
 use serde::Serialize;
 use std::path::Path;
 

@@ -2,8 +2,9 @@
 
 use super::super::Case;
 use super::law;
+use crate::plan::Scene;
 use crate::sketch::{GRAVITY, Sketch};
-use makadam::scene::{Motion, Population, RadiusDistribution, Reaction, Region, Scene, Shape, Wall};
+use makadam::scene::{Motion, Population, RadiusDistribution, Reaction, Region, Shape, Wall};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Mean diameter of the grains, m.
@@ -174,12 +175,11 @@ fn strips(radius: f64, room: f64, count: usize) -> Vec<(usize, Region)> {
 mod tests {
     use super::*;
     use makadam::scene::populate;
-    use std::path::Path;
 
     #[test]
     fn a_quarter_has_a_quarter_of_the_grains_all_of_them_between_the_planes_and_in_the_tube() {
         let (whole, quarter) = (case(12.0, 1.0, Part::Whole), case(12.0, 1.0, Part::Quarter));
-        let grains = |case: &Case| populate(&case.scene, 1, Path::new("collapse")).unwrap();
+        let grains = |case: &Case| populate(&case.scene, 1).unwrap();
         let (all, some) = (grains(&whole), grains(&quarter));
         assert!((4 * some.len()).abs_diff(all.len()) <= 2, "{} of {}", some.len(), all.len());
         for grain in &some {

@@ -4,8 +4,8 @@ use super::column::{DIAMETER, Part};
 use crate::observables::setting::Setting;
 use crate::observables::static_angle::HeapFields;
 use crate::observables::{close_pairs, static_angle};
+use crate::plan::Scene;
 use crate::sketch::GRAVITY;
-use makadam::scene::Scene;
 use makadam::snapshot::{Particle, Snapshot};
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 

@@ -3,7 +3,8 @@
 use crate::peers::mesh::{Mesh, reach};
 use crate::peers::palette::Palette;
 use crate::peers::plan::Plan;
-use makadam::scene::{Grain, Motion, Scene};
+use crate::plan::Scene;
+use makadam::scene::{Grain, Motion};
 use nalgebra::Vector3;
 use std::fmt::Write;
 

@@ -10,8 +10,10 @@ use super::mesh::{Mesh, wall_mesh};
 use super::plan::Plan;
 use super::process::{self, Program, Run, io};
 use super::{Code, CodeError, Job};
+use crate::plan::Scene;
 use crate::recording::Recording;
-use makadam::scene::{Grain, Scene, populate};
+use crate::scenes::in_file;
+use makadam::scene::{Grain, populate};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::ffi::OsString;
@@ -52,7 +54,7 @@ impl Code for Liggghts {
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
         let scene = job.scene;
-        let grains = populate(scene, job.seed, job.scene_file)?;
+        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
         super::refuse_unsupported(NAME, scene, &grains)?;
         if scene.wall.iter().any(|wall| wall.motion.is_driven()) {
             let reason = "a wall is driven by a force".into();

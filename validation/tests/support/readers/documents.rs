@@ -1,16 +1,15 @@
 //! Small sound documents of every kind.
 
 use makadam::Simulation;
-use makadam::scene::Scene;
 use makadam::snapshot::{Contact, DrivenWall, Particle, Partner, Snapshot};
 use makadam_validation::compare::MeasuredRun;
 use makadam_validation::observables::Measurement;
+use makadam_validation::plan::Scene;
 use makadam_validation::provenance::Build;
 use makadam_validation::recording::Recording;
 use makadam_validation::study::{Key, sealed};
 use makadam_validation::tradeoff::{Configuration, KeptRun, Knobs, run_key};
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::OnceLock;
 
 /// What the line in front of a part of a document starts with; the part's name follows.
@@ -215,7 +214,7 @@ fn text(head: &str, rest: &str) -> String {
 /// A scene from its walls and grains.
 pub fn scene(rest: &str) -> Scene {
     let text = text("", rest);
-    Scene::parse(&text, Path::new("small.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 /// Scenes.
@@ -231,7 +230,7 @@ pub fn checkpoints() -> Vec<Vec<u8>> {
     static MADE: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
     let make = || {
         let scene = scene(SMALL_SCENE);
-        let mut simulation = Simulation::new(&scene, 1, Path::new("small.toml")).expect("the scene is sound");
+        let mut simulation = Simulation::new(&scene, 1).expect("the scene is sound");
         let start = simulation.checkpoint();
         let touching = (0..1000).find(|_| simulation.step().contacts > 1 && !simulation.snapshot().contacts.is_empty());
         assert!(touching.is_some(), "no checkpoint with impulses");
@@ -357,7 +356,7 @@ pub fn references() -> Vec<Vec<u8>> {
 }
 
 fn configuration() -> Configuration {
-    let settings = scene(SMALL_SCENE).solver;
+    let settings = scene(SMALL_SCENE).simulated.solver;
     let knobs = Knobs::Solver { settings, variation: Some("warm start 0".into()) };
     Configuration { code: "Makadam".into(), stiffness_factor: 10.0, knobs }
 }

@@ -7,12 +7,13 @@ mod documents;
 use documents::{BED_SCENE, HEAP_SCENE, SMALL_SCENE, WALLED_SCENE};
 use makadam::Simulation;
 use makadam::checkpoint::seal;
-use makadam::scene::{Grain, Region, Scene, Stop, populate};
+use makadam::scene::{Grain, Region, Stop, populate};
 use makadam::snapshot::Snapshot;
 use makadam_validation::compare::{Reference, physics_hash};
 use makadam_validation::observables::{force_distribution, measure, series};
 use makadam_validation::peers::liggghts::{self, loop_seconds, read_dump};
 use makadam_validation::peers::yade;
+use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use makadam_validation::study::unseal;
 use makadam_validation::tradeoff::KeptRun;
@@ -64,17 +65,17 @@ fn refused(message: &str) -> bool {
 fn scene(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     let file = Path::new("fuzzed.toml");
-    let scene = match Scene::parse(text, file) {
+    let scene = match Scene::parse(text) {
         Ok(scene) => scene,
         Err(error) => {
-            let message = error.to_string();
+            let message = error.in_file(file, Some(text)).to_string();
             assert!(message.starts_with("fuzzed.toml:"), "no file and line: {message}");
             return refused(&message);
         }
     };
     physics_hash(&scene);
     if is_small(&scene) {
-        match Simulation::new(&scene, scene.seed, file) {
+        match Simulation::new(&scene, scene.seed) {
             Ok(mut simulation) => steps_stay_finite(&mut simulation),
             Err(error) => return refused(&error.to_string()),
         }
@@ -114,12 +115,12 @@ fn steps_stay_finite(simulation: &mut Simulation) {
 /// A checkpoint as it is, and once more with length and checksum made to fit, so that damage gets past the envelope.
 fn checkpoint(bytes: &[u8]) -> bool {
     static SMALL: LazyLock<Scene> = LazyLock::new(|| documents::scene(SMALL_SCENE));
-    let (small, file) = (&*SMALL, Path::new("fuzzed.state"));
+    let small = &*SMALL;
     let fitted = fitted(&documents::checkpoints().swap_remove(0), bytes);
     let mut accepted = false;
     for bytes in [bytes, &fitted] {
         for read in [Simulation::resume, Simulation::start_from] {
-            match read(small, bytes, file) {
+            match read(small, bytes) {
                 Ok(mut simulation) => {
                     accepted = true;
                     // Speeds that only a forged checksum lets in may overflow in a step; no number may end the program.
@@ -208,8 +209,7 @@ fn yade_result(bytes: &[u8]) -> bool {
 /// Three dumps in one document, each behind a line that names it; and the whole as a dump of any one number of columns.
 fn liggghts_frames(bytes: &[u8]) -> bool {
     let _ = read_dump(bytes, 1 + bytes.len() % 12);
-    static GRAINS: LazyLock<Vec<Grain>> =
-        LazyLock::new(|| populate(&WALLED, 1, Path::new("walled.toml")).expect("the scene is sound"));
+    static GRAINS: LazyLock<Vec<Grain>> = LazyLock::new(|| populate(&WALLED, 1).expect("the scene is sound"));
     let dumps = ["grains", "pairs", "walls"].map(PathBuf::from);
     let parts = documents::parts(bytes);
     let open = |file: &Path| Ok(parts.get(file.to_str().unwrap_or_default()).copied().unwrap_or_default());

@@ -1,0 +1,29 @@
+//! All that can go wrong with the use of the library, as one type.
+
+use crate::checkpoint::CheckpointError;
+use crate::scene::{SceneError, SceneFileError};
+use crate::solve::NotConverged;
+use crate::{SettingError, UnsuitableMethod};
+
+/// Why something could not be done.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A scene breaks a rule, or its grains cannot be placed.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The same, of a scene from a file, with the line.
+    #[error(transparent)]
+    SceneFile(#[from] SceneFileError),
+    /// The machine, or the scene, does not go with a setting.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// A method cannot solve the problems of a scene.
+    #[error(transparent)]
+    Method(#[from] UnsuitableMethod),
+    /// A checkpoint cannot be written, or gone on from.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// A solve ended before it came to its bound.
+    #[error(transparent)]
+    NotConverged(#[from] NotConverged),
+}

@@ -1,0 +1,288 @@
+//! The contact problem of one time step as plain data, apart from whoever lays it out in lanes or solves it.
+//!
+//! Bodies have the generalised velocities `(v, omega)` and the inverse mass blocks `M^-1` and `I^-1`. At a contact with the unit
+//! normal n from its first body a to its second body b, or to a wall, and the arms r from each body's centre to the point of
+//! contact, the relative velocity and what an impulse P on the second body does are
+//!
+//! ```text
+//! u   = v_b + omega_b x r_b - v_a - omega_a x r_a
+//! v_b   += M_b^-1 P    omega_b += I_b^-1 (r_b x P + L)
+//! v_a   -= M_a^-1 P    omega_a -= I_a^-1 (r_a x P + L)          P = lambda_n n + lambda_t
+//! ```
+//!
+//! A solution is a state whose impulses keep the laws of all contacts at once. With the bias q and the compliance Sigma',
+//!
+//! ```text
+//! normal      0 <= lambda_n  _|_  w_n = n.u + Sigma' lambda_n - q >= 0
+//! friction    lambda_t in the disc of radius mu lambda_n, and against the sliding: u_t = 0 inside of it, else
+//!             lambda_t = -mu lambda_n u_t / |u_t|
+//! resistance  the same of the angular impulse L and omega_b - omega_a: a disc across the normal, an interval along it
+//! ```
+//!
+//! q holds what the step asks of the contact: its stabilisation, `(4/h) Y d + Y u_n0`, or the speed `-e u_n0` at which an impact
+//! leaves (C. Lacoursière, *Ghosts and machines*, Umeå 2007, sections 4 and 10). These are the laws that
+//! [`sweep`](crate::sweep) relaxes; `docs/problem.md` tells how a problem is kept in a file.
+//!
+//! Driven walls are bodies too. Along an axis a with mass M a wall has `M^-1 = a a^T / M` and no inertia that could turn;
+//! about an axis with the moment of inertia I it has `I^-1 = a a^T / I` and no mass that could move.
+
+mod local;
+mod pose;
+mod reference;
+mod residuals;
+
+pub use local::{LocalProblem, MatrixBlock};
+pub use reference::{Ending, Reference};
+pub use residuals::ProblemResiduals;
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Biases at or below this belong to contacts that bear nothing in the step, m/s.
+const NEVER: f64 = -1e29;
+
+/// One time step's contact problem.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactProblem {
+    /// Time at the start of the step, s.
+    pub time: f64,
+    /// Length h of the step, s.
+    pub step: f64,
+    /// Velocity that residuals compare with, m/s: g h, or 1 where there is no gravity.
+    pub unit: f64,
+    /// Number of grains, which come first among the bodies, by id; driven walls follow in the order of the scene.
+    pub grains: usize,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// The contacts, in the order in which sweeps relax them.
+    pub contacts: Vec<Contact>,
+}
+
+/// A body that contacts move.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Body {
+    /// Inverse mass block M^-1, 1/kg: symmetric, not negative.
+    pub inverse_mass: Matrix3<f64>,
+    /// Inverse inertia block I^-1 in the frame of the world, 1/(kg m2): symmetric, not negative.
+    pub inverse_inertia: Matrix3<f64>,
+    /// Velocity of the centre before the contacts act, m/s: gravity and the forces on driven walls have acted for the step.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity before the contacts act, rad/s.
+    pub spin: Vector3<f64>,
+}
+
+/// A contact of two bodies, or of a body with a wall that moves as prescribed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// Number of the first body.
+    pub first: usize,
+    /// Number of the second body; absent where the contact is with a wall.
+    pub second: Option<usize>,
+    /// Unit normal n from the first body to the second, or to the wall.
+    pub normal: Vector3<f64>,
+    /// Two unit vectors across it, with it a right-handed frame.
+    pub tangents: [Vector3<f64>; 2],
+    /// Arms from the centres of the first and of the second body to the point of contact, m; zero for a wall.
+    pub arms: [Vector3<f64>; 2],
+    /// Velocity of the wall at the point, m/s; zero where there is a second body.
+    pub wall_velocity: Vector3<f64>,
+    /// Angular velocity of the wall, rad/s; zero where there is a second body.
+    pub wall_spin: Vector3<f64>,
+    /// Bias q along the normal, m/s: -1e30 where the contact bears nothing in this step.
+    pub bias: f64,
+    /// Compliance Sigma' along the normal, 1/kg.
+    pub compliance: f64,
+    /// Coefficient of friction mu.
+    pub friction: f64,
+    /// Largest rolling torque over the normal force, `mu_r R*`, m.
+    pub rolling_lever: f64,
+    /// Largest twisting torque over the normal force, `mu_t R*`, m.
+    pub twisting_lever: f64,
+    /// Impulse with which cohesion pulls the two together in the step, N s.
+    pub pull: f64,
+    /// Impulse that a solve starts from.
+    pub impulse: ContactImpulse,
+}
+
+/// What a contact bears, on its second side.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactImpulse {
+    /// Normal impulse lambda_n, N s; cohesion is apart.
+    pub normal: f64,
+    /// Tangential impulse lambda_t in the frame of the world, N s.
+    pub tangential: Vector3<f64>,
+    /// Angular impulse L in the frame of the world, N m s.
+    pub angular: Vector3<f64>,
+}
+
+/// Velocities and the impulses that they go with.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactState {
+    /// Velocity of each body, m/s.
+    pub velocities: Vec<Vector3<f64>>,
+    /// Angular velocity of each body, rad/s.
+    pub spins: Vec<Vector3<f64>>,
+    /// Impulse of each contact.
+    pub impulses: Vec<ContactImpulse>,
+}
+
+impl ContactImpulse {
+    /// The impulse P as a vector, N s.
+    pub fn vector(&self, normal: &Vector3<f64>) -> Vector3<f64> {
+        normal * self.normal + self.tangential
+    }
+}
+
+impl Contact {
+    /// Whether the contact may bear something in this step.
+    pub fn bears(&self) -> bool {
+        self.bias > NEVER
+    }
+
+    /// Whether it resists rolling or twisting.
+    pub fn resists_turning(&self) -> bool {
+        self.rolling_lever != 0.0 || self.twisting_lever != 0.0
+    }
+
+    /// The contact's frame: normal and tangents as columns.
+    pub fn frame(&self) -> Matrix3<f64> {
+        Matrix3::from_columns(&[self.normal, self.tangents[0], self.tangents[1]])
+    }
+
+    /// The bodies, each with its arm and the sign with which an impulse acts on it.
+    pub fn sides(&self) -> impl Iterator<Item = (usize, Vector3<f64>, f64)> {
+        [(Some(self.first), self.arms[0], -1.0), (self.second, self.arms[1], 1.0)]
+            .into_iter()
+            .filter_map(|(body, arm, sign)| Some((body?, arm, sign)))
+    }
+}
+
+impl ContactProblem {
+    /// The state of some impulses, one a contact: velocities before the contacts act, and what pulls and impulses change.
+    pub fn state_of(&self, impulses: &[ContactImpulse]) -> ContactState {
+        let mut state = ContactState {
+            velocities: self.bodies.iter().map(|body| body.velocity).collect(),
+            spins: self.bodies.iter().map(|body| body.spin).collect(),
+            impulses: impulses.to_vec(),
+        };
+        for (contact, impulse) in self.contacts.iter().zip(impulses) {
+            let pulled = ContactImpulse { normal: impulse.normal - contact.pull, ..*impulse };
+            self.push(contact, &mut state, &pulled.vector(&contact.normal), &impulse.angular);
+        }
+        state
+    }
+
+    /// The state that a solve starts from.
+    pub fn start(&self) -> ContactState {
+        let impulses: Vec<ContactImpulse> = self.contacts.iter().map(|contact| contact.impulse).collect();
+        self.state_of(&impulses)
+    }
+
+    /// Relative velocity u at a contact, m/s.
+    pub fn relative_velocity(&self, contact: &Contact, state: &ContactState) -> Vector3<f64> {
+        let moves = |(body, arm, sign): (usize, Vector3<f64>, f64)| {
+            (state.velocities[body] + state.spins[body].cross(&arm)) * sign
+        };
+        contact.sides().map(moves).fold(contact.wall_velocity, |sum, velocity| sum + velocity)
+    }
+
+    /// Relative angular velocity at a contact, rad/s.
+    pub fn relative_spin(&self, contact: &Contact, state: &ContactState) -> Vector3<f64> {
+        contact.sides().fold(contact.wall_spin, |sum, (body, _, sign)| sum + state.spins[body] * sign)
+    }
+
+    /// Gives the bodies of a contact an impulse on its second side, N s, and an angular one, N m s.
+    pub fn push(
+        &self,
+        contact: &Contact,
+        state: &mut ContactState,
+        impulse: &Vector3<f64>,
+        angular_impulse: &Vector3<f64>,
+    ) {
+        for (number, arm, sign) in contact.sides() {
+            let body = &self.bodies[number];
+            state.velocities[number] += body.inverse_mass * impulse * sign;
+            state.spins[number] += body.inverse_inertia * (arm.cross(impulse) + angular_impulse) * sign;
+        }
+    }
+
+    /// The operator of one contact in its own frame, 1/kg: what an impulse on it changes of its relative velocity, compliance
+    /// left out.
+    pub fn own_operator(&self, contact: &Contact) -> Matrix3<f64> {
+        let frame = contact.frame();
+        let side = |(number, arm, _): (usize, Vector3<f64>, f64)| {
+            let (body, lever) = (&self.bodies[number], arm.cross_matrix());
+            body.inverse_mass + lever.transpose() * body.inverse_inertia * lever
+        };
+        frame.transpose() * contact.sides().map(side).sum::<Matrix3<f64>>() * frame
+    }
+
+    /// Whether some contact resists rolling or twisting.
+    pub fn resists_turning(&self) -> bool {
+        self.contacts.iter().any(Contact::resists_turning)
+    }
+
+    /// What is wrong with the data, in words: numbers that are not finite, bodies that do not exist, frames that are not
+    /// orthonormal, coefficients below zero.
+    ///
+    /// # Errors
+    /// The first thing found.
+    pub fn check(&self) -> Result<(), String> {
+        let finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
+        if !finite(&[self.time, self.step, self.unit]) || self.step <= 0.0 || self.unit <= 0.0 {
+            return Err("time, step and unit have to be finite numbers, and the last two positive".into());
+        }
+        if self.grains > self.bodies.len() {
+            return Err(format!("{} grains among {} bodies", self.grains, self.bodies.len()));
+        }
+        for (number, body) in self.bodies.iter().enumerate() {
+            let blocks = [&body.inverse_mass, &body.inverse_inertia];
+            let vectors = [body.velocity.as_slice(), body.spin.as_slice()];
+            if !blocks.iter().all(|block| finite(block.as_slice())) || !vectors.into_iter().all(finite) {
+                return Err(format!("body {number} has a number that is not finite"));
+            }
+            let lopsided = |block: &&Matrix3<f64>| (*block - block.transpose()).amax() > 1e-9 * block.amax();
+            if blocks.iter().any(lopsided) || blocks.iter().any(|block| block.diagonal().min() < 0.0) {
+                return Err(format!("body {number} has a mass or inertia block that is not symmetric, or negative"));
+            }
+        }
+        for (number, contact) in self.contacts.iter().enumerate() {
+            self.check_contact(contact).map_err(|words| format!("contact {number} {words}"))?;
+        }
+        Ok(())
+    }
+
+    fn check_contact(&self, contact: &Contact) -> Result<(), String> {
+        if let Some((body, ..)) = contact.sides().find(|(body, ..)| *body >= self.bodies.len()) {
+            return Err(format!("names body {body} of {}", self.bodies.len()));
+        }
+        if contact.second == Some(contact.first) {
+            return Err("is of a body with itself".into());
+        }
+        let Contact { arms, wall_velocity, wall_spin, impulse, .. } = contact;
+        let vectors = [&arms[0], &arms[1], wall_velocity, wall_spin, &impulse.tangential, &impulse.angular];
+        let magnitudes =
+            [contact.compliance, contact.friction, contact.rolling_lever, contact.twisting_lever, impulse.normal];
+        let numbers = [contact.bias, contact.pull].into_iter().chain(magnitudes);
+        let all = vectors.into_iter().flat_map(|vector| vector.iter().copied()).chain(numbers);
+        if !all.chain(contact.frame().iter().copied()).all(f64::is_finite) {
+            return Err("has a number that is not finite".into());
+        }
+        if magnitudes.into_iter().any(|magnitude| magnitude < 0.0) {
+            return Err("has a coefficient, a compliance or a normal impulse below zero".into());
+        }
+        let frame = contact.frame();
+        if (frame.transpose() * frame - Matrix3::identity()).amax() > 1e-9 {
+            return Err("has a frame that is not orthonormal".into());
+        }
+        if contact.bears() && self.own_operator(contact)[(0, 0)] + contact.compliance <= 0.0 {
+            return Err("cannot move: its bodies have no mobility along the normal".into());
+        }
+        Ok(())
+    }
+}
+
+/// Two unit vectors across a unit vector, with it a right-handed frame.
+pub(crate) fn tangents_of(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let one = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+    [one, normal.cross(&one)]
+}

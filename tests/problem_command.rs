@@ -1,0 +1,60 @@
+//! `makadam problem`: export, solve, check, and what is said of bad files.
+
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
+use serde_json::Value;
+use std::path::Path;
+
+fn run(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let output = makadam(folder).arg("problem").args(arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn a_problem_is_exported_solved_and_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = smoke();
+    let scene = scene.to_str().unwrap();
+    let (code, said, errors) = run(folder.path(), &["export", scene, "--time", "0.15", "--output", "a.hdf5"]);
+    assert_eq!(code, 0, "{errors}");
+    assert!(said.contains("contacts, a.hdf5"), "{said}");
+    let (code, said, errors) = run(folder.path(), &["solve", "a.hdf5", "--json", "--output", "b.hdf5"]);
+    assert_eq!(code, 0, "{errors}");
+    let document: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!((document["version"].as_u64(), document["command"].as_str()), (Some(1), Some("problem solve")));
+    assert_eq!(document["problems"][0]["converged"], true);
+    let (code, said, errors) = run(folder.path(), &["check", "a.hdf5", "b.hdf5"]);
+    assert_eq!(code, 0, "{errors}{said}");
+    assert!(said.contains("reference: converged") && said.contains("lanes: converged"), "{said}");
+    // Too few sweeps do not converge.
+    let (code, said, _) = run(folder.path(), &["solve", "a.hdf5", "--sweeps", "1"]);
+    assert_eq!(code, 4, "{said}");
+    assert!(said.contains("not converged after 1 iterations"), "{said}");
+}
+
+#[test]
+fn bad_files_and_missing_programs_have_their_exit_codes() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/problems/drum.hdf5");
+    let bytes = std::fs::read(&recorded).unwrap();
+    std::fs::write(folder.path().join("cut.hdf5"), &bytes[..bytes.len() / 2]).unwrap();
+    for (name, words) in [("cut.hdf5", "write it anew"), ("none.hdf5", "check the path")] {
+        let (code, _, errors) = run(folder.path(), &["check", name]);
+        assert_eq!(code, 3, "{errors}");
+        assert!(errors.contains(name) && errors.contains(words), "{errors}");
+    }
+    let scene = smoke();
+    let (code, _, errors) =
+        run(folder.path(), &["export", scene.to_str().unwrap(), "--steps", "0", "--output", "a.hdf5"]);
+    assert_eq!(code, 2, "{errors}");
+    assert!(errors.contains("no contacts at 0 s"), "{errors}");
+    let output = makadam(folder.path())
+        .args(["problem", "check", "--siconos"])
+        .arg(&recorded)
+        .env("MAKADAM_SICONOS_PYTHON", "/nowhere/python3")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(5));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("python3-siconos is missing"));
+}

@@ -1,0 +1,116 @@
+//! `makadam problem`: contact problems in files.
+
+use super::arguments::{
+    ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
+};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, begin, json, load};
+use crate::execution::Execution;
+use crate::problem::{self, BodyVelocities, Check, ProblemFile, Settings};
+use crate::stepping::steps_in;
+use makadam::scene::Stop;
+use serde::Serialize;
+use std::process::ExitCode;
+
+/// Sweeps over lanes end at this residual, over g h.
+const LANES: Stop = Stop::Residual { tolerance: 1e-11, max_sweeps: 200_000 };
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Document<Answers> {
+    version: u32,
+    command: &'static str,
+    problems: Answers,
+}
+
+/// Carries out one of the subcommands.
+pub(super) fn problem(arguments: &ProblemArguments, console: &Console) -> Result<ExitCode, Failure> {
+    match &arguments.command {
+        ProblemCommand::Export(export) => self::export(export, console),
+        ProblemCommand::Solve(solve) => self::solve(solve, console),
+        ProblemCommand::Check(check) => self::check(check, console),
+    }
+}
+
+/// Writes the problem of a step of a scene.
+fn export(arguments: &ProblemExportArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let (file, scene) = load(&arguments.scene)?;
+    let seed = arguments.seed.unwrap_or(scene.seed);
+    let (mut simulation, _) = begin(&scene, seed, &file, &Execution::serial(), console)?;
+    let by_time = arguments.time.map(|time| steps_in((time - simulation.time()).max(0.0), simulation.time_step()));
+    let steps = arguments.steps.or(by_time).unwrap_or_else(|| steps_in(scene.duration, simulation.time_step()));
+    let bar = console.bar(&scene.name);
+    for step in 1..=steps {
+        simulation.step();
+        bar.set(step as f64 / steps as f64);
+        if crate::interrupt::requested() {
+            return Err(Failure::Interrupted("nothing: the problem was not reached".into()));
+        }
+    }
+    drop(bar);
+    let contact = simulation.contact_problem();
+    let title = format!("{}, seed {seed}, t = {} s", scene.name, simulation.time());
+    if !contact.contacts.iter().any(|contact| contact.bears()) {
+        return Err(Failure::Usage(format!(
+            "{} has no contacts at {} s, so there is no problem to export; give another time with --time",
+            scene.name,
+            simulation.time()
+        )));
+    }
+    let (state, report) = simulation.solution_in_lanes(LANES);
+    let converged = report.reason == makadam::solve::StopReason::Residual;
+    if !converged {
+        console.warn("the sweeps over lanes did not converge, so the file is written without their answer");
+    }
+    let lanes = converged.then_some(BodyVelocities { velocities: state.velocities, spins: state.spins });
+    let content = ProblemFile::new(&title, contact, lanes);
+    problem::write(&arguments.output, &content, None)?;
+    console.result(&format!("{title}: {} contacts, {}", content.contacts(), arguments.output.display()))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Solves a file's problem by one method.
+fn solve(arguments: &ProblemSolveArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let file = problem::read(&arguments.file)?;
+    let settings = Settings { tolerance: arguments.tolerance, most_sweeps: arguments.sweeps };
+    let refused = |why: String| Failure::Running(format!("{}: {why}", arguments.file.display()));
+    let method = arguments.method.into();
+    if method == problem::Method::Siconos {
+        problem::siconos_version()?;
+    }
+    let answer = problem::solve(&file, method, &settings).map_err(refused)?;
+    if let Some(output) = &arguments.output {
+        if file.local.is_none() {
+            return Err(refused("contacts bear torques, which FCLIB's group of solutions has no place for".into()));
+        }
+        if answer.impulses.is_empty() {
+            return Err(refused("the answer of the sweeps over lanes has no impulses; take another --method".into()));
+        }
+        problem::write(output, &file, Some(&answer.impulses))?;
+    }
+    let converged = answer.converged;
+    console.result(&match arguments.json {
+        true => json(&Document { version: 1, command: "problem solve", problems: [&answer] }),
+        false => problem::words(&answer),
+    })?;
+    Ok(if converged { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+}
+
+/// Solves files' problems by every solver and compares.
+fn check(arguments: &ProblemCheckArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let settings = Settings { tolerance: arguments.tolerance, most_sweeps: arguments.sweeps };
+    let mut checks: Vec<Check> = Vec::new();
+    for path in &arguments.files {
+        let file = problem::read(path)?;
+        let mut check = problem::check(&file, &settings, arguments.siconos)?;
+        if check.title.is_empty() {
+            check.title = path.display().to_string();
+        }
+        checks.push(check);
+    }
+    let agree = checks.iter().all(|check| check.agrees(arguments.agreement));
+    console.result(&match arguments.json {
+        true => json(&Document { version: 1, command: "problem check", problems: &checks }),
+        false => checks.iter().map(problem::table).collect::<Vec<_>>().join("\n"),
+    })?;
+    Ok(if agree { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+}

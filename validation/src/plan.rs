@@ -1,0 +1,302 @@
+//! A scene as the judge has it: what is simulated, and what is measured and compared of it.
+//!
+//! Both stand in one TOML document with two readers. The solver reads what is simulated and passes over the tables `prepare`, `measure`
+//! and `compare`; here these are read, and written again with the rest, in the order that hashes of recorded results are taken in.
+
+use makadam::scene::{
+    Accuracy, Beforehand, Checked, Domain, Finding, GrainEntry, GravityChange, Material, PairRule, Place, Population,
+    SceneError, SceneFileError, SolverSettings, Wall, Watch,
+};
+use serde::{Deserialize, Serialize, Serializer};
+use std::collections::{BTreeMap, HashMap};
+use std::ops::{Deref, DerefMut};
+use std::path::Path;
+
+/// Most frames of a run.
+const MOST_FRAMES: f64 = 1e6;
+
+/// A scene that is measured. Whatever takes what is simulated takes it as it is.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(from = "Written")]
+pub struct Scene {
+    /// What is simulated.
+    pub simulated: makadam::scene::Scene,
+    /// What is simulated before the run begins, where a run starts from a flowing state.
+    pub prepare: Option<Prepare>,
+    /// What is measured and when.
+    pub measure: Measure,
+    /// Observables that are compared between codes, with their margins of equivalence.
+    pub compare: Vec<Expectation>,
+}
+
+impl Deref for Scene {
+    type Target = makadam::scene::Scene;
+
+    fn deref(&self) -> &makadam::scene::Scene {
+        &self.simulated
+    }
+}
+
+impl DerefMut for Scene {
+    fn deref_mut(&mut self) -> &mut makadam::scene::Scene {
+        &mut self.simulated
+    }
+}
+
+/// The judge's tables of a document.
+#[derive(Deserialize)]
+struct Tables {
+    #[serde(default)]
+    prepare: Option<Prepare>,
+    #[serde(default)]
+    measure: Measure,
+    #[serde(default)]
+    compare: Vec<Expectation>,
+}
+
+impl Scene {
+    /// Reads and checks the text of a scene.
+    ///
+    /// # Errors
+    /// [`SceneError`].
+    pub fn parse(text: &str) -> Result<Scene, SceneError> {
+        let simulated = makadam::scene::Scene::parse(text)?;
+        let tables: Tables = toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))?;
+        let Tables { prepare, measure, compare } = tables;
+        let scene = Scene { simulated, prepare, measure, compare };
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// Reads and checks a scene file.
+    ///
+    /// # Errors
+    /// [`SceneFileError`].
+    pub fn load(file: &Path) -> Result<Scene, SceneFileError> {
+        let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
+        let text = std::fs::read_to_string(file).map_err(missing)?;
+        Scene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))
+    }
+
+    /// Checks all that the scene says.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the first fault.
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.check_tables()?;
+        match self.beforehand() {
+            Some(beforehand) => self.simulated.check_after(beforehand),
+            None => self.simulated.check(),
+        }
+    }
+
+    /// What the scene cannot bear with its settings; `text` is that of its file, if it has one, for lines.
+    pub fn findings(&self, text: Option<&str>) -> Vec<Finding> {
+        self.simulated.findings_after(self.beforehand(), text)
+    }
+
+    /// The same scene with every Young's modulus multiplied by `factor`.
+    pub fn with_stiffness_factor(&self, factor: f64) -> Scene {
+        Scene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
+    }
+
+    fn beforehand(&self) -> Option<Beforehand> {
+        self.prepare.as_ref().map(|prepare| Beforehand { duration: prepare.duration, step: prepare.step })
+    }
+
+    fn check_tables(&self) -> Checked {
+        let root = Place::default();
+        if let Some(prepare) = &self.prepare {
+            root.key("prepare").key("duration").range(prepare.duration, 0.0, 1e5, "s")?;
+            root.key("prepare").key("step").range(prepare.step, 1e-9, 0.1, "s")?;
+        }
+        let (at, duration) = (root.key("measure"), self.duration);
+        let Measure { interval, from, .. } = self.measure;
+        at.key("interval").range(interval, 1e-6, 1e5, "s")?;
+        at.key("from").range(from.unwrap_or(0.0), 0.0, duration, "s")?;
+        if duration / interval > MOST_FRAMES {
+            let problem = format!("{interval} s within {duration} s are too many frames");
+            return Err(at.key("interval").fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
+        }
+        let mut compared = HashMap::new();
+        for (index, expectation) in self.compare.iter().enumerate() {
+            let at = root.key("compare").index(index);
+            if let Some(before) = compared.insert(&expectation.observable, index) {
+                let problem = format!("'{}' is compared by compare[{before}] already", expectation.observable);
+                return Err(at.key("observable").fault(problem, "give each observable one margin"));
+            }
+            at.key("margin").range(expectation.margin.unwrap_or(1.0), 1e-12, 1e6, "in the observable's unit")?;
+        }
+        Ok(())
+    }
+}
+
+/// A scene as it is written: the keys in the order that recorded hashes are taken in. What is left out where it has its default keeps
+/// the hashes of scenes from before there was such a key.
+#[derive(Serialize)]
+struct Document<'s> {
+    name: &'s str,
+    description: &'s str,
+    duration: f64,
+    gravity: [f64; 3],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    gravity_changes: &'s [GravityChange],
+    seed: u64,
+    domain: &'s Domain,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    largest_start_overlap: Option<f64>,
+    material: &'s BTreeMap<String, Material>,
+    pair: &'s [PairRule],
+    wall: &'s [Wall],
+    population: &'s [Population],
+    grain: &'s [GrainEntry],
+    prepare: &'s Option<Prepare>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accuracy: &'s Option<Accuracy>,
+    solver: &'s SolverSettings,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    watch: Option<&'s Watch>,
+    measure: &'s Measure,
+    compare: &'s [Expectation],
+}
+
+/// A scene that was written, to be read back from results.
+#[derive(Deserialize)]
+struct Written {
+    // First: what is simulated passes over these tables, and a table is read once.
+    #[serde(flatten)]
+    tables: Tables,
+    #[serde(flatten)]
+    simulated: makadam::scene::Scene,
+}
+
+impl From<Written> for Scene {
+    fn from(Written { simulated, tables: Tables { prepare, measure, compare } }: Written) -> Scene {
+        Scene { simulated, prepare, measure, compare }
+    }
+}
+
+/// Overlap at the start that is accepted where a scene says nothing else, over the smaller radius.
+const SLIGHT_OVERLAP: f64 = 0.01;
+
+impl Serialize for Scene {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Scene { simulated, prepare, measure, compare } = self;
+        let makadam::scene::Scene {
+            name,
+            description,
+            duration,
+            gravity,
+            gravity_changes,
+            seed,
+            domain,
+            largest_start_overlap,
+            material,
+            pair,
+            wall,
+            population,
+            grain,
+            accuracy,
+            solver,
+            watch,
+        } = simulated;
+        let document = Document {
+            name,
+            description,
+            duration: *duration,
+            gravity: *gravity,
+            gravity_changes,
+            seed: *seed,
+            domain,
+            largest_start_overlap: Some(*largest_start_overlap).filter(|overlap| *overlap != SLIGHT_OVERLAP),
+            material,
+            pair,
+            wall,
+            population,
+            grain,
+            prepare,
+            accuracy,
+            solver,
+            watch: Some(watch).filter(|watch| **watch != Watch::default()),
+            measure,
+            compare,
+        };
+        document.serialize(serializer)
+    }
+}
+
+/// When frames are taken and over which of them observables are averaged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Measure {
+    /// Time between frames, s.
+    pub interval: f64,
+    /// Frames from this time on are measured, s. If absent, only the last frame is.
+    pub from: Option<f64>,
+    /// What is measured.
+    pub observables: Vec<Observable>,
+}
+
+impl Default for Measure {
+    fn default() -> Self {
+        Self { interval: 0.05, from: None, observables: Vec::new() }
+    }
+}
+
+/// A group of quantities that the measurement code can take from frames; underscores are read as hyphens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Observable {
+    /// Angle of the flowing surface in a rotating drum.
+    #[serde(alias = "dynamic_angle_of_repose")]
+    DynamicAngleOfRepose,
+    /// Angle of a heap at rest.
+    #[serde(alias = "static_angle_of_repose")]
+    StaticAngleOfRepose,
+    /// Solid volume over volume in the bulk.
+    #[serde(alias = "packing_fraction")]
+    PackingFraction,
+    /// Contacts a grain in the bulk.
+    #[serde(alias = "coordination_number")]
+    CoordinationNumber,
+    /// Shape of the distribution of normal forces.
+    #[serde(alias = "contact_forces")]
+    ContactForces,
+    /// Wall forces over weight, energy, overlap, Coulomb excess.
+    Balances,
+    /// Velocity profile, layer thickness, shell slip, wall torque.
+    #[serde(alias = "drum_flow")]
+    DrumFlow,
+    /// How well small and large grains are mixed.
+    #[serde(alias = "size_mixing")]
+    SizeMixing,
+    /// How far the first driven wall has moved.
+    #[serde(alias = "driven_wall")]
+    DrivenWall,
+}
+
+/// An observable that is compared, and how far two codes may differ.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Expectation {
+    /// Name of the measured quantity, for example `packing_fraction`; hyphens are read as underscores.
+    #[serde(deserialize_with = "underscored")]
+    pub observable: String,
+    /// Margin of equivalence, in the quantity's unit; absent where the quantity is reported without a verdict.
+    pub margin: Option<f64>,
+}
+
+/// Reads a name with underscores, however it is spelt.
+fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    Ok(String::deserialize(deserializer)?.replace('-', "_"))
+}
+
+/// A state that a run starts from, in place of the lattice gas: the scene simulated for a while beforehand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Prepare {
+    /// Time simulated beforehand, s.
+    pub duration: f64,
+    /// Time step used for it, s.
+    pub step: f64,
+}

@@ -1,0 +1,264 @@
+//! The same problem by every solver that there is, and how far their answers are apart.
+
+use super::siconos::{self, SiconosError};
+use super::{BodyVelocities, ProblemFile};
+use makadam::direct::DirectError;
+use makadam::problem::{ContactProblem, ContactState, LocalProblem, Reference};
+use nalgebra::{DMatrix, Vector3};
+use serde::Serialize;
+use std::time::Instant;
+
+/// A solver of problems from files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Projected Gauss-Seidel on the plain data, one contact after another.
+    Reference,
+    /// Newton's method with dense matrices.
+    Direct,
+    /// The simulation's own sweeps, whose answer the file carries.
+    Lanes,
+    /// Siconos' projected Gauss-Seidel (NSGS) on FCLIB's local problem.
+    Siconos,
+}
+
+/// How problems are solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Largest change of a sweep at which the reference stops, over the problem's unit of velocity.
+    pub tolerance: f64,
+    /// Most sweeps of the reference.
+    pub most_sweeps: u32,
+}
+
+/// What a solver came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// The solver.
+    pub method: Method,
+    /// Sweeps, iterations or Newton steps; unknown where the file carries the answer.
+    pub iterations: Option<u32>,
+    /// Whether it ended at its tolerance.
+    pub converged: bool,
+    /// Wall time, s; unknown where the file carries the answer.
+    pub seconds: Option<f64>,
+    /// Largest residual of any contact, m/s: the natural map. Unknown where impulses are.
+    pub residual: Option<f64>,
+    /// Largest difference of a velocity from the first answer's, m/s.
+    pub velocity_difference: Option<f64>,
+    /// Largest difference of an impulse from the first answer's, N s; unknown where impulses are not unique.
+    pub impulse_difference: Option<f64>,
+    /// Velocities at the contacts in their frames, m/s.
+    #[serde(skip)]
+    pub contact_velocities: Vec<Vector3<f64>>,
+    /// Velocities of bodies.
+    #[serde(skip)]
+    pub bodies: Option<BodyVelocities>,
+    /// Impulses in the frames of the contacts that may bear something, N s.
+    #[serde(skip)]
+    pub impulses: Vec<Vector3<f64>>,
+}
+
+/// A problem by several solvers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// What the problem is.
+    pub title: String,
+    /// Contacts that may bear something.
+    pub contacts: usize,
+    /// Bodies; unknown in a file of FCLIB's local problem alone.
+    pub bodies: Option<usize>,
+    /// Velocity that residuals and differences compare with, m/s.
+    pub unit: f64,
+    /// Whether W is positive definite, so that velocities determine impulses.
+    pub unique_impulses: bool,
+    /// The answers.
+    pub answers: Vec<Answer>,
+    /// Solvers that were left out, and why.
+    pub left_out: Vec<String>,
+}
+
+impl Check {
+    /// Largest difference of velocities, over the unit.
+    pub fn difference(&self) -> f64 {
+        let differences = self.answers.iter().filter_map(|answer| answer.velocity_difference);
+        differences.fold(0.0, f64::max) / self.unit
+    }
+
+    /// Whether all answers have converged and their velocities agree within a tolerance over the unit.
+    pub fn agrees(&self, tolerance: f64) -> bool {
+        self.answers.iter().all(|answer| answer.converged) && self.difference() <= tolerance
+    }
+}
+
+/// Smallest over largest pivot of a Cholesky factor at which a matrix counts as positive definite.
+const DEFINITE: f64 = 1e-6;
+
+/// Most contacts of which that is looked at.
+const MOST_FACTORED: usize = makadam::direct::MOST_CONTACTS;
+
+/// Solves a problem by one solver.
+///
+/// # Errors
+/// Why that solver cannot.
+pub fn solve(file: &ProblemFile, method: Method, settings: &Settings) -> Result<Answer, String> {
+    let torques = || "contacts bear torques, which it leaves out".to_string();
+    let no_bodies = || "the file has FCLIB's local problem alone, without bodies".to_string();
+    let start = Instant::now();
+    let mut answer = match method {
+        Method::Reference => by_reference(file.contact.as_ref().ok_or_else(no_bodies)?, settings),
+        Method::Direct => {
+            let local = file.local.as_ref().ok_or_else(torques)?;
+            let direct = local.direct_solution().map_err(|error: DirectError| error.to_string())?;
+            let iterations = direct.newton_steps as u32;
+            of_impulses(file, local, direct.impulses, Method::Direct, iterations, Some(direct.residual))
+        }
+        Method::Lanes => {
+            let lanes = file.lanes.clone().ok_or("the file carries no answer of them")?;
+            return Ok(Answer { bodies: Some(lanes), ..Answer::of(Method::Lanes) });
+        }
+        Method::Siconos => {
+            let local = file.local.as_ref().ok_or_else(torques)?;
+            let found = siconos::solve(local, settings).map_err(|error: SiconosError| error.to_string())?;
+            let mut answer = of_impulses(file, local, found.impulses, Method::Siconos, found.iterations, None);
+            answer.converged = found.converged;
+            answer.seconds = Some(found.seconds);
+            answer
+        }
+    };
+    answer.seconds = answer.seconds.or(Some(start.elapsed().as_secs_f64()));
+    Ok(answer)
+}
+
+/// Solves a problem by every solver that there is, Siconos only `with_siconos`, and compares their answers with the first.
+///
+/// # Errors
+/// [`SiconosError`] if it was asked for and is not there.
+pub fn check(file: &ProblemFile, settings: &Settings, with_siconos: bool) -> Result<Check, SiconosError> {
+    if with_siconos {
+        siconos::version()?;
+    }
+    let methods = [Method::Reference, Method::Direct, Method::Lanes, Method::Siconos];
+    let (mut answers, mut left_out) = (Vec::new(), Vec::new());
+    for method in methods.into_iter().filter(|method| with_siconos || *method != Method::Siconos) {
+        match solve(file, method, settings) {
+            Ok(answer) => answers.push(answer),
+            Err(why) => left_out.push(format!("{}: {why}", method.name())),
+        }
+    }
+    let unique_impulses = file.local.as_ref().is_some_and(is_definite);
+    if let Some((first, others)) = answers.split_first_mut() {
+        for other in others {
+            other.compare_with(first, file.contact.as_ref(), unique_impulses);
+        }
+    }
+    let unit = file.contact.as_ref().map_or_else(
+        || file.local.as_ref().map_or(1.0, |local| local.offset.iter().map(Vector3::amax).fold(1e-300, f64::max)),
+        |contact| contact.unit,
+    );
+    let bodies = file.contact.as_ref().map(|contact| contact.bodies.len());
+    Ok(Check { title: file.title.clone(), contacts: file.contacts(), bodies, unit, unique_impulses, answers, left_out })
+}
+
+impl Method {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Reference => "reference",
+            Method::Direct => "direct",
+            Method::Lanes => "lanes",
+            Method::Siconos => "siconos",
+        }
+    }
+}
+
+impl Answer {
+    fn of(method: Method) -> Answer {
+        Answer {
+            method,
+            iterations: None,
+            converged: true,
+            seconds: None,
+            residual: None,
+            velocity_difference: None,
+            impulse_difference: None,
+            contact_velocities: Vec::new(),
+            bodies: None,
+            impulses: Vec::new(),
+        }
+    }
+
+    fn compare_with(&mut self, first: &Answer, problem: Option<&ContactProblem>, unique_impulses: bool) {
+        let largest = |one: &[Vector3<f64>], other: &[Vector3<f64>]| {
+            one.iter().zip(other).map(|(one, other)| (one - other).amax()).fold(0.0, f64::max)
+        };
+        self.velocity_difference = match (&self.bodies, &first.bodies, problem) {
+            (Some(own), Some(other), Some(problem)) => {
+                let spins = largest(&own.spins, &other.spins);
+                let arm = problem.contacts.iter().map(|contact| contact.arms[0].norm()).fold(0.0, f64::max);
+                Some(largest(&own.velocities, &other.velocities).max(spins * arm))
+            }
+            _ => Some(largest(&self.contact_velocities, &first.contact_velocities)),
+        };
+        let known = unique_impulses && !self.impulses.is_empty() && !first.impulses.is_empty();
+        self.impulse_difference = known.then(|| largest(&self.impulses, &first.impulses));
+    }
+}
+
+fn by_reference(problem: &ContactProblem, settings: &Settings) -> Answer {
+    let mut state = problem.start();
+    let tolerance = settings.tolerance * problem.unit;
+    let reference = Reference { relaxation: 1.3, tolerance, most_sweeps: settings.most_sweeps };
+    let ending = problem.solve(&mut state, &reference);
+    let bearing = problem.contacts.iter().zip(&state.impulses).filter(|(contact, _)| contact.bears());
+    Answer {
+        iterations: Some(ending.sweeps),
+        converged: ending.converged,
+        residual: Some(problem.residuals(&state).max()),
+        impulses: bearing.map(|(contact, impulse)| problem.in_frame(contact, impulse)).collect(),
+        bodies: Some(velocities_of(state)),
+        ..Answer::of(Method::Reference)
+    }
+}
+
+/// The answer that goes with impulses of the local problem.
+fn of_impulses(
+    file: &ProblemFile,
+    local: &LocalProblem,
+    impulses: Vec<Vector3<f64>>,
+    method: Method,
+    iterations: u32,
+    residual: Option<f64>,
+) -> Answer {
+    let state =
+        file.contact.as_ref().map(|problem| (problem, problem.state_of(&problem.impulses_of(local, &impulses))));
+    let of_state = state.as_ref().map(|(problem, state)| problem.residuals(state).max());
+    Answer {
+        iterations: Some(iterations),
+        residual: of_state.or(residual),
+        contact_velocities: local.velocities(&impulses),
+        bodies: state.map(|(_, state)| velocities_of(state)),
+        impulses,
+        ..Answer::of(method)
+    }
+}
+
+fn velocities_of(state: ContactState) -> BodyVelocities {
+    BodyVelocities { velocities: state.velocities, spins: state.spins }
+}
+
+/// Whether W is positive definite, as far as its pivots tell.
+fn is_definite(local: &LocalProblem) -> bool {
+    let size = 3 * local.offset.len();
+    if size == 0 || local.offset.len() > MOST_FACTORED {
+        return false;
+    }
+    let mut matrix = DMatrix::zeros(size, size);
+    for block in &local.blocks {
+        matrix.view_mut((3 * block.row, 3 * block.column), (3, 3)).copy_from(&block.values);
+    }
+    matrix.cholesky().is_some_and(|factor| {
+        let pivots = factor.l_dirty().diagonal();
+        pivots.min() > DEFINITE * pivots.max()
+    })
+}

@@ -1,0 +1,134 @@
+//! Siconos' projected Gauss-Seidel (NSGS) on the local problem, by a script in Debian's Python.
+
+use super::check::Settings;
+use makadam::problem::LocalProblem;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
+use std::io::Write;
+use std::process::{Command, Stdio};
+
+const SCRIPT: &str = include_str!("siconos.py");
+
+/// Why Siconos gave no answer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SiconosError {
+    /// It is not there.
+    #[error(
+        "python3-siconos is missing: {0}; install that package of Debian, or name a Python that has Siconos in \
+         MAKADAM_SICONOS_PYTHON"
+    )]
+    Missing(String),
+    /// It failed.
+    #[error("Siconos failed: {0}")]
+    Failed(String),
+}
+
+/// What it came to.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Found {
+    pub impulses: Vec<Vector3<f64>>,
+    pub iterations: u32,
+    pub converged: bool,
+    pub seconds: f64,
+}
+
+#[derive(Serialize)]
+struct Job {
+    rows: usize,
+    p: Vec<usize>,
+    i: Vec<usize>,
+    x: Vec<f64>,
+    q: Vec<f64>,
+    mu: Vec<f64>,
+    tolerance: f64,
+    most_iterations: u32,
+}
+
+#[derive(Deserialize)]
+struct Reply {
+    impulses: Vec<f64>,
+    iterations: u32,
+    converged: bool,
+    seconds: f64,
+}
+
+/// The Python that has Siconos: Debian's, unless the environment says otherwise.
+fn python() -> OsString {
+    std::env::var_os("MAKADAM_SICONOS_PYTHON").unwrap_or_else(|| "/usr/bin/python3".into())
+}
+
+/// Version of the package.
+///
+/// # Errors
+/// [`SiconosError::Missing`].
+pub fn version() -> Result<String, SiconosError> {
+    let asked = "import siconos.numerics; from siconos import version; print(version)";
+    let python = python();
+    let output = Command::new(&python).args(["-c", asked]).stdin(Stdio::null()).output();
+    let output = output.map_err(|error| SiconosError::Missing(format!("{}: {error}", python.display())))?;
+    if !output.status.success() {
+        let errors = String::from_utf8_lossy(&output.stderr);
+        let last = errors.lines().last().unwrap_or_default();
+        return Err(SiconosError::Missing(format!("{}: {last}", python.display())));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).trim().into())
+}
+
+/// Solves a local problem from no impulses at all.
+pub(super) fn solve(local: &LocalProblem, settings: &Settings) -> Result<Found, SiconosError> {
+    let failed = |words: String| SiconosError::Failed(words);
+    let job = serde_json::to_vec(&job(local, settings)).map_err(|error| failed(error.to_string()))?;
+    let mut process = Command::new(python())
+        .args(["-c", SCRIPT])
+        .env("OMP_NUM_THREADS", "1")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(|error| SiconosError::Missing(error.to_string()))?;
+    if let Some(mut input) = process.stdin.take() {
+        // A process that ends early says why on its own.
+        let _ = input.write_all(&job);
+    }
+    let output = process.wait_with_output().map_err(|error| failed(error.to_string()))?;
+    let (text, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    if !output.status.success() {
+        return Err(failed(errors.lines().last().unwrap_or("it said nothing").into()));
+    }
+    let line = text.lines().rfind(|line| line.starts_with('{')).unwrap_or_default();
+    let reply: Reply = serde_json::from_str(line).map_err(|error| failed(error.to_string()))?;
+    if reply.impulses.len() != 3 * local.offset.len() {
+        return Err(failed(format!("{} numbers for {} contacts", reply.impulses.len(), local.offset.len())));
+    }
+    Ok(Found {
+        impulses: reply.impulses.chunks_exact(3).map(Vector3::from_column_slice).collect(),
+        iterations: reply.iterations,
+        converged: reply.converged,
+        seconds: reply.seconds,
+    })
+}
+
+fn job(local: &LocalProblem, settings: &Settings) -> Job {
+    let rows = 3 * local.offset.len();
+    let mut columns = vec![Vec::new(); rows];
+    for block in &local.blocks {
+        for column in 0..3 {
+            let entries = (0..3).map(|row| (3 * block.row + row, block.values[(row, column)]));
+            columns[3 * block.column + column].extend(entries);
+        }
+    }
+    let mut p = vec![0];
+    columns.iter().for_each(|column| p.push(p[p.len() - 1] + column.len()));
+    let (i, x) = columns.into_iter().flatten().unzip();
+    Job {
+        rows,
+        p,
+        i,
+        x,
+        q: local.offset.iter().flatten().copied().collect(),
+        mu: local.friction.clone(),
+        tolerance: settings.tolerance,
+        most_iterations: settings.most_sweeps,
+    }
+}
