@@ -7,8 +7,7 @@ use crate::Simulation;
 use crate::effects::EffectSet;
 use crate::lanes::{Available, Eight, InstructionSet, Kernel, Lanes};
 use crate::scene::Precision;
-use crate::solve::{Unknowns, sweep_all};
-use crate::sweep::{Gauge, start_driven};
+use crate::sweep::{Gauge, SweepOperands, SweepPass, start_driven};
 use std::hint::black_box;
 
 impl Simulation {
@@ -69,11 +68,14 @@ impl Simulation {
                 single.take(&world.bodies, layout, relaxation.instruction_set, &team);
             }
             for _ in 0..sweeps {
-                let unknowns = match settings.precision {
-                    Precision::Double => Unknowns::double(&mut world.bodies, &mut layout.groups),
-                    Precision::Single => Unknowns::single(single),
+                let operands = match settings.precision {
+                    Precision::Double => {
+                        SweepOperands::Double { bodies: &mut world.bodies, groups: &mut layout.groups }
+                    }
+                    Precision::Single => SweepOperands::Single(single),
                 };
-                sweep_all(&layout.plan, &unknowns, relaxation, 1.0, (1, || false), (Gauge::Off, &mut nowhere), &team);
+                let pass = SweepPass { factor: 1.0, inner: 1, stops: || false, gauge: Gauge::Off };
+                relaxation.sweep_all(&layout.plan, operands, &pass, &mut nowhere, &team);
                 if !world.drives.is_empty() {
                     relaxation.sweep_driven(&mut world.bodies, layout, &mut world.drives, 1.0, Gauge::Off);
                 }

@@ -10,12 +10,12 @@ use crate::ledger::Ledger;
 use crate::methods::Solver;
 use crate::partition::{BoxGrid, Layout, Portion};
 use crate::scene::{Precision, Scene, SceneError, SolverMethod, SolverSettings, Stop, populate};
-use crate::schedule::{Disjoint, Phase, Scheduler, StepTrace, Team};
+use crate::schedule::{Phase, Scheduler, StepTrace, Team};
 use crate::setting_error::{Obstacle, SettingError};
 use crate::solve::{SolveReport, StopReason, solve};
 use crate::sweep::{Relaxation, start_driven};
 use crate::swept::Swept;
-use crate::world::{Body, Sphere, World, chunk, chunks};
+use crate::world::{Body, Sphere, World, by_chunk, chunk, chunks};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -179,19 +179,13 @@ impl Simulation {
         let World { bodies, before, spins_before, .. } = &mut self.world;
         before.resize(count, Quad::default());
         spins_before.resize(if spins { count } else { 0 }, Quad::default());
-        let (bodies, before, spins_before) =
-            (Disjoint::new(bodies), Disjoint::new(before), Disjoint::new(spins_before));
-        team.each(Phase::Integrate, chunks(count), |number| {
+        let shares = (by_chunk(bodies), [by_chunk(before), by_chunk(spins_before)]);
+        team.each_with(Phase::Integrate, chunks(count), shares, |number, (bodies, [before, spins_before])| {
             let places = chunk(number, count);
             let falling = places.start..places.end.min(grains).max(places.start);
-            // SAFETY: chunks do not overlap.
-            let (bodies, before) = unsafe { (bodies.range(places.clone()), before.range(places.clone())) };
-            if spins {
-                // SAFETY: as above.
-                for (body, spin) in bodies.iter().zip(unsafe { spins_before.range(places) }) {
-                    let [x, y, z] = body.surface_speed;
-                    *spin = Quad([x, y, z, 0.0]);
-                }
+            for (body, spin) in bodies.iter().zip(spins_before) {
+                let [x, y, z] = body.surface_speed;
+                *spin = Quad([x, y, z, 0.0]);
             }
             for (body, before) in bodies.iter().zip(before) {
                 let [x, y, z] = body.velocity;
@@ -210,18 +204,7 @@ impl Simulation {
         // Bodies, and contacts about as many as in the last step.
         self.constrainer.fetches = self.layout.prefetch(self.world.bodies.len()) > 0;
         let Simulation { world, candidates, relaxation, constrainer, layout, .. } = self;
-        let mut bodies = std::mem::take(&mut world.bodies);
-        let parts = Disjoint::new(&mut bodies);
-        constrainer.constrain(world, candidates, relaxation.instruction_set, team, layout, |groups| {
-            // SAFETY: no other task uses the bodies of these groups meanwhile.
-            unsafe {
-                relaxation.start(parts.as_ptr(), groups);
-                if relaxation.effects.cohesion() {
-                    relaxation.pull(parts.as_ptr(), groups);
-                }
-            }
-        });
-        world.bodies = bodies;
+        constrainer.constrain(world, candidates, relaxation, team, layout);
         self.choose_prefetch();
     }
 
@@ -252,19 +235,9 @@ impl Simulation {
 
     fn remember_impulses(&mut self, team: &Team) {
         let (relaxation, layout) = (&self.relaxation, &self.layout);
-        let pairs = Disjoint::new(&mut self.candidates.impulses.pairs);
-        let walls = Disjoint::new(&mut self.candidates.impulses.walls);
-        let pair_torques = Disjoint::new(&mut self.candidates.impulses.pair_torques);
-        let wall_torques = Disjoint::new(&mut self.candidates.impulses.wall_torques);
-        layout.plan.run_all(team, Phase::Integrate, |_, task| {
-            let groups = &layout.groups[task.number as usize];
-            // SAFETY: each task has its own candidates.
-            unsafe {
-                relaxation.remember(groups, &pairs, &walls);
-                if relaxation.effects.torques() {
-                    relaxation.remember_torques(groups, &pair_torques, &wall_torques);
-                }
-            }
+        let (impulses, _) = self.candidates.impulses.shares();
+        layout.plan.run_all(team, Phase::Integrate, impulses, |_, task, impulses| {
+            relaxation.remember(&layout.groups[task.number as usize], impulses.into());
         });
     }
 

@@ -2,11 +2,11 @@
 
 use crate::interrupt::Interrupt;
 use crate::methods::{Problem, Solver};
-use crate::partition::{Layout, Plan, SingleBody, SingleCopy, SingleGroups, TaskGroups};
+use crate::partition::Layout;
 use crate::scene::{SolverSettings, Stop};
-use crate::schedule::{Disjoint, Phase, Team};
-use crate::sweep::{Gauge, Relaxation, Residuals, TaskResidual, tell_driven};
-use crate::world::{Body, World};
+use crate::schedule::Team;
+use crate::sweep::{Gauge, Relaxation, Residuals, tell_driven};
+use crate::world::World;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -177,87 +177,6 @@ pub(crate) fn gauge(iteration: u32, last: bool) -> Gauge {
         _ if iteration.is_multiple_of(MEASURE_EVERY) => Gauge::Total,
         _ => Gauge::Off,
     }
-}
-
-/// What sweeps read and write, in one of the precisions.
-pub(crate) enum Unknowns<'a> {
-    Double { bodies: Disjoint<'a, Body>, groups: Disjoint<'a, TaskGroups> },
-    Single { bodies: Disjoint<'a, SingleBody>, groups: Disjoint<'a, SingleGroups> },
-}
-
-impl<'a> Unknowns<'a> {
-    pub fn double(bodies: &'a mut [Body], groups: &'a mut [TaskGroups]) -> Unknowns<'a> {
-        Unknowns::Double { bodies: Disjoint::new(bodies), groups: Disjoint::new(groups) }
-    }
-
-    pub fn single(copy: &'a mut SingleCopy) -> Unknowns<'a> {
-        Unknowns::Single { bodies: Disjoint::new(&mut copy.bodies), groups: Disjoint::new(&mut copy.groups) }
-    }
-
-    /// Relaxes the task of a number once.
-    ///
-    /// # Safety
-    /// No other task uses the task's groups, or the bodies that they name, meanwhile.
-    pub unsafe fn sweep(
-        &self,
-        relaxation: &Relaxation,
-        task: usize,
-        factor: f64,
-        gauge: Gauge,
-        residual: &mut TaskResidual,
-    ) {
-        // SAFETY: the caller's promise.
-        unsafe {
-            match self {
-                Unknowns::Double { bodies, groups } => {
-                    relaxation.sweep(bodies.as_ptr(), groups.at(task), factor, gauge, residual);
-                }
-                Unknowns::Single { bodies, groups } => {
-                    relaxation.sweep_single(bodies.as_ptr(), groups.at(task), factor, gauge, residual);
-                }
-            }
-        }
-    }
-}
-
-/// Relaxes every task `inner` times, or until `stops` says so, stage after stage; returns the summed residuals of the last time as
-/// the gauge says, with `residuals` for room.
-pub(crate) fn sweep_all(
-    plan: &Plan,
-    unknowns: &Unknowns<'_>,
-    relaxation: &Relaxation,
-    factor: f64,
-    (inner, stops): (u32, impl Fn() -> bool + Sync),
-    (gauge, residuals): (Gauge, &mut Vec<TaskResidual>),
-    team: &Team,
-) -> TaskResidual {
-    let measured = gauge != Gauge::Off;
-    residuals.clear();
-    residuals.resize(if measured { plan.tasks().len() } else { 0 }, TaskResidual::default());
-    let parts = Disjoint::new(residuals);
-    plan.run_stages(
-        team,
-        Phase::Sweep,
-        |_| {},
-        |place, task| {
-            let mut unused = TaskResidual::default();
-            for time in 1..=inner {
-                if inner > 1 && stops() {
-                    break;
-                }
-                let last = measured && time == inner;
-                // SAFETY: tasks of a stage share no body, and each has its own groups and its own residual.
-                unsafe {
-                    let (gauge, residual) = if last { (gauge, parts.at(place)) } else { (Gauge::Off, &mut unused) };
-                    unknowns.sweep(relaxation, task.number as usize, factor, gauge, residual);
-                }
-            }
-        },
-    );
-    // Summed in the order of tasks, whoever did them.
-    let mut total = TaskResidual::default();
-    residuals.iter().for_each(|own| total.merge(own));
-    total
 }
 
 /// Velocity that residuals are measured against: g h, with the largest g of the run, or 1 m/s where there is no gravity.

@@ -18,8 +18,8 @@ use crate::Simulation;
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
 use crate::ledger::WallImpulse;
-use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{Body, Pose, Reached, Sphere, World, chunk, chunk_of, chunks};
+use crate::schedule::{Each, Phase, Team};
+use crate::world::{Body, Pose, Reached, Sphere, World, by_chunk, chunk, chunk_of, chunks};
 use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
@@ -223,12 +223,9 @@ impl Simulation {
         let World { spheres, bodies, .. } = world;
         swept.look.clear();
         swept.look.resize(chunks(grains), Look::None);
-        let (parts, looks) = (Disjoint::new(spheres), Disjoint::new(&mut swept.look));
-        team.each(Phase::Integrate, chunks(grains), |number| {
-            let places = chunk(number, grains);
-            // SAFETY: chunks do not overlap.
-            let (spheres, look) = unsafe { (parts.range(places.clone()), looks.at(number)) };
-            let bodies = &bodies[places];
+        let shares = (by_chunk(&mut spheres[..grains]), Each::of(&mut swept.look));
+        team.each_with(Phase::Integrate, chunks(grains), shares, |number, (spheres, look)| {
+            let bodies = &bodies[chunk(number, grains)];
             *look = pace.map_or(Look::None, |pace| pace.look(spheres, bodies));
             if *look == Look::None {
                 move_by(spheres, bodies, h);
@@ -276,10 +273,8 @@ impl Simulation {
         let Simulation { world, swept, settings, .. } = self;
         let Swept { poses, look, met, .. } = swept;
         met.resize_with(look.len(), Vec::new);
-        let (parts, h) = (Disjoint::new(met), settings.step);
-        team.each(Phase::Integrate, look.len(), |number| {
-            // SAFETY: each chunk has its own list.
-            let met = unsafe { parts.at(number) };
+        let h = settings.step;
+        team.each_with(Phase::Integrate, look.len(), Each::of(met), |number, met| {
             met.clear();
             if look[number] == Look::None {
                 return;

@@ -4,7 +4,7 @@ use super::{Given, StepConstants};
 use crate::effects::friction::while_sliding;
 use crate::effects::restitution::at_speed;
 use crate::groups::{PairGroup, WallGroup};
-use crate::lanes::{Eight, LANES, Lanes, Quad, cross, dot, minus, plus, times};
+use crate::lanes::{Eight, LANES, Lanes, cross, dot, minus, plus, times};
 use crate::world::ContactMaterial;
 
 /// Restitution, friction and the rest for eight contacts.
@@ -101,25 +101,16 @@ impl<L: Lanes> LaneMaterial<L> {
 
 impl Given<'_> {
     /// Sum of the surface speeds that eight pairs had at the start of the step.
-    ///
-    /// # Safety
-    /// The lanes name grains or dummies, and the scene keeps surface speeds.
     #[inline(always)]
-    pub(super) unsafe fn spins_of_pairs<L: Lanes, T>(&self, group: &PairGroup<T>) -> [L; 3] {
-        let spins: *const Quad = self.world.spins_before.as_ptr();
-        // SAFETY: the caller's promise.
-        let (a, b) = unsafe { (L::load_quads::<1>(spins, &group.first), L::load_quads::<1>(spins, &group.second)) };
+    pub(super) fn spins_of_pairs<L: Lanes, T>(&self, group: &PairGroup<T>) -> [L; 3] {
+        let (a, b) = (self.spins_before.load_quads(&group.first), self.spins_before.load_quads(&group.second));
         plus([a[0], a[1], a[2]], [b[0], b[1], b[2]])
     }
 
     /// The same of eight grains at walls.
-    ///
-    /// # Safety
-    /// As for pairs.
     #[inline(always)]
-    pub(super) unsafe fn spins_at_walls<L: Lanes>(&self, group: &WallGroup) -> [L; 3] {
-        // SAFETY: the caller's promise.
-        let [x, y, z, _] = unsafe { L::load_quads::<1>(self.world.spins_before.as_ptr(), &group.body) };
+    pub(super) fn spins_at_walls<L: Lanes>(&self, group: &WallGroup) -> [L; 3] {
+        let [x, y, z, _] = self.spins_before.load_quads(&group.body);
         [x, y, z]
     }
 }

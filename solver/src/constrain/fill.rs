@@ -7,21 +7,18 @@ use crate::effects::compliance::NormalContact;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
 use crate::groups::{PairGroup, Sources, Tangential};
 use crate::lanes::{
-    Eight, Kernel, Lanes, PREFETCH, Quad, dot, minus, prefetch_lines, prefetch_places, prefetch_range, times,
+    Eight, Kernel, Lanes, PREFETCH, Slots, dot, minus, prefetch_lines, prefetch_places, prefetch_range, times,
 };
 use crate::partition::{PlannedTask, TaskGroups};
-use crate::schedule::Disjoint;
 use nalgebra::Vector3;
 
 /// Fills the groups of pairs of a task.
-///
-/// Whoever makes one promises that no other task uses the task's candidates meanwhile.
 pub(super) struct FillPairs<'a, const PERIODIC: bool, T> {
     pub given: &'a Given<'a>,
     pub task: &'a PlannedTask,
     pub pairs: &'a mut [PairGroup<T>],
     pub sources: &'a [Sources],
-    pub impulses: &'a Disjoint<'a, Impulse>,
+    pub impulses: Slots<'a, Impulse>,
 }
 
 impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> {
@@ -29,9 +26,8 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let world = self.given.world;
-        let (spheres, before): (*const Quad, *const Quad) = (world.spheres.as_ptr().cast(), world.before.as_ptr());
-        let impulses: *const Quad = self.impulses.as_ptr().cast();
+        let Given { world, spheres, before, .. } = self.given;
+        let impulses = self.impulses;
         let nothing = self.given.candidates.pairs.len() as u32;
         let (groups, sources) = (self.pairs, self.sources);
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
@@ -42,10 +38,10 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
         let fetch = |groups: &[PairGroup<T>], number: usize| {
             if let (Some(group), Some(sources)) = (groups.get(number), sources.get(number)) {
                 prefetch_lines(group, size_of::<PairGroup<T>>());
-                prefetch_places(impulses, &sources.or(nothing));
+                prefetch_places(impulses.as_ptr(), &sources.or(nothing));
                 if !interior {
-                    prefetch_places(before, &group.first);
-                    prefetch_places(before, &group.second);
+                    prefetch_places(before.as_ptr(), &group.first);
+                    prefetch_places(before.as_ptr(), &group.second);
                 }
             }
         };
@@ -57,15 +53,11 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 fetch(groups, number + PREFETCH);
             }
             let group = &mut groups[number];
-            // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.
-            let ([x, y, z, radius], [to_x, to_y, to_z, to_radius], [u, v, w, inverse_mass], remembered) = unsafe {
-                (
-                    L::load_quads::<1>(spheres, &group.first),
-                    L::load_quads::<1>(spheres, &group.second),
-                    L::load_differences::<1>(before, &group.first, &group.second),
-                    L::load_quads::<1>(impulses, &sources.or(nothing)),
-                )
-            };
+            // Lanes name grains or dummies, and candidates or the zero behind them.
+            let [x, y, z, radius]: [L; 4] = spheres.load_quads(&group.first);
+            let [to_x, to_y, to_z, to_radius]: [L; 4] = spheres.load_quads(&group.second);
+            let [u, v, w, inverse_mass]: [L; 4] = before.load_differences(&group.first, &group.second);
+            let remembered = impulses.load_quads(&sources.or(nothing));
             // Two grains with one centre have no normal; any direction parts them.
             let arm = [to_x - x, to_y - y, to_z - z];
             let arm = if PERIODIC { world.period.shortest(arm) } else { arm };
@@ -86,8 +78,7 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 material.at_speed(self.given, group, dot(normal, velocity));
             }
             if self.given.effects.kinetic_friction() {
-                // SAFETY: lanes name grains or dummies.
-                let spin = unsafe { self.given.spins_of_pairs(group) };
+                let spin = self.given.spins_of_pairs(group);
                 material.while_sliding(self.given, group, normal, velocity, spin);
             }
             let geometry = NormalContact {
@@ -103,11 +94,11 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
     }
 }
 
-/// Fills the groups of wall contacts of a task; the same promise as for [`FillPairs`].
+/// Fills the groups of wall contacts of a task.
 pub(super) struct FillWalls<'a> {
     pub given: &'a Given<'a>,
     pub groups: &'a mut TaskGroups,
-    pub impulses: &'a Disjoint<'a, Impulse>,
+    pub impulses: Slots<'a, Impulse>,
 }
 
 impl Kernel for FillWalls<'_> {
@@ -115,9 +106,7 @@ impl Kernel for FillWalls<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Given { world, candidates, poses, constants, .. } = self.given;
-        let before = world.before.as_ptr();
-        let impulses: *const Quad = self.impulses.as_ptr().cast();
+        let Given { world, before, candidates, poses, constants, .. } = self.given;
         let nothing = candidates.walls.len() as u32;
         // Padding lanes are far from everything.
         let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
@@ -147,10 +136,9 @@ impl Kernel for FillWalls<'_> {
                 surfaces[lane] = wall.surface;
             }
             group.wall_velocity = wall_velocity;
-            // SAFETY: lanes name grains or dummies, and candidates or the zero behind them.
-            let (body, remembered) = unsafe {
-                (L::load_quads::<1>(before, &group.body), L::load_quads::<1>(impulses, &sources.or(nothing)))
-            };
+            // Lanes name grains or dummies, and candidates or the zero behind them.
+            let (body, remembered): ([L; 4], _) =
+                (before.load_quads(&group.body), self.impulses.load_quads(&sources.or(nothing)));
             let normal = [&normal_x, &normal_y, &normal_z].map(L::load);
             let (distance, radius) = (L::load(&distances), L::load(&radii));
             let mut material = LaneMaterial::of_each(|lane| {
@@ -162,8 +150,7 @@ impl Kernel for FillWalls<'_> {
                 material.at_speed(self.given, &OnSurfaces(group, &surfaces), dot(normal, velocity));
             }
             if self.given.effects.kinetic_friction() {
-                // SAFETY: lanes name grains or dummies.
-                let spin = unsafe { self.given.spins_at_walls(group) };
+                let spin = self.given.spins_at_walls(group);
                 material.while_sliding(self.given, &OnSurfaces(group, &surfaces), normal, velocity, spin);
             }
             let geometry = NormalContact {

@@ -9,17 +9,20 @@ mod pulls;
 mod torques;
 mod touch;
 
-use crate::detect::{CandidateList, Candidates, ImpulsesOfTasks, WallCandidate};
+use crate::detect::{CandidateList, Candidates, ImpulsesOfTask, WallCandidate};
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::{EffectSet, with_effects};
 use crate::groups::{ContactLanes, Tangential, WallGroup, with_pairs};
-use crate::lanes::{Available, Eight, Lanes, Number};
-use crate::partition::{DrivenContact, FindWaits, Layout, Packer, PlannedTask, Taken, TakenGroups, TaskGroups};
+use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots};
+use crate::partition::{
+    ByBodies, ByNumber, DrivenContact, FindWaits, Layout, Packer, PlannedTask, Taken, TakenGroups, TaskGroups,
+};
 use crate::scene::SolverSettings;
-use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{ContactMaterial, Pose, World};
+use crate::schedule::{Phase, Team};
+use crate::sweep::Relaxation;
+use crate::world::{ContactMaterial, Pose, Sphere, World, WorldBesideBodies};
 use coefficients::LaneMaterial;
 use fill::{FillPairs, FillWalls};
 use nalgebra::Vector3;
@@ -56,7 +59,12 @@ struct StepConstants {
 
 /// What the tasks of a step read.
 struct Given<'a> {
-    world: &'a World,
+    world: WorldBesideBodies<'a>,
+    spheres: Slots<'a, Sphere>,
+    /// Velocities and inverse masses at the start of the step.
+    before: Slots<'a, Quad>,
+    /// Surface speeds then, if they are kept.
+    spins_before: Slots<'a, Quad>,
     candidates: CandidateList<'a>,
     poses: &'a [Pose],
     constants: StepConstants,
@@ -65,6 +73,13 @@ struct Given<'a> {
     fetches: bool,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,
+}
+
+/// A task, what its candidates bore, and for each block of its pairs which of them did.
+struct Own<'a> {
+    task: &'a PlannedTask,
+    impulses: ImpulsesOfTask<'a>,
+    borne: &'a mut [u8],
 }
 
 impl Constrainer {
@@ -92,16 +107,15 @@ impl Constrainer {
         *reach = scheme.reach(&self.stiffest).max(self.range_of_cohesion);
     }
 
-    /// Lays out the contacts of a step from the state at its start; `then` is called with the groups of each task as soon
-    /// as they are complete, while no other task uses its bodies. The world's bodies are with `then` meanwhile, not in the world.
+    /// Lays out the contacts of a step from the state at its start, and gives bodies the impulses that contacts start from: those of a
+    /// task as soon as its groups are complete, while they are in the cache.
     pub(crate) fn constrain(
         &mut self,
-        world: &World,
+        world: &mut World,
         candidates: &mut Candidates,
-        set: Available,
+        relaxation: &Relaxation,
         team: &Team,
         layout: &mut Layout,
-        then: impl Fn(&TaskGroups) + Sync,
     ) {
         self.poses.clear();
         self.poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.constants.scheme.step)));
@@ -109,8 +123,12 @@ impl Constrainer {
         self.taken.start(world.grains());
         let (candidates, impulses) = candidates.split();
         {
+            let (bodies, world) = world.split();
             let given = Given {
                 world,
+                spheres: Slots::of(world.spheres),
+                before: Slots::of(world.before),
+                spins_before: Slots::of(world.spins_before),
                 candidates,
                 poses: &self.poses,
                 constants: self.constants,
@@ -118,20 +136,18 @@ impl Constrainer {
                 fetches: self.fetches,
                 material: world.table.of_all_grains(),
             };
-            let groups = Disjoint::new(&mut layout.groups);
-            let remembered = impulses.of_tasks();
             let (taken, first, next) = self.taken.stage();
+            let shares = ((ByBodies::of(bodies), taken), ByNumber::of(&mut layout.groups), impulses.shares());
+            let set = relaxation.instruction_set;
             // Where the numbers of a stage's groups begin, and where they have ended so far.
             let (base, end) = (AtomicU32::new(first), AtomicU32::new(first));
             let begin = |_| base.store(end.load(Ordering::Relaxed), Ordering::Relaxed);
-            layout.plan.run_stages(team, Phase::Constrain, begin, |_, task| {
-                let base = base.load(Ordering::Relaxed);
-                // SAFETY: tasks of a stage share no body, and each has its own groups and candidates.
-                unsafe {
-                    let groups = groups.at(task.number as usize);
-                    end.fetch_max(given.lay_out(task, base, &taken, groups, &remembered, set), Ordering::Relaxed);
-                    then(groups);
-                }
+            layout.plan.run_stages(team, Phase::Constrain, begin, shares, |_, task, share| {
+                let ((bodies, taken), groups, (impulses, borne)) = share;
+                let own = Own { task, impulses: impulses.into(), borne };
+                let first = (base.load(Ordering::Relaxed), taken);
+                end.fetch_max(given.lay_out(own, first, groups, set), Ordering::Relaxed);
+                relaxation.start(bodies, groups);
             });
             *next = end.into_inner();
         }
@@ -203,50 +219,42 @@ impl Given<'_> {
     }
 
     /// Lays out one task, its groups numbered from `base` on; the number from which those may begin that come after it.
-    ///
-    /// # Safety
-    /// No other task may use the bodies and candidates of this one meanwhile.
-    unsafe fn lay_out(
+    fn lay_out(
         &self,
-        task: &PlannedTask,
-        base: u32,
-        taken: &Disjoint<'_, Taken>,
+        own: Own<'_>,
+        (base, taken): (u32, TaskSlots<'_, Taken>),
         groups: &mut TaskGroups,
-        remembered: &ImpulsesOfTasks<'_>,
         set: Available,
     ) -> u32 {
+        let Own { task, impulses: remembered, borne } = own;
         let dummies = self.world.dummies_of(task.home as usize);
         let (packer, periodic) = (Packer::new(taken, base, task.pairs.len()), self.world.period.any());
-        // SAFETY: the caller's promise.
-        let (impulses, borne) = (&remembered.pairs, unsafe { remembered.borne.range(task.blocks()) });
+        let impulses = remembered.pairs;
         let mut next = if periodic {
             set.run(PackPairs::<true> { given: self, task, dummies, packer, groups, impulses, borne })
         } else {
             set.run(PackPairs::<false> { given: self, task, dummies, packer, groups, impulses, borne })
         };
         groups.restart_walls(dummies);
-        // SAFETY: the caller's promise; places come from the candidate list.
-        unsafe {
-            next = self.pack_walls(task, dummies, false, Packer::new(taken, next, 0), groups, &remembered.walls);
-            if !self.world.drives.is_empty() {
-                let prescribed = groups.wall_groups();
-                next = self.pack_walls(task, dummies, true, Packer::new(taken, next, 0), groups, &remembered.walls);
-                groups.driven_walls = groups.wall_groups() - prescribed;
-            }
+        next = self.pack_walls(task, false, Packer::new(taken, next, 0), groups, remembered.walls);
+        if !self.world.drives.is_empty() {
+            let prescribed = groups.wall_groups();
+            next = self.pack_walls(task, true, Packer::new(taken, next, 0), groups, remembered.walls);
+            groups.driven_walls = groups.wall_groups() - prescribed;
         }
         groups.finish(self.effects);
         set.run(FindWaits { groups, effects: self.effects, grains: self.world.grains() as u32 });
         let sources = &*groups.pair_sources;
         with_pairs!(&mut groups.pairs, pairs => match periodic {
-            true => set.run(FillPairs::<true, _> { given: self, task, pairs, sources, impulses }),
-            false => set.run(FillPairs::<false, _> { given: self, task, pairs, sources, impulses }),
+            true => set.run(FillPairs::<true, _> { given: self, task, pairs, sources, impulses: impulses.to_read() }),
+            false => set.run(FillPairs::<false, _> { given: self, task, pairs, sources, impulses: impulses.to_read() }),
         });
-        set.run(FillWalls { given: self, groups, impulses: &remembered.walls });
+        set.run(FillWalls { given: self, groups, impulses: remembered.walls.to_read() });
         if self.effects.cohesion() {
             self.fill_pulls(groups);
         }
         if self.effects.torques() {
-            let (pairs, walls) = (&remembered.pair_torques, &remembered.wall_torques);
+            let (pairs, walls) = (remembered.pair_torques.to_read(), remembered.wall_torques.to_read());
             with_effects!(self.effects, E => {
                 let effects = PhantomData::<E>;
                 set.run(FillTorques { given: self, groups, pairs, walls, effects })

@@ -5,19 +5,16 @@ use crate::detect::AngularImpulse;
 use crate::effects::Effects;
 use crate::effects::resistance::bearable;
 use crate::groups::{ContactLanes, Kind, TorqueLanes};
-use crate::lanes::{Eight, Kernel, Lanes, Number};
+use crate::lanes::{Eight, Kernel, Lanes, Number, Slots};
 use crate::partition::TaskGroups;
-use crate::schedule::Disjoint;
 use std::marker::PhantomData;
 
 /// Fills the torques of a task whose contacts are filled.
-///
-/// Whoever makes one promises that no other task uses the task's candidates meanwhile.
 pub(super) struct FillTorques<'a, E: Effects> {
     pub given: &'a Given<'a>,
     pub groups: &'a mut TaskGroups,
-    pub pairs: &'a Disjoint<'a, AngularImpulse>,
-    pub walls: &'a Disjoint<'a, AngularImpulse>,
+    pub pairs: Slots<'a, AngularImpulse>,
+    pub walls: Slots<'a, AngularImpulse>,
     pub effects: PhantomData<E>,
 }
 
@@ -38,8 +35,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
                 let effective_radius = a * b / (a + b);
                 torques.rolling_lever.0[lane] = material.rolling_friction * effective_radius;
                 torques.twisting_lever.0[lane] = material.twisting_friction * effective_radius;
-                // SAFETY: the promise of whoever made this.
-                torques.remember(lane, unsafe { self.pairs.at(candidate) }, share);
+                torques.remember(lane, self.pairs.get(candidate as u32), share);
             }
             start::<L, E, _>(torques, &group.contacts);
         }
@@ -52,8 +48,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
                 let torques = &mut lanes.torques;
                 torques.rolling_lever.0[lane] = material.rolling_friction * radius;
                 torques.twisting_lever.0[lane] = material.twisting_friction * radius;
-                // SAFETY: as above.
-                torques.remember(lane, unsafe { self.walls.at(candidate) }, share);
+                torques.remember(lane, self.walls.get(candidate as u32), share);
                 for (axis, spin) in poses[surface].spin().iter().enumerate() {
                     lanes.wall_spin[axis].0[lane] = *spin;
                 }
@@ -64,7 +59,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
 }
 
 impl TorqueLanes {
-    fn remember(&mut self, lane: usize, AngularImpulse(impulse): &AngularImpulse, share: f64) {
+    fn remember(&mut self, lane: usize, AngularImpulse(impulse): AngularImpulse, share: f64) {
         for (own, component) in self.impulse.iter_mut().zip(impulse) {
             own.0[lane] = component * share;
         }

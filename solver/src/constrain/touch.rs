@@ -2,20 +2,17 @@
 
 use super::Given;
 use crate::detect::{Impulse, PairCandidate};
-use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Quad, dot, lanes_of, prefetch_places, prefetch_range};
+use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Slots, TaskSlots, dot, lanes_of, prefetch_places, prefetch_range};
 use crate::partition::{Packer, PlannedTask, TaskGroups};
-use crate::schedule::Disjoint;
 
 /// Packs the pairs of a task that touch.
-///
-/// Whoever makes one promises that no other task uses the task's bodies and candidates meanwhile.
 pub(super) struct PackPairs<'a, const PERIODIC: bool> {
     pub given: &'a Given<'a>,
     pub task: &'a PlannedTask,
     pub dummies: u32,
     pub packer: Packer<'a>,
     pub groups: &'a mut TaskGroups,
-    pub impulses: &'a Disjoint<'a, Impulse>,
+    pub impulses: TaskSlots<'a, Impulse>,
     /// Which of the task's pairs bore an impulse, as bits: a byte a block.
     pub borne: &'a mut [u8],
 }
@@ -51,6 +48,7 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
         // Where the same pairs touch as in the last step, they are packed already, as they would be again.
         if !groups.are_packed_from(list) || *touching != *borne {
             groups.restart_pairs(list, dummies, given.effects);
+            let candidates = Slots::of(candidates);
             for (batch, (touching, borne)) in touching.chunks(BATCH).zip(borne.chunks_mut(BATCH)).enumerate() {
                 let mut listed = Listed::default();
                 for (block, (&mask, borne)) in touching.iter().zip(borne).enumerate() {
@@ -60,13 +58,10 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
                     *borne = mask;
                 }
                 for &number in listed.list() {
-                    // SAFETY: numbers below that of the candidates were listed; the promise of whoever made this; the place is the
-                    // packer's.
-                    unsafe {
-                        let pair = *candidates.get_unchecked(number as usize);
-                        let at = packer.place([pair.first, pair.second]);
-                        groups.put_pair(at, pair, start + number, dummies);
-                    }
+                    // Numbers below that of the candidates were listed.
+                    let pair = candidates.get_trusted(number);
+                    let bodies = [pair.first, pair.second];
+                    groups.put_pair(packer.place(bodies), bodies, start + number, dummies);
                 }
                 groups.pair_contacts += listed.length;
             }
@@ -145,7 +140,7 @@ impl Listed {
 fn fetch(given: &Given<'_>, packer: &Packer<'_>, candidates: &[PairCandidate], block: usize) {
     for pair in candidates.iter().skip(block * LANES).take(LANES) {
         let bodies = [pair.first, pair.second];
-        prefetch_places(given.world.spheres.as_ptr(), &bodies);
+        prefetch_places(given.spheres.as_ptr(), &bodies);
         packer.fetch_each(&bodies);
     }
 }
@@ -165,10 +160,8 @@ fn touching_of<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairC
 /// Which of eight candidates touch, as bits.
 #[inline(always)]
 fn touching<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCandidate; LANES]) -> u8 {
-    let spheres: *const Quad = given.world.spheres.as_ptr().cast();
     let (first, second) = (block.map(|pair| pair.first), block.map(|pair| pair.second));
-    // SAFETY: candidates name grains.
-    let [x, y, z, radii] = unsafe { L::load_differences::<1>(spheres, &first, &second) };
+    let [x, y, z, radii]: [L; 4] = given.spheres.load_differences(&first, &second);
     let arm = if PERIODIC { given.world.period.shortest([x, y, z]) } else { [x, y, z] };
     let touch = radii + L::splat(given.constants.reach);
     L::bits(dot(arm, arm).below(touch * touch)) as u8
@@ -177,28 +170,24 @@ fn touching<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCand
 /// Forgets what those of eight candidates bore that a mask names: a contact that closes, for the first time or again, starts from
 /// nothing.
 #[inline(always)]
-fn forget(impulses: &Disjoint<'_, Impulse>, first: usize, closing: u8) {
+fn forget(impulses: TaskSlots<'_, Impulse>, first: usize, closing: u8) {
     for lane in lanes_of(closing) {
-        // SAFETY: the promise of whoever made the kernel: the candidates are its own.
-        *unsafe { impulses.at(first + lane) } = Impulse::default();
+        impulses.set((first + lane) as u32, Impulse::default());
     }
 }
 
 impl Given<'_> {
     /// Packs the contacts of a task that touch walls, those with driven walls or those with the others, behind the groups that are
     /// there. The number from which groups may begin that come after these.
-    ///
-    /// # Safety
-    /// No other task may use the task's bodies and candidates meanwhile.
-    pub(super) unsafe fn pack_walls(
+    pub(super) fn pack_walls(
         &self,
         task: &PlannedTask,
-        dummies: u32,
         driven: bool,
         mut packer: Packer<'_>,
         groups: &mut TaskGroups,
-        impulses: &Disjoint<'_, Impulse>,
+        impulses: TaskSlots<'_, Impulse>,
     ) -> u32 {
+        let dummies = self.world.dummies_of(task.home as usize);
         let before = groups.wall_groups();
         for candidate in task.walls.start as usize..task.walls.end as usize {
             let wall = self.candidates.walls[candidate];
@@ -207,16 +196,13 @@ impl Given<'_> {
             }
             let sphere = &self.world.spheres[wall.body as usize];
             let distance = self.poses[wall.surface as usize].distance(&sphere.centre);
-            // SAFETY: the caller's promise.
-            unsafe {
-                if distance < sphere.radius + self.constants.reach || self.meets(&wall).is_some() {
-                    let (group, lane) = packer.place([wall.body]);
-                    groups.put_wall((before + group, lane), wall, candidate as u32, dummies);
-                    groups.wall_contacts += 1;
-                    groups.deep_walls |= distance < DEEP * sphere.radius;
-                } else if impulses.at(candidate).normal != 0.0 {
-                    *impulses.at(candidate) = Impulse::default();
-                }
+            if distance < sphere.radius + self.constants.reach || self.meets(&wall).is_some() {
+                let (group, lane) = packer.place([wall.body]);
+                groups.put_wall((before + group, lane), wall.body, candidate as u32, dummies);
+                groups.wall_contacts += 1;
+                groups.deep_walls |= distance < DEEP * sphere.radius;
+            } else if impulses.get(candidate as u32).normal != 0.0 {
+                impulses.set(candidate as u32, Impulse::default());
             }
         }
         packer.next()

@@ -2,12 +2,12 @@
 
 use super::CellGrid;
 use super::drift::Drift;
-use super::impulses::{AngularImpulse, ContactImpulses, Impulse};
+use super::impulses::{AngularImpulse, ContactImpulses, Impulse, ImpulsesOfTask};
 use super::memory::{OldList, Remembered, resize};
 use super::search::{Found, PairSearch, WallReach};
-use crate::lanes::{Available, LANES};
+use crate::lanes::{Available, LANES, TaskSlots};
 use crate::partition::{BoxGrid, DIRECTIONS, Plan, PlannedTask};
-use crate::schedule::{Disjoint, Phase, Team};
+use crate::schedule::{Disjoint, Each, Phase, Team};
 use crate::world::{Pose, Surface, World, chunk, chunks};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -230,12 +230,9 @@ impl Candidates {
         poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.step)));
         let boxes = self.grid.boxes().boxes();
         found.resize_with(boxes, Found::default);
-        let parts = Disjoint::new(found);
         let (grid, skin) = (&self.grid, self.skin);
         let reach = WallReach { skin: WALL_SKINS * skin, step: self.step };
-        team.each(Phase::Detect, boxes, |number| {
-            // SAFETY: each box has its own entry.
-            let found = unsafe { parts.at(number) };
+        team.each_with(Phase::Detect, boxes, Each::of(found), |number, found| {
             found.search_walls(world, grid, poses, number, reach);
             match world.period.any() {
                 true => set.run(PairSearch::<true> { world, grid, number, skin, found }),
@@ -302,15 +299,10 @@ impl Candidates {
             unsafe { wall_parts.range(start..start + found.walls.len()) }.copy_from_slice(&found.walls);
         });
         let (pairs, walls) = (&self.pairs, &self.walls);
-        let (pair_impulses, borne) = (Disjoint::new(&mut self.impulses.pairs), Disjoint::new(&mut self.impulses.borne));
-        let wall_impulses = Disjoint::new(&mut self.impulses.walls);
-        let pair_torques = Disjoint::new(&mut self.impulses.pair_torques);
-        let wall_torques = Disjoint::new(&mut self.impulses.wall_torques);
         let torques = self.torques;
-        plan.run_all(team, Phase::Detect, |_, task| {
+        plan.run_all(team, Phase::Detect, self.impulses.shares(), |_, task, (impulses, borne)| {
+            let impulses = ImpulsesOfTask::from(impulses);
             let range = task.pairs.start as usize..task.pairs.end as usize;
-            // SAFETY: each task has its own blocks.
-            let borne = unsafe { borne.range(task.blocks()) };
             for ((first, pairs), borne) in range
                 .clone()
                 .step_by(BLOCKS * LANES)
@@ -329,16 +321,14 @@ impl Candidates {
                 }
                 for &(candidate, known) in &found[..count] {
                     let known = remembered_pairs.recall(known);
-                    // SAFETY: each task has its own candidates.
-                    unsafe { give(known, candidate, &pair_impulses, torques.then_some(&pair_torques)) };
+                    give(known, candidate, impulses.pairs, torques.then_some(impulses.pair_torques));
                 }
             }
             let range = task.walls.start as usize..task.walls.end as usize;
             for (candidate, wall) in range.clone().zip(&walls[range]) {
                 let known = remembered_walls.find((wall.body, wall.surface));
                 let borne = known.map(|place| remembered_walls.recall(place)).unwrap_or_default();
-                // SAFETY: as above.
-                unsafe { give(borne, candidate, &wall_impulses, torques.then_some(&wall_torques)) };
+                give(borne, candidate, impulses.walls, torques.then_some(impulses.wall_torques));
             }
         });
     }
@@ -375,21 +365,15 @@ impl Candidates {
 }
 
 /// Gives a candidate what it bore before.
-///
-/// # Safety
-/// No other task uses this candidate meanwhile.
 #[inline(always)]
-unsafe fn give(
+fn give(
     (impulse, torque): (Impulse, AngularImpulse),
     candidate: usize,
-    impulses: &Disjoint<'_, Impulse>,
-    torques: Option<&Disjoint<'_, AngularImpulse>>,
+    impulses: TaskSlots<'_, Impulse>,
+    torques: Option<TaskSlots<'_, AngularImpulse>>,
 ) {
-    // SAFETY: the caller's promise.
-    unsafe {
-        *impulses.at(candidate) = impulse;
-        if let Some(torques) = torques {
-            *torques.at(candidate) = torque;
-        }
+    impulses.set(candidate as u32, impulse);
+    if let Some(torques) = torques {
+        torques.set(candidate as u32, torque);
     }
 }

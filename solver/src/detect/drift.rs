@@ -6,7 +6,7 @@
 
 use super::grid::{CellGrid, FORWARD};
 use crate::lanes::Number;
-use crate::schedule::{Disjoint, Phase, Team};
+use crate::schedule::{Each, Phase, Runs, Team};
 use crate::world::Sphere;
 use nalgebra::Vector3;
 
@@ -73,10 +73,8 @@ impl Drift {
         let (boxes, per_box) = (grid.boxes(), grid.patches_of_box());
         self.patches.clear();
         self.patches.resize(per_box * boxes.boxes(), Bounds::EMPTY);
-        let patches = Disjoint::new(&mut self.patches);
-        team.each(Phase::Detect, boxes.boxes(), |number| {
-            // SAFETY: each box has its own patches.
-            let patches = unsafe { patches.range(per_box * number..per_box * (number + 1)) };
+        let patches_of_boxes = Runs::of(&mut self.patches, per_box);
+        team.each_with(Phase::Detect, boxes.boxes(), patches_of_boxes, |number, patches| {
             grid.for_each_cell(number, |patch, places| {
                 let mut own = patches[patch];
                 for (sphere, then) in spheres[places.clone()].iter().zip(&reference[places]) {
@@ -87,8 +85,8 @@ impl Drift {
         });
         self.moved.clear();
         self.moved.resize(boxes.boxes(), Moved::default());
-        let (patches, parts) = (&self.patches, Disjoint::new(&mut self.moved));
-        team.each(Phase::Detect, boxes.boxes(), |number| {
+        let patches = &self.patches;
+        team.each_with(Phase::Detect, boxes.boxes(), Each::of(&mut self.moved), |number, moved| {
             if grid.grains_of_box(number).is_empty() {
                 return;
             }
@@ -108,8 +106,7 @@ impl Drift {
                     }
                 }
             }
-            // SAFETY: each box has its own entry.
-            *unsafe { parts.at(number) } = squares;
+            *moved = squares;
         });
         let largest = |value: fn(&Moved) -> f64| self.moved.iter().map(value).fold(0.0, f64::max).sqrt();
         Moved { shift: largest(|moved| moved.shift), approach: largest(|moved| moved.approach) }

@@ -2,8 +2,8 @@
 //! order of boxes too.
 
 use crate::partition::{BoxGrid, DIRECTIONS, SAME_BOX};
-use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{World, chunk, chunks};
+use crate::schedule::{Phase, Team};
+use crate::world::{World, by_chunk, chunk, chunks};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -86,12 +86,8 @@ impl CellGrid {
         if follows {
             self.cut_boxes(grains);
         }
-        let cells = Disjoint::new(&mut cell_of);
-        team.each(Phase::Detect, chunks(grains), |number| {
-            let places = chunk(number, grains);
-            // SAFETY: chunks do not overlap.
-            let cells = unsafe { cells.range(places.clone()) };
-            for (cell, sphere) in cells.iter_mut().zip(&world.spheres[places]) {
+        team.each_with(Phase::Detect, chunks(grains), by_chunk(&mut cell_of), |number, cells| {
+            for (cell, sphere) in cells.iter_mut().zip(&world.spheres[chunk(number, grains)]) {
                 *cell = match follows {
                     true => self.cell_in_box(*cell, &sphere.centre),
                     false => self.cell(&sphere.centre),

@@ -1,9 +1,11 @@
 //! What candidates bore in the last step, from which the next one starts.
 
-use crate::schedule::Disjoint;
+use crate::lanes::TaskSlots;
+use crate::partition::{ByBlocks, ByCandidates};
+use bytemuck::{Pod, Zeroable};
 
 /// Impulse that a candidate bore in the last step, N s; the tangential part is a world vector. One quad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Impulse {
     /// Normal impulse.
@@ -21,7 +23,8 @@ impl Impulse {
 }
 
 /// Angular impulse that a candidate bore in the last step, on its second side, N m s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct AngularImpulse(pub [f64; 3]);
 
 /// What each candidate bore in the last step.
@@ -48,24 +51,35 @@ impl Default for ContactImpulses {
     }
 }
 
-/// The same for tasks that run at the same time. Each candidate belongs to one task, so that they are written without a lock.
-pub(crate) struct ImpulsesOfTasks<'a> {
-    pub pairs: Disjoint<'a, Impulse>,
-    /// Which pairs bore any, as bits: a byte a block.
-    pub borne: Disjoint<'a, u8>,
-    pub walls: Disjoint<'a, Impulse>,
-    pub pair_torques: Disjoint<'a, AngularImpulse>,
-    pub wall_torques: Disjoint<'a, AngularImpulse>,
+/// What the candidates of one task bore.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ImpulsesOfTask<'a> {
+    pub pairs: TaskSlots<'a, Impulse>,
+    pub walls: TaskSlots<'a, Impulse>,
+    pub pair_torques: TaskSlots<'a, AngularImpulse>,
+    pub wall_torques: TaskSlots<'a, AngularImpulse>,
 }
 
+/// How tasks that run at the same time share them out: each candidate belongs to one task.
+type ImpulseShares<'a> = ([ByCandidates<'a, Impulse>; 2], [ByCandidates<'a, AngularImpulse>; 2]);
+
 impl ContactImpulses {
-    pub(crate) fn of_tasks(&mut self) -> ImpulsesOfTasks<'_> {
-        ImpulsesOfTasks {
-            pairs: Disjoint::new(&mut self.pairs),
-            borne: Disjoint::new(&mut self.borne),
-            walls: Disjoint::new(&mut self.walls),
-            pair_torques: Disjoint::new(&mut self.pair_torques),
-            wall_torques: Disjoint::new(&mut self.wall_torques),
-        }
+    /// What the candidates of each task bore, and for each block of its pairs which of them did.
+    pub(crate) fn shares(&mut self) -> (ImpulseShares<'_>, ByBlocks<'_, u8>) {
+        let ContactImpulses { pairs, borne, walls, pair_torques, wall_torques } = self;
+        let impulses = [pairs, walls].map(|impulses| ByCandidates::of(impulses));
+        let torques = [pair_torques, wall_torques].map(|torques| ByCandidates::of(torques));
+        ((impulses, torques), ByBlocks::of(borne))
+    }
+}
+
+impl<'a> From<([TaskSlots<'a, Impulse>; 2], [TaskSlots<'a, AngularImpulse>; 2])> for ImpulsesOfTask<'a> {
+    fn from(
+        ([pairs, walls], [pair_torques, wall_torques]): (
+            [TaskSlots<'a, Impulse>; 2],
+            [TaskSlots<'a, AngularImpulse>; 2],
+        ),
+    ) -> ImpulsesOfTask<'a> {
+        ImpulsesOfTask { pairs, walls, pair_torques, wall_torques }
     }
 }

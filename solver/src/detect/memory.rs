@@ -2,8 +2,8 @@
 
 use super::{AngularImpulse, Impulse};
 use crate::lanes::prefetch_places;
-use crate::partition::{Plan, PlannedTask};
-use crate::schedule::{Disjoint, Phase, Team};
+use crate::partition::{ByBodies, Plan, PlannedTask};
+use crate::schedule::{Phase, Team};
 
 /// Non-zero impulses of an old list, grouped by their first grain's new place.
 #[derive(Clone, Debug, Default)]
@@ -38,15 +38,16 @@ impl Remembered {
         self.start.clear();
         self.start.resize(grains + 1, 0);
         let live = |task: &PlannedTask| (old.of_task)(task).filter(|&candidate| old.impulses[candidate].normal > 0.0);
-        let counts = Disjoint::new(&mut self.start[1..]);
+        let counts = ByBodies::of(&mut self.start[1..]);
         old.plan.run_stages(
             team,
             Phase::Detect,
             |_| {},
-            |_, task| {
+            counts,
+            |_, task, counts| {
                 for candidate in live(task) {
-                    // SAFETY: tasks of a stage share no first grain.
-                    *unsafe { counts.at((old.key)(candidate).0 as usize) } += 1;
+                    let (first, _) = (old.key)(candidate);
+                    counts.set(first, counts.get(first) + 1);
                 }
             },
         );
@@ -59,25 +60,24 @@ impl Remembered {
             let torques = if old.torques.is_empty() { 0 } else { self.start[grains] as usize };
             resize(&mut self.torques, torques, AngularImpulse::default());
         });
-        let (starts, partners) = (Disjoint::new(&mut self.start), Disjoint::new(&mut self.partners));
-        let (impulses, torques) = (Disjoint::new(&mut self.impulses), Disjoint::new(&mut self.torques));
+        // A grain's entries are its own, as the grain is its task's.
+        let grouped = [&mut self.start, &mut self.partners].map(|numbers| ByBodies::of(numbers));
+        let borne = (ByBodies::of(&mut self.impulses), ByBodies::of(&mut self.torques));
         old.plan.run_stages(
             team,
             Phase::Detect,
             |_| {},
-            |_, task| {
+            (grouped, borne),
+            |_, task, ([starts, partners], (impulses, torques))| {
                 for candidate in live(task) {
                     let (first, partner) = (old.key)(candidate);
-                    // SAFETY: as above; a grain's entries are its own.
-                    unsafe {
-                        let place = starts.at(first as usize);
-                        *partners.at(*place as usize) = partner;
-                        *impulses.at(*place as usize) = old.impulses[candidate];
-                        if let Some(torque) = old.torques.get(candidate) {
-                            *torques.at(*place as usize) = *torque;
-                        }
-                        *place += 1;
+                    let entry = starts.get(first);
+                    partners.set(entry, partner);
+                    impulses.set(entry, old.impulses[candidate]);
+                    if let Some(torque) = old.torques.get(candidate) {
+                        torques.set(entry, *torque);
                     }
+                    starts.set(first, entry + 1);
                 }
             },
         );

@@ -15,5 +15,5 @@ mod search;
 pub(crate) use candidates::CandidateList;
 pub use candidates::{Candidates, PairCandidate, WallCandidate};
 pub use grid::CellGrid;
-pub(crate) use impulses::ImpulsesOfTasks;
+pub(crate) use impulses::ImpulsesOfTask;
 pub use impulses::{AngularImpulse, ContactImpulses, Impulse};

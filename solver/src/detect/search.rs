@@ -2,7 +2,7 @@
 
 use super::grid::{CellGrid, Neighbourhood};
 use super::{PairCandidate, WallCandidate};
-use crate::lanes::{Kernel, LANES, Lanes, Quad, dot, minus};
+use crate::lanes::{Kernel, LANES, Lanes, Slots, dot, minus};
 use crate::partition::{DIRECTIONS, SAME_BOX};
 use crate::world::{Pose, World};
 use nalgebra::Vector3;
@@ -105,7 +105,7 @@ impl<const PERIODIC: bool> Kernel for PairSearch<'_, PERIODIC> {
         pairs.clear();
         directions.clear();
         *counts = [0; DIRECTIONS];
-        let base: *const Quad = spheres.as_ptr().cast();
+        let records = Slots::of(spheres);
         let surroundings = self.grid.surroundings(self.number);
         let mut neighbourhood = Neighbourhood::default();
         for cell in 0..self.grid.cells_of_box() {
@@ -119,8 +119,7 @@ impl<const PERIODIC: bool> Kernel for PairSearch<'_, PERIODIC> {
                     for start in run.clone().step_by(LANES) {
                         let count = (run.end - start).min(LANES);
                         let places = std::array::from_fn(|lane| (start + lane.min(count - 1)) as u32);
-                        // SAFETY: `places` lie in the run, whose grains are in `spheres`.
-                        let [x, y, z, radius] = unsafe { L::load_quads::<1>(base, &places) };
+                        let [x, y, z, radius]: [L; 4] = records.load_quads(&places);
                         let arm = minus([x, y, z], centre);
                         let arm = if PERIODIC { period.shortest(arm) } else { arm };
                         let reach = own_reach + radius;

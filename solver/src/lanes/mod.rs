@@ -12,11 +12,15 @@ mod avx2;
 mod avx512;
 mod portable;
 mod scalar;
+mod slots;
+
+pub(crate) use slots::{Slots, TaskSlots};
 
 #[cfg(doc)]
 #[doc = include_str!("../../docs/kernel.md")]
 pub mod instructions {}
 
+use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
@@ -32,12 +36,12 @@ pub const PREFETCH: usize = 4;
 pub const SINGLE_LANES: usize = 2 * LANES;
 
 /// Eight `f64` in memory, one a contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Eight(pub [f64; LANES]);
 
 /// Sixteen `f32` in memory, one a contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Sixteen(pub [f32; SINGLE_LANES]);
 
@@ -185,17 +189,17 @@ pub trait SingleLanes: Number {
 }
 
 /// Four numbers that are read together: half a cache line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Quad(pub [f64; 4]);
 
 /// Two quads that are read together: a cache line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Line(pub [Quad; 2]);
 
 /// Eight numbers of single precision that are read together: half a cache line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Octet(pub [f32; 8]);
 

@@ -3,7 +3,7 @@
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::groups::{Kind, PairGroup, WallGroup};
-use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, cross, dot, minus, prefetch_places, times};
+use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Slots, TaskSlots, cross, dot, minus, prefetch_places, times};
 use crate::partition::TaskGroups;
 use crate::sweep::kernel::{Bodies, Contact, Pair};
 use crate::world::Body;
@@ -41,20 +41,14 @@ pub(crate) trait Group<E: Effects> {
     fn write<L: Lanes>(&mut self, contact: &Contact<L>);
 
     /// Asks for the cache lines of its bodies.
-    fn fetch(&self, bodies: *const Body);
+    fn fetch(&self, bodies: Slots<'_, Body>);
 
     /// Relative velocities at the contacts and inverse masses S_n. Walls move with `wall_share` of their velocity: 1 for
     /// velocities, 0 for changes of velocities.
-    ///
-    /// # Safety
-    /// The group names bodies behind `bodies`, and no other task writes these meanwhile.
-    unsafe fn velocity<L: Lanes>(&self, bodies: *const Body, contact: &Contact<L>, wall_share: f64) -> ([L; 3], L);
+    fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L>, wall_share: f64) -> ([L; 3], L);
 
     /// Gives the bodies an impulse.
-    ///
-    /// # Safety
-    /// The group names bodies behind `bodies`, and no other task uses these meanwhile.
-    unsafe fn push<L: Lanes>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]);
+    fn push<L: Lanes>(&self, bodies: TaskSlots<'_, Body>, normal: [L; 3], impulse: [L; 3]);
 }
 
 impl<E: Effects> Group<E> for PairGroup<E::Tangential> {
@@ -69,22 +63,20 @@ impl<E: Effects> Group<E> for PairGroup<E::Tangential> {
     }
 
     #[inline(always)]
-    fn fetch(&self, bodies: *const Body) {
-        prefetch_places(bodies, &self.first);
-        prefetch_places(bodies, &self.second);
+    fn fetch(&self, bodies: Slots<'_, Body>) {
+        prefetch_places(bodies.as_ptr(), &self.first);
+        prefetch_places(bodies.as_ptr(), &self.second);
     }
 
     #[inline(always)]
-    unsafe fn velocity<L: Lanes>(&self, bodies: *const Body, contact: &Contact<L>, _: f64) -> ([L; 3], L) {
-        // SAFETY: the caller's promise.
-        let pair = unsafe { Pair::load::<E>(bodies, self) };
+    fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L>, _: f64) -> ([L; 3], L) {
+        let pair = Pair::load::<E>(bodies, self);
         (contact.velocity_of_pair::<E>(&pair), pair.inverse_mass)
     }
 
     #[inline(always)]
-    unsafe fn push<L: Lanes>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
-        // SAFETY: the caller's promise; the sixteen bodies of a group are different ones.
-        unsafe { Pair::push::<E>(bodies, self, [impulse, cross(normal, impulse)]) };
+    fn push<L: Lanes>(&self, bodies: TaskSlots<'_, Body>, normal: [L; 3], impulse: [L; 3]) {
+        Pair::push::<E>(bodies, self, [impulse, cross(normal, impulse)]);
     }
 }
 
@@ -100,40 +92,31 @@ impl<E: Effects> Group<E> for WallGroup {
     }
 
     #[inline(always)]
-    fn fetch(&self, bodies: *const Body) {
-        prefetch_places(bodies, &self.body);
+    fn fetch(&self, bodies: Slots<'_, Body>) {
+        prefetch_places(bodies.as_ptr(), &self.body);
     }
 
     #[inline(always)]
-    unsafe fn velocity<L: Lanes>(&self, bodies: *const Body, contact: &Contact<L>, wall_share: f64) -> ([L; 3], L) {
-        // SAFETY: the caller's promise.
-        let grain = unsafe { Bodies::<L>::load::<E>(bodies, &self.body) };
+    fn velocity<L: Lanes>(&self, bodies: Slots<'_, Body>, contact: &Contact<L>, wall_share: f64) -> ([L; 3], L) {
+        let grain = Bodies::<L>::load::<E>(bodies, &self.body);
         let wall_velocity = times(load(&self.wall_velocity), L::splat(wall_share));
         (contact.velocity_at_wall::<E>(&grain, wall_velocity), grain.inverse_mass)
     }
 
     #[inline(always)]
-    unsafe fn push<L: Lanes>(&self, bodies: *mut Body, normal: [L; 3], impulse: [L; 3]) {
-        // SAFETY: the caller's promise; the eight bodies of a group are different ones.
-        unsafe {
-            let mut grain = Bodies::<L>::load::<E>(bodies, &self.body);
-            grain.push::<E>(-1.0, impulse, cross(normal, impulse));
-            grain.store::<E>(bodies, &self.body);
-        }
+    fn push<L: Lanes>(&self, bodies: TaskSlots<'_, Body>, normal: [L; 3], impulse: [L; 3]) {
+        let mut grain = Bodies::<L>::load::<E>(bodies.to_read(), &self.body);
+        grain.push::<E>(-1.0, impulse, cross(normal, impulse));
+        grain.store::<E>(bodies, &self.body);
     }
 }
 
 /// What is done to one lane group after another.
-///
-/// Whoever makes one promises that its bodies are those that the groups name, and that no other task uses them meanwhile.
 pub(crate) trait Visit {
-    /// Whether bodies are written, so that tasks that share one must come one after another.
-    const PUSHES: bool;
-
-    /// Bodies that are worth fetching ahead; null for none.
+    /// Bodies that are worth fetching ahead, if any.
     #[inline(always)]
-    fn bodies(&self) -> *const Body {
-        std::ptr::null()
+    fn bodies(&self) -> Option<Slots<'_, Body>> {
+        None
     }
 
     /// Does it to the group with this number in its task, pairs first.
@@ -153,9 +136,8 @@ impl<V: Visit, E: Effects> Kernel for Visiting<'_, V, E> {
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
         let (pairs, walls) = (E::Tangential::of_mut(&mut self.groups.pairs), &mut self.groups.walls);
-        let bodies = self.visit.bodies();
         for number in 0..pairs.len() {
-            if !bodies.is_null()
+            if let Some(bodies) = self.visit.bodies()
                 && let Some(ahead) = pairs.get(number + PREFETCH)
             {
                 Group::<E>::fetch(ahead, bodies);

@@ -11,12 +11,11 @@ use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
 use crate::effects::{with_effects, with_tangential};
 use crate::interrupt::{Interrupt, is_heeded};
-use crate::lanes::{Eight, LANES};
-use crate::partition::{Layout, PlannedTask, SingleCopy};
+use crate::lanes::{Eight, LANES, Slots};
+use crate::partition::{ByBodies, ByNumber, ByPlace, ByStarts, Layout, PlannedTask, SingleCopy, TaskShares};
 use crate::scene::{Precision, SolverMethod, SolverSettings};
-use crate::schedule::{Disjoint, Phase, Team};
-use crate::solve::{Unknowns, sweep_all};
-use crate::sweep::{Gauge, Relaxation, Residual, Residuals, TaskResidual, tell_driven};
+use crate::schedule::{Phase, Team};
+use crate::sweep::{Gauge, Relaxation, Residual, Residuals, SweepOperands, SweepPass, TaskResidual, tell_driven};
 use crate::world::Body;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -128,13 +127,13 @@ impl Problem<'_> {
     pub fn sweep(&mut self, factor: f64, gauge: Gauge) -> Option<Residuals> {
         let (inner, precision) = (self.settings.inner_sweeps.max(1), self.precision());
         let (heeds, interrupt) = (is_heeded(self.settings), self.interrupt);
-        let inner = (inner, || heeds && interrupt.is_requested());
-        let residuals = (gauge, &mut self.workspace.residuals);
-        let unknowns = match precision {
-            Precision::Double => Unknowns::double(self.bodies, &mut self.layout.groups),
-            Precision::Single => Unknowns::single(&mut self.workspace.single),
+        let pass = SweepPass { factor, inner, stops: || heeds && interrupt.is_requested(), gauge };
+        let Workspace { single, residuals, .. } = &mut *self.workspace;
+        let operands = match precision {
+            Precision::Double => SweepOperands::Double { bodies: self.bodies, groups: &mut self.layout.groups },
+            Precision::Single => SweepOperands::Single(single),
         };
-        let mut sums = sweep_all(&self.layout.plan, &unknowns, self.relaxation, factor, inner, residuals, self.team);
+        let mut sums = self.relaxation.sweep_all(&self.layout.plan, operands, &pass, residuals, self.team);
         if !self.drives.is_empty() {
             let Problem { bodies, drives, layout, relaxation, team, .. } = self;
             let driven = || relaxation.sweep_driven(bodies, layout, drives, factor, gauge);
@@ -169,12 +168,8 @@ impl Problem<'_> {
     /// Puts the present state aside.
     pub fn keep(&mut self, state: &mut State) {
         state.velocities.copy_from_slice(self.bodies);
-        let vectors = Disjoint::new(&mut state.impulses);
-        let starts = &self.workspace.starts;
-        visit(self.layout, self.relaxation, self.team, |place| {
-            // SAFETY: each task has its own part.
-            Keep { to: unsafe { vectors.range(part(starts, place)) } }
-        });
+        let vectors = ByStarts::of(&mut state.impulses, &self.workspace.starts);
+        visit(self.layout, self.relaxation, self.team, vectors, |_, to| Keep { to });
     }
 
     /// The present state becomes a combination of others, whose coefficients sum to one.
@@ -186,7 +181,7 @@ impl Problem<'_> {
         let set = self.relaxation.instruction_set;
         velocities::combine(self.bodies, coefficients, &velocities[..states.len()], set, self.team);
         let starts = &self.workspace.starts;
-        visit(self.layout, self.relaxation, self.team, |place| {
+        visit(self.layout, self.relaxation, self.team, (), |place, ()| {
             let mut from: [&[Block]; MOST] = [&[]; MOST];
             for (from, state) in from.iter_mut().zip(states) {
                 *from = &state.impulses[part(starts, place)];
@@ -199,13 +194,11 @@ impl Problem<'_> {
     pub fn transform(&mut self, coefficients: &Coefficients, second: &mut State, third: &mut State) {
         let bodies = [&mut *self.bodies, &mut second.velocities, &mut third.velocities];
         velocities::transform(bodies, coefficients, self.relaxation.instruction_set, self.team);
-        let (second, third) = (Disjoint::new(&mut second.impulses), Disjoint::new(&mut third.impulses));
-        let starts = &self.workspace.starts;
-        visit(self.layout, self.relaxation, self.team, |place| {
-            let part = part(starts, place);
-            // SAFETY: each task has its own parts.
-            let (second, third) = unsafe { (second.range(part.clone()), third.range(part)) };
-            Transform { coefficients, second, third }
+        let vectors = [second, third].map(|state| ByStarts::of(&mut state.impulses, &self.workspace.starts));
+        visit(self.layout, self.relaxation, self.team, vectors, |_, [second, third]| Transform {
+            coefficients,
+            second,
+            third,
         });
     }
 
@@ -214,16 +207,12 @@ impl Problem<'_> {
     pub fn projected_step(&mut self, from: &State, last: &[Block], step: f64) -> StepSums {
         self.bodies.copy_from_slice(&from.velocities);
         let Workspace { starts, tallies, .. } = &mut *self.workspace;
-        {
-            let (bodies, tallies) = (Disjoint::new(self.bodies), Tally::of_tasks(tallies, self.layout));
-            visit(self.layout, self.relaxation, self.team, |place| {
-                let part = part(starts, place);
-                let (point, last) = (&from.impulses[part.clone()], &last[part]);
-                // SAFETY: each task has its own tally.
-                let tally = unsafe { tallies.at(place) };
-                Step { ahead: from.velocities.as_ptr(), bodies: bodies.as_ptr(), from: point, last, step, tally }
-            });
-        }
+        let shares = (ByBodies::of(self.bodies), Tally::of_tasks(tallies, self.layout));
+        visit(self.layout, self.relaxation, self.team, shares, |place, (bodies, tally)| {
+            let part = part(starts, place);
+            let (point, last) = (&from.impulses[part.clone()], &last[part]);
+            Step { ahead: Slots::of(&from.velocities), bodies, from: point, last, step, tally }
+        });
         let total = Tally::total(tallies);
         let [scaled, compliant, slope] = total.sums();
         StepSums { scaled, compliant, slope, residuals: total.residual.finish(self.layout.contacts) }
@@ -233,13 +222,9 @@ impl Problem<'_> {
     pub fn measure(&mut self) -> (Residuals, Residual) {
         tell_driven(self.layout, self.drives);
         let tallies = &mut self.workspace.tallies;
-        {
-            let (bodies, tallies) = (&*self.bodies, Tally::of_tasks(tallies, self.layout));
-            visit(self.layout, self.relaxation, self.team, |place| {
-                // SAFETY: each task has its own tally.
-                Measure { bodies: bodies.as_ptr(), tally: unsafe { tallies.at(place) } }
-            });
-        }
+        let bodies = Slots::of(self.bodies);
+        let shares = Tally::of_tasks(tallies, self.layout);
+        visit(self.layout, self.relaxation, self.team, shares, |_, tally| Measure { bodies, tally });
         if self.relaxation.effects.torques() {
             self.measure_torques();
         }
@@ -251,12 +236,10 @@ impl Problem<'_> {
     /// Adds the residuals of torques to the tallies of all tasks.
     fn measure_torques(&mut self) {
         let (plan, groups) = (&self.layout.plan, &self.layout.groups);
-        let (bodies, tallies) = (&*self.bodies, Disjoint::new(&mut self.workspace.tallies));
+        let (bodies, tallies) = (Slots::of(self.bodies), ByPlace::of(&mut self.workspace.tallies));
         let set = self.relaxation.instruction_set;
-        plan.run_all(self.team, Phase::Sweep, |place, task| {
-            let (groups, bodies) = (&groups[task.number as usize], bodies.as_ptr());
-            // SAFETY: each task has its own tally.
-            let tally = unsafe { tallies.at(place) };
+        plan.run_all(self.team, Phase::Sweep, tallies, |_, task, tally| {
+            let groups = &groups[task.number as usize];
             with_effects!(self.relaxation.effects.compiled(), E => {
                 set.run(MeasureTorques::<E> { groups, bodies, tally, effects: PhantomData })
             });
@@ -276,36 +259,36 @@ impl Problem<'_> {
     }
 }
 
-/// Visits the lane groups of every task, stage after stage where bodies are written.
-pub(crate) fn visit<V: Visit>(
+/// Visits the lane groups of every task, stage after stage where bodies are written: `make` makes the visit to the task at a place
+/// from its share.
+pub(crate) fn visit<V: Visit, S: TaskShares>(
     layout: &mut Layout,
     relaxation: &Relaxation,
     team: &Team,
-    make: impl Fn(usize) -> V + Sync,
+    shares: S,
+    make: impl Fn(usize, S::Share) -> V + Sync,
 ) {
-    let (plan, groups) = (&layout.plan, Disjoint::new(&mut layout.groups));
+    let (plan, shares) = (&layout.plan, (ByNumber::of(&mut layout.groups), shares));
     let set = relaxation.instruction_set;
-    let visit = |place: usize, task: &PlannedTask| {
-        // SAFETY: each task has its own groups.
-        let groups = unsafe { groups.at(task.number as usize) };
+    let visit = |place: usize, _: &PlannedTask, (groups, share)| {
         // Torques are no part of a state that is put aside or combined: scenes that have any are refused methods other than
         // Gauss-Seidel.
         with_tangential!(relaxation.effects, E => {
-            set.run(Visiting::<V, E> { groups, visit: make(place), effects: PhantomData })
+            set.run(Visiting::<V, E> { groups, visit: make(place, share), effects: PhantomData })
         });
     };
-    match V::PUSHES {
-        true => plan.run_stages(team, Phase::Sweep, |_| {}, visit),
-        false => plan.run_all(team, Phase::Sweep, visit),
+    match S::IN_STAGES {
+        true => plan.run_stages(team, Phase::Sweep, |_| {}, shares, visit),
+        false => plan.run_all(team, Phase::Sweep, shares, visit),
     }
 }
 
 impl Tally {
     /// Empty tallies, one a task.
-    pub fn of_tasks<'a>(tallies: &'a mut Vec<Tally>, layout: &Layout) -> Disjoint<'a, Tally> {
+    pub fn of_tasks<'a>(tallies: &'a mut Vec<Tally>, layout: &Layout) -> ByPlace<'a, Tally> {
         tallies.clear();
         tallies.resize(layout.plan.tasks().len(), Tally::default());
-        Disjoint::new(tallies)
+        ByPlace::of(tallies)
     }
 
     /// All of them together, in the order of tasks.

@@ -20,8 +20,8 @@ use super::problem::{Tally, fit, part, visit};
 use super::visits::{TANGENTIAL, natural_map};
 use super::{Method, Problem};
 use crate::effects::Effects;
-use crate::lanes::{Lanes, dot, minus, plus, times};
-use crate::schedule::Disjoint;
+use crate::lanes::{Lanes, Slots, TaskSlots, dot, minus, plus, times};
+use crate::partition::{ByBodies, ByStarts};
 use crate::sweep::kernel::Contact;
 use crate::sweep::{Gauge, Residuals};
 use crate::world::Body;
@@ -47,18 +47,17 @@ impl ProjectedConjugateGradients {
     /// Residual and direction at the present state. `curvature` is p.S p of the last direction.
     fn turn(&mut self, problem: &mut Problem<'_>, curvature: f64) -> Residuals {
         let workspace = &mut *problem.workspace;
-        {
-            let tallies = Tally::of_tasks(&mut workspace.tallies, problem.layout);
-            let (directions, gradients) = (Disjoint::new(&mut self.direction), Disjoint::new(&mut self.gradient));
-            let (bodies, velocities, starts) = (&*problem.bodies, &*self.velocities, &workspace.starts);
-            visit(problem.layout, problem.relaxation, problem.team, |place| {
-                let part = part(starts, place);
-                // SAFETY: each task has its own parts.
-                let (direction, gradient, tally) =
-                    unsafe { (directions.range(part.clone()), gradients.range(part), tallies.at(place)) };
-                Turn { bodies: bodies.as_ptr(), velocities: velocities.as_ptr(), direction, gradient, tally }
-            });
-        }
+        let tallies = Tally::of_tasks(&mut workspace.tallies, problem.layout);
+        let vectors = [&mut self.direction, &mut self.gradient].map(|vector| ByStarts::of(vector, &workspace.starts));
+        let (bodies, velocities) = (Slots::of(problem.bodies), Slots::of(&self.velocities));
+        let shares = (vectors, tallies);
+        visit(problem.layout, problem.relaxation, problem.team, shares, |_, ([direction, gradient], tally)| Turn {
+            bodies,
+            velocities,
+            direction,
+            gradient,
+            tally,
+        });
         let total = Tally::total(&workspace.tallies);
         let [conjugate, along_gradient, along_direction] = total.sums();
         self.beta = if curvature > 0.0 { -conjugate / curvature } else { 0.0 };
@@ -75,27 +74,25 @@ impl ProjectedConjugateGradients {
             (body.velocity, body.surface_speed) = ([0.0; 3], [0.0; 3]);
         }
         let workspace = &mut *problem.workspace;
-        {
-            let tallies = Tally::of_tasks(&mut workspace.tallies, problem.layout);
-            let (directions, velocities) = (Disjoint::new(&mut self.direction), Disjoint::new(&mut self.velocities));
-            let (gradient, starts, beta) = (&self.gradient, &workspace.starts, self.beta);
-            visit(problem.layout, problem.relaxation, problem.team, |place| {
-                let part = part(starts, place);
-                let gradient = &gradient[part.clone()];
-                // SAFETY: each task has its own parts.
-                let (direction, tally) = unsafe { (directions.range(part), tallies.at(place)) };
-                Aim { velocities: velocities.as_ptr(), direction, gradient, beta, tally }
-            });
-        }
+        let (gradient, starts, beta) = (&self.gradient, &workspace.starts, self.beta);
+        let tallies = Tally::of_tasks(&mut workspace.tallies, problem.layout);
+        let shares = (ByBodies::of(&mut self.velocities), ByStarts::of(&mut self.direction, starts), tallies);
+        visit(problem.layout, problem.relaxation, problem.team, shares, |place, (velocities, direction, tally)| Aim {
+            velocities,
+            direction,
+            gradient: &gradient[part(starts, place)],
+            beta,
+            tally,
+        });
         let velocities = &*self.velocities;
         problem.products(velocities, &[velocities])[0] + Tally::total(&problem.workspace.tallies).sums()[0]
     }
 
     /// lambda = P(lambda + alpha p).
     fn advance(&mut self, problem: &mut Problem<'_>, alpha: f64) {
-        let (bodies, direction, starts) = (Disjoint::new(problem.bodies), &self.direction, &problem.workspace.starts);
-        visit(problem.layout, problem.relaxation, problem.team, |place| Advance {
-            bodies: bodies.as_ptr(),
+        let (bodies, direction, starts) = (ByBodies::of(problem.bodies), &self.direction, &problem.workspace.starts);
+        visit(problem.layout, problem.relaxation, problem.team, bodies, |place, bodies| Advance {
+            bodies,
             direction: &direction[part(starts, place)],
             alpha,
         });
@@ -129,30 +126,25 @@ impl Method for ProjectedConjugateGradients {
 
 /// Sums: w.S p, r.w, r.z.
 struct Turn<'a> {
-    bodies: *const Body,
-    velocities: *const Body,
+    bodies: Slots<'a, Body>,
+    velocities: Slots<'a, Body>,
     direction: &'a mut [Block],
     gradient: &'a mut [Block],
     tally: &'a mut Tally,
 }
 
 impl Visit for Turn<'_> {
-    const PUSHES: bool = false;
-
     #[inline(always)]
-    fn bodies(&self) -> *const Body {
-        self.bodies
+    fn bodies(&self) -> Option<Slots<'_, Body>> {
+        Some(self.bodies)
     }
 
     #[inline(always)]
     fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let contact = group.read::<L>();
         let normal = contact.normal;
-        // SAFETY: the promise of `Visit`.
-        let (velocity, inverse_mass, across) = unsafe {
-            let (velocity, inverse_mass) = group.velocity(self.bodies, &contact, 1.0);
-            (velocity, inverse_mass, group.velocity(self.velocities, &contact, 0.0).0)
-        };
+        let (velocity, inverse_mass) = group.velocity(self.bodies, &contact, 1.0);
+        let (across, _) = group.velocity(self.velocities, &contact, 0.0);
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
         // Residual r and S p, their normal and tangential parts.
         let direction = load::<L>(&self.direction[number]);
@@ -208,7 +200,7 @@ fn along_cone<L: Lanes, E: Effects>(contact: &Contact<L>, direction: [L; 3]) -> 
 
 /// Sum: compliant part of p.S p.
 struct Aim<'a> {
-    velocities: *mut Body,
+    velocities: TaskSlots<'a, Body>,
     direction: &'a mut [Block],
     gradient: &'a [Block],
     beta: f64,
@@ -216,11 +208,9 @@ struct Aim<'a> {
 }
 
 impl Visit for Aim<'_> {
-    const PUSHES: bool = true;
-
     #[inline(always)]
-    fn bodies(&self) -> *const Body {
-        self.velocities
+    fn bodies(&self) -> Option<Slots<'_, Body>> {
+        Some(self.velocities.to_read())
     }
 
     #[inline(always)]
@@ -229,25 +219,22 @@ impl Visit for Aim<'_> {
         let old = load::<L>(&self.direction[number]);
         let direction = plus(load(&self.gradient[number]), times(old, L::splat(self.beta)));
         store(direction, &mut self.direction[number]);
-        // SAFETY: the promise of `Visit`.
-        unsafe { group.push(self.velocities, contact.normal, direction) };
+        group.push(self.velocities, contact.normal, direction);
         let along = dot(contact.normal, direction);
         add(&mut self.tally.sums[0], contact.regularisation * along * along);
     }
 }
 
 struct Advance<'a> {
-    bodies: *mut Body,
+    bodies: TaskSlots<'a, Body>,
     direction: &'a [Block],
     alpha: f64,
 }
 
 impl Visit for Advance<'_> {
-    const PUSHES: bool = true;
-
     #[inline(always)]
-    fn bodies(&self) -> *const Body {
-        self.bodies
+    fn bodies(&self) -> Option<Slots<'_, Body>> {
+        Some(self.bodies.to_read())
     }
 
     #[inline(always)]
@@ -257,8 +244,7 @@ impl Visit for Advance<'_> {
         contact.set_impulse(plus(before, times(load(&self.direction[number]), L::splat(self.alpha))));
         contact.project::<E>();
         let change = minus(contact.impulse(), before);
-        // SAFETY: the promise of `Visit`.
-        unsafe { group.push(self.bodies, contact.normal, change) };
+        group.push(self.bodies, contact.normal, change);
         group.write(&contact);
     }
 }

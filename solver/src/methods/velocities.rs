@@ -1,8 +1,8 @@
 //! Linear algebra over the velocities of all bodies, a cache line a body.
 
 use crate::lanes::{Available, Eight, Kernel, LANES, Lanes};
-use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{Body, chunk, chunks};
+use crate::schedule::{Each, Phase, Team};
+use crate::world::{Body, by_chunk, chunk, chunks};
 
 /// Most states that a combination or a set of products can have.
 pub(crate) const MOST: usize = crate::scene::MOST_MEMORY + 1;
@@ -16,31 +16,26 @@ const KINETIC: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.4, 0.4, 0.4, 0.0]);
 /// A body as eight numbers: velocity, inverse mass, surface speed, inverse radius.
 #[inline(always)]
 fn numbers(body: &Body) -> &Eight {
-    // SAFETY: both are eight numbers in memory, aligned to 64 bytes.
-    unsafe { &*std::ptr::from_ref(body).cast() }
+    bytemuck::must_cast_ref(body)
 }
 
 /// Writes a body's velocities and leaves its mass and radius as they are.
 #[inline(always)]
 fn write<L: Lanes>(value: L, body: &mut Body) {
     let (inverse_mass, inverse_radius) = (body.inverse_mass, body.inverse_radius);
-    // SAFETY: as in `numbers`.
-    value.store(unsafe { &mut *std::ptr::from_mut(body).cast() });
+    value.store(bytemuck::must_cast_mut(body));
     (body.inverse_mass, body.inverse_radius) = (inverse_mass, inverse_radius);
 }
 
 /// `to = sum of coefficients[i] from[i]`, velocities only. No allocation; `from` has at most [`MOST`] states.
 pub(crate) fn combine(to: &mut [Body], coefficients: &[f64], from: &[&[Body]], set: Available, team: &Team) {
     let count = to.len();
-    let to = Disjoint::new(to);
-    team.each(Phase::Sweep, chunks(count), |number| {
+    team.each_with(Phase::Sweep, chunks(count), by_chunk(to), |number, to| {
         let places = chunk(number, count);
         let mut parts: [&[Body]; MOST] = [&[]; MOST];
         for (part, from) in parts.iter_mut().zip(from) {
             *part = &from[places.clone()];
         }
-        // SAFETY: chunks do not overlap.
-        let to = unsafe { to.range(places) };
         set.run(Combine { to, coefficients, from: &parts[..from.len()] });
     });
 }
@@ -69,10 +64,7 @@ impl Kernel for Combine<'_> {
 /// Replaces three states by combinations of themselves.
 pub(crate) fn transform(states: [&mut [Body]; 3], coefficients: &Coefficients, set: Available, team: &Team) {
     let count = states[0].len();
-    let states = states.map(Disjoint::new);
-    team.each(Phase::Sweep, chunks(count), |number| {
-        // SAFETY: chunks do not overlap.
-        let states = states.each_ref().map(|state| unsafe { state.range(chunk(number, count)) });
+    team.each_with(Phase::Sweep, chunks(count), states.map(by_chunk), |_, states| {
         set.run(Transform { states, coefficients });
     });
 }
@@ -127,11 +119,8 @@ pub(crate) fn products(
     let count = one.len();
     sums.clear();
     sums.resize(chunks(count), [Eight::default(); MOST]);
-    let parts = Disjoint::new(sums);
-    team.each(Phase::Sweep, chunks(count), |number| {
+    team.each_with(Phase::Sweep, chunks(count), Each::of(sums), |number, sums| {
         let places = chunk(number, count);
-        // SAFETY: each chunk has its own sums.
-        let sums = unsafe { parts.at(number) };
         for (sum, other) in sums.iter_mut().zip(others) {
             set.run(Product { one: &one[places.clone()], other: &other[places.clone()], sum });
         }

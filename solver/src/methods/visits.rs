@@ -4,7 +4,7 @@ use super::group::{Block, Group, Visit, add, load, store};
 use super::problem::Tally;
 use super::velocities::{Coefficients, MOST, combined};
 use crate::effects::Effects;
-use crate::lanes::{Lanes, dot, minus, times};
+use crate::lanes::{Lanes, Slots, TaskSlots, dot, minus, times};
 use crate::sweep::kernel::Contact;
 use crate::sweep::{Directions, LaneResidual, Off};
 use crate::world::Body;
@@ -18,8 +18,6 @@ pub(crate) struct Keep<'a> {
 }
 
 impl Visit for Keep<'_> {
-    const PUSHES: bool = false;
-
     #[inline(always)]
     fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         store(group.read::<L>().impulse(), &mut self.to[number]);
@@ -34,8 +32,6 @@ pub(crate) struct Combine<'a> {
 }
 
 impl Visit for Combine<'_> {
-    const PUSHES: bool = false;
-
     #[inline(always)]
     fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let mut sum = [L::zero(); 3];
@@ -65,8 +61,6 @@ pub(crate) struct Transform<'a> {
 }
 
 impl Visit for Transform<'_> {
-    const PUSHES: bool = false;
-
     #[inline(always)]
     fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let [to_first, to_second, to_third] = self.coefficients;
@@ -88,9 +82,9 @@ impl Visit for Transform<'_> {
 /// Sums: `d.D d` of the change d, its compliant part `Sigma' d_n^2`, and gradient times the way from `last`.
 pub(crate) struct Step<'a> {
     /// Velocities at the point.
-    pub ahead: *const Body,
+    pub ahead: Slots<'a, Body>,
     /// Velocities that receive the change.
-    pub bodies: *mut Body,
+    pub bodies: TaskSlots<'a, Body>,
     pub from: &'a [Block],
     pub last: &'a [Block],
     pub step: f64,
@@ -98,11 +92,9 @@ pub(crate) struct Step<'a> {
 }
 
 impl Visit for Step<'_> {
-    const PUSHES: bool = true;
-
     #[inline(always)]
-    fn bodies(&self) -> *const Body {
-        self.ahead
+    fn bodies(&self) -> Option<Slots<'_, Body>> {
+        Some(self.ahead)
     }
 
     #[inline(always)]
@@ -110,8 +102,7 @@ impl Visit for Step<'_> {
         let mut contact = group.read::<L>();
         contact.set_impulse(load(&self.from[number]));
         let normal = contact.normal;
-        // SAFETY: the promise of `Visit`.
-        let (velocity, inverse_mass) = unsafe { group.velocity(self.ahead, &contact, 1.0) };
+        let (velocity, inverse_mass) = group.velocity(self.ahead, &contact, 1.0);
         // Gradient, before the impulse changes.
         let along = dot(normal, velocity);
         let slack = along + contact.regularisation * contact.impulse_normal - contact.bias;
@@ -119,8 +110,7 @@ impl Visit for Step<'_> {
         let mut unused = LaneResidual::zero();
         let step = L::splat(self.step);
         let change = contact.relax::<E, Off>(velocity, inverse_mass, step, &mut unused);
-        // SAFETY: as above.
-        unsafe { group.push(self.bodies, normal, change) };
+        group.push(self.bodies, normal, change);
         group.write(&contact);
         // How far it went, in the metric of the diagonal.
         let change_normal = dot(normal, change);
@@ -157,23 +147,20 @@ pub(crate) fn natural_map<L: Lanes, E: Effects>(
 
 /// Measures how far a state is from the solution.
 pub(crate) struct Measure<'a> {
-    pub bodies: *const Body,
+    pub bodies: Slots<'a, Body>,
     pub tally: &'a mut Tally,
 }
 
 impl Visit for Measure<'_> {
-    const PUSHES: bool = false;
-
     #[inline(always)]
-    fn bodies(&self) -> *const Body {
-        self.bodies
+    fn bodies(&self) -> Option<Slots<'_, Body>> {
+        Some(self.bodies)
     }
 
     #[inline(always)]
     fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, _: usize, group: &mut G) {
         let contact = group.read::<L>();
-        // SAFETY: the promise of `Visit`.
-        let (velocity, inverse_mass) = unsafe { group.velocity(self.bodies, &contact, 1.0) };
+        let (velocity, inverse_mass) = group.velocity(self.bodies, &contact, 1.0);
         natural_map::<L, E>(contact, velocity, inverse_mass, self.tally);
         // Attraction, or the tangential impulse beyond the disc.
         let mut excess = -contact.impulse_normal * (inverse_mass + contact.regularisation);

@@ -16,6 +16,7 @@ mod boxes;
 mod occupied;
 mod packing;
 mod plan;
+mod shares;
 mod single;
 mod waits;
 
@@ -23,6 +24,7 @@ pub use boxes::{BoxGrid, STAGES};
 pub(crate) use occupied::{DIRECTIONS, SAME_BOX};
 pub(crate) use packing::{Packer, Taken, TakenGroups};
 pub use plan::{Plan, PlannedTask, Portion};
+pub(crate) use shares::{ByBlocks, ByBodies, ByCandidates, ByNumber, ByPlace, ByStarts, TaskShares};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
 pub(crate) use waits::{FindWaits, overlapped};
 

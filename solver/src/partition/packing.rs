@@ -1,12 +1,9 @@
 //! Packing: contacts into lane groups whose eight contacts share no body.
 
-use super::TaskGroups;
-use crate::detect::{PairCandidate, WallCandidate};
+use super::{ByBodies, TaskGroups};
 use crate::effects::EffectSet;
 use crate::groups::{PairGroup, Sources, WallGroup, with_pairs};
-use crate::lanes::{LANES, prefetch_lines, prefetch_places};
-use crate::schedule::Disjoint;
-use std::marker::PhantomData;
+use crate::lanes::{LANES, TaskSlots, prefetch_lines, prefetch_places};
 use std::ops::Range;
 
 /// Number of groups that may take contacts at a time.
@@ -56,8 +53,8 @@ impl TakenGroups {
 
     /// Where bodies are, and the number of the first group of tasks that share no body; what [`Packer::next`] tells of each of
     /// these is left in `next`.
-    pub fn stage(&mut self) -> (Disjoint<'_, Taken>, u32, &mut u32) {
-        (Disjoint::new(&mut self.of_body), self.next, &mut self.next)
+    pub fn stage(&mut self) -> (ByBodies<'_, Taken>, u32, &mut u32) {
+        (ByBodies::of(&mut self.of_body), self.next, &mut self.next)
     }
 
     pub fn memory_bytes(&self) -> usize {
@@ -71,7 +68,7 @@ impl TakenGroups {
 /// puts the contacts of a grain, which come one after another, into adjacent groups; so groups next to one that holds
 /// the body are passed over too.
 pub(crate) struct Packer<'a> {
-    taken: *mut Taken,
+    taken: TaskSlots<'a, Taken>,
     window: Window,
     /// Number of the task's first group.
     base: u32,
@@ -79,7 +76,6 @@ pub(crate) struct Packer<'a> {
     spaced: bool,
     /// Lanes filled in each group of the window, by group number modulo the window.
     filled: [u8; WINDOW as usize],
-    bodies: PhantomData<&'a Taken>,
 }
 
 /// The groups that contacts may go into.
@@ -94,27 +90,26 @@ struct Window {
 impl<'a> Packer<'a> {
     /// A packer for one task. `base` must be larger by at least the window than the number of any group that earlier
     /// tasks put the same bodies into.
-    pub fn new(taken: &'a Disjoint<'a, Taken>, base: u32, candidates: usize) -> Packer<'a> {
+    pub fn new(taken: TaskSlots<'a, Taken>, base: u32, candidates: usize) -> Packer<'a> {
         Packer {
-            taken: taken.as_ptr(),
+            taken,
             window: Window { start: base, open: u64::MAX },
             base,
             spaced: candidates >= SPACED_FROM,
             filled: [0; WINDOW as usize],
-            bodies: PhantomData,
         }
     }
 
     /// Asks for what is known of bodies that lie together.
     #[inline(always)]
     pub fn fetch(&self, bodies: Range<usize>) {
-        prefetch_lines(self.taken.wrapping_add(bodies.start), bodies.len() * size_of::<Taken>());
+        prefetch_lines(self.taken.as_ptr().wrapping_add(bodies.start), bodies.len() * size_of::<Taken>());
     }
 
     /// Asks for what is known of bodies here and there.
     #[inline(always)]
     pub fn fetch_each(&self, bodies: &[u32]) {
-        prefetch_places(self.taken, bodies);
+        prefetch_places(self.taken.as_ptr(), bodies);
     }
 
     /// The number from which a packer may begin that comes after this one.
@@ -122,15 +117,11 @@ impl<'a> Packer<'a> {
         self.window.start + 2 * WINDOW
     }
 
-    /// Finds the group and lane for a contact of these bodies; the group is counted from the task's first.
-    ///
-    /// # Safety
-    /// No other task may use these bodies meanwhile.
+    /// Finds the group and lane for a contact of these bodies, which are the task's; the group is counted from the task's first.
     #[inline(always)]
-    pub unsafe fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (usize, usize) {
+    pub fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (usize, usize) {
         let (mut window, taken) = (self.window, self.taken);
-        // SAFETY: the caller's promise.
-        let taken_from = |start| bodies.map(|body| unsafe { *taken.add(body as usize) }.seen_from(start));
+        let taken_from = |start| bodies.map(|body| taken.to_read().get_trusted(body).seen_from(start));
         let mut masks = taken_from(window.start);
         let mut free = window.open & !shared(masks, self.spaced);
         while free == 0 {
@@ -142,8 +133,7 @@ impl<'a> Packer<'a> {
         for (body, mask) in bodies.into_iter().zip(masks) {
             let mask = mask | 1 << place;
             let taken = Taken { mask: [mask as u32, (mask >> 32) as u32], since: window.start };
-            // SAFETY: as above.
-            unsafe { *self.taken.add(body as usize) = taken };
+            self.taken.set_trusted(body, taken);
         }
         let filled = &mut self.filled[((window.start + place) % WINDOW) as usize];
         let lane = *filled as usize;
@@ -178,24 +168,21 @@ impl Window {
 }
 
 impl TaskGroups {
-    /// Puts a contact of two grains into a lane; groups are opened up to its own.
-    ///
-    /// # Safety
-    /// The place is a packer's: its lane is one of the group's. There are as many sources as groups.
+    /// Puts a contact of two bodies into a lane that a packer found; groups are opened up to its own.
     #[inline(always)]
-    pub(crate) unsafe fn put_pair(&mut self, at: (usize, usize), pair: PairCandidate, candidate: u32, dummies: u32) {
+    pub(crate) fn put_pair(&mut self, at: (usize, usize), [first, second]: [u32; 2], candidate: u32, dummies: u32) {
         let (group, lane) = at;
         if group >= self.pairs.len() {
             self.open_pairs(group + 1, dummies);
         }
         self.pairs_used = self.pairs_used.max(group + 1);
         debug_assert!(lane < LANES && self.pair_sources.len() == self.pairs.len());
-        // SAFETY: groups were opened up to this one, and their sources with them; the caller's promise.
+        // SAFETY: groups were opened up to this one, and their sources with them; a packer's lanes are below the number of lanes.
         unsafe {
             with_pairs!(&mut self.pairs, pairs => {
                 let group = pairs.get_unchecked_mut(group);
-                *group.first.get_unchecked_mut(lane) = pair.first;
-                *group.second.get_unchecked_mut(lane) = pair.second;
+                *group.first.get_unchecked_mut(lane) = first;
+                *group.second.get_unchecked_mut(lane) = second;
             });
             self.pair_sources.get_unchecked_mut(group).set(lane, candidate);
         }
@@ -211,8 +198,8 @@ impl TaskGroups {
         });
     }
 
-    /// Puts a wall contact into a lane; groups are opened up to its own.
-    pub(crate) fn put_wall(&mut self, at: (usize, usize), wall: WallCandidate, candidate: u32, dummies: u32) {
+    /// Puts a contact of a body with a wall into a lane; groups are opened up to its own.
+    pub(crate) fn put_wall(&mut self, at: (usize, usize), body: u32, candidate: u32, dummies: u32) {
         let (group, lane) = at;
         while self.walls.len() <= group {
             make_room(&mut self.walls, &mut self.wall_sources);
@@ -220,7 +207,7 @@ impl TaskGroups {
             self.wall_sources.push(Sources::NONE);
         }
         self.walls_used = self.walls_used.max(group + 1);
-        self.walls[group].body[lane] = wall.body;
+        self.walls[group].body[lane] = body;
         self.wall_sources[group].set(lane, candidate);
     }
 
@@ -299,6 +286,7 @@ fn make_room<G>(groups: &mut Vec<G>, sources: &mut Vec<Sources>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::partition::{PlannedTask, TaskShares};
 
     /// Places of contacts of random pairs of 60 bodies, packed by two tasks one after the other.
     fn places(taken: &mut TakenGroups, pairs: &[[u32; 2]]) -> Vec<(usize, usize, usize)> {
@@ -306,10 +294,12 @@ mod tests {
         let mut places = Vec::new();
         for (task, pairs) in pairs.chunks(pairs.len() / 2).enumerate() {
             let (bodies, base, next) = taken.stage();
-            let mut packer = Packer::new(&bodies, base, pairs.len());
+            let alone = PlannedTask { number: 0, home: 0, pairs: 0..0, first_block: 0, walls: 0..0 };
+            // SAFETY: there is no other task.
+            let bodies = unsafe { bodies.share(0, &alone) };
+            let mut packer = Packer::new(bodies, base, pairs.len());
             for &pair in pairs {
-                // SAFETY: there is no other task.
-                let (group, lane) = unsafe { packer.place(pair) };
+                let (group, lane) = packer.place(pair);
                 places.push((task, group, lane));
             }
             *next = packer.next();

@@ -1,6 +1,6 @@
 //! The plan of tasks: which there are, stage by stage, and which candidates belong to each.
 
-use super::STAGES;
+use super::{STAGES, TaskShares};
 use crate::lanes::{LANES, lanes_of};
 use crate::schedule::{Phase, Team};
 use serde::{Deserialize, Serialize};
@@ -90,6 +90,7 @@ impl Plan {
     /// Takes in which candidates belong to which task: `pair_starts` has an entry a task and one more, `wall_starts` one a
     /// box and one more, because wall contacts belong to interiors.
     pub(crate) fn set(&mut self, pair_starts: &[u32], wall_starts: &[u32]) {
+        assert!(pair_starts.is_sorted() && wall_starts.is_sorted(), "tasks share candidates");
         self.tasks.clear();
         let boxes = (wall_starts.len() - 1).max(1);
         for stage in 0..STAGES {
@@ -168,27 +169,39 @@ impl Plan {
         &self.tasks[self.stage_range(stage)]
     }
 
-    /// Runs `work` for each task, given its place among all, stage after stage: the one loop over stages. Tasks of a stage share no
+    /// Runs `work` for each task, given its place among all and its share, stage after stage: the one loop over stages. Tasks of a stage share no
     /// body and run at the same time and in any order; a stage is over before the next one begins, so that what a task writes of its
     /// bodies is there for all of the next stage, and what is exchanged between stages has its place at `before`, which is called with
     /// the number of each stage ahead of it.
-    pub(crate) fn run_stages(
+    pub(crate) fn run_stages<S: TaskShares>(
         &self,
         team: &Team,
         phase: Phase,
         mut before: impl FnMut(usize),
-        work: impl Fn(usize, &PlannedTask) + Sync,
+        shares: S,
+        work: impl Fn(usize, &PlannedTask, S::Share) + Sync,
     ) {
         for stage in 0..STAGES {
             before(stage);
-            self.run(team, phase, self.batches_of(stage), &work);
+            // SAFETY: each task of the stage is run once, and no other stage's meanwhile.
+            let run = |place, task: &PlannedTask| work(place, task, unsafe { shares.share(place, task) });
+            self.run(team, phase, self.batches_of(stage), &run);
         }
     }
 
-    /// Runs `work` for each task, given its place among all, tasks of all stages at the same time and in any order: for work that
+    /// Runs `work` for each task, given its place among all and its share, tasks of all stages at the same time and in any order: for work that
     /// writes no body.
-    pub(crate) fn run_all(&self, team: &Team, phase: Phase, work: impl Fn(usize, &PlannedTask) + Sync) {
-        self.run(team, phase, &self.batches, &work);
+    pub(crate) fn run_all<S: TaskShares>(
+        &self,
+        team: &Team,
+        phase: Phase,
+        shares: S,
+        work: impl Fn(usize, &PlannedTask, S::Share) + Sync,
+    ) {
+        assert!(!S::IN_STAGES, "tasks of different stages share bodies");
+        // SAFETY: each task is run once, and these shares are apart for all tasks.
+        let run = |place, task: &PlannedTask| work(place, task, unsafe { shares.share(place, task) });
+        self.run(team, phase, &self.batches, &run);
     }
 
     fn run(&self, team: &Team, phase: Phase, batches: &[Range<usize>], work: &(impl Fn(usize, &PlannedTask) + Sync)) {

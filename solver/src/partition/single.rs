@@ -4,15 +4,16 @@
 //! that follow each other become one where they share no body. Afterwards impulses go back as they are, and each body
 //! receives the change of its velocity, so that what no contact touches is not rounded.
 
-use super::{Layout, STAGES, TaskGroups};
+use super::{ByNumber, Layout, STAGES, TaskGroups};
 use crate::effects::Effects;
 use crate::groups::{ContactLanes, FrictionLanes, PairGroup, Tangential, WallGroup, padding_places, with_pairs};
 use crate::lanes::{Available, Eight, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
-use crate::schedule::{Disjoint, Phase, Team};
-use crate::world::{Body, DUMMIES, chunk, chunks};
+use crate::schedule::{Phase, Team};
+use crate::world::{Body, DUMMIES, by_chunk, chunk, chunks};
+use bytemuck::{Pod, Zeroable};
 
 /// Dynamic state of a grain in single precision: half a cache line, laid out as [`Body`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(crate) struct SingleBody {
     velocity: [f32; 3],
@@ -90,17 +91,12 @@ impl SingleCopy {
         let grains = bodies.len() - layout.groups.len() / STAGES * DUMMIES;
         self.bodies.resize(bodies.len(), SingleBody::default());
         self.groups.resize_with(layout.groups.len(), SingleGroups::default);
-        let (copies, groups) = (Disjoint::new(&mut self.bodies), Disjoint::new(&mut self.groups));
-        team.each(Phase::Sweep, chunks(bodies.len()), |number| {
-            let places = chunk(number, bodies.len());
-            // SAFETY: chunks do not overlap.
-            let copies = unsafe { copies.range(places.clone()) };
-            copies.iter_mut().zip(&bodies[places]).for_each(|(copy, body)| *copy = SingleBody::of(body));
+        team.each_with(Phase::Sweep, chunks(bodies.len()), by_chunk(&mut self.bodies), |number, copies| {
+            let bodies = &bodies[chunk(number, bodies.len())];
+            copies.iter_mut().zip(bodies).for_each(|(copy, body)| *copy = SingleBody::of(body));
         });
-        layout.plan.run_all(team, Phase::Sweep, |_, task| {
+        layout.plan.run_all(team, Phase::Sweep, ByNumber::of(&mut self.groups), |_, task, copy| {
             let number = task.number as usize;
-            // SAFETY: each task has its own groups.
-            let copy = unsafe { groups.at(number) };
             let dummies = (grains + task.home as usize * DUMMIES) as u32;
             set.run(Take { copy, task: &layout.groups[number], grains: grains as u32, dummies });
         });
@@ -109,18 +105,12 @@ impl SingleCopy {
     /// Gives the impulses, and the change of each body's velocities, back.
     pub fn give_back(&self, bodies: &mut [Body], layout: &mut Layout, team: &Team) {
         let count = bodies.len();
-        let bodies = Disjoint::new(bodies);
-        team.each(Phase::Sweep, chunks(count), |number| {
-            let places = chunk(number, count);
-            // SAFETY: chunks do not overlap.
-            let bodies = unsafe { bodies.range(places.clone()) };
-            bodies.iter_mut().zip(&self.bodies[places]).for_each(|(body, copy)| copy.give_change(body));
+        team.each_with(Phase::Sweep, chunks(count), by_chunk(bodies), |number, bodies| {
+            let copies = &self.bodies[chunk(number, count)];
+            bodies.iter_mut().zip(copies).for_each(|(body, copy)| copy.give_change(body));
         });
-        let groups = Disjoint::new(&mut layout.groups);
-        layout.plan.run_all(team, Phase::Sweep, |_, task| {
-            let number = task.number as usize;
-            // SAFETY: each task has its own groups.
-            self.groups[number].give_back(unsafe { groups.at(number) });
+        layout.plan.run_all(team, Phase::Sweep, ByNumber::of(&mut layout.groups), |_, task, groups| {
+            self.groups[task.number as usize].give_back(groups);
         });
     }
 

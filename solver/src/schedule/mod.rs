@@ -3,17 +3,18 @@
 //! A region is a number of tasks that may run at the same time and in any order; when it returns, all are done. How work is
 //! cut into tasks depends on the scene alone, so a scheduler changes no bit of the result.
 
-mod disjoint;
 mod queue;
+mod shares;
 mod trace;
 
-pub(crate) use disjoint::Disjoint;
 pub use queue::CentralQueue;
+pub(crate) use shares::{Disjoint, Each, Runs, Shares};
 pub use trace::{Phase, Region, StepTrace};
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 use trace::Tracer;
@@ -90,15 +91,26 @@ impl Team {
     /// Runs `task` for each number below `count`, in any order and at the same time.
     pub(crate) fn each(&self, phase: Phase, count: usize, task: impl Fn(usize) + Sync) {
         let Some(tracer) = &self.tracer else { return self.hand_out(count, task) };
-        let mut seconds = vec![0.0; count];
-        let parts = Disjoint::new(&mut seconds);
+        let seconds: Vec<AtomicU64> = (0..count).map(|_| AtomicU64::new(0)).collect();
         self.hand_out(count, |number| {
             let clock = Instant::now();
             task(number);
-            // SAFETY: every task is done once, by one thread.
-            unsafe { *parts.at(number) = clock.elapsed().as_secs_f64() };
+            seconds[number].store(clock.elapsed().as_secs_f64().to_bits(), Ordering::Relaxed);
         });
+        let seconds = seconds.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect();
         tracer.lock().expect("no task panics while it traces").add(phase, seconds);
+    }
+
+    /// Runs `task` for each number below `count`, in any order and at the same time, with the share that is its own.
+    pub(crate) fn each_with<S: Shares>(
+        &self,
+        phase: Phase,
+        count: usize,
+        shares: S,
+        task: impl Fn(usize, S::Share) + Sync,
+    ) {
+        // SAFETY: each number is handed out once.
+        self.each(phase, count, |number| task(number, unsafe { shares.share(number) }));
     }
 
     fn hand_out(&self, count: usize, task: impl Fn(usize) + Sync) {

@@ -1,9 +1,9 @@
 //! Relaxation of contacts with driven walls, one after another: see [`drive`](crate::effects::drive).
 
+use super::Relaxation;
 use super::kernel::{Bodies, Contact, INVERSE_INERTIA};
 use super::residual::{Gauge, Gauged, LaneResidual, TaskResidual, with_gauge};
 use super::torques::Torque;
-use super::{Relaxation, scalar};
 use crate::effects::drive::Drive;
 use crate::effects::friction::disc_shrinkage;
 use crate::effects::{Effects, with_effects};
@@ -98,7 +98,7 @@ fn relax<E: Effects, G: Gauged>(
         drive.push(dot(axis, change));
         torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
     }
-    scalar::put::<E>(body, &grain);
+    grain.put::<E>(body);
     contact.write::<E, _, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
     residual
 }

@@ -18,7 +18,7 @@ use super::residual::{Gauged, LaneResidual};
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::groups::{ContactLanes, PairGroup, Tangential};
-use crate::lanes::{LANES, Lanes, Number, Octet, Quad, SINGLE_LANES, SingleLanes, cross, dot, minus, plus, times};
+use crate::lanes::{LANES, Lanes, Number, SINGLE_LANES, SingleLanes, Slots, TaskSlots, cross, dot, minus, plus, times};
 use crate::partition::SingleBody;
 use crate::world::Body;
 
@@ -35,62 +35,39 @@ pub(crate) struct Bodies<N> {
 }
 
 impl<L: Lanes> Bodies<L> {
-    /// Loads eight bodies; without friction their spin is left where it is.
-    ///
-    /// # Safety
-    /// The places are those of bodies, and no other task uses these.
+    /// Loads eight bodies of a task; without friction their spin is left where it is.
     #[inline(always)]
-    pub unsafe fn load<E: Effects>(bodies: *const Body, places: &[u32; LANES]) -> Self {
-        let base: *const Quad = bodies.cast();
-        // SAFETY: the caller's promise; a body is two quads.
-        let [x, y, z, inverse_mass] = unsafe { L::load_quads::<2>(base, places) };
+    pub fn load<E: Effects>(bodies: Slots<'_, Body>, places: &[u32; LANES]) -> Self {
+        let [x, y, z, inverse_mass] = bodies.load_halves::<L, 0>(places);
         let [along_x, along_y, along_z, inverse_radius] =
-            // SAFETY: as above.
-            if E::FRICTION { unsafe { L::load_quads::<2>(base.add(1), places) } } else { [L::zero(); 4] };
+            if E::FRICTION { bodies.load_halves::<L, 1>(places) } else { [L::zero(); 4] };
         Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], inverse_radius }
     }
 
-    /// Stores eight bodies.
-    ///
-    /// # Safety
-    /// As for `load`.
+    /// Stores eight bodies of a task.
     #[inline(always)]
-    pub unsafe fn store<E: Effects>(self, bodies: *mut Body, places: &[u32; LANES]) {
-        let base: *mut Quad = bodies.cast();
+    pub fn store<E: Effects>(self, bodies: TaskSlots<'_, Body>, places: &[u32; LANES]) {
         let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.surface_speed);
-        // SAFETY: the caller's promise; a body is two quads.
-        unsafe {
-            L::store_quads::<2>(base, places, [x, y, z, self.inverse_mass]);
-            if E::FRICTION {
-                L::store_quads::<2>(base.add(1), places, [along_x, along_y, along_z, self.inverse_radius]);
-            }
+        bodies.store_halves::<L, 0>(places, [x, y, z, self.inverse_mass]);
+        if E::FRICTION {
+            bodies.store_halves::<L, 1>(places, [along_x, along_y, along_z, self.inverse_radius]);
         }
     }
 }
 
 impl<S: SingleLanes> Bodies<S> {
     /// Loads sixteen bodies in single precision.
-    ///
-    /// # Safety
-    /// As for `load`.
     #[inline(always)]
-    pub unsafe fn load_single(bodies: *const SingleBody, places: &[u32; SINGLE_LANES]) -> Self {
-        // SAFETY: the caller's promise; a body is an octet.
-        let [x, y, z, inverse_mass, along_x, along_y, along_z, inverse_radius] =
-            unsafe { S::load_octets(bodies.cast::<Octet>(), places) };
+    pub fn load_single(bodies: Slots<'_, SingleBody>, places: &[u32; SINGLE_LANES]) -> Self {
+        let [x, y, z, inverse_mass, along_x, along_y, along_z, inverse_radius] = bodies.load_octets(places);
         Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], inverse_radius }
     }
 
     /// Stores sixteen bodies in single precision.
-    ///
-    /// # Safety
-    /// As for `load`.
     #[inline(always)]
-    pub unsafe fn store_single(self, bodies: *mut SingleBody, places: &[u32; SINGLE_LANES]) {
+    pub fn store_single(self, bodies: TaskSlots<'_, SingleBody>, places: &[u32; SINGLE_LANES]) {
         let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.surface_speed);
-        let octets = [x, y, z, self.inverse_mass, along_x, along_y, along_z, self.inverse_radius];
-        // SAFETY: the caller's promise; a body is an octet.
-        unsafe { S::store_octets(bodies.cast::<Octet>(), places, octets) };
+        bodies.store_octets(places, [x, y, z, self.inverse_mass, along_x, along_y, along_z, self.inverse_radius]);
     }
 }
 
@@ -99,6 +76,27 @@ impl Bodies<f64> {
     pub fn of(body: &Body) -> Self {
         let Body { velocity, inverse_mass, surface_speed, inverse_radius } = *body;
         Self { velocity, inverse_mass, surface_speed, inverse_radius }
+    }
+
+    /// Loads one body of a task.
+    pub fn load_one(bodies: TaskSlots<'_, Body>, place: u32) -> Self {
+        Bodies::of(&bodies.get(place))
+    }
+
+    /// Stores the velocities of one body of a task; without friction its spin is left as it is.
+    pub fn store_one<E: Effects>(&self, bodies: TaskSlots<'_, Body>, place: u32) {
+        let mut body = bodies.get(place);
+        self.put::<E>(&mut body);
+        bodies.set(place, body);
+    }
+
+    /// Becomes the velocities of a body; without friction its spin is left as it is.
+    #[inline(always)]
+    pub fn put<E: Effects>(&self, body: &mut Body) {
+        body.velocity = self.velocity;
+        if E::FRICTION {
+            body.surface_speed = self.surface_speed;
+        }
     }
 }
 
@@ -145,67 +143,50 @@ impl<N: Number> Pair<N> {
 
 impl<L: Lanes> Pair<L> {
     /// Loads eight of them.
-    ///
-    /// # Safety
-    /// As for [`Bodies::load`].
     #[inline(always)]
-    pub unsafe fn load<E: Effects>(bodies: *const Body, group: &PairGroup<E::Tangential>) -> Self {
+    pub fn load<E: Effects>(bodies: Slots<'_, Body>, group: &PairGroup<E::Tangential>) -> Self {
         let (first, second) = (&group.first, &group.second);
-        // SAFETY: the caller's promise; a body is a line, which is two quads.
-        let [[x, y, z, inverse_mass], [along_x, along_y, along_z, _]] = unsafe {
-            if E::FRICTION {
-                L::load_pairs(bodies.cast(), first, second)
-            } else {
-                [L::load_differences::<2>(bodies.cast(), first, second), [L::zero(); 4]]
-            }
+        let [[x, y, z, inverse_mass], [along_x, along_y, along_z, _]] = match E::FRICTION {
+            true => bodies.load_pairs(first, second),
+            false => [bodies.load_differences_of_halves(first, second), [L::zero(); 4]],
         };
         Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z] }
     }
 
     /// The same without spin, with the bodies kept.
-    ///
-    /// # Safety
-    /// As for [`Bodies::load`].
     #[inline(always)]
-    pub unsafe fn load_keeping<T>(bodies: *const Body, group: &PairGroup<T>) -> (Self, [L::Kept; 2]) {
-        // SAFETY: the caller's promise; a body is a line.
-        let ([x, y, z, inverse_mass], kept) = unsafe { L::load_keeping(bodies.cast(), &group.first, &group.second) };
+    pub fn load_keeping<T>(bodies: Slots<'_, Body>, group: &PairGroup<T>) -> (Self, [L::Kept; 2]) {
+        let ([x, y, z, inverse_mass], kept) = bodies.load_keeping::<L>(&group.first, &group.second);
         (Self { velocity: [x, y, z], inverse_mass, surface_speed: [L::zero(); 3] }, kept)
     }
 
-    /// Gives the bodies of eight contacts their impulses: P, and its lever n x P.
-    ///
-    /// # Safety
-    /// As for [`Bodies::load`].
+    /// Gives bodies that were kept, and have not changed since, an impulse without spin.
     #[inline(always)]
-    pub unsafe fn push<E: Effects>(bodies: *mut Body, group: &PairGroup<E::Tangential>, push: [[L; 3]; 2]) {
-        // SAFETY: the caller's promise.
-        unsafe {
-            push_each::<L, E>(bodies, &group.first, -1.0, push);
-            push_each::<L, E>(bodies, &group.second, 1.0, push);
-        }
+    pub fn push_kept<T>(bodies: TaskSlots<'_, Body>, group: &PairGroup<T>, kept: [L::Kept; 2], impulse: [L; 3]) {
+        bodies.add_to_kept(&group.first, kept[0], impulse, -1.0);
+        bodies.add_to_kept(&group.second, kept[1], impulse, 1.0);
+    }
+
+    /// Gives the bodies of eight contacts their impulses: P, and its lever n x P.
+    #[inline(always)]
+    pub fn push<E: Effects>(bodies: TaskSlots<'_, Body>, group: &PairGroup<E::Tangential>, push: [[L; 3]; 2]) {
+        push_each::<L, E>(bodies, &group.first, -1.0, push);
+        push_each::<L, E>(bodies, &group.second, 1.0, push);
     }
 }
 
 /// Gives eight bodies in memory `sign` times an impulse: what [`Bodies::push`] does, without loading them first.
-///
-/// # Safety
-/// As for [`Bodies::load`].
 #[inline(always)]
-pub(super) unsafe fn push_each<L: Lanes, E: Effects>(
-    bodies: *mut Body,
+pub(super) fn push_each<L: Lanes, E: Effects>(
+    bodies: TaskSlots<'_, Body>,
     places: &[u32; LANES],
     sign: f64,
     push: [[L; 3]; 2],
 ) {
-    let (bodies, factors) = (bodies.cast(), [sign, -INVERSE_INERTIA]);
-    // SAFETY: the caller's promise; a body is a line, whose fourth number is its inverse mass.
-    unsafe {
-        if E::FRICTION {
-            L::add_shares::<true>(bodies, places, push, factors);
-        } else {
-            L::add_shares::<false>(bodies, places, push, factors);
-        }
+    let factors = [sign, -INVERSE_INERTIA];
+    match E::FRICTION {
+        true => bodies.add_shares::<L, true>(places, push, factors),
+        false => bodies.add_shares::<L, false>(places, push, factors),
     }
 }
 

@@ -7,6 +7,7 @@ mod pairs;
 mod residual;
 mod scalar;
 mod single;
+mod stages;
 mod torques;
 
 pub use count::Operations;
@@ -14,13 +15,13 @@ pub(crate) use driven::{start_driven, tell_driven};
 pub(crate) use residual::{Directions, Gauge, LaneResidual, Off, TaskResidual};
 use residual::{Gauged, with_gauge};
 pub use residual::{Residual, Residuals};
+pub(crate) use stages::{SweepOperands, SweepPass};
 
-use crate::detect::{AngularImpulse, Impulse};
+use crate::detect::{AngularImpulse, Impulse, ImpulsesOfTask};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
 use crate::groups::{ContactLanes, Kind, Sources, Tangential, WallTorqueLanes, with_pairs};
-use crate::lanes::{Available, Eight, Kernel, Lanes, PREFETCH, Quad, cross, prefetch_places, times};
+use crate::lanes::{Available, Eight, Kernel, Lanes, PREFETCH, TaskSlots, cross, prefetch_places, times};
 use crate::partition::{TaskGroups, overlapped};
-use crate::schedule::Disjoint;
 use crate::world::Body;
 pub(crate) use kernel::INVERSE_INERTIA;
 use kernel::{Bodies, Contact, Pair, push_each};
@@ -42,7 +43,7 @@ pub struct Relaxation {
 
 /// One sweep over a task.
 struct Sweep<'a, E: Effects, G: Gauged> {
-    bodies: *mut Body,
+    bodies: TaskSlots<'a, Body>,
     groups: &'a mut TaskGroups,
     factor: f64,
     prefetch: usize,
@@ -52,62 +53,47 @@ struct Sweep<'a, E: Effects, G: Gauged> {
 
 /// Gives bodies the impulses that a task's contacts start from.
 struct Start<'a, E: Effects> {
-    bodies: *mut Body,
+    bodies: TaskSlots<'a, Body>,
     groups: &'a TaskGroups,
     effects: PhantomData<E>,
 }
 
 /// Gives bodies the impulses with which cohesion pulls at a task's contacts.
 struct Pull<'a> {
-    bodies: *mut Body,
+    bodies: TaskSlots<'a, Body>,
     groups: &'a TaskGroups,
 }
 
 /// Keeps a task's impulses with the candidates that its contacts came from.
 struct Remember<'a> {
     groups: &'a TaskGroups,
-    pairs: &'a Disjoint<'a, Impulse>,
-    walls: &'a Disjoint<'a, Impulse>,
-}
-
-/// The same of angular impulses, where there are any.
-struct RememberTorques<'a> {
-    groups: &'a TaskGroups,
-    pairs: &'a Disjoint<'a, AngularImpulse>,
-    walls: &'a Disjoint<'a, AngularImpulse>,
+    impulses: ImpulsesOfTask<'a>,
 }
 
 impl Relaxation {
     /// Relaxes every group of a task once, pairs first; adds to `residual` what the gauge says.
-    ///
-    /// # Safety
-    /// The groups name bodies behind `bodies`, and no other task uses these meanwhile.
-    pub(crate) unsafe fn sweep(
+    pub(crate) fn sweep(
         &self,
-        bodies: *mut Body,
+        bodies: TaskSlots<'_, Body>,
         groups: &mut TaskGroups,
         factor: f64,
         gauge: Gauge,
         residual: &mut TaskResidual,
     ) {
-        // SAFETY: the caller's promise.
-        unsafe {
-            with_effects!(self.effects, E => {
-                with_gauge!(gauge, G => self.dispatch::<E, G>(bodies, groups, factor, residual))
-            })
-        }
+        with_effects!(self.effects, E => {
+            with_gauge!(gauge, G => self.dispatch::<E, G>(bodies, groups, factor, residual))
+        })
     }
 
-    unsafe fn dispatch<E: Effects, G: Gauged>(
+    fn dispatch<E: Effects, G: Gauged>(
         &self,
-        bodies: *mut Body,
+        bodies: TaskSlots<'_, Body>,
         groups: &mut TaskGroups,
         factor: f64,
         residual: &mut TaskResidual,
     ) {
         if self.scalar {
-            // SAFETY: the promise of `sweep`.
-            unsafe { scalar::sweep::<E, G>(bodies, groups, factor, residual) };
+            scalar::sweep::<E, G>(bodies, groups, factor, residual);
         } else {
             let prefetch = self.prefetch;
             let compiled = PhantomData;
@@ -115,48 +101,22 @@ impl Relaxation {
         }
     }
 
-    /// Gives bodies the impulses that a task's contacts start from.
-    ///
-    /// # Safety
-    /// As for `sweep`.
-    pub(crate) unsafe fn start(&self, bodies: *mut Body, groups: &TaskGroups) {
+    /// Gives bodies the impulses that a task's contacts start from, and those with which cohesion pulls at them.
+    pub(crate) fn start(&self, bodies: TaskSlots<'_, Body>, groups: &TaskGroups) {
         with_effects!(self.effects, E => {
             self.instruction_set.run(Start::<E> { bodies, groups, effects: PhantomData });
         });
+        if self.effects.cohesion() {
+            self.instruction_set.run(Pull { bodies, groups });
+        }
     }
 
-    /// Gives bodies the impulses with which cohesion pulls at a task's contacts.
-    ///
-    /// # Safety
-    /// As for `sweep`.
-    pub(crate) unsafe fn pull(&self, bodies: *mut Body, groups: &TaskGroups) {
-        self.instruction_set.run(Pull { bodies, groups });
-    }
-
-    /// Keeps a task's impulses with the candidates that its contacts came from.
-    ///
-    /// # Safety
-    /// No other task uses these candidates meanwhile.
-    pub(crate) unsafe fn remember(
-        &self,
-        groups: &TaskGroups,
-        pairs: &Disjoint<'_, Impulse>,
-        walls: &Disjoint<'_, Impulse>,
-    ) {
-        self.instruction_set.run(Remember { groups, pairs, walls });
-    }
-
-    /// Keeps a task's angular impulses with the candidates that its contacts came from.
-    ///
-    /// # Safety
-    /// As for `remember`.
-    pub(crate) unsafe fn remember_torques(
-        &self,
-        groups: &TaskGroups,
-        pairs: &Disjoint<'_, AngularImpulse>,
-        walls: &Disjoint<'_, AngularImpulse>,
-    ) {
-        self.instruction_set.run(RememberTorques { groups, pairs, walls });
+    /// Keeps a task's impulses, angular ones too where there are any, with the candidates that its contacts came from.
+    pub(crate) fn remember(&self, groups: &TaskGroups, impulses: ImpulsesOfTask<'_>) {
+        self.instruction_set.run(Remember { groups, impulses });
+        if self.effects.torques() {
+            remember_torques(groups, impulses);
+        }
     }
 }
 
@@ -174,28 +134,25 @@ impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
         }
         let prescribed = self.groups.prescribed_walls();
         for (number, group) in self.groups.walls[..prescribed].iter_mut().enumerate() {
-            // SAFETY: as above.
-            unsafe {
-                let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
-                let mut contact = Contact::read(&group.contacts, L::load);
-                let wall_velocity = group.wall_velocity.each_ref().map(L::load);
-                let push = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
-                contact.write::<E, _, _>(&mut group.contacts, L::store);
-                if !E::TORQUES {
-                    push_each::<L, E>(self.bodies, &group.body, -1.0, push);
-                    continue;
-                }
-                grain.push::<E>(-1.0, push[0], push[1]);
-                if E::TORQUES {
-                    let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
-                    let mut torque = Torque::read(torques, L::load);
-                    let bearing = (contact.normal, contact.impulse_normal);
-                    let wall_spin = wall_spin.each_ref().map(L::load);
-                    torque.relax_wall::<E, G>(bearing, &mut grain, wall_spin, factor, &mut residual);
-                    torque.write(torques, L::store);
-                }
-                grain.store::<E>(self.bodies, &group.body);
+            let mut grain = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.body);
+            let mut contact = Contact::read(&group.contacts, L::load);
+            let wall_velocity = group.wall_velocity.each_ref().map(L::load);
+            let push = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
+            contact.write::<E, _, _>(&mut group.contacts, L::store);
+            if !E::TORQUES {
+                push_each::<L, E>(self.bodies, &group.body, -1.0, push);
+                continue;
             }
+            grain.push::<E>(-1.0, push[0], push[1]);
+            if E::TORQUES {
+                let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
+                let mut torque = Torque::read(torques, L::load);
+                let bearing = (contact.normal, contact.impulse_normal);
+                let wall_spin = wall_spin.each_ref().map(L::load);
+                torque.relax_wall::<E, G>(bearing, &mut grain, wall_spin, factor, &mut residual);
+                torque.write(torques, L::store);
+            }
+            grain.store::<E>(self.bodies, &group.body);
         }
         if G::ANY {
             residual.write(self.residual);
@@ -211,48 +168,42 @@ impl<E: Effects> Kernel for Start<'_, E> {
         let pairs = E::Tangential::of(&self.groups.pairs);
         for (number, group) in pairs.iter().enumerate() {
             if let Some(ahead) = pairs.get(number + PREFETCH) {
-                prefetch_places(self.bodies, &ahead.first);
-                prefetch_places(self.bodies, &ahead.second);
+                prefetch_places(self.bodies.as_ptr(), &ahead.first);
+                prefetch_places(self.bodies.as_ptr(), &ahead.second);
             }
-            // SAFETY: the promise of `Relaxation::start`; the sixteen bodies of a group are different ones.
-            unsafe {
-                let contact = Contact::read(&group.contacts, L::load);
-                let impulse = contact.impulse();
-                let lever = cross(contact.normal, impulse);
-                if !E::TORQUES {
-                    Pair::push::<E>(self.bodies, group, [impulse, lever]);
-                    continue;
-                }
-                let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
-                let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
-                first.push::<E>(-1.0, impulse, lever);
-                second.push::<E>(1.0, impulse, lever);
-                if E::TORQUES {
-                    let impulse = Torque::read(&self.groups.pair_torques[number], L::load).impulse;
-                    first.turn(-1.0, impulse);
-                    second.turn(1.0, impulse);
-                }
-                first.store::<E>(self.bodies, &group.first);
-                second.store::<E>(self.bodies, &group.second);
+            let contact = Contact::read(&group.contacts, L::load);
+            let impulse = contact.impulse();
+            let lever = cross(contact.normal, impulse);
+            if !E::TORQUES {
+                Pair::push::<E>(self.bodies, group, [impulse, lever]);
+                continue;
             }
+            let mut first = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.first);
+            let mut second = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.second);
+            first.push::<E>(-1.0, impulse, lever);
+            second.push::<E>(1.0, impulse, lever);
+            if E::TORQUES {
+                let impulse = Torque::read(&self.groups.pair_torques[number], L::load).impulse;
+                first.turn(-1.0, impulse);
+                second.turn(1.0, impulse);
+            }
+            first.store::<E>(self.bodies, &group.first);
+            second.store::<E>(self.bodies, &group.second);
         }
         for (number, group) in self.groups.walls.iter().enumerate() {
-            // SAFETY: as above.
-            unsafe {
-                let contact = Contact::read(&group.contacts, L::load);
-                let impulse = contact.impulse();
-                let lever = cross(contact.normal, impulse);
-                if !E::TORQUES {
-                    push_each::<L, E>(self.bodies, &group.body, -1.0, [impulse, lever]);
-                    continue;
-                }
-                let mut grain = Bodies::<L>::load::<E>(self.bodies, &group.body);
-                grain.push::<E>(-1.0, impulse, lever);
-                if E::TORQUES {
-                    grain.turn(-1.0, Torque::read(&self.groups.wall_torques[number].torques, L::load).impulse);
-                }
-                grain.store::<E>(self.bodies, &group.body);
+            let contact = Contact::read(&group.contacts, L::load);
+            let impulse = contact.impulse();
+            let lever = cross(contact.normal, impulse);
+            if !E::TORQUES {
+                push_each::<L, E>(self.bodies, &group.body, -1.0, [impulse, lever]);
+                continue;
             }
+            let mut grain = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.body);
+            grain.push::<E>(-1.0, impulse, lever);
+            if E::TORQUES {
+                grain.turn(-1.0, Torque::read(&self.groups.wall_torques[number].torques, L::load).impulse);
+            }
+            grain.store::<E>(self.bodies, &group.body);
         }
     }
 }
@@ -264,25 +215,19 @@ impl Kernel for Pull<'_> {
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_pulls, walls, wall_pulls, .. } = self.groups;
         with_pairs!(pairs, pairs => for (group, pulls) in pairs.iter().zip(pair_pulls) {
-            // SAFETY: the promise of `Relaxation::pull`; the sixteen bodies of a group are different ones.
-            unsafe {
-                let mut first = Bodies::<L>::load::<Frictionless>(self.bodies, &group.first);
-                let mut second = Bodies::<L>::load::<Frictionless>(self.bodies, &group.second);
-                let pull = times(group.contacts.normal.each_ref().map(L::load), L::load(pulls));
-                first.push::<Frictionless>(1.0, pull, pull);
-                second.push::<Frictionless>(-1.0, pull, pull);
-                first.store::<Frictionless>(self.bodies, &group.first);
-                second.store::<Frictionless>(self.bodies, &group.second);
-            }
+            let mut first = Bodies::<L>::load::<Frictionless>(self.bodies.to_read(), &group.first);
+            let mut second = Bodies::<L>::load::<Frictionless>(self.bodies.to_read(), &group.second);
+            let pull = times(group.contacts.normal.each_ref().map(L::load), L::load(pulls));
+            first.push::<Frictionless>(1.0, pull, pull);
+            second.push::<Frictionless>(-1.0, pull, pull);
+            first.store::<Frictionless>(self.bodies, &group.first);
+            second.store::<Frictionless>(self.bodies, &group.second);
         });
         for (group, pulls) in walls.iter().zip(wall_pulls) {
-            // SAFETY: as above.
-            unsafe {
-                let mut grain = Bodies::<L>::load::<Frictionless>(self.bodies, &group.body);
-                let pull = times(group.contacts.normal.each_ref().map(L::load), L::load(pulls));
-                grain.push::<Frictionless>(1.0, pull, pull);
-                grain.store::<Frictionless>(self.bodies, &group.body);
-            }
+            let mut grain = Bodies::<L>::load::<Frictionless>(self.bodies.to_read(), &group.body);
+            let pull = times(group.contacts.normal.each_ref().map(L::load), L::load(pulls));
+            grain.push::<Frictionless>(1.0, pull, pull);
+            grain.store::<Frictionless>(self.bodies, &group.body);
         }
     }
 }
@@ -294,10 +239,10 @@ impl Kernel for Remember<'_> {
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_sources, walls, wall_sources, .. } = self.groups;
         with_pairs!(pairs, pairs => for (group, sources) in pairs.iter().zip(pair_sources) {
-            remember::<L, _>(&group.contacts, sources, self.pairs);
+            remember::<L, _>(&group.contacts, sources, self.impulses.pairs);
         });
         for (group, sources) in walls.iter().zip(wall_sources) {
-            remember::<L, _>(&group.contacts, sources, self.walls);
+            remember::<L, _>(&group.contacts, sources, self.impulses.walls);
         }
     }
 }
@@ -307,37 +252,29 @@ impl Kernel for Remember<'_> {
 fn remember<L: Lanes, T: Tangential>(
     contacts: &ContactLanes<Eight, T>,
     sources: &Sources,
-    impulses: &Disjoint<'_, Impulse>,
+    impulses: TaskSlots<'_, Impulse>,
 ) {
     if sources.is_full() {
         let contact = Contact::read(contacts, L::load);
         let [x, y, z] = contact.impulse_tangential;
-        let base: *mut Quad = impulses.as_ptr().cast();
-        // SAFETY: the promise of `Relaxation::remember`; an impulse is a quad.
-        unsafe { L::store_quads::<1>(base, &sources.or(u32::MAX), [contact.impulse_normal, x, y, z]) };
+        impulses.store_quads(&sources.or(u32::MAX), [contact.impulse_normal, x, y, z]);
     } else {
         for (lane, candidate) in sources.occupied() {
             let impulse =
                 Impulse { normal: contacts.normal_impulse(lane), tangential: contacts.tangential_impulse(lane) };
-            // SAFETY: the promise of `Relaxation::remember`.
-            *unsafe { impulses.at(candidate) } = impulse;
+            impulses.set(candidate as u32, impulse);
         }
     }
 }
 
-impl Kernel for RememberTorques<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let TaskGroups { pair_torques, pair_sources, wall_torques, wall_sources, .. } = self.groups;
-        let pairs = pair_torques.iter().zip(pair_sources).map(|both| (both, self.pairs));
-        let walls = wall_torques.iter().map(|group| &group.torques).zip(wall_sources);
-        for ((torques, sources), impulses) in pairs.chain(walls.map(|both| (both, self.walls))) {
-            for (lane, candidate) in sources.occupied() {
-                // SAFETY: the promise of `Relaxation::remember_torques`.
-                *unsafe { impulses.at(candidate) } = AngularImpulse(torques.angular_impulse(lane));
-            }
+/// Keeps the angular impulses of a task's contacts.
+fn remember_torques(groups: &TaskGroups, impulses: ImpulsesOfTask<'_>) {
+    let TaskGroups { pair_torques, pair_sources, wall_torques, wall_sources, .. } = groups;
+    let pairs = pair_torques.iter().zip(pair_sources).map(|both| (both, impulses.pair_torques));
+    let walls = wall_torques.iter().map(|group| &group.torques).zip(wall_sources);
+    for ((torques, sources), impulses) in pairs.chain(walls.map(|both| (both, impulses.wall_torques))) {
+        for (lane, candidate) in sources.occupied() {
+            impulses.set(candidate as u32, AngularImpulse(torques.angular_impulse(lane)));
         }
     }
 }

@@ -16,43 +16,39 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
         let TaskGroups { pairs, pair_torques, .. } = &mut *self.groups;
         let pairs = E::Tangential::of_mut(pairs);
         for number in 0..pairs.len() {
-            fetch(self.bodies, pairs, number, self.prefetch);
+            fetch(self.bodies.as_ptr(), pairs, number, self.prefetch);
             let group = &mut pairs[number];
-            // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
-            unsafe {
-                let mut contact = Contact::read(&group.contacts, L::load);
-                // Without spin there are registers enough to keep the bodies until they are written.
-                if !E::FRICTION {
-                    let (pair, kept) = Pair::<L>::load_keeping(self.bodies, group);
-                    let [impulse, _] = contact.relax_pair::<E, G>(&pair, factor, residual);
-                    L::add_to_kept(self.bodies.cast(), &group.first, kept[0], impulse, -1.0);
-                    L::add_to_kept(self.bodies.cast(), &group.second, kept[1], impulse, 1.0);
-                    contact.write::<E, _, _>(&mut group.contacts, L::store);
-                    continue;
-                }
-                // Torques need both bodies' spins; else what they do together is enough, and bodies stay in memory.
-                if !E::TORQUES {
-                    let pair = Pair::<L>::load::<E>(self.bodies, group);
-                    let push = contact.relax_pair::<E, G>(&pair, factor, residual);
-                    Pair::push::<E>(self.bodies, group, push);
-                    contact.write::<E, _, _>(&mut group.contacts, L::store);
-                    continue;
-                }
-                let mut first = Bodies::<L>::load::<E>(self.bodies, &group.first);
-                let mut second = Bodies::<L>::load::<E>(self.bodies, &group.second);
-                let pair = Pair::of(&first, &second);
-                let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, residual);
-                first.push::<E>(-1.0, impulse, lever);
-                second.push::<E>(1.0, impulse, lever);
-                let torques = &mut pair_torques[number];
-                let mut torque = Torque::read(torques, L::load);
-                let bearing = (contact.normal, contact.impulse_normal);
-                torque.relax_pair::<E, G>(bearing, &mut first, &mut second, factor, residual);
-                torque.write(torques, L::store);
-                first.store::<E>(self.bodies, &group.first);
-                second.store::<E>(self.bodies, &group.second);
+            let mut contact = Contact::read(&group.contacts, L::load);
+            // Without spin there are registers enough to keep the bodies until they are written.
+            if !E::FRICTION {
+                let (pair, kept) = Pair::<L>::load_keeping(self.bodies.to_read(), group);
+                let [impulse, _] = contact.relax_pair::<E, G>(&pair, factor, residual);
+                Pair::push_kept(self.bodies, group, kept, impulse);
                 contact.write::<E, _, _>(&mut group.contacts, L::store);
+                continue;
             }
+            // Torques need both bodies' spins; else what they do together is enough, and bodies stay in memory.
+            if !E::TORQUES {
+                let pair = Pair::<L>::load::<E>(self.bodies.to_read(), group);
+                let push = contact.relax_pair::<E, G>(&pair, factor, residual);
+                Pair::push::<E>(self.bodies, group, push);
+                contact.write::<E, _, _>(&mut group.contacts, L::store);
+                continue;
+            }
+            let mut first = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.first);
+            let mut second = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.second);
+            let pair = Pair::of(&first, &second);
+            let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, residual);
+            first.push::<E>(-1.0, impulse, lever);
+            second.push::<E>(1.0, impulse, lever);
+            let torques = &mut pair_torques[number];
+            let mut torque = Torque::read(torques, L::load);
+            let bearing = (contact.normal, contact.impulse_normal);
+            torque.relax_pair::<E, G>(bearing, &mut first, &mut second, factor, residual);
+            torque.write(torques, L::store);
+            first.store::<E>(self.bodies, &group.first);
+            second.store::<E>(self.bodies, &group.second);
+            contact.write::<E, _, _>(&mut group.contacts, L::store);
         }
     }
 
@@ -75,25 +71,22 @@ impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
         let mut read: Option<(usize, Pair<L>)> = None;
         let mut relaxed: Option<(usize, [[L; 3]; 2])> = None;
         while next < pairs.len() || read.is_some() || relaxed.is_some() {
-            // SAFETY: the promise of `Relaxation::sweep`; the sixteen bodies of a group are different ones.
-            unsafe {
-                let before = relaxed;
-                relaxed = None;
-                if let Some((number, pair)) = read {
-                    let contacts = &mut pairs[number].contacts;
-                    let mut contact = Contact::read(contacts, L::load);
-                    relaxed = Some((number, contact.relax_pair::<E, G>(&pair, factor, residual)));
-                    contact.write::<E, _, _>(contacts, L::store);
-                }
-                if let Some((number, push)) = before {
-                    Pair::push::<E>(self.bodies, &pairs[number], push);
-                }
-                read = None;
-                if next < pairs.len() && (relaxed.is_none() || pair_waits.get(next) == Some(&false)) {
-                    fetch(self.bodies, pairs, next, self.prefetch);
-                    read = Some((next, Pair::load::<E>(self.bodies, &pairs[next])));
-                    next += 1;
-                }
+            let before = relaxed;
+            relaxed = None;
+            if let Some((number, pair)) = read {
+                let contacts = &mut pairs[number].contacts;
+                let mut contact = Contact::read(contacts, L::load);
+                relaxed = Some((number, contact.relax_pair::<E, G>(&pair, factor, residual)));
+                contact.write::<E, _, _>(contacts, L::store);
+            }
+            if let Some((number, push)) = before {
+                Pair::push::<E>(self.bodies, &pairs[number], push);
+            }
+            read = None;
+            if next < pairs.len() && (relaxed.is_none() || pair_waits.get(next) == Some(&false)) {
+                fetch(self.bodies.as_ptr(), pairs, next, self.prefetch);
+                read = Some((next, Pair::load::<E>(self.bodies.to_read(), &pairs[next])));
+                next += 1;
             }
         }
     }

@@ -5,26 +5,22 @@ use super::residual::{Gauged, LaneResidual, TaskResidual};
 use super::torques::Torque;
 use crate::effects::Effects;
 use crate::groups::{Kind, WallTorqueLanes};
-use crate::lanes::{Eight, LANES};
+use crate::lanes::{Eight, LANES, TaskSlots};
 use crate::partition::TaskGroups;
 use crate::world::Body;
 
 /// Relaxes a task's contacts once, lane after lane.
-///
-/// # Safety
-/// The groups name bodies behind `bodies`, and no other task uses these.
-pub(super) unsafe fn sweep<E: Effects, G: Gauged>(
-    bodies: *mut Body,
+pub(super) fn sweep<E: Effects, G: Gauged>(
+    bodies: TaskSlots<'_, Body>,
     groups: &mut TaskGroups,
     relaxation: f64,
     residual: &mut TaskResidual,
 ) {
-    // SAFETY: the caller's promise; the two bodies of a contact are different ones.
-    let at = |place: u32| unsafe { &mut *bodies.add(place as usize) };
+    let load = |place: u32| Bodies::load_one(bodies, place);
     for (number, group) in E::Tangential::of_mut(&mut groups.pairs).iter_mut().enumerate() {
         for lane in 0..LANES {
             let (a, b) = (group.first[lane], group.second[lane]);
-            let (mut first, mut second) = (Bodies::of(at(a)), Bodies::of(at(b)));
+            let (mut first, mut second) = (load(a), load(b));
             let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
             let mut own = LaneResidual::zero();
             let pair = Pair::of(&first, &second);
@@ -38,8 +34,8 @@ pub(super) unsafe fn sweep<E: Effects, G: Gauged>(
                 torque.relax_pair::<E, G>(bearing, &mut first, &mut second, relaxation, &mut own);
                 torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
             }
-            put::<E>(at(a), &first);
-            put::<E>(at(b), &second);
+            first.store_one::<E>(bodies, a);
+            second.store_one::<E>(bodies, b);
             contact.write::<E, _, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
             if G::ANY {
                 residual.add_lane(lane, own);
@@ -50,7 +46,7 @@ pub(super) unsafe fn sweep<E: Effects, G: Gauged>(
     for (number, group) in groups.walls[..prescribed].iter_mut().enumerate() {
         for lane in 0..LANES {
             let place = group.body[lane];
-            let mut grain = Bodies::of(at(place));
+            let mut grain = load(place);
             let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
             let wall_velocity = group.wall_velocity.each_ref().map(|eight| eight.0[lane]);
             let mut own = LaneResidual::zero();
@@ -64,19 +60,11 @@ pub(super) unsafe fn sweep<E: Effects, G: Gauged>(
                 torque.relax_wall::<E, G>(bearing, &mut grain, wall_spin, relaxation, &mut own);
                 torque.write(torques, |value, eight: &mut Eight| eight.0[lane] = value);
             }
-            put::<E>(at(place), &grain);
+            grain.store_one::<E>(bodies, place);
             contact.write::<E, _, _>(&mut group.contacts, |value, eight: &mut Eight| eight.0[lane] = value);
             if G::ANY {
                 residual.add_lane(lane, own);
             }
         }
-    }
-}
-
-#[inline(always)]
-pub(super) fn put<E: Effects>(body: &mut Body, new: &Bodies<f64>) {
-    body.velocity = new.velocity;
-    if E::FRICTION {
-        body.surface_speed = new.surface_speed;
     }
 }

@@ -4,13 +4,13 @@ use super::Relaxation;
 use super::kernel::{Bodies, Contact, Pair};
 use super::residual::{Gauge, Gauged, LaneResidual, TaskResidual, with_gauge};
 use crate::effects::{Effects, with_tangential};
-use crate::lanes::{Kernel, Lanes, Number, SingleLanes, prefetch_lines, prefetch_places};
+use crate::lanes::{Kernel, Lanes, Number, SingleLanes, TaskSlots, prefetch_lines, prefetch_places};
 use crate::partition::{SingleBody, SingleGroups, SinglePairGroup};
 use std::marker::PhantomData;
 
 /// One sweep over a task.
 pub(super) struct SingleSweep<'a, E: Effects, G: Gauged> {
-    bodies: *mut SingleBody,
+    bodies: TaskSlots<'a, SingleBody>,
     groups: &'a mut SingleGroups,
     factor: f64,
     prefetch: usize,
@@ -20,12 +20,9 @@ pub(super) struct SingleSweep<'a, E: Effects, G: Gauged> {
 
 impl Relaxation {
     /// As [`Relaxation::sweep`], in single precision; always in lanes.
-    ///
-    /// # Safety
-    /// The groups name bodies behind `bodies`, and no other task uses these meanwhile.
-    pub(crate) unsafe fn sweep_single(
+    pub(crate) fn sweep_single(
         &self,
-        bodies: *mut SingleBody,
+        bodies: TaskSlots<'_, SingleBody>,
         groups: &mut SingleGroups,
         factor: f64,
         gauge: Gauge,
@@ -39,7 +36,7 @@ impl Relaxation {
 
     fn run_single<E: Effects, G: Gauged>(
         &self,
-        bodies: *mut SingleBody,
+        bodies: TaskSlots<'_, SingleBody>,
         groups: &mut SingleGroups,
         factor: f64,
         residual: &mut TaskResidual,
@@ -63,36 +60,30 @@ impl<E: Effects, G: Gauged> Kernel for SingleSweep<'_, E, G> {
                 // The group itself is fetched before the bodies that it names.
                 prefetch_lines(pairs.as_ptr().wrapping_add(number + 2 * self.prefetch), SinglePairGroup::used::<E>());
                 if let Some(ahead) = pairs.get(number + self.prefetch) {
-                    prefetch_places(self.bodies, &ahead.first);
-                    prefetch_places(self.bodies, &ahead.second);
+                    prefetch_places(self.bodies.as_ptr(), &ahead.first);
+                    prefetch_places(self.bodies.as_ptr(), &ahead.second);
                 }
             }
             let group = &mut pairs[number];
-            // SAFETY: the promise of `Relaxation::sweep_single`; the grains of a group are different ones.
-            unsafe {
-                let mut first = Bodies::<L::Single>::load_single(self.bodies, &group.first);
-                let mut second = Bodies::<L::Single>::load_single(self.bodies, &group.second);
-                let mut contact = Contact::read(&group.contacts, L::Single::load);
-                let pair = Pair::of(&first, &second);
-                let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
-                first.push::<E>(-1.0, impulse, lever);
-                second.push::<E>(1.0, impulse, lever);
-                first.store_single(self.bodies, &group.first);
-                second.store_single(self.bodies, &group.second);
-                contact.write::<E, _, _>(&mut group.contacts, L::Single::store);
-            }
+            let mut first = Bodies::<L::Single>::load_single(self.bodies.to_read(), &group.first);
+            let mut second = Bodies::<L::Single>::load_single(self.bodies.to_read(), &group.second);
+            let mut contact = Contact::read(&group.contacts, L::Single::load);
+            let pair = Pair::of(&first, &second);
+            let [impulse, lever] = contact.relax_pair::<E, G>(&pair, factor, &mut residual);
+            first.push::<E>(-1.0, impulse, lever);
+            second.push::<E>(1.0, impulse, lever);
+            first.store_single(self.bodies, &group.first);
+            second.store_single(self.bodies, &group.second);
+            contact.write::<E, _, _>(&mut group.contacts, L::Single::store);
         }
         for group in &mut self.groups.walls {
-            // SAFETY: as above.
-            unsafe {
-                let mut grain = Bodies::<L::Single>::load_single(self.bodies, &group.body);
-                let mut contact = Contact::read(&group.contacts, L::Single::load);
-                let wall_velocity = group.wall_velocity.each_ref().map(L::Single::load);
-                let [impulse, lever] = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
-                grain.push::<E>(-1.0, impulse, lever);
-                grain.store_single(self.bodies, &group.body);
-                contact.write::<E, _, _>(&mut group.contacts, L::Single::store);
-            }
+            let mut grain = Bodies::<L::Single>::load_single(self.bodies.to_read(), &group.body);
+            let mut contact = Contact::read(&group.contacts, L::Single::load);
+            let wall_velocity = group.wall_velocity.each_ref().map(L::Single::load);
+            let [impulse, lever] = contact.relax_wall::<E, G>(&grain, wall_velocity, factor, &mut residual);
+            grain.push::<E>(-1.0, impulse, lever);
+            grain.store_single(self.bodies, &group.body);
+            contact.write::<E, _, _>(&mut group.contacts, L::Single::store);
         }
         if G::ANY {
             residual.add_to(self.residual);

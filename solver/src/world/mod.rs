@@ -12,9 +12,10 @@ use crate::effects::compliance::NormalContact;
 use crate::effects::drive::Drive;
 use crate::effects::gravity::Field;
 use crate::effects::period::Period;
-use crate::lanes::{LANES, Quad};
+use crate::lanes::{LANES, Line, Quad};
 use crate::scene::{Grain, REACHES, Scene};
-use crate::schedule::{Disjoint, Phase, Team};
+use crate::schedule::{Phase, Runs, Team};
+use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -35,6 +36,11 @@ pub(crate) fn chunk(number: usize, grains: usize) -> Range<usize> {
     CHUNK * number..(CHUNK * (number + 1)).min(grains)
 }
 
+/// What each of them writes of an array of grains, or of bodies.
+pub(crate) fn by_chunk<T>(array: &mut [T]) -> Runs<'_, T> {
+    Runs::of(array, CHUNK)
+}
+
 /// Number of the one that a grain belongs to.
 pub(crate) fn chunk_of(place: usize) -> usize {
     place / CHUNK
@@ -44,7 +50,7 @@ pub(crate) fn chunk_of(place: usize) -> usize {
 ///
 /// The spin is kept as the surface speed `radius * angular velocity` (m/s), which takes the lever arm out of the
 /// contact: for solid spheres (I = 0.4 m r^2) an impulse P changes it by 2.5/m times the cross product of P and the normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Body {
     /// Velocity, m/s.
@@ -58,7 +64,7 @@ pub struct Body {
 }
 
 /// Where a grain is and how large: one quad.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Sphere {
     /// Centre, m.
@@ -101,6 +107,50 @@ pub struct World {
     pub period: Period,
     /// Simulated time, s.
     pub time: f64,
+}
+
+/// A [`World`] whose bodies are being written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WorldBesideBodies<'a> {
+    grains: usize,
+    pub spheres: &'a [Sphere],
+    pub materials: &'a [u8],
+    pub before: &'a [Quad],
+    pub spins_before: &'a [Quad],
+    pub surfaces: &'a [Surface],
+    pub drives: &'a [Drive],
+    pub table: &'a MaterialTable,
+    pub gravity: &'a Vector3<f64>,
+    pub period: &'a Period,
+}
+
+impl WorldBesideBodies<'_> {
+    /// Number of grains.
+    pub fn grains(&self) -> usize {
+        self.grains
+    }
+
+    /// Place of the first dummy of a box.
+    #[inline]
+    pub fn dummies_of(&self, number: usize) -> u32 {
+        (self.grains + number * DUMMIES) as u32
+    }
+
+    /// The vector from one sphere's centre to the nearest image of another's, m.
+    #[inline]
+    pub fn arm(&self, from: usize, to: usize) -> Vector3<f64> {
+        self.period.arm(&self.spheres[from].centre, &self.spheres[to].centre)
+    }
+
+    /// Number of the drive of a surface, if it has one.
+    pub fn drive_of(&self, surface: u32) -> Option<usize> {
+        drive_of(self.surfaces, self.drives, surface)
+    }
+}
+
+fn drive_of(surfaces: &[Surface], drives: &[Drive], surface: u32) -> Option<usize> {
+    let wall = surfaces[surface as usize].wall;
+    drives.iter().position(|drive| drive.wall == wall)
 }
 
 impl World {
@@ -166,10 +216,23 @@ impl World {
         }
     }
 
-    /// Place of the first dummy of a box.
-    #[inline]
-    pub(crate) fn dummies_of(&self, number: usize) -> u32 {
-        (self.grains() + number * DUMMIES) as u32
+    /// The bodies, to be written, and all that contacts are made from beside them.
+    pub(crate) fn split(&mut self) -> (&mut [Body], WorldBesideBodies<'_>) {
+        let World { bodies, spheres, materials, ids, before, spins_before, surfaces, drives, table, .. } = self;
+        let (grains, gravity, period) = (ids.len(), &self.gravity, &self.period);
+        let beside = WorldBesideBodies {
+            grains,
+            spheres,
+            materials,
+            before,
+            spins_before,
+            surfaces,
+            drives,
+            table,
+            gravity,
+            period,
+        };
+        (bodies, beside)
     }
 
     /// The vector from one sphere's centre to the nearest image of another's, m.
@@ -208,8 +271,7 @@ impl World {
 
     /// Number of the drive of a surface, if it has one.
     pub(crate) fn drive_of(&self, surface: u32) -> Option<usize> {
-        let wall = self.surfaces[surface as usize].wall;
-        self.drives.iter().position(|drive| drive.wall == wall)
+        drive_of(&self.surfaces, &self.drives, surface)
     }
 
     /// A face at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end.
@@ -227,13 +289,12 @@ impl World {
     pub(crate) fn reorder(&mut self, order: &[u32], team: &Team) {
         let World { bodies, spheres, materials, ids, before, .. } = self;
         before.resize(bodies.len(), Quad::default());
-        let (bodies, spheres): (*mut Quad, *mut Quad) = (bodies.as_mut_ptr().cast(), spheres.as_mut_ptr().cast());
-        // SAFETY: a body is two quads, a sphere is one, and there is one of each for every entry of `order`.
-        unsafe {
-            reorder_quads::<2>(bodies, order, before, team);
-            reorder_quads::<2>(bodies.add(1), order, before, team);
-            reorder_quads::<1>(spheres, order, before, team);
+        let bodies: &mut [Line] = bytemuck::must_cast_slice_mut(&mut bodies[..order.len()]);
+        for half in 0..2 {
+            reorder_quads(bodies, order, before, team, |line| &mut line.0[half]);
         }
+        let spheres: &mut [Quad] = bytemuck::must_cast_slice_mut(&mut spheres[..order.len()]);
+        reorder_quads(spheres, order, before, team, |quad| quad);
         team.alone(Phase::Detect, || {
             // Ids and materials are small: one quad takes both.
             for (quad, (id, material)) in before.iter_mut().zip(ids.iter().zip(&*materials)) {
@@ -292,43 +353,20 @@ impl World {
     }
 }
 
-/// Moves the quad at `base + STRIDE order[i]` to `base + STRIDE i`, by way of `room`.
-///
-/// # Safety
-/// All of these lie in memory that this task alone may use.
-unsafe fn reorder_quads<const STRIDE: usize>(base: *mut Quad, order: &[u32], room: &mut [Quad], team: &Team) {
-    let quads = Records { base, stride: STRIDE };
-    let copies = Disjoint::new(room);
-    team.each(Phase::Detect, chunks(order.len()), |number| {
-        let places = chunk(number, order.len());
-        // SAFETY: the caller's promise; chunks do not overlap.
-        let copies = unsafe { copies.range(places.clone()) };
-        for (copy, place) in copies.iter_mut().zip(places) {
-            // SAFETY: as above.
-            *copy = unsafe { *quads.at(place) };
-        }
+/// Moves the quad of the record at `order[i]` to the record at `i`, by way of `room`.
+fn reorder_quads<R: Copy + Send + Sync>(
+    records: &mut [R],
+    order: &[u32],
+    room: &mut [Quad],
+    team: &Team,
+    quad: impl Fn(&mut R) -> &mut Quad + Sync,
+) {
+    let tasks = chunks(order.len());
+    team.each_with(Phase::Detect, tasks, (by_chunk(records), by_chunk(room)), |_, (records, copies)| {
+        records.iter_mut().zip(copies).for_each(|(record, copy)| *copy = *quad(record));
     });
-    let room = &*room;
-    team.each(Phase::Detect, chunks(order.len()), |number| {
-        for place in chunk(number, order.len()) {
-            // SAFETY: as above.
-            unsafe { *quads.at(place) = room[order[place] as usize] };
-        }
+    team.each_with(Phase::Detect, tasks, by_chunk(records), |number, records| {
+        let order = &order[chunk(number, order.len())];
+        records.iter_mut().zip(order).for_each(|(record, &old)| *quad(record) = room[old as usize]);
     });
-}
-
-/// Quads that lie at equal distances; shared by tasks that use different ones.
-struct Records {
-    base: *mut Quad,
-    stride: usize,
-}
-
-// SAFETY: it only computes addresses; whoever uses them promises that no two tasks use the same.
-unsafe impl Sync for Records {}
-
-impl Records {
-    #[inline(always)]
-    fn at(&self, place: usize) -> *mut Quad {
-        self.base.wrapping_add(self.stride * place)
-    }
 }

@@ -1,0 +1,254 @@
+//! Records of eight or sixteen bodies, spheres or impulses, read and written by their slots in an array of all.
+//!
+//! Slots are numbers in lane groups and candidates, which no type holds to an array. What holds them is this: nothing but packing and
+//! detection writes such numbers; they take them from the world and the list of candidates that there are; and groups are made anew
+//! with each step. Builds with debug assertions look at every one.
+
+use super::{LANES, Lanes, Line, Octet, Quad, SINGLE_LANES, SingleLanes};
+use bytemuck::Pod;
+use std::marker::PhantomData;
+
+/// An array that nobody writes meanwhile, but for slots of other tasks.
+#[derive(Debug)]
+pub(crate) struct Slots<'a, T> {
+    base: *const T,
+    count: usize,
+    array: PhantomData<&'a [T]>,
+}
+
+/// The slots of one task in an array of all, to be read and written: those that its lane groups and candidates name.
+#[derive(Debug)]
+pub(crate) struct TaskSlots<'a, T> {
+    base: *mut T,
+    count: usize,
+    array: PhantomData<&'a mut [T]>,
+}
+
+impl<T> Clone for Slots<'_, T> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Slots<'_, T> {}
+
+impl<T> Clone for TaskSlots<'_, T> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for TaskSlots<'_, T> {}
+
+// SAFETY: it is read alone, as a shared slice is.
+unsafe impl<T: Sync> Sync for Slots<'_, T> {}
+
+/// Asserts, when the program is built, that a record is so many quads, octets or lines and nothing else, and as aligned.
+macro_rules! is_made_of {
+    ($count:literal $unit:ty) => {
+        const { assert!(size_of::<T>() == $count * size_of::<$unit>() && align_of::<T>() >= align_of::<$unit>()) }
+    };
+}
+
+impl<'a, T: Copy> Slots<'a, T> {
+    /// Of an array that is borrowed.
+    #[inline(always)]
+    pub fn of(array: &'a [T]) -> Slots<'a, T> {
+        Slots { base: array.as_ptr(), count: array.len(), array: PhantomData }
+    }
+
+    /// The first slot, to fetch from.
+    #[inline(always)]
+    pub fn as_ptr(self) -> *const T {
+        self.base
+    }
+
+    #[inline(always)]
+    fn check<const N: usize>(self, slots: &[u32; N]) {
+        debug_assert!(
+            slots.iter().all(|&slot| (slot as usize) < self.count),
+            "a slot beyond the last of {}",
+            self.count
+        );
+    }
+
+    /// The record in a slot.
+    #[inline(always)]
+    pub fn get(self, slot: u32) -> T {
+        assert!((slot as usize) < self.count, "slot {slot} of {}", self.count);
+        // SAFETY: it is inside the array.
+        unsafe { *self.base.add(slot as usize) }
+    }
+
+    /// The same, checked where debug assertions are.
+    #[inline(always)]
+    pub fn get_trusted(self, slot: u32) -> T {
+        self.check(&[slot]);
+        // SAFETY: lane groups and candidates name slots of the array.
+        unsafe { *self.base.add(slot as usize) }
+    }
+}
+
+impl<T: Pod> Slots<'_, T> {
+    /// Reads eight records of one quad, transposed.
+    #[inline(always)]
+    pub fn load_quads<L: Lanes>(self, slots: &[u32; LANES]) -> [L; 4] {
+        is_made_of!(1 Quad);
+        self.check(slots);
+        // SAFETY: lane groups and candidates name slots of the array; a record is a quad.
+        unsafe { L::load_quads::<1>(self.base.cast(), slots) }
+    }
+
+    /// Reads the first (0) or second (1) quads of eight records of two, transposed.
+    #[inline(always)]
+    pub fn load_halves<L: Lanes, const HALF: usize>(self, slots: &[u32; LANES]) -> [L; 4] {
+        is_made_of!(2 Quad);
+        self.check(slots);
+        // SAFETY: as above; a record is two quads.
+        unsafe { L::load_quads::<2>(self.base.cast::<Quad>().add(HALF), slots) }
+    }
+
+    /// Reads what eight records of one quad have less eight others; of the fourth number the sum.
+    #[inline(always)]
+    pub fn load_differences<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [L; 4] {
+        is_made_of!(1 Quad);
+        self.check(first);
+        self.check(second);
+        // SAFETY: as above; a record is a quad.
+        unsafe { L::load_differences::<1>(self.base.cast(), first, second) }
+    }
+
+    /// The same of the first quads of records of two.
+    #[inline(always)]
+    pub fn load_differences_of_halves<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [L; 4] {
+        is_made_of!(2 Quad);
+        self.check(first);
+        self.check(second);
+        // SAFETY: as above; a record is two quads.
+        unsafe { L::load_differences::<2>(self.base.cast(), first, second) }
+    }
+
+    /// The same, with the records kept for [`TaskSlots::add_to_kept`].
+    #[inline(always)]
+    pub fn load_keeping<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> ([L; 4], [L::Kept; 2]) {
+        is_made_of!(1 Line);
+        self.check(first);
+        self.check(second);
+        // SAFETY: as above; a record is a line.
+        unsafe { L::load_keeping(self.base.cast(), first, second) }
+    }
+
+    /// The same of the first quads of records of two, and sums of their second quads.
+    #[inline(always)]
+    pub fn load_pairs<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [[L; 4]; 2] {
+        is_made_of!(1 Line);
+        self.check(first);
+        self.check(second);
+        // SAFETY: as above; a record is a line.
+        unsafe { L::load_pairs(self.base.cast(), first, second) }
+    }
+
+    /// Reads sixteen records of one octet, transposed.
+    #[inline(always)]
+    pub fn load_octets<S: SingleLanes>(self, slots: &[u32; SINGLE_LANES]) -> [S; 8] {
+        is_made_of!(1 Octet);
+        self.check(slots);
+        // SAFETY: as above; a record is an octet.
+        unsafe { S::load_octets(self.base.cast(), slots) }
+    }
+}
+
+impl<'a, T: Copy> TaskSlots<'a, T> {
+    /// The slots of a task in an array of so many.
+    ///
+    /// # Safety
+    /// While this lives no other task uses the slots that the task's lane groups and candidates name.
+    #[inline(always)]
+    pub unsafe fn new(base: *mut T, count: usize) -> TaskSlots<'a, T> {
+        TaskSlots { base, count, array: PhantomData }
+    }
+
+    /// The same, to be read.
+    #[inline(always)]
+    pub fn to_read(self) -> Slots<'a, T> {
+        Slots { base: self.base, count: self.count, array: PhantomData }
+    }
+
+    /// The first slot, to fetch from.
+    #[inline(always)]
+    pub fn as_ptr(self) -> *const T {
+        self.base
+    }
+
+    /// The record in a slot.
+    #[inline(always)]
+    pub fn get(self, slot: u32) -> T {
+        self.to_read().get(slot)
+    }
+
+    /// Puts a record into a slot.
+    #[inline(always)]
+    pub fn set(self, slot: u32, record: T) {
+        assert!((slot as usize) < self.count, "slot {slot} of {}", self.count);
+        // SAFETY: it is inside the array, and the task's own.
+        unsafe { *self.base.add(slot as usize) = record };
+    }
+
+    /// The same, checked where debug assertions are.
+    #[inline(always)]
+    pub fn set_trusted(self, slot: u32, record: T) {
+        self.to_read().check(&[slot]);
+        // SAFETY: lane groups and candidates name slots of their task.
+        unsafe { *self.base.add(slot as usize) = record };
+    }
+}
+
+impl<T: Pod> TaskSlots<'_, T> {
+    /// Writes eight records of one quad.
+    #[inline(always)]
+    pub fn store_quads<L: Lanes>(self, slots: &[u32; LANES], quads: [L; 4]) {
+        is_made_of!(1 Quad);
+        self.to_read().check(slots);
+        // SAFETY: lane groups and candidates name slots of their task, eight different ones; a record is a quad.
+        unsafe { L::store_quads::<1>(self.base.cast(), slots, quads) }
+    }
+
+    /// Writes the first (0) or second (1) quads of eight records of two.
+    #[inline(always)]
+    pub fn store_halves<L: Lanes, const HALF: usize>(self, slots: &[u32; LANES], quads: [L; 4]) {
+        is_made_of!(2 Quad);
+        self.to_read().check(slots);
+        // SAFETY: as above; a record is two quads.
+        unsafe { L::store_quads::<2>(self.base.cast::<Quad>().add(HALF), slots, quads) }
+    }
+
+    /// What [`add_shares`](TaskSlots::add_shares) does to first halves alone, of records that were kept and have not changed since.
+    #[inline(always)]
+    pub fn add_to_kept<L: Lanes>(self, slots: &[u32; LANES], kept: L::Kept, half: [L; 3], factor: f64) {
+        is_made_of!(1 Line);
+        self.to_read().check(slots);
+        // SAFETY: as above; a record is a line.
+        unsafe { L::add_to_kept(self.base.cast(), slots, kept, half, factor) }
+    }
+
+    /// Adds `halves` to the first three numbers of each half of eight records, times their fourth number and a factor for each half;
+    /// unless `WHOLE`, to first halves alone.
+    #[inline(always)]
+    pub fn add_shares<L: Lanes, const WHOLE: bool>(self, slots: &[u32; LANES], halves: [[L; 3]; 2], factors: [f64; 2]) {
+        is_made_of!(1 Line);
+        self.to_read().check(slots);
+        // SAFETY: as above; a record is a line.
+        unsafe { L::add_shares::<WHOLE>(self.base.cast(), slots, halves, factors) }
+    }
+
+    /// Writes sixteen records of one octet.
+    #[inline(always)]
+    pub fn store_octets<S: SingleLanes>(self, slots: &[u32; SINGLE_LANES], octets: [S; 8]) {
+        is_made_of!(1 Octet);
+        self.to_read().check(slots);
+        // SAFETY: as above, sixteen different ones; a record is an octet.
+        unsafe { S::store_octets(self.base.cast(), slots, octets) }
+    }
+}
