@@ -1,11 +1,11 @@
 //! How a method converges on the problem of one step.
 
-use crate::{SettingError, Simulation};
 use crate::methods::{Problem, Solver};
 use crate::scene::SolverMethod;
 use crate::solve::{gauge, residual_unit};
 use crate::sweep::Residuals;
 use crate::world::World;
+use crate::{SettingError, Simulation};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -26,11 +26,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`SettingError::Method`] if the method has no equations for something that the scene has.
-    pub fn convergence(
-        &self,
-        method: SolverMethod,
-        iterations: u32,
-    ) -> Result<Vec<ConvergencePoint>, SettingError> {
+    pub fn convergence(&self, method: SolverMethod, iterations: u32) -> Result<Vec<ConvergencePoint>, SettingError> {
         self.goes_with(method)?;
         let mut copy = self.clone();
         copy.settings.method = method;

@@ -1,9 +1,9 @@
 //! All that can go wrong with the use of the library, as one type.
 
+use crate::SettingError;
 use crate::checkpoint::CheckpointError;
 use crate::scene::{SceneError, SceneFileError};
 use crate::solve::NotConverged;
-use crate::SettingError;
 
 /// Why something could not be done.
 #[derive(Debug, thiserror::Error)]

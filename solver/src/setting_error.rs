@@ -39,7 +39,7 @@ pub enum SettingError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
     /// Some material has rolling or twisting friction.
-    #[error("contacts that resist rolling or twisting")]
+    #[error("contacts that bear torques against rolling or twisting")]
     Torques,
     /// A force or a torque drives a wall.
     #[error("driven walls")]

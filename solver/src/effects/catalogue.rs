@@ -4,17 +4,17 @@
 //! effects that a simulation is compiled for, the list of `makadam effects`, its ablation, and what other codes refuse go by
 //! [`CATALOGUE`]; `docs/effects.md` shows it as a table, which a test holds against it.
 
-use super::cohesion::COHESION;
-use super::compliance::{COMPLIANCE, VISCOSITY};
-use super::drive::DRIVEN_WALLS;
-use super::friction::{FRICTION, KINETIC_FRICTION, SPIN};
-use super::gravity::{CHANGING_GRAVITY, GRAVITY};
-use super::period::PERIODIC_AXES;
-use super::resistance::{ROLLING, TWISTING};
-use super::restitution::{FALLING_RESTITUTION, RESTITUTION};
-use super::size_spread::SIZE_SPREAD;
-use super::vibration::WALL_MOTION;
 use super::EffectSet;
+pub use super::cohesion::COHESION;
+pub use super::compliance::{COMPLIANCE, VISCOSITY};
+pub use super::drive::DRIVEN_WALLS;
+pub use super::friction::{FRICTION, KINETIC_FRICTION, SPIN};
+pub use super::gravity::{CHANGING_GRAVITY, GRAVITY};
+pub use super::period::PERIODIC_AXES;
+pub use super::resistance::{ROLLING, TWISTING};
+pub use super::restitution::{FALLING_RESTITUTION, RESTITUTION};
+pub use super::size_spread::SIZE_SPREAD;
+pub use super::vibration::WALL_MOTION;
 use crate::scene::{Checked, ContactCoefficients, Material, PairRule, Place, Scene};
 
 /// All effects, in the order in which a step meets them. A coefficient stands behind those that bound it.

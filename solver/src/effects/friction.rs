@@ -86,7 +86,9 @@ pub static KINETIC_FRICTION: Effect = Effect {
     },
     off: Some(Change {
         words: "off",
-        apply: |scene| change_coefficients(scene, |one| one.kinetic_friction = None, |rule| rule.kinetic_friction = None),
+        apply: |scene| {
+            change_coefficients(scene, |one| one.kinetic_friction = None, |rule| rule.kinetic_friction = None)
+        },
     }),
     tried: None,
     member: Some(|set| &mut set.kinetic_friction),

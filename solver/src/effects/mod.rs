@@ -17,8 +17,8 @@ pub mod vibration;
 
 use crate::groups::{FrictionLanes, Kind};
 use crate::scene::ContactCoefficients;
-pub use catalogue::{CATALOGUE, Effect};
 use catalogue::Trigger;
+pub use catalogue::{CATALOGUE, Effect};
 
 /// What a kernel is compiled with. An effect that is off leaves no instruction in it.
 pub(crate) trait Effects {

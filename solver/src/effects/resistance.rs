@@ -45,11 +45,15 @@ pub static ROLLING: Effect = Effect {
     },
     off: Some(Change {
         words: "off",
-        apply: |scene| change_coefficients(scene, |one| one.rolling_friction = 0.0, |rule| rule.rolling_friction = None),
+        apply: |scene| {
+            change_coefficients(scene, |one| one.rolling_friction = 0.0, |rule| rule.rolling_friction = None)
+        },
     }),
     tried: Some(Change {
         words: "on: 0.1",
-        apply: |scene| change_coefficients(scene, |one| one.rolling_friction = 0.1, |rule| rule.rolling_friction = None),
+        apply: |scene| {
+            change_coefficients(scene, |one| one.rolling_friction = 0.1, |rule| rule.rolling_friction = None)
+        },
     }),
     member: Some(|set| &mut set.rolling),
 };
@@ -79,11 +83,15 @@ pub static TWISTING: Effect = Effect {
     },
     off: Some(Change {
         words: "off",
-        apply: |scene| change_coefficients(scene, |one| one.twisting_friction = 0.0, |rule| rule.twisting_friction = None),
+        apply: |scene| {
+            change_coefficients(scene, |one| one.twisting_friction = 0.0, |rule| rule.twisting_friction = None)
+        },
     }),
     tried: Some(Change {
         words: "on: 0.1",
-        apply: |scene| change_coefficients(scene, |one| one.twisting_friction = 0.1, |rule| rule.twisting_friction = None),
+        apply: |scene| {
+            change_coefficients(scene, |one| one.twisting_friction = 0.1, |rule| rule.twisting_friction = None)
+        },
     }),
     member: Some(|set| &mut set.twisting),
 };

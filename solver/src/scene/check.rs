@@ -353,7 +353,10 @@ fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
         }
         Obstacle::Method | Obstacle::SinglePrecision => {
             let problem = format!("{asked}, with method {}", scene.solver.method.name());
-            return Place::default().key("solver").key(key).fault(problem, "single precision goes with gauss-seidel alone; leave one out");
+            return Place::default()
+                .key("solver")
+                .key(key)
+                .fault(problem, "single precision goes with gauss-seidel alone; leave one out");
         }
     };
     let remedy = format!("{goes} with gauss-seidel in double precision alone; leave one out");

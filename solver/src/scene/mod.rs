@@ -39,7 +39,8 @@ pub use place::{Checked, Place};
 pub use populate::{Grain, populate};
 pub use settings::{MOST_MEMORY, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
-    Axis, ContactCoefficients, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region, Shape, Wall,
+    Axis, ContactCoefficients, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region,
+    Shape, Wall,
 };
 pub use watch::{Reaction, Watch};
 

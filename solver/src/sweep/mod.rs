@@ -1,5 +1,6 @@
 //! One relaxation of a task's lane groups, in the same arithmetic on every instruction set.
 
+mod bytes;
 mod count;
 mod driven;
 pub(crate) mod kernel;
@@ -9,6 +10,7 @@ mod scalar;
 mod single;
 mod torques;
 
+pub use bytes::SweepBytes;
 pub use count::Operations;
 pub(crate) use driven::{start_driven, tell_driven};
 pub(crate) use residual::{Directions, Gauge, LaneResidual, Off, TaskResidual};
