@@ -35,7 +35,7 @@ pub static COHESION: Effect = Effect {
             unit: "m",
             range: [0.0, 1.0],
             ceiling: None,
-            absent: Absent::Off,
+            absent: Absent::Value(0.0),
             off: None,
             of_material: |one| one.cohesion.and_then(range),
             of_rule: |rule| rule.cohesion.and_then(range),
