@@ -13,7 +13,7 @@ use crate::effects::{with_effects, with_tangential};
 use crate::interrupt::{Interrupt, is_heeded};
 use crate::lanes::{Eight, LANES};
 use crate::partition::{Layout, PlannedTask, SingleCopy};
-use crate::scene::{Precision, SolverMethod, SolverSettings};
+use crate::scene::{Precision, SolverSettings};
 use crate::schedule::{Disjoint, Phase, Team};
 use crate::solve::{Unknowns, sweep_all};
 use crate::sweep::{Gauge, Relaxation, Residual, Residuals, TaskResidual, tell_driven};
@@ -126,7 +126,7 @@ impl Problem<'_> {
 
     /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, as far as they are asked for.
     pub fn sweep(&mut self, factor: f64, gauge: Gauge) -> Option<Residuals> {
-        let (inner, precision) = (self.settings.inner_sweeps.max(1), self.precision());
+        let (inner, precision) = (self.settings.inner_sweeps.max(1), self.settings.precision);
         let (heeds, interrupt) = (is_heeded(self.settings), self.interrupt);
         let inner = (inner, || heeds && interrupt.is_requested());
         let residuals = (gauge, &mut self.workspace.residuals);
@@ -143,17 +143,9 @@ impl Problem<'_> {
         (gauge != Gauge::Off).then(|| sums.finish(self.layout.contacts))
     }
 
-    /// Precision of the sweeps. Methods that combine states need them as they are.
-    fn precision(&self) -> Precision {
-        match self.settings.method {
-            SolverMethod::GaussSeidel => self.settings.precision,
-            _ => Precision::Double,
-        }
-    }
-
     /// Makes the copy that sweeps in single precision work on.
     pub fn enter_precision(&mut self) {
-        if self.precision() == Precision::Single {
+        if self.settings.precision == Precision::Single {
             let set = self.relaxation.instruction_set;
             self.workspace.single.take(self.bodies, self.layout, set, self.team);
         }
@@ -161,7 +153,7 @@ impl Problem<'_> {
 
     /// Takes over what sweeps in single precision did.
     pub fn leave_precision(&mut self) {
-        if self.precision() == Precision::Single {
+        if self.settings.precision == Precision::Single {
             self.workspace.single.give_back(self.bodies, self.layout, self.team);
         }
     }

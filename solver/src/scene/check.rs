@@ -335,16 +335,17 @@ pub(super) fn solver(scene: &Scene) -> Checked {
     }
 }
 
-/// What a method or a precision does not go with, where the scene says it.
+/// What a method or a precision does not go with, in the words of the scene.
 fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
+    let at = Place::default().key("solver");
     let (key, asked, obstacle) = match error {
-        SettingError::SinglePrecision(obstacle) => ("precision", "single", *obstacle),
-        _ => ("method", scene.solver.method.name(), scene.obstacle().unwrap_or(Obstacle::SinglePrecision)),
+        SettingError::SinglePrecision(obstacle) => ("precision", "single", obstacle),
+        SettingError::Method { method, obstacle } => ("method", method.name(), obstacle),
+        other => return at.fault(other.to_string(), "leave it out"),
     };
     let (beside, goes) = match obstacle {
         Obstacle::Torques => {
-            let twists = ROLLING.called_by(scene).is_err();
-            let effect = if twists { &TWISTING } else { &ROLLING };
+            let effect = if ROLLING.called_by(scene).is_ok() { &ROLLING } else { &TWISTING };
             (format!("where a material has {}", effect.coefficients[0].key), "torques go")
         }
         Obstacle::DrivenWalls => {
@@ -353,14 +354,11 @@ fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
         }
         Obstacle::Method | Obstacle::SinglePrecision => {
             let problem = format!("{asked}, with method {}", scene.solver.method.name());
-            return Place::default()
-                .key("solver")
-                .key(key)
-                .fault(problem, "single precision goes with gauss-seidel alone; leave one out");
+            return at.key(key).fault(problem, "single precision goes with gauss-seidel alone; leave one out");
         }
     };
     let remedy = format!("{goes} with gauss-seidel in double precision alone; leave one out");
-    Place::default().key("solver").key(key).fault(format!("{asked}, {beside}"), &remedy)
+    at.key(key).fault(format!("{asked}, {beside}"), &remedy)
 }
 
 fn interval(at: &Place, start: f64, stop: Option<f64>) -> Checked {
