@@ -110,7 +110,11 @@ fn methods_that_leave_torques_out_are_not_run_and_the_study_says_so() {
     let left_out = document["left_out"].as_array().unwrap();
     assert_eq!(left_out.len(), 5);
     assert!(left_out.iter().all(|one| one["reason"].as_str().unwrap().contains("torques")));
-    assert!(document["findings"].to_string().contains("anderson was not run: contacts bear torques"));
+    assert!(
+        document["findings"]
+            .to_string()
+            .contains("Not run: method anderson does not go with contacts that bear torques")
+    );
     let table = std::fs::read_to_string(folder.path().join("out/convergence.csv")).unwrap();
     assert!(table.lines().next().unwrap().ends_with(",turning_rms,turning_max"), "{table}");
     // Asked for by name it is an error, before anything runs.

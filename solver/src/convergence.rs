@@ -1,11 +1,11 @@
 //! How a method converges on the problem of one step.
 
-use crate::Simulation;
 use crate::methods::{Problem, Solver};
-use crate::scene::{Precision, SolverMethod};
+use crate::scene::SolverMethod;
 use crate::solve::{gauge, residual_unit};
 use crate::sweep::Residuals;
 use crate::world::World;
+use crate::{SettingError, Simulation};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -20,28 +20,14 @@ pub struct ConvergencePoint {
     pub residuals: Residuals,
 }
 
-/// A method that cannot solve the problems of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{method}: {reason}")]
-pub struct UnsuitableMethod {
-    /// The method.
-    pub method: &'static str,
-    /// What it leaves out.
-    pub reason: &'static str,
-}
-
 impl Simulation {
     /// Solves the contact problem of the next step with a method for so many iterations, and measures after each. The first
     /// point is the state that the solve starts from. The simulation itself stays as it is: a copy takes the step.
     ///
     /// # Errors
-    /// [`UnsuitableMethod`] if the method leaves out something that the scene's contacts have, so that it solves another problem.
-    pub fn convergence(
-        &self,
-        method: SolverMethod,
-        iterations: u32,
-    ) -> Result<Vec<ConvergencePoint>, UnsuitableMethod> {
-        self.suits(method)?;
+    /// [`SettingError::Method`] if the method has no equations for something that the scene has.
+    pub fn convergence(&self, method: SolverMethod, iterations: u32) -> Result<Vec<ConvergencePoint>, SettingError> {
+        self.goes_with(method)?;
         let mut copy = self.clone();
         copy.settings.method = method;
         let team = copy.team.clone();
@@ -71,23 +57,6 @@ impl Simulation {
             }
             Ok(points)
         })
-    }
-
-    /// Whether a method can solve the problems of this simulation: the rule by which scenes are checked when they are read.
-    ///
-    /// # Errors
-    /// [`UnsuitableMethod`] with what it leaves out.
-    pub fn suits(&self, method: SolverMethod) -> Result<(), UnsuitableMethod> {
-        if method == SolverMethod::GaussSeidel {
-            return Ok(());
-        }
-        let reason = match () {
-            () if self.relaxation.effects.torques() => "contacts bear torques, which go with gauss-seidel alone",
-            () if !self.world.drives.is_empty() => "a wall is driven, which goes with gauss-seidel alone",
-            () if self.settings.precision == Precision::Single => "single precision goes with gauss-seidel alone",
-            () => return Ok(()),
-        };
-        Err(UnsuitableMethod { method: method.name(), reason })
     }
 
     /// Velocity that residuals compare with: g h, or 1 m/s where there is no gravity.

@@ -1,9 +1,9 @@
 //! All that can go wrong with the use of the library, as one type.
 
+use crate::SettingError;
 use crate::checkpoint::CheckpointError;
 use crate::scene::{SceneError, SceneFileError};
 use crate::solve::NotConverged;
-use crate::{SettingError, UnsuitableMethod};
 
 /// Why something could not be done.
 #[derive(Debug, thiserror::Error)]
@@ -17,9 +17,6 @@ pub enum Error {
     /// The machine, or the scene, does not go with a setting.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// A method cannot solve the problems of a scene.
-    #[error(transparent)]
-    Method(#[from] UnsuitableMethod),
     /// A checkpoint cannot be written, or gone on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),

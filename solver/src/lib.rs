@@ -84,7 +84,7 @@ pub mod watch;
 #[doc(hidden)]
 pub mod world;
 
-pub use convergence::{ConvergencePoint, UnsuitableMethod};
+pub use convergence::ConvergencePoint;
 pub use effects::EffectSet;
 pub use energy::Energy;
 pub use error::Error;

@@ -1,7 +1,7 @@
 //! Why a simulation cannot be carried out, or solved, as was asked.
 
 use crate::lanes::InstructionSet;
-use crate::scene::SolverMethod;
+use crate::scene::{Precision, SolverMethod};
 
 /// Why a setting was refused; the simulation stays as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -39,7 +39,7 @@ pub enum SettingError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
     /// Some material has rolling or twisting friction.
-    #[error("contacts that resist rolling or twisting")]
+    #[error("contacts that bear torques against rolling or twisting")]
     Torques,
     /// A force or a torque drives a wall.
     #[error("driven walls")]
@@ -50,6 +50,40 @@ pub enum Obstacle {
     /// The sweeps are in single precision.
     #[error("single precision")]
     SinglePrecision,
+}
+
+impl Obstacle {
+    /// What goes with Gauss-Seidel in double precision alone, of what a scene has.
+    pub(crate) fn of_scene(torques: bool, driven_walls: bool) -> Option<Obstacle> {
+        torques.then_some(Obstacle::Torques).or(driven_walls.then_some(Obstacle::DrivenWalls))
+    }
+}
+
+/// Whether a method goes with a precision and with what a scene has: Gauss-Seidel does with all of it. Methods that combine states
+/// need them in double precision, and only sweeps in double precision relax torques and driven walls.
+pub(crate) fn method_goes_with(
+    method: SolverMethod,
+    precision: Precision,
+    of_scene: Option<Obstacle>,
+) -> Result<(), SettingError> {
+    let single = (precision == Precision::Single).then_some(Obstacle::SinglePrecision);
+    match of_scene.or(single) {
+        Some(obstacle) if method != SolverMethod::GaussSeidel => Err(SettingError::Method { method, obstacle }),
+        _ => Ok(()),
+    }
+}
+
+/// Whether a precision goes with a method and with what a scene has, by the same rule.
+pub(crate) fn precision_goes_with(
+    precision: Precision,
+    method: SolverMethod,
+    of_scene: Option<Obstacle>,
+) -> Result<(), SettingError> {
+    let other = (method != SolverMethod::GaussSeidel).then_some(Obstacle::Method);
+    match of_scene.or(other) {
+        Some(obstacle) if precision == Precision::Single => Err(SettingError::SinglePrecision(obstacle)),
+        _ => Ok(()),
+    }
 }
 
 fn names(sets: &[InstructionSet]) -> String {

@@ -11,7 +11,7 @@ use crate::methods::Solver;
 use crate::partition::{BoxGrid, Layout, Portion};
 use crate::scene::{Precision, Scene, SceneError, SolverMethod, SolverSettings, Stop, populate};
 use crate::schedule::{Phase, Scheduler, StepTrace, Team};
-use crate::setting_error::{Obstacle, SettingError};
+use crate::setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
 use crate::solve::{SolveReport, StopReason, solve};
 use crate::sweep::{Relaxation, start_driven};
 use crate::swept::Swept;
@@ -351,8 +351,7 @@ impl Simulation {
 
     /// What goes with Gauss-Seidel in double precision alone, if the scene has it.
     fn obstacle(&self) -> Option<Obstacle> {
-        let torques = self.relaxation.effects.torques().then_some(Obstacle::Torques);
-        torques.or((!self.world.drives.is_empty()).then_some(Obstacle::DrivenWalls))
+        Obstacle::of_scene(self.relaxation.effects.torques(), !self.world.drives.is_empty())
     }
 
     /// Sweeps in another precision from the next step on; this changes the result.
@@ -361,10 +360,7 @@ impl Simulation {
     /// [`SettingError::SinglePrecision`] where contacts bear torques, walls are driven or the method is another than Gauss-Seidel:
     /// these go with double precision alone.
     pub fn use_precision(&mut self, precision: Precision) -> Result<(), SettingError> {
-        if precision == Precision::Single {
-            let method = (self.settings.method != SolverMethod::GaussSeidel).then_some(Obstacle::Method);
-            self.obstacle().or(method).map_or(Ok(()), |obstacle| Err(SettingError::SinglePrecision(obstacle)))?;
-        }
+        precision_goes_with(precision, self.settings.method, self.obstacle())?;
         self.settings.precision = precision;
         Ok(())
     }
@@ -398,11 +394,7 @@ impl Simulation {
     /// # Errors
     /// As for [`use_method`](Simulation::use_method).
     pub fn goes_with(&self, method: SolverMethod) -> Result<(), SettingError> {
-        let single = (self.settings.precision == Precision::Single).then_some(Obstacle::SinglePrecision);
-        match self.obstacle().or(single) {
-            Some(obstacle) if method != SolverMethod::GaussSeidel => Err(SettingError::Method { method, obstacle }),
-            _ => Ok(()),
-        }
+        method_goes_with(method, self.settings.precision, self.obstacle())
     }
 
     /// Stops the solves to come by another rule.

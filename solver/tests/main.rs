@@ -10,6 +10,7 @@ mod corpus;
 mod discs;
 mod driven_walls;
 mod effect_combinations;
+mod effects_catalogue;
 mod empty_domain;
 mod front_door;
 mod golden;

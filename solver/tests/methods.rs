@@ -208,6 +208,6 @@ fn methods_that_leave_torques_out_are_refused_where_there_are_any() {
     let simulation = rolling_drum();
     for method in SolverMethod::ALL.into_iter().filter(|&method| method != SolverMethod::GaussSeidel) {
         let error = simulation.convergence(method, 1).unwrap_err();
-        assert!(error.to_string().contains("torques") && error.method == method.name(), "{error}");
+        assert!(error.to_string().contains("torques") && error.to_string().contains(method.name()), "{error}");
     }
 }

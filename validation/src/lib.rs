@@ -35,5 +35,4 @@ pub mod stability;
 pub mod statistics;
 pub mod stepping;
 pub mod study;
-pub mod sweep_bytes;
 pub mod tradeoff;

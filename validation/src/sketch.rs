@@ -30,11 +30,7 @@ impl Sketch {
             poisson_ratio: POISSON_RATIO,
             friction: 0.5,
             restitution: 0.5,
-            kinetic_friction: None,
-            restitution_speed: None,
-            rolling_friction: 0.0,
-            twisting_friction: 0.0,
-            cohesion: None,
+            ..Material::default()
         };
         let materials = [("grain", material.clone()), ("wall", material)];
         let simulated = makadam::scene::Scene {

@@ -13,7 +13,84 @@
 //! `a0^3 = 9 pi w R*^2 / (2 E*)` (Chokshi, Tielens & Hollenbach, Astrophys. J. 407, 1993, where the work is 2 gamma). Unlike
 //! theirs this pull acts on approach as well.
 
+use super::catalogue::{Absent, Change, Coefficient, Combination, Effect, Trigger, change_coefficients};
 use serde::{Deserialize, Serialize};
+
+/// Cohesion.
+pub static COHESION: Effect = Effect {
+    name: "cohesion",
+    coefficients: &[
+        Coefficient {
+            key: "cohesion.force",
+            unit: "N",
+            range: [0.0, 1e9],
+            ceiling: None,
+            absent: Absent::Off,
+            off: Some(0.0),
+            of_material: |one| one.cohesion.and_then(force),
+            of_rule: |rule| rule.cohesion.and_then(force),
+        },
+        Coefficient {
+            key: "cohesion.range",
+            unit: "m",
+            range: [0.0, 1.0],
+            ceiling: None,
+            absent: Absent::Value(0.0),
+            off: None,
+            of_material: |one| one.cohesion.and_then(range),
+            of_rule: |rule| rule.cohesion.and_then(range),
+        },
+        Coefficient {
+            key: "cohesion.work",
+            unit: "J/m2",
+            range: [0.0, 1e6],
+            ceiling: None,
+            absent: Absent::Off,
+            off: Some(0.0),
+            of_material: |one| one.cohesion.and_then(work),
+            of_rule: |rule| rule.cohesion.and_then(work),
+        },
+    ],
+    combination: Some(Combination {
+        words: "a pair's own; else the wall's, or, where both grains have one, the weaker",
+        combine: |pair, contact| {
+            let both = pair.first.cohesion.zip(pair.second.cohesion).map(|(one, other)| one.weaker(other));
+            let of_materials = if pair.wall { pair.second.cohesion } else { both };
+            contact.cohesion = pair.rule.and_then(|rule| rule.cohesion).or(of_materials);
+        },
+    }),
+    trigger: Trigger::Contacts {
+        acts: |contact| contact.cohesion.is_some_and(|one| one.pull(1.0, 1.0).force > 0.0),
+        without: "nothing pulls",
+    },
+    off: Some(Change {
+        words: "off",
+        apply: |scene| change_coefficients(scene, |one| one.cohesion = None, |rule| rule.cohesion = None),
+    }),
+    tried: None,
+    member: Some(|set| &mut set.cohesion),
+};
+
+fn force(cohesion: Cohesion) -> Option<f64> {
+    match cohesion {
+        Cohesion::Constant { force, .. } => Some(force),
+        Cohesion::SurfaceEnergy { .. } => None,
+    }
+}
+
+fn range(cohesion: Cohesion) -> Option<f64> {
+    match cohesion {
+        Cohesion::Constant { range, .. } => Some(range),
+        Cohesion::SurfaceEnergy { .. } => None,
+    }
+}
+
+fn work(cohesion: Cohesion) -> Option<f64> {
+    match cohesion {
+        Cohesion::Constant { .. } => None,
+        Cohesion::SurfaceEnergy { work } => Some(work),
+    }
+}
 
 /// Gap over the effective radius up to which two touch: rigid ones at rest are apart by rounding as often as not.
 const TOUCH: f64 = 1e-6;

@@ -8,7 +8,9 @@
 //! g); dividing the constraint by dg/dd = (5/4) d^(1/4) leaves the overlap 0.8 d and the compliance
 //! `1/(1.25 k_H sqrt(d))`. At rest this gives back `force = k_H d^(3/2)`.
 
+use super::catalogue::{Call, Change, Effect};
 use crate::lanes::Number;
+use crate::scene::Place;
 use serde::{Deserialize, Serialize};
 
 /// Law of the normal contact.
@@ -25,6 +27,33 @@ pub enum NormalLaw {
     /// Hertz's law, from the materials.
     Hertz,
 }
+
+/// Elastic compliance.
+pub static COMPLIANCE: Effect = Effect {
+    off: Some(Change { words: "off: rigid", apply: |scene| scene.solver.normal_law = NormalLaw::Rigid }),
+    ..Effect::of_scene("elastic compliance", |scene| {
+        let why = match scene.solver.normal_law {
+            NormalLaw::Rigid => return Err("solver.normal_law is rigid"),
+            NormalLaw::Linear { stiffness } => format!("linear, {stiffness} N/m"),
+            NormalLaw::Hertz => {
+                let modulus = scene.material.values().map(|one| one.youngs_modulus).fold(0.0, f64::max);
+                format!("Hertz, stiffest material {modulus:e} Pa")
+            }
+        };
+        Ok(Call { why, place: Place::default().key("solver").key("normal_law") })
+    })
+};
+
+/// Viscosity: damping of impacts that the step resolves.
+pub static VISCOSITY: Effect = Effect::of_scene("contact viscosity", |scene| {
+    if scene.solver.normal_law == NormalLaw::Rigid {
+        return Err("rigid contacts have restitution alone");
+    }
+    let damped = scene.material.iter().find(|(_, one)| one.restitution < 1.0);
+    let (name, one) = damped.ok_or("every restitution is 1")?;
+    let why = format!("damps impacts that the step resolves to the restitution {} of '{name}'", one.restitution);
+    Ok(Call { why, place: Place::default().key("material").name(name).key("restitution") })
+});
 
 /// Overlaps below this share of the effective radius are as stiff as it: the first touch of a Hertzian contact would
 /// otherwise have no stiffness at all.

@@ -22,8 +22,23 @@
 //! the second a bound of a matrix of two rows, which keeps the relaxation convergent. A wall lighter than the grains that it
 //! touches makes it slow: of a difference between two contacts a sweep takes about M/(M + m).
 
+use super::catalogue::{Change, Effect};
+use super::vibration::{call_of_wall, stop};
 use crate::scene::{Motion, Wall};
 use nalgebra::Vector3;
+
+/// Driven walls.
+pub static DRIVEN_WALLS: Effect = Effect {
+    off: Some(Change { words: "off: fixed", apply: |scene| stop(scene, Motion::is_driven) }),
+    ..Effect::of_scene("driven walls", |scene| {
+        call_of_wall(scene, |name, motion| match motion {
+            Motion::ForceDriven { .. } => Some(format!("a force drives wall '{name}'")),
+            Motion::TorqueDriven { .. } => Some(format!("a torque drives wall '{name}'")),
+            _ => None,
+        })
+        .ok_or("no force or torque drives a wall")
+    })
+};
 
 /// A driven wall: what drives it, and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,8 +11,30 @@
 //! Potential energy is `-m g(t) x`. So a change of the field gives or takes energy at rest, `-m x` times the change of g, which
 //! the ledger enters by itself; x is the place half a step earlier there, as in all its potential energies.
 
+use super::catalogue::{Call, Change, Effect};
+use crate::scene::Place;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+
+/// Gravity.
+pub static GRAVITY: Effect = Effect::of_scene("gravity", |scene| {
+    let [x, y, z] = scene.gravity;
+    match scene.gravity == [0.0; 3] {
+        true => Err("gravity = [0, 0, 0]"),
+        false => Ok(Call { why: format!("gravity = [{x}, {y}, {z}]"), place: Place::default().key("gravity") }),
+    }
+});
+
+/// Gravity that changes in time.
+pub static CHANGING_GRAVITY: Effect = Effect {
+    off: Some(Change { words: "off", apply: |scene| scene.gravity_changes.clear() }),
+    ..Effect::of_scene("changing gravity", |scene| {
+        let last = scene.gravity_changes.last().ok_or("gravity is constant")?;
+        let [x, y, z] = last.gravity;
+        let why = format!("gravity = [{x}, {y}, {z}] from {} s on", last.time);
+        Ok(Call { why, place: Place::default().key("gravity_changes") })
+    })
+};
 
 /// A moment of gravity that changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

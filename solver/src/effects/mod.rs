@@ -1,8 +1,9 @@
-//! The effects that a scene can call for, one small file each, with the equations and their source.
+//! The effects that a scene can call for, one small file each: its descriptor, the equations and their source.
 //!
 //! The functions here are the only places where a contact law is written down; `constrain` calls them once a contact
-//! and step, and the sweep kernel is compiled with those that the scene calls for.
+//! and step, and the sweep kernel is compiled with those that the scene calls for. [`catalogue`] lists the descriptors.
 
+pub mod catalogue;
 pub mod cohesion;
 pub mod compliance;
 pub mod drive;
@@ -11,9 +12,13 @@ pub mod gravity;
 pub mod period;
 pub mod resistance;
 pub mod restitution;
+pub mod size_spread;
 pub mod vibration;
 
 use crate::groups::{FrictionLanes, Kind};
+use crate::scene::ContactCoefficients;
+use catalogue::Trigger;
+pub use catalogue::{CATALOGUE, Effect};
 
 /// What a kernel is compiled with. An effect that is off leaves no instruction in it.
 pub(crate) trait Effects {
@@ -57,16 +62,15 @@ pub(crate) type Twisting = Compiled<true, false, true>;
 /// All three.
 pub(crate) type RollingTwisting = Compiled<true, true, true>;
 
-/// The effects that a scene calls for. Code asks the methods, which are constants where an effect is not built in: see the features
-/// of the crate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+/// The effects of contacts that a scene calls for, as far as kernels, memory or passes depend on them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EffectSet {
-    pub(crate) friction: bool,
-    pub(crate) rolling: bool,
-    pub(crate) twisting: bool,
-    pub(crate) cohesion: bool,
-    pub(crate) falling_restitution: bool,
-    pub(crate) kinetic_friction: bool,
+    friction: bool,
+    rolling: bool,
+    twisting: bool,
+    cohesion: bool,
+    falling_restitution: bool,
+    kinetic_friction: bool,
 }
 
 impl EffectSet {
@@ -87,6 +91,24 @@ impl EffectSet {
         falling_restitution: false,
         kinetic_friction: false,
     };
+
+    /// What some of these contacts have.
+    pub fn of<'a>(contacts: impl Iterator<Item = &'a ContactCoefficients>) -> EffectSet {
+        let mut set = EffectSet::NONE;
+        for contact in contacts {
+            for effect in CATALOGUE {
+                if let (Some(member), Trigger::Contacts { acts, .. }) = (effect.member, &effect.trigger) {
+                    *member(&mut set) |= acts(contact);
+                }
+            }
+        }
+        set
+    }
+
+    /// Whether it has an effect; `None` for one that it does not tell of.
+    pub fn has(mut self, effect: &Effect) -> Option<bool> {
+        effect.member.map(|member| *member(&mut self))
+    }
 
     /// Some contact can have friction.
     #[inline(always)]

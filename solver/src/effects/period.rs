@@ -3,8 +3,25 @@
 //! Grains keep the coordinates that they have come to, however far that is: potential energy stays what it is, and nothing jumps.
 //! Only distances and cells are taken between nearest images.
 
+use super::catalogue::{Call, Change, Effect};
 use crate::lanes::Number;
+use crate::scene::Place;
 use nalgebra::Vector3;
+
+/// Periodic axes.
+pub static PERIODIC_AXES: Effect = Effect {
+    off: Some(Change { words: "off", apply: |scene| scene.domain.periodic.clear() }),
+    ..Effect::of_scene("periodic axes", |scene| {
+        let axes: Vec<&str> = scene.domain.periodic.iter().map(|axis| axis.name()).collect();
+        match axes.is_empty() {
+            true => Err("the domain ends on all sides"),
+            false => {
+                let place = Place::default().key("domain").key("periodic");
+                Ok(Call { why: format!("domain.periodic = {}", axes.join(", ")), place })
+            }
+        }
+    })
+};
 
 /// Adding and taking this away rounds to the nearest whole number, ties to even, below 2^51: plain arithmetic that has the same bits
 /// on every instruction set.

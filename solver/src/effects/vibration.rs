@@ -12,6 +12,37 @@
 //! the mean velocity of the step before, as that of a grain is: a wall that speeds up does not hit what rests on it. A start
 //! or a stop is a jump, as of any other motion.
 
+use super::catalogue::{Call, Change, Effect};
+use crate::scene::{Motion, Place, Scene};
+
+/// Prescribed motion of walls, of which vibration is one kind.
+pub static WALL_MOTION: Effect = Effect {
+    off: Some(Change { words: "off", apply: |scene| stop(scene, |motion| !motion.is_driven()) }),
+    ..Effect::of_scene("wall motion", |scene| {
+        call_of_wall(scene, |name, motion| match motion {
+            Motion::Fixed | Motion::ForceDriven { .. } | Motion::TorqueDriven { .. } => None,
+            Motion::Translating { .. } => Some(format!("wall '{name}' translates")),
+            Motion::Rotating { .. } => Some(format!("wall '{name}' rotates")),
+            Motion::Vibrating { .. } => Some(format!("wall '{name}' vibrates")),
+        })
+        .ok_or("no wall moves as prescribed")
+    })
+};
+
+/// The call of the first wall whose name and motion have words for it.
+pub(super) fn call_of_wall(scene: &Scene, words: fn(&str, &Motion) -> Option<String>) -> Option<Call> {
+    scene.wall.iter().enumerate().find_map(|(index, wall)| {
+        let why = words(&wall.name, &wall.motion)?;
+        Some(Call { why, place: Place::default().key("wall").index(index).key("motion") })
+    })
+}
+
+/// Stops the walls that move so.
+pub(super) fn stop(scene: &mut Scene, which: fn(&Motion) -> bool) {
+    let walls = scene.wall.iter_mut().filter(|wall| which(&wall.motion));
+    walls.for_each(|wall| wall.motion = Motion::Fixed);
+}
+
 /// A vibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vibration {

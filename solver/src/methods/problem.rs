@@ -13,7 +13,7 @@ use crate::effects::{with_effects, with_tangential};
 use crate::interrupt::{Interrupt, is_heeded};
 use crate::lanes::{Eight, LANES, Slots};
 use crate::partition::{ByBodies, ByNumber, ByPlace, ByStarts, Layout, PlannedTask, SingleCopy, TaskShares};
-use crate::scene::{Precision, SolverMethod, SolverSettings};
+use crate::scene::{Precision, SolverSettings};
 use crate::schedule::{Phase, Team};
 use crate::sweep::{Gauge, Relaxation, Residual, Residuals, SweepOperands, SweepPass, TaskResidual, tell_driven};
 use crate::world::Body;
@@ -125,7 +125,7 @@ impl Problem<'_> {
 
     /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, as far as they are asked for.
     pub fn sweep(&mut self, factor: f64, gauge: Gauge) -> Option<Residuals> {
-        let (inner, precision) = (self.settings.inner_sweeps.max(1), self.precision());
+        let (inner, precision) = (self.settings.inner_sweeps.max(1), self.settings.precision);
         let (heeds, interrupt) = (is_heeded(self.settings), self.interrupt);
         let pass = SweepPass { factor, inner, stops: || heeds && interrupt.is_requested(), gauge };
         let Workspace { single, residuals, .. } = &mut *self.workspace;
@@ -142,17 +142,9 @@ impl Problem<'_> {
         (gauge != Gauge::Off).then(|| sums.finish(self.layout.contacts))
     }
 
-    /// Precision of the sweeps. Methods that combine states need them as they are.
-    fn precision(&self) -> Precision {
-        match self.settings.method {
-            SolverMethod::GaussSeidel => self.settings.precision,
-            _ => Precision::Double,
-        }
-    }
-
     /// Makes the copy that sweeps in single precision work on.
     pub fn enter_precision(&mut self) {
-        if self.precision() == Precision::Single {
+        if self.settings.precision == Precision::Single {
             let set = self.relaxation.instruction_set;
             self.workspace.single.take(self.bodies, self.layout, set, self.team);
         }
@@ -160,7 +152,7 @@ impl Problem<'_> {
 
     /// Takes over what sweeps in single precision did.
     pub fn leave_precision(&mut self) {
-        if self.precision() == Precision::Single {
+        if self.settings.precision == Precision::Single {
             self.workspace.single.give_back(self.bodies, self.layout, self.team);
         }
     }

@@ -176,38 +176,10 @@ fn around(centre: &[f64; 3], side: &[f64; 3]) -> ([f64; 3], [f64; 3]) {
     (std::array::from_fn(|i| centre[i] - side[i]), std::array::from_fn(|i| centre[i] + side[i]))
 }
 
-impl Default for Material {
-    /// Glass beads in a lab, softened: 2500 kg/m3, Young's modulus 10 MPa, Poisson's ratio 0.3, friction 0.5 and restitution 0.3; no
-    /// resistance to rolling or twisting, no cohesion.
-    fn default() -> Material {
-        Material {
-            density: 2500.0,
-            youngs_modulus: 1e7,
-            poisson_ratio: 0.3,
-            friction: 0.5,
-            restitution: 0.3,
-            kinetic_friction: None,
-            restitution_speed: None,
-            rolling_friction: 0.0,
-            twisting_friction: 0.0,
-            cohesion: None,
-        }
-    }
-}
-
 impl PairRule {
     /// A rule of two materials, in any order, that decides on nothing yet.
     pub fn between(first: impl Into<String>, second: impl Into<String>) -> PairRule {
-        PairRule {
-            between: [first.into(), second.into()],
-            friction: None,
-            restitution: None,
-            kinetic_friction: None,
-            restitution_speed: None,
-            rolling_friction: None,
-            twisting_friction: None,
-            cohesion: None,
-        }
+        PairRule { between: [first.into(), second.into()], ..PairRule::default() }
     }
 }
 

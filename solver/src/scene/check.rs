@@ -1,12 +1,15 @@
 //! Range checks of a scene, before anything is simulated.
 
-use super::error::short;
+use super::error::{Fault, short};
 use super::names;
 use super::periodic;
 use super::place::{Checked, Place};
 use super::{
-    Cohesion, MOST_MEMORY, Motion, NormalLaw, Precision, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop,
+    ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop,
 };
+use crate::effects::catalogue::coefficients;
+use crate::effects::resistance::{ROLLING, TWISTING};
+use crate::setting_error::{Obstacle, SettingError};
 
 /// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
 const MOST_GRAINS: f64 = 1e8;
@@ -72,55 +75,31 @@ fn materials(scene: &Scene) -> Checked {
         at.key("density").range(material.density, 1.0, 30_000.0, "kg/m3")?;
         at.key("youngs_modulus").range(material.youngs_modulus, 1e2, 1e13, "Pa")?;
         at.key("poisson_ratio").range(material.poisson_ratio, 0.0, 0.4999, "(no unit)")?;
-        at.key("friction").range(material.friction, 0.0, 1e9, "(no unit)")?;
-        at.key("restitution").range(material.restitution, 0.0, 1.0, "(no unit)")?;
-        kinetic_friction(&at, material.kinetic_friction, material.friction)?;
-        at.key("restitution_speed").range(material.restitution_speed.unwrap_or(1.0), 1e-6, 1e6, "m/s")?;
-        at.key("rolling_friction").range(material.rolling_friction, 0.0, 1e9, "(no unit)")?;
-        at.key("twisting_friction").range(material.twisting_friction, 0.0, 1e9, "(no unit)")?;
-        cohesion(&at.key("cohesion"), material.cohesion)?;
+        for one in coefficients() {
+            one.check(&at, (one.of_material)(material), |ceiling| (ceiling.of_material)(material))?;
+        }
     }
     for (index, rule) in scene.pair.iter().enumerate() {
         let at = Place::default().key("pair").index(index);
         for name in &rule.between {
             known_material(scene, &at.key("between"), name)?;
         }
-        at.key("friction").range(rule.friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
-        at.key("restitution").range(rule.restitution.unwrap_or(0.0), 0.0, 1.0, "(no unit)")?;
         let [a, b] = &rule.between;
-        kinetic_friction(&at, rule.kinetic_friction, least_friction(scene, a, b))?;
-        at.key("restitution_speed").range(rule.restitution_speed.unwrap_or(1.0), 1e-6, 1e6, "m/s")?;
-        at.key("rolling_friction").range(rule.rolling_friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
-        at.key("twisting_friction").range(rule.twisting_friction.unwrap_or(0.0), 0.0, 1e9, "(no unit)")?;
-        cohesion(&at.key("cohesion"), rule.cohesion)?;
+        for one in coefficients() {
+            one.check(&at, (one.of_rule)(rule), |ceiling| least(scene, [a, b], ceiling.of_contact))?;
+        }
     }
     Ok(())
 }
 
-/// Friction of two materials, the smaller one where both are of walls.
-fn least_friction(scene: &Scene, first: &str, second: &str) -> f64 {
+/// A coefficient of contacts of two materials, the smaller one where both are of walls.
+fn least(scene: &Scene, [first, second]: [&str; 2], of: fn(&ContactCoefficients) -> f64) -> f64 {
     let of_walls = |name: &str| scene.wall.iter().any(|wall| wall.material == name);
-    let friction = |a: &str, b: &str, wall: bool| scene.contact_coefficients(a, b, wall).friction;
+    let value = |a: &str, b: &str, wall: bool| of(&scene.contact_coefficients(a, b, wall));
     match (of_walls(first), of_walls(second)) {
-        (true, true) => friction(second, first, true).min(friction(first, second, true)),
-        (true, false) => friction(second, first, true),
-        (false, wall) => friction(first, second, wall),
-    }
-}
-
-/// A contact that slides has no more friction than one that sticks.
-fn kinetic_friction(at: &Place, kinetic: Option<f64>, friction: f64) -> Checked {
-    at.key("kinetic_friction").range(kinetic.unwrap_or(0.0), 0.0, friction, "(no unit), the friction of what sticks")
-}
-
-fn cohesion(at: &Place, cohesion: Option<Cohesion>) -> Checked {
-    match cohesion {
-        None => Ok(()),
-        Some(Cohesion::Constant { force, range }) => {
-            at.key("force").range(force, 0.0, 1e9, "N")?;
-            at.key("range").range(range, 0.0, 1.0, "m")
-        }
-        Some(Cohesion::SurfaceEnergy { work }) => at.key("work").range(work, 0.0, 1e6, "J/m2"),
+        (true, true) => value(second, first, true).min(value(first, second, true)),
+        (true, false) => value(second, first, true),
+        (false, wall) => value(first, second, wall),
     }
 }
 
@@ -308,21 +287,6 @@ fn radii(at: &Place, distribution: &RadiusDistribution) -> Checked {
     }
 }
 
-/// The key of a resistance to turning that the scene's materials have, if any.
-fn resistance(scene: &Scene) -> Option<&'static str> {
-    let (materials, rules) = (scene.material.values(), scene.pair.iter());
-    let rolling = materials.clone().map(|material| material.rolling_friction);
-    let twisting = materials.map(|material| material.twisting_friction);
-    let positive = |value: f64| value > 0.0;
-    if rolling.chain(rules.clone().filter_map(|rule| rule.rolling_friction)).any(positive) {
-        Some("rolling_friction")
-    } else if twisting.chain(rules.filter_map(|rule| rule.twisting_friction)).any(positive) {
-        Some("twisting_friction")
-    } else {
-        None
-    }
-}
-
 pub(super) fn solver(scene: &Scene) -> Checked {
     let at = Place::default().key("solver");
     let settings = &scene.solver;
@@ -343,21 +307,8 @@ pub(super) fn solver(scene: &Scene) -> Checked {
         SolverMethod::Jacobi { damping } => method.key("damping").range(damping, 1e-3, 1.0, "(no unit)")?,
         _ => {}
     }
-    if settings.precision == Precision::Single && settings.method != SolverMethod::GaussSeidel {
-        let problem = format!("single, with method {}", settings.method.name());
-        return Err(at.key("precision").fault(problem, "single precision goes with gauss-seidel alone; leave one out"));
-    }
-    let plain = settings.precision == Precision::Double && settings.method == SolverMethod::GaussSeidel;
-    let resists = resistance(scene).map(|effect| (format!("a material has {effect}"), "torques go"));
-    let driven = scene.wall.iter().find(|wall| wall.motion.is_driven());
-    let drives = driven.map(|wall| (format!("wall '{}' is driven", wall.name), "driven walls go"));
-    if let (false, Some((effect, it_goes))) = (plain, resists.or(drives)) {
-        let (key, problem) = match settings.precision {
-            Precision::Single => ("precision", format!("single, where {effect}")),
-            Precision::Double => ("method", format!("{}, where {effect}", settings.method.name())),
-        };
-        let remedy = format!("{it_goes} with gauss-seidel in double precision alone; leave one out");
-        return Err(at.key(key).fault(problem, &remedy));
+    if let Err(error) = scene.goes_with(settings.method, settings.precision) {
+        return Err(unsuitable(scene, &error));
     }
     let stop = at.key("stop");
     let most = match settings.stop {
@@ -382,6 +333,32 @@ pub(super) fn solver(scene: &Scene) -> Checked {
             Err(at.key("inner_sweeps").fault(problem, &remedy))
         }
     }
+}
+
+/// What a method or a precision does not go with, in the words of the scene.
+fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
+    let at = Place::default().key("solver");
+    let (key, asked, obstacle) = match error {
+        SettingError::SinglePrecision(obstacle) => ("precision", "single", obstacle),
+        SettingError::Method { method, obstacle } => ("method", method.name(), obstacle),
+        other => return at.fault(other.to_string(), "leave it out"),
+    };
+    let (beside, goes) = match obstacle {
+        Obstacle::Torques => {
+            let effect = if ROLLING.called_by(scene).is_ok() { &ROLLING } else { &TWISTING };
+            (format!("where a material has {}", effect.coefficients[0].key), "torques go")
+        }
+        Obstacle::DrivenWalls => {
+            let driven = scene.wall.iter().find(|wall| wall.motion.is_driven());
+            (format!("where wall '{}' is driven", driven.map_or("", |wall| &wall.name)), "driven walls go")
+        }
+        Obstacle::Method | Obstacle::SinglePrecision => {
+            let problem = format!("{asked}, with method {}", scene.solver.method.name());
+            return at.key(key).fault(problem, "single precision goes with gauss-seidel alone; leave one out");
+        }
+    };
+    let remedy = format!("{goes} with gauss-seidel in double precision alone; leave one out");
+    at.key(key).fault(format!("{asked}, {beside}"), &remedy)
 }
 
 fn interval(at: &Place, start: f64, stop: Option<f64>) -> Checked {

@@ -193,7 +193,7 @@ fn span_start(text: &str, path: &[Step]) -> Option<usize> {
 }
 
 /// Where a value stands, if the text has it.
-fn whole_span(text: &str, path: &[Step]) -> Option<usize> {
+pub(super) fn whole_span(text: &str, path: &[Step]) -> Option<usize> {
     Some(spans(text, path)).filter(|spans| spans.len() == path.len()).and_then(|spans| spans.last().copied())
 }
 
@@ -229,6 +229,6 @@ fn spans(text: &str, path: &[Step]) -> Vec<usize> {
     spans
 }
 
-fn line_at(text: &str, at: usize) -> usize {
+pub(super) fn line_at(text: &str, at: usize) -> usize {
     1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count()
 }

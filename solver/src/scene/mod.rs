@@ -22,6 +22,8 @@ mod types;
 mod unread;
 mod watch;
 
+use crate::effects::EffectSet;
+use crate::effects::catalogue::Meeting;
 pub use crate::effects::cohesion::Cohesion;
 pub use crate::effects::compliance::NormalLaw;
 use crate::effects::gravity::Field;
@@ -37,10 +39,12 @@ pub use place::{Checked, Place};
 pub use populate::{Grain, populate};
 pub use settings::{MOST_MEMORY, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
-    Axis, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region, Shape, Wall,
+    Axis, ContactCoefficients, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region,
+    Shape, Wall,
 };
 pub use watch::{Reaction, Watch};
 
+use crate::setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -88,25 +92,6 @@ pub struct Scene {
     pub watch: Watch,
 }
 
-/// What a contact of two materials has by the scene's rules.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactCoefficients {
-    /// Coulomb friction.
-    pub friction: f64,
-    /// Coulomb friction while it slides.
-    pub kinetic_friction: f64,
-    /// Restitution, 0 to 1.
-    pub restitution: f64,
-    /// Speed of impact beyond which restitution falls, m/s; infinite where it does not.
-    pub restitution_speed: f64,
-    /// Rolling friction, over the effective radius.
-    pub rolling_friction: f64,
-    /// Twisting friction, over the effective radius.
-    pub twisting_friction: f64,
-    /// Cohesion; two grains have it if both materials do, and then the weaker one.
-    pub cohesion: Option<Cohesion>,
-}
-
 impl Scene {
     /// Parses and checks the text of a scene.
     ///
@@ -131,7 +116,25 @@ impl Scene {
         (self.solver.step, self.solver.stop) = accuracy.settings(self);
     }
 
-    /// Whether the scene can be solved with these settings: single precision and most methods have no torques.
+    /// Whether the scene can be solved with a method in a precision: most methods, and single precision, have no equations for
+    /// torques and driven walls.
+    ///
+    /// # Errors
+    /// [`SettingError::SinglePrecision`] or [`SettingError::Method`] with what it does not go with.
+    pub fn goes_with(&self, method: SolverMethod, precision: Precision) -> Result<(), SettingError> {
+        let obstacle = self.obstacle();
+        precision_goes_with(precision, method, obstacle)?;
+        method_goes_with(method, precision, obstacle)
+    }
+
+    /// What goes with Gauss-Seidel in double precision alone, if the scene has it.
+    fn obstacle(&self) -> Option<Obstacle> {
+        let contacts: Vec<_> = self.possible_contacts().collect();
+        let driven = self.wall.iter().any(|wall| wall.motion.is_driven());
+        Obstacle::of_scene(EffectSet::of(contacts.iter()).torques(), driven)
+    }
+
+    /// Whether the scene can be solved with these settings, all of them in their ranges.
     pub fn accepts(&self, settings: &SolverSettings) -> bool {
         check::solver(&Scene { solver: settings.clone(), ..self.clone() }).is_ok()
     }
@@ -162,26 +165,16 @@ impl Scene {
             let [a, b] = &rule.between;
             (a == first && b == second) || (a == second && b == first)
         });
-        let (a, b) = (&self.material[first], &self.material[second]);
-        let common = |of: fn(&Material) -> f64| if wall { of(b) } else { of(a).min(of(b)) };
-        let decided = |of: fn(&PairRule) -> Option<f64>| rule.and_then(of);
-        let both = a.cohesion.zip(b.cohesion).map(|(one, other)| one.weaker(other));
-        let cohesion = if wall { b.cohesion } else { both };
-        let friction = decided(|rule| rule.friction).unwrap_or(common(|one| one.friction));
-        // A rule's friction alone is that of both.
-        let kinetic = decided(|rule| rule.kinetic_friction.or(rule.friction));
-        ContactCoefficients {
-            friction,
-            kinetic_friction: kinetic
-                .unwrap_or(common(|one| one.kinetic_friction.unwrap_or(one.friction)))
-                .min(friction),
-            restitution: decided(|rule| rule.restitution).unwrap_or(common(|one| one.restitution)),
-            restitution_speed: decided(|rule| rule.restitution_speed)
-                .unwrap_or(common(|one| one.restitution_speed.unwrap_or(f64::INFINITY))),
-            rolling_friction: decided(|rule| rule.rolling_friction).unwrap_or(common(|one| one.rolling_friction)),
-            twisting_friction: decided(|rule| rule.twisting_friction).unwrap_or(common(|one| one.twisting_friction)),
-            cohesion: rule.and_then(|rule| rule.cohesion).or(cohesion),
-        }
+        Meeting { first: &self.material[first], second: &self.material[second], rule, wall }.coefficients()
+    }
+
+    /// Coefficients of all contacts that the declared materials could have, first between grains, then with walls.
+    pub fn possible_contacts(&self) -> impl Iterator<Item = ContactCoefficients> + '_ {
+        let pairs = move |wall: bool| {
+            let names = self.material.keys();
+            names.flat_map(move |a| self.material.keys().map(move |b| self.contact_coefficients(a, b, wall)))
+        };
+        pairs(false).chain(pairs(true))
     }
 
     /// Rayleigh time step of explicit codes, seconds: the smallest over `grains` of

@@ -1,6 +1,6 @@
 //! A place in a scene's document, and the ranges that its value can be checked against.
 
-use super::error::{Fault, Step, label, short};
+use super::error::{Fault, Step, label, line_at, short, whole_span};
 
 /// Whether a value is what it may be.
 pub type Checked = Result<(), Fault>;
@@ -29,6 +29,11 @@ impl Place {
         let mut path = self.0.clone();
         path.push(step);
         Place(path)
+    }
+
+    /// Line (from 1) on which the text of a scene's document says what stands here; `None` where it says nothing of it.
+    pub fn line(&self, text: &str) -> Option<usize> {
+        whole_span(text, &self.0).map(|at| line_at(text, at))
     }
 
     pub(super) fn path(&self) -> Vec<Step> {

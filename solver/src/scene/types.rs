@@ -107,8 +107,27 @@ pub struct Material {
     pub cohesion: Option<Cohesion>,
 }
 
+impl Default for Material {
+    /// Glass beads in a lab, softened: 2500 kg/m3, Young's modulus 10 MPa, Poisson's ratio 0.3, friction 0.5 and restitution 0.3; no
+    /// resistance to rolling or twisting, no cohesion.
+    fn default() -> Material {
+        Material {
+            density: 2500.0,
+            youngs_modulus: 1e7,
+            poisson_ratio: 0.3,
+            friction: 0.5,
+            restitution: 0.3,
+            kinetic_friction: None,
+            restitution_speed: None,
+            rolling_friction: 0.0,
+            twisting_friction: 0.0,
+            cohesion: None,
+        }
+    }
+}
+
 /// Coefficients of one pair of materials, where they differ from the rule.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairRule {
     /// Names of the two materials, in any order.
@@ -131,6 +150,25 @@ pub struct PairRule {
     pub twisting_friction: Option<f64>,
     /// Pull of the pair.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cohesion: Option<Cohesion>,
+}
+
+/// What a contact of two materials has by the scene's rules.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactCoefficients {
+    /// Coulomb friction.
+    pub friction: f64,
+    /// Coulomb friction while it slides, no more than `friction`.
+    pub kinetic_friction: f64,
+    /// Restitution, 0 to 1.
+    pub restitution: f64,
+    /// Speed of impact beyond which restitution falls, m/s; infinite where it does not.
+    pub restitution_speed: f64,
+    /// Rolling friction, over the effective radius.
+    pub rolling_friction: f64,
+    /// Twisting friction, over the effective radius.
+    pub twisting_friction: f64,
+    /// Cohesion; two grains have it if both materials do, and then the weaker one.
     pub cohesion: Option<Cohesion>,
 }
 

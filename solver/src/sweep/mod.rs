@@ -1,5 +1,6 @@
 //! One relaxation of a task's lane groups, in the same arithmetic on every instruction set.
 
+mod bytes;
 mod count;
 mod driven;
 pub(crate) mod kernel;
@@ -10,6 +11,7 @@ mod single;
 mod stages;
 mod torques;
 
+pub use bytes::SweepBytes;
 pub use count::Operations;
 pub(crate) use driven::{start_driven, tell_driven};
 pub(crate) use residual::{Directions, Gauge, LaneResidual, Off, TaskResidual};

@@ -1,31 +1,29 @@
 //! Properties of pairs of materials, looked up by small numbers.
 
 use crate::effects::EffectSet;
-use crate::effects::cohesion::{Cohesion, Pull};
+use crate::effects::cohesion::Pull;
 use crate::effects::compliance::damping_ratio;
 use crate::scene::{ContactCoefficients, Scene};
+use std::ops::Deref;
 
 /// What a contact takes from its two materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactMaterial {
-    /// Coulomb friction coefficient.
-    pub friction: f64,
-    /// The same while the contact slides; no more than `friction`.
-    pub kinetic_friction: f64,
-    /// Coefficient of restitution.
-    pub restitution: f64,
-    /// Speed of impact beyond which restitution falls, m/s; infinite where it does not.
-    pub restitution_speed: f64,
+    /// Coefficients by the scene's rules.
+    pub coefficients: ContactCoefficients,
     /// Share of critical damping that gives this restitution.
     pub damping_ratio: f64,
-    /// Coefficient of rolling friction, over the effective radius.
-    pub rolling_friction: f64,
-    /// Coefficient of twisting friction, over the effective radius.
-    pub twisting_friction: f64,
-    /// Cohesion, if any.
-    pub cohesion: Option<Cohesion>,
     /// Effective modulus E*, Pa: `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2` (Johnson, Contact Mechanics, 1985, 4.2).
     pub effective_modulus: f64,
+}
+
+impl Deref for ContactMaterial {
+    type Target = ContactCoefficients;
+
+    #[inline(always)]
+    fn deref(&self) -> &ContactCoefficients {
+        &self.coefficients
+    }
 }
 
 impl ContactMaterial {
@@ -56,26 +54,8 @@ impl MaterialTable {
                         (1.0 - material.poisson_ratio * material.poisson_ratio) / material.youngs_modulus
                     };
                     let effective_modulus = 1.0 / (softness(first) + softness(second));
-                    let ContactCoefficients {
-                        friction,
-                        kinetic_friction,
-                        restitution,
-                        restitution_speed,
-                        rolling_friction,
-                        twisting_friction,
-                        cohesion,
-                    } = coefficients;
-                    table.push(ContactMaterial {
-                        friction,
-                        kinetic_friction,
-                        restitution,
-                        restitution_speed,
-                        damping_ratio: damping_ratio(restitution),
-                        rolling_friction,
-                        twisting_friction,
-                        cohesion,
-                        effective_modulus,
-                    });
+                    let damping_ratio = damping_ratio(coefficients.restitution);
+                    table.push(ContactMaterial { coefficients, damping_ratio, effective_modulus });
                 }
             }
             table
@@ -117,16 +97,6 @@ impl MaterialTable {
 
     /// The effects that some contact calls for.
     pub fn effects(&self) -> EffectSet {
-        let any = |property: fn(&ContactMaterial) -> f64| {
-            self.between_grains.iter().chain(&self.with_wall).any(|pair| property(pair) > 0.0)
-        };
-        EffectSet {
-            friction: any(|pair| pair.friction),
-            rolling: any(|pair| pair.rolling_friction),
-            twisting: any(|pair| pair.twisting_friction),
-            cohesion: any(|pair| pair.pull(1.0).force),
-            falling_restitution: any(|pair| f64::from(pair.restitution_speed.is_finite())),
-            kinetic_friction: any(|pair| pair.friction - pair.kinetic_friction),
-        }
+        EffectSet::of(self.between_grains.iter().chain(&self.with_wall).map(|pair| &pair.coefficients))
     }
 }

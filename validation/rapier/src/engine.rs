@@ -5,9 +5,12 @@
 //! whose stiffness is that of an oscillator of the pair's mass at the natural frequency, so that it sinks in by
 //! `g / (2 pi f)^2` under the weight of its own mass, whatever the size of the grains.
 
+use makadam::effects::catalogue::{
+    CHANGING_GRAVITY, COHESION, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, ROLLING, TWISTING,
+};
 use makadam::scene::{Grain, Motion, Shape, populate};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
-use makadam_validation::peers::{Code, CodeError, Job};
+use makadam_validation::peers::{Code, CodeError, Job, refuse_effects};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use makadam_validation::scenes::in_file;
@@ -20,6 +23,10 @@ pub const NAME: &str = "Rapier";
 
 /// Thickness of a wall over the largest radius: no grain of a dense flow crosses that in a step.
 const WALL_THICKNESS: f64 = 10.0;
+
+/// Effects that it has not, or that are left out of the comparison.
+const LACKS: [&Effect; 7] =
+    [&CHANGING_GRAVITY, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &COHESION, &ROLLING, &TWISTING];
 
 /// What is varied.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,17 +190,7 @@ fn vector([x, y, z]: [f64; 3]) -> Vector {
 /// The scene in Rapier's terms.
 fn build(scene: &Scene, grains: &[Grain], settings: &Settings) -> Result<PhysicsWorld, CodeError> {
     let refuse = |reason: String| Err(CodeError::Unsupported { code: NAME, reason });
-    let acts = |(name, material): (&String, &makadam::scene::Material)| {
-        let turning = material.rolling_friction != 0.0 || material.twisting_friction != 0.0;
-        let varying = material.kinetic_friction.is_some() || material.restitution_speed.is_some();
-        (turning || varying || material.cohesion.is_some()).then(|| name.clone())
-    };
-    if let Some(name) = scene.material.iter().find_map(acts) {
-        return refuse(format!("{name} has rolling, twisting or kinetic friction, a restitution_speed, or cohesion"));
-    }
-    if !scene.gravity_changes.is_empty() {
-        return refuse("its gravity changes in time".into());
-    }
+    refuse_effects(NAME, &LACKS, scene, grains)?;
     if !scene.pair.is_empty() {
         return refuse("it has rules for pairs of materials".into());
     }

@@ -5,9 +5,12 @@
 //! Gauss-Seidel (NSGS) until the error of its own measure, relative to the free velocities, is below a tolerance. Its grains
 //! are rigid, its restitution is Newton's, its contacts are found by Bullet.
 
+use makadam::effects::catalogue::{
+    CHANGING_GRAVITY, COHESION, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, ROLLING, TWISTING,
+};
 use makadam::scene::{Grain, Motion, Shape, populate};
 use makadam_validation::peers::yade::{read_frames, read_result};
-use makadam_validation::peers::{Code, CodeError, Job};
+use makadam_validation::peers::{Code, CodeError, Job, refuse_effects};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use makadam_validation::scenes::in_file;
@@ -25,6 +28,10 @@ const ASSERTIONS_OFF: &str = include_str!("assertions_off.c");
 
 /// Iterations at which a solve is given up.
 const MOST_ITERATIONS: u32 = 10_000;
+
+/// Effects that it has not, or that are left out of the comparison.
+const LACKS: [&Effect; 7] =
+    [&CHANGING_GRAVITY, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &COHESION, &ROLLING, &TWISTING];
 
 /// What is varied.
 #[derive(Clone, Debug, PartialEq)]
@@ -250,16 +257,9 @@ fn refuse<T>(reason: String) -> Result<T, CodeError> {
 
 /// Friction and restitution, which are the same at all contacts: one law is given to Siconos.
 fn coefficients(scene: &Scene, grains: &[Grain]) -> Result<(f64, f64), CodeError> {
-    let acts = |(name, material): (&String, &makadam::scene::Material)| {
-        let turning = material.rolling_friction != 0.0 || material.twisting_friction != 0.0;
-        let varying = material.kinetic_friction.is_some() || material.restitution_speed.is_some();
-        (turning || varying || material.cohesion.is_some()).then(|| name.clone())
-    };
-    if let Some(name) = scene.material.iter().find_map(acts) {
-        return refuse(format!("{name} has rolling, twisting or kinetic friction, a restitution_speed, or cohesion"));
-    }
-    if !scene.gravity_changes.is_empty() || !scene.domain.periodic.is_empty() || scene.prepare.is_some() {
-        return refuse("its gravity changes, its domain is periodic, or it starts from a prepared state".into());
+    refuse_effects(NAME, &LACKS, scene, grains)?;
+    if scene.prepare.is_some() {
+        return refuse("it starts from a prepared state".into());
     }
     let mut pairs = Vec::new();
     for grain in grains {

@@ -5,11 +5,9 @@ use super::{Console, Failure, begin, can_record, folder_of, load, publish, settl
 use crate::convergence::{self, Effort, Problem, Study};
 use crate::execution::Execution;
 use crate::output::record_folder;
-use crate::plan::Scene;
 use crate::prepared::Start;
 use crate::provenance::Provenance;
 use crate::study::Document;
-use makadam::scene::{Precision, SolverMethod, SolverSettings};
 use makadam::schedule::Scheduler;
 use std::process::ExitCode;
 
@@ -26,18 +24,12 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     let execution = Execution { scheduler, threads, ..Execution::serial() };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
     // Told before the minutes that a flowing state may take.
-    if arguments.methods.is_some()
-        && let Some(unsuitable) = wanted.iter().find(|method| !scene.accepts(&with(&scene, **method)))
-    {
-        let scene_words = match scene.solver.precision {
-            Precision::Single => "single precision goes",
-            Precision::Double => "its torques or driven walls go",
-        };
-        return Err(Failure::Usage(format!(
-            "{} cannot be solved with {}: {scene_words} with gauss-seidel alone; leave that method out of --methods",
-            scene.name,
-            unsuitable.name()
-        )));
+    if arguments.methods.is_some() {
+        let precision = scene.solver.precision;
+        wanted
+            .iter()
+            .try_for_each(|method| scene.goes_with(*method, precision))
+            .map_err(|error| Failure::Usage(format!("{}: {error}; leave that method out of --methods", scene.name)))?;
     }
     let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
     let settling = match start {
@@ -74,9 +66,4 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
         console.note(&format!("table: {}", folder.display()));
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// The scene's settings with another method.
-fn with(scene: &Scene, method: SolverMethod) -> SolverSettings {
-    SolverSettings { method, ..scene.solver.clone() }
 }

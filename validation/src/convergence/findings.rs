@@ -39,7 +39,7 @@ fn findings(study: &Study) -> Vec<String> {
         sentences.push(sentence + ".");
     }
     let not_run = study.left_out.iter();
-    sentences.extend(not_run.map(|one| format!("{} was not run: {}.", one.method, one.reason)));
+    sentences.extend(not_run.map(|one| format!("Not run: {}.", one.reason)));
     sentences
 }
 

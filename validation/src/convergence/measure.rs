@@ -18,9 +18,9 @@ pub fn methods(scene: &Scene, names: Option<&[String]>) -> Vec<SolverMethod> {
 pub fn suitable(simulation: &Simulation, wanted: Vec<SolverMethod>) -> (Vec<SolverMethod>, Vec<LeftOut>) {
     let (mut methods, mut left_out) = (Vec::new(), Vec::new());
     for method in wanted {
-        match simulation.suits(method) {
+        match simulation.goes_with(method) {
             Ok(()) => methods.push(method),
-            Err(unsuitable) => left_out.push(LeftOut { method: unsuitable.method, reason: unsuitable.reason }),
+            Err(error) => left_out.push(LeftOut { method: method.name(), reason: error.to_string() }),
         }
     }
     (methods, left_out)

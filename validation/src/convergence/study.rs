@@ -48,12 +48,12 @@ pub struct Effort {
 }
 
 /// A method that was not run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
     /// Its name.
     pub method: &'static str,
     /// Why it cannot solve the scene.
-    pub reason: &'static str,
+    pub reason: String,
 }
 
 /// The problem of one step.

@@ -3,7 +3,6 @@
 use crate::statistics::median;
 use makadam::Simulation;
 use makadam::effects::EffectSet;
-use makadam::groups::{PairGroup, TorqueLanes};
 use makadam::scene::Precision;
 use serde::Serialize;
 use std::time::Instant;
@@ -70,7 +69,7 @@ impl Costs {
                 called: *effects == called,
                 nanoseconds: median(times[number].clone()),
                 over_friction: median(ratios),
-                bytes: bytes(*effects),
+                bytes: effects.bytes_of_contact(),
             }
         };
         Some(Costs {
@@ -79,11 +78,4 @@ impl Costs {
             kernels: EffectSet::COMPILED.iter().enumerate().map(cost).collect(),
         })
     }
-}
-
-/// Bytes of a contact of two grains in its lane group.
-fn bytes(effects: EffectSet) -> usize {
-    let torques = if effects.torques() { size_of::<TorqueLanes>() } else { 0 };
-    let group = if effects.compiled().friction() { size_of::<PairGroup>() } else { size_of::<PairGroup<()>>() };
-    (group + torques) / makadam::lanes::LANES
 }

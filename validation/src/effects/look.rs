@@ -1,6 +1,7 @@
 //! A look at a stretch of the run: where its energy goes, how deep its grains overlap, and what that says of the effects.
 
 use crate::plan::Scene;
+use makadam::effects::catalogue::{Effect, FRICTION, RESTITUTION, ROLLING, TWISTING};
 use makadam::scene::NormalLaw;
 use makadam::{Balance, Simulation};
 use serde::Serialize;
@@ -60,9 +61,9 @@ pub fn warnings(scene: &Scene, look: Option<&Look>) -> Vec<String> {
         let costs = if turning { "; its resistance to turning is compiled in all the same" } else { "" };
         warnings.push(format!("material '{name}' is declared, and neither a grain nor a wall has it{costs}"));
     }
-    let any = |of: fn(&makadam::scene::Material) -> f64| scene.material.values().any(|one| of(one) > 0.0);
-    let turning = any(|one| one.rolling_friction) || any(|one| one.twisting_friction);
-    if turning && !any(|one| one.friction) {
+    let on = |effect: &Effect| effect.called_by(scene).is_ok();
+    let turning = on(&ROLLING) || on(&TWISTING);
+    if turning && !on(&FRICTION) {
         warnings.push("grains resist turning, but without friction nothing makes them turn".into());
     }
     let Some(look) = look else { return warnings };
@@ -73,10 +74,10 @@ pub fn warnings(scene: &Scene, look: Option<&Look>) -> Vec<String> {
             percent(look.resistance)
         ));
     }
-    if any(|one| one.restitution) && look.impacts.abs() < NONE {
+    if on(&RESTITUTION) && look.impacts.abs() < NONE {
         warnings.push("restitution is declared, but nothing collides".into());
     }
-    if !any(|one| one.restitution) && look.impacts > LARGE {
+    if !on(&RESTITUTION) && look.impacts > LARGE {
         warnings.push(format!("impacts took {} of the energy lost, and every restitution is 0", percent(look.impacts)));
     }
     if scene.solver.normal_law == NormalLaw::Rigid && look.largest_overlap > DEEP {

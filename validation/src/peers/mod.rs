@@ -17,7 +17,9 @@ pub use yade::Yade;
 
 use crate::plan::Scene;
 use crate::recording::Recording;
-use ::makadam::scene::{ContactCoefficients, Motion, Shape};
+use ::makadam::effects::Effect;
+use ::makadam::effects::catalogue::Trigger;
+use ::makadam::scene::Shape;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -141,8 +143,36 @@ pub enum CodeError {
     },
 }
 
-/// What no soft peer can do with a scene, told before it is started.
-fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::scene::Grain]) -> Result<(), CodeError> {
+/// Refuses a scene that calls for an effect that a code lacks, as far as grains and walls that are there have it.
+///
+/// # Errors
+/// [`CodeError::Unsupported`] with the first effect, in the catalogue's order, and what calls for it.
+pub fn refuse_effects(
+    code: &'static str,
+    lacks: &[&'static Effect],
+    scene: &Scene,
+    grains: &[::makadam::scene::Grain],
+) -> Result<(), CodeError> {
+    let palette = palette::Palette::new(scene, grains);
+    let here = |effect: &Effect| match effect.trigger {
+        Trigger::Contacts { acts, .. } => palette.pairs().any(|(_, _, pair)| acts(&pair)),
+        Trigger::Scene(_) => true,
+    };
+    for effect in lacks.iter().filter(|effect| here(effect)) {
+        if let Ok(call) = effect.called_by(scene) {
+            return Err(CodeError::Unsupported { code, reason: format!("it has no {}: {}", effect.name, call.why) });
+        }
+    }
+    Ok(())
+}
+
+/// What no soft peer can do with a scene, told before it is started; `lacks` are the effects that it has not.
+fn refuse_unsupported(
+    code: &'static str,
+    lacks: &[&'static Effect],
+    scene: &Scene,
+    grains: &[::makadam::scene::Grain],
+) -> Result<(), CodeError> {
     let refuse = |reason: &str| Err(CodeError::Unsupported { code, reason: reason.into() });
     if scene.prepare.is_some() {
         return refuse("it starts from a prepared state");
@@ -150,28 +180,8 @@ fn refuse_unsupported(code: &'static str, scene: &Scene, grains: &[::makadam::sc
     if grains.is_empty() {
         return refuse("it has no grains");
     }
-    if !scene.domain.periodic.is_empty() {
-        return refuse("its domain is periodic");
-    }
     if scene.wall.iter().any(|wall| matches!(wall.shape, Shape::Spheres { .. })) {
         return refuse("a wall is made of spheres");
     }
-    if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
-        return refuse("a wall is driven by a torque");
-    }
-    if !scene.gravity_changes.is_empty() {
-        return refuse("its gravity changes in time");
-    }
-    let palette = palette::Palette::new(scene, grains);
-    let any = |has: fn(ContactCoefficients) -> bool| palette.pairs().any(|(_, _, pair)| has(pair));
-    if any(|pair| pair.twisting_friction > 0.0) {
-        return refuse("its contacts resist twisting");
-    }
-    if any(|pair| pair.kinetic_friction < pair.friction) {
-        return refuse("its contacts have less friction while they slide");
-    }
-    if any(|pair| pair.restitution_speed.is_finite()) {
-        return refuse("its restitution falls with the speed of impact");
-    }
-    Ok(())
+    refuse_effects(code, lacks, scene, grains)
 }

@@ -9,6 +9,9 @@ use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, Job};
 use crate::recording::Recording;
 use crate::scenes::in_file;
+use makadam::effects::catalogue::{
+    CHANGING_GRAVITY, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
+};
 use makadam::scene::{Cohesion, Grain, Motion, populate};
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
@@ -17,6 +20,8 @@ use std::ffi::OsString;
 use std::path::Path;
 
 const NAME: &str = "YADE";
+/// Effects that it has not, or that are left out of the comparison.
+const LACKS: [&Effect; 5] = [&CHANGING_GRAVITY, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &TWISTING];
 const DRIVER: &str = include_str!("../../../scripts/yade_driver.py");
 
 /// Reach of YADE's candidate list over the smallest radius; a matter of speed alone.
@@ -152,7 +157,10 @@ impl Code for Yade {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
         let scene = job.scene;
         let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
-        super::refuse_unsupported(NAME, scene, &grains)?;
+        super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
+        if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
+            return Err(CodeError::Unsupported { code: NAME, reason: "a wall is driven by a torque".into() });
+        }
         let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
 
         let folder = job.work_folder;

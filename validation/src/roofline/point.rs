@@ -4,12 +4,11 @@ use super::machine::Roofs;
 use crate::execution::Execution;
 use crate::execution::MeasureError;
 use crate::statistics::median;
-use crate::sweep_bytes::SweepBytes;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
-use makadam::partition::{Layout, TaskGroups};
+use makadam::partition::TaskGroups;
 use makadam::schedule::Scheduler;
-use makadam::sweep::Operations;
+use makadam::sweep::{Operations, SweepBytes};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -91,7 +90,7 @@ impl Point {
         simulation.use_scalar_sweeps(kernel == Kernel::Scalar);
         let rate = contact_sweeps_per_second(&mut simulation);
         let (particles, contacts) = (state.snapshot().particles.len(), state.layout().contacts);
-        let work = Work::of(state.layout(), particles);
+        let work = Work::of(state);
         let (flops, bytes) = (work.flops / contacts as f64, work.bytes / contacts as f64);
         let home = roofs.home_of(work.working_set);
         let slope = home.map_or(f64::NAN, |level| level.bytes_per_second);
@@ -119,11 +118,11 @@ impl Point {
 
 impl Work {
     /// Padding lanes move bytes and do nothing.
-    fn of(layout: &Layout, particles: usize) -> Work {
+    fn of(state: &Simulation) -> Work {
         let (pair, wall) = (f64::from(Operations::of_pair().total()), f64::from(Operations::of_wall().total()));
-        let SweepBytes { touched, moved } = SweepBytes::of(layout, particles);
+        let SweepBytes { touched, moved } = state.sweep_bytes();
         let mut work = Work { flops: 0.0, bytes: moved as f64, working_set: touched };
-        for (_, TaskGroups { pair_sources, wall_sources, .. }) in layout.tasks() {
+        for (_, TaskGroups { pair_sources, wall_sources, .. }) in state.layout().tasks() {
             let filled = |sources: &[makadam::groups::Sources]| {
                 sources.iter().map(|group| group.occupied().count()).sum::<usize>() as f64
             };

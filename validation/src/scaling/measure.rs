@@ -4,11 +4,11 @@
 use crate::execution::{Execution, MeasureError};
 use crate::statistics::median;
 use crate::stepping::{Stepping, Taken};
-use crate::sweep_bytes::SweepBytes;
 use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
 use makadam::schedule::{Region, Scheduler, StepTrace};
+use makadam::sweep::SweepBytes;
 use std::time::Instant;
 
 /// Steps that are taken before any is timed: they fill caches and buffers.
@@ -158,7 +158,7 @@ impl Plan {
             contacts: contacts as f64 / self.steps as f64,
             contact_sweeps: (simulation.contact_sweeps() - before) as f64 / self.steps as f64,
             simulation_bytes: simulation.memory_bytes(),
-            sweep_bytes: SweepBytes::of(simulation.layout(), start.snapshot().particles.len()),
+            sweep_bytes: simulation.sweep_bytes(),
         };
         Ok(TimedRun { times, hash: simulation.state_hash(), hash_when_traced })
     }

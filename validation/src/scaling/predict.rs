@@ -126,8 +126,8 @@ mod tests {
     use super::super::costs::Costs;
     use super::*;
     use crate::execution::Execution;
-    use crate::sweep_bytes::SweepBytes;
     use makadam::schedule::StepTrace;
+    use makadam::sweep::SweepBytes;
 
     /// Ten sweeps of 0.1 s that move 3 GB each.
     fn traced(touched: usize) -> (Traces, Measurement) {

@@ -4,12 +4,12 @@
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
 use makadam::schedule::{Phase, Region, StepTrace};
+use makadam::sweep::SweepBytes;
 use makadam_validation::execution::Execution;
 use makadam_validation::provenance::Provenance;
 use makadam_validation::scaling::{
     Bandwidth, Costs, Machine, Measurement, Plan, Setting, Study, Times, Timing, Traces, replay,
 };
-use makadam_validation::sweep_bytes::SweepBytes;
 use std::path::Path;
 
 /// Factor of the invented measurement on its replay.

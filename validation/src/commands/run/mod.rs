@@ -48,13 +48,9 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     if let Some(precision) = arguments.precision {
         scene.solver.precision = precision.into();
         // Said before a flow is prepared for minutes.
-        if !scene.accepts(&scene.solver) {
-            return Err(Failure::Usage(format!(
-                "--precision single: {} has contacts that resist turning, driven walls or a method other than gauss-seidel, \
-                 which go with double precision alone; leave it out",
-                scene.name
-            )));
-        }
+        scene
+            .goes_with(scene.solver.method, scene.solver.precision)
+            .map_err(|error| Failure::Usage(format!("--precision single: {}: {error}; leave it out", scene.name)))?;
     }
     let seed = arguments.seed.unwrap_or(scene.seed);
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join(file_stem(&scene.name)));

@@ -160,9 +160,6 @@ fn deck(
 }
 
 fn properties(text: &mut String, palette: &Palette<'_>) -> Result<(), String> {
-    if palette.pairs().any(|(_, _, pair)| pair.cohesion.is_some()) {
-        return Err("its cohesion goes with the area of the overlap, not with a pull-off force".into());
-    }
     let list = |values: Vec<f64>| values.iter().map(|value| format!(" {value:.17e}")).collect::<String>();
     let young = list(palette.materials().map(|material| material.youngs_modulus).collect());
     let poisson = list(palette.materials().map(|material| material.poisson_ratio).collect());

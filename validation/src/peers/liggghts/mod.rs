@@ -13,6 +13,9 @@ use super::{Code, CodeError, Job};
 use crate::plan::Scene;
 use crate::recording::Recording;
 use crate::scenes::in_file;
+use makadam::effects::catalogue::{
+    CHANGING_GRAVITY, COHESION, DRIVEN_WALLS, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
+};
 use makadam::scene::{Grain, populate};
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
@@ -22,6 +25,10 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 const NAME: &str = "LIGGGHTS";
+/// Effects that it has not, or that are left out of the comparison: its servo wall has a controller in place of a mass, the pull of
+/// its cohesion goes with the area of the overlap, and its twisting resistance is tied to the rolling one.
+const LACKS: [&Effect; 7] =
+    [&CHANGING_GRAVITY, &DRIVEN_WALLS, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &COHESION, &TWISTING];
 
 /// LIGGGHTS, an explicit soft-sphere code.
 pub struct Liggghts {
@@ -55,11 +62,7 @@ impl Code for Liggghts {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
         let scene = job.scene;
         let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
-        super::refuse_unsupported(NAME, scene, &grains)?;
-        if scene.wall.iter().any(|wall| wall.motion.is_driven()) {
-            let reason = "a wall is driven by a force".into();
-            return Err(CodeError::Unsupported { code: NAME, reason });
-        }
+        super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
         let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
         let plan = Plan::new(scene, largest_step);
         let meshes = meshes_of(scene, &grains);

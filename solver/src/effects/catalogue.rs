@@ -1,0 +1,259 @@
+//! All effects as data: how a scene calls for each, what it says of it, and what becomes of a scene without it.
+//!
+//! The descriptor of an effect stands in its own file, beside its law. Ranges of coefficients, the combination of two materials, the
+//! effects that a simulation is compiled for, the list of `makadam effects`, its ablation, and what other codes refuse go by
+//! [`CATALOGUE`]; `docs/effects.md` shows it as a table, which a test holds against it.
+
+use super::EffectSet;
+pub use super::cohesion::COHESION;
+pub use super::compliance::{COMPLIANCE, VISCOSITY};
+pub use super::drive::DRIVEN_WALLS;
+pub use super::friction::{FRICTION, KINETIC_FRICTION, SPIN};
+pub use super::gravity::{CHANGING_GRAVITY, GRAVITY};
+pub use super::period::PERIODIC_AXES;
+pub use super::resistance::{ROLLING, TWISTING};
+pub use super::restitution::{FALLING_RESTITUTION, RESTITUTION};
+pub use super::size_spread::SIZE_SPREAD;
+pub use super::vibration::WALL_MOTION;
+use crate::scene::{Checked, ContactCoefficients, Material, PairRule, Place, Scene};
+
+/// All effects, in the order in which a step meets them. A coefficient stands behind those that bound it.
+pub static CATALOGUE: [&Effect; 16] = [
+    &GRAVITY,
+    &CHANGING_GRAVITY,
+    &WALL_MOTION,
+    &DRIVEN_WALLS,
+    &SIZE_SPREAD,
+    &PERIODIC_AXES,
+    &COMPLIANCE,
+    &VISCOSITY,
+    &RESTITUTION,
+    &FALLING_RESTITUTION,
+    &FRICTION,
+    &KINETIC_FRICTION,
+    &SPIN,
+    &COHESION,
+    &ROLLING,
+    &TWISTING,
+];
+
+/// An effect.
+#[derive(Debug)]
+pub struct Effect {
+    /// Its name in tables and messages.
+    pub name: &'static str,
+    /// What materials and rules of pairs give of it; empty where a scene calls for it elsewhere.
+    pub coefficients: &'static [Coefficient],
+    /// How two materials combine; absent where it has no coefficients.
+    pub combination: Option<Combination>,
+    /// How a scene calls for it.
+    pub trigger: Trigger,
+    /// What a scene becomes without it; absent where there is no such scene to compare with.
+    pub off: Option<Change>,
+    /// What it is tried with where a scene has none of it; absent where it is not.
+    pub tried: Option<Change>,
+    /// Where [`EffectSet`] keeps whether it is called for; absent where nothing is compiled, laid out or passed over for it.
+    pub(crate) member: Option<fn(&mut EffectSet) -> &mut bool>,
+}
+
+/// A number that a material or a rule of a pair may give.
+#[derive(Debug)]
+pub struct Coefficient {
+    /// Its key; behind a dot, in a table of its own.
+    pub key: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Least and largest value.
+    pub range: [f64; 2],
+    /// What bounds it besides.
+    pub ceiling: Option<Ceiling>,
+    /// What a material has that does not give it.
+    pub absent: Absent,
+    /// Value without effect, if there is one.
+    pub off: Option<f64>,
+    /// What a material gives.
+    pub of_material: fn(&Material) -> Option<f64>,
+    /// What a rule gives.
+    pub of_rule: fn(&PairRule) -> Option<f64>,
+}
+
+/// Another coefficient that one must not exceed.
+#[derive(Debug)]
+pub struct Ceiling {
+    /// What it is, in words.
+    pub words: &'static str,
+    /// That of a material.
+    pub of_material: fn(&Material) -> f64,
+    /// That of two materials.
+    pub of_contact: fn(&ContactCoefficients) -> f64,
+}
+
+/// What a material has that does not give a coefficient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Absent {
+    /// It must be given.
+    Refused,
+    /// This value.
+    Value(f64),
+    /// The value of another key.
+    SameAs(&'static str),
+    /// None: the effect is off.
+    Off,
+}
+
+/// How the coefficients of a contact follow from two materials.
+#[derive(Debug)]
+pub struct Combination {
+    /// The rule in words.
+    pub words: &'static str,
+    /// Enters what the contact has.
+    pub combine: fn(&Meeting<'_>, &mut ContactCoefficients),
+}
+
+/// The rule of most coefficients: see [`Meeting::value`].
+pub const SMALLER: &str = "a pair's own; else the wall's, or the smaller of two grains";
+
+/// Two materials that meet.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting<'a> {
+    /// The first one, of a grain.
+    pub first: &'a Material,
+    /// The second one.
+    pub second: &'a Material,
+    /// The scene's rule of the two.
+    pub rule: Option<&'a PairRule>,
+    /// Whether the second one is a wall's.
+    pub wall: bool,
+}
+
+/// How a scene calls for an effect.
+#[derive(Debug)]
+pub enum Trigger {
+    /// By the coefficients of some contact.
+    Contacts {
+        /// Whether a contact has it.
+        acts: fn(&ContactCoefficients) -> bool,
+        /// What is the case where none has.
+        without: &'static str,
+    },
+    /// By what it says elsewhere; an error is what is the case without it.
+    Scene(fn(&Scene) -> Result<Call, &'static str>),
+}
+
+/// A scene's call for an effect.
+#[derive(Clone)]
+pub struct Call {
+    /// What it says.
+    pub why: String,
+    /// Where it says so.
+    pub place: Place,
+}
+
+/// A change of a scene.
+#[derive(Debug)]
+pub struct Change {
+    /// The change in words.
+    pub words: &'static str,
+    /// Makes it.
+    pub apply: fn(&mut Scene),
+}
+
+/// All coefficients that a material may give.
+pub fn coefficients() -> impl Iterator<Item = &'static Coefficient> {
+    CATALOGUE.iter().flat_map(|effect| effect.coefficients)
+}
+
+impl Effect {
+    /// An effect without a coefficient.
+    pub(super) const fn of_scene(name: &'static str, calls: fn(&Scene) -> Result<Call, &'static str>) -> Effect {
+        let (off, tried, member) = (None, None, None);
+        Effect { name, coefficients: &[], combination: None, trigger: Trigger::Scene(calls), off, tried, member }
+    }
+
+    /// What calls for it in a scene; an error is what is the case without it.
+    ///
+    /// # Errors
+    /// What is the case without it, where nothing does.
+    pub fn called_by(&self, scene: &Scene) -> Result<Call, &'static str> {
+        match &self.trigger {
+            Trigger::Scene(calls) => calls(scene),
+            Trigger::Contacts { acts, without } => match scene.possible_contacts().any(|contact| acts(&contact)) {
+                true => Ok(self.first_that_says_so(scene, *acts)),
+                false => Err(without),
+            },
+        }
+    }
+
+    /// The material, or else the rule, whose contacts have the effect.
+    fn first_that_says_so(&self, scene: &Scene, acts: fn(&ContactCoefficients) -> bool) -> Call {
+        let root = Place::default();
+        let alone = |one| Meeting { first: one, second: one, rule: None, wall: true };
+        let material = scene.material.iter().find(|(_, one)| acts(&alone(one).coefficients()));
+        let of_material = material.map(|(name, one)| {
+            let given = self.given(&root.key("material").name(name), |coefficient| (coefficient.of_material)(one));
+            given.map(|(words, place)| Call { why: format!("material '{name}': {words}"), place })
+        });
+        let of_rule = || {
+            scene.pair.iter().enumerate().find_map(|(index, rule)| {
+                let [a, b] = &rule.between;
+                let given = |coefficient: &Coefficient| (coefficient.of_rule)(rule);
+                let (words, place) = self.given(&root.key("pair").index(index), given)?;
+                let why = format!("pair '{a}', '{b}': {words}");
+                acts(&scene.contact_coefficients(a, b, true)).then_some(Call { why, place })
+            })
+        };
+        of_material.flatten().or_else(of_rule).unwrap_or_else(|| Call { why: String::new(), place: root })
+    }
+
+    /// The coefficients that a table gives in words, and the place of the first.
+    fn given(&self, at: &Place, of: impl Fn(&Coefficient) -> Option<f64>) -> Option<(String, Place)> {
+        let given = || self.coefficients.iter().filter_map(|one| Some((one, of(one)?)));
+        let words: Vec<String> = given().map(|(one, value)| format!("{} = {value}", one.key)).collect();
+        given().next().map(|(first, _)| (words.join(", "), first.place(at)))
+    }
+}
+
+impl Coefficient {
+    /// Its place in the table of a material or a rule.
+    pub(crate) fn place(&self, table: &Place) -> Place {
+        self.key.split('.').fold(table.clone(), |place, key| place.key(key))
+    }
+
+    /// Refuses a value that a table gives out of its range; `ceiling` tells what bounds it besides.
+    ///
+    /// # Errors
+    /// [`Fault`](crate::scene::Fault).
+    pub(crate) fn check(&self, table: &Place, value: Option<f64>, ceiling: impl Fn(&Ceiling) -> f64) -> Checked {
+        let ([least, most], Some(value)) = (self.range, value) else { return Ok(()) };
+        let place = self.place(table);
+        match &self.ceiling {
+            Some(bound) => place.range(value, least, ceiling(bound), &format!("{}, {}", self.unit, bound.words)),
+            None => place.range(value, least, most, self.unit),
+        }
+    }
+}
+
+impl Meeting<'_> {
+    /// All coefficients of the contact.
+    pub fn coefficients(&self) -> ContactCoefficients {
+        let mut contact = ContactCoefficients::default();
+        for combination in CATALOGUE.iter().filter_map(|effect| effect.combination.as_ref()) {
+            (combination.combine)(self, &mut contact);
+        }
+        contact
+    }
+
+    /// The value of a rule; where it gives none, the wall's, or the smaller of those of two grains.
+    pub fn value(&self, of_rule: fn(&PairRule) -> Option<f64>, of_material: fn(&Material) -> f64) -> f64 {
+        self.rule.and_then(of_rule).unwrap_or_else(|| match self.wall {
+            true => of_material(self.second),
+            false => of_material(self.first).min(of_material(self.second)),
+        })
+    }
+}
+
+/// Changes all materials and all rules of a scene.
+pub(super) fn change_coefficients(scene: &mut Scene, of_material: fn(&mut Material), of_rule: fn(&mut PairRule)) {
+    scene.material.values_mut().for_each(of_material);
+    scene.pair.iter_mut().for_each(of_rule);
+}
