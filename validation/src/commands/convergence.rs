@@ -63,7 +63,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     });
     drop(bar);
     let curves = curves.map_err(|_| Failure::Interrupted("nothing: the methods were not finished".into()))?;
-    let study = Study::new(problem, effort, curves, left_out, provenance).with_findings();
+    let study = Study::new(problem, effort, curves, left_out, provenance);
 
     let folder = folder_of(arguments.output.as_deref(), "convergence", &scene);
     publish(&study, || convergence::table(&study), &folder, arguments.json, console)?;

@@ -1,10 +1,19 @@
-//! One table, shown on a terminal, on a page and in Markdown.
+//! One table, shown on a terminal, on a page and in Markdown, or written as CSV.
 
+use super::document::{DocumentError, File};
 use crate::draw::columns;
 use crate::draw::svg::escape;
+use crate::output::cells::csv_below;
+use serde::Serialize;
 use std::fmt::Write;
 
-/// A table of finished texts: heads and rows of as many cells.
+/// A row of a table: whatever cells can be made from.
+macro_rules! cells {
+    ($($cell:expr),* $(,)?) => { vec![$($crate::study::Cell::from($cell)),*] };
+}
+pub(crate) use cells;
+
+/// A table: heads and rows of as many cells.
 pub(crate) struct Table {
     heads: Vec<Head>,
     rows: Vec<Row>,
@@ -26,12 +35,27 @@ struct Row {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Cell {
     text: Option<String>,
+    /// What the text was made from, at full precision; absent where it is the text itself.
+    raw: Option<Raw>,
     below: Option<String>,
     mark: Option<String>,
     strong: bool,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+enum Raw {
+    Number(f64),
+    Count(u64),
+    Truth(bool),
+}
+
 impl Table {
+    /// A table of these columns, whose names stand in one text with blanks between.
+    pub(crate) fn named(names: &str) -> Table {
+        Table::new(&[], &names.split_whitespace().collect::<Vec<_>>())
+    }
+
     /// A table of these columns, words first, then numbers.
     pub(crate) fn new(words: &[&str], numbers: &[&str]) -> Table {
         let words = words.iter().map(|head| (head, true));
@@ -112,6 +136,16 @@ impl Table {
         html + "</tbody>\n</table>\n</div>"
     }
 
+    /// A file NAME.csv: numbers at full precision, empty cells where there is nothing; with a head even if there are no rows.
+    ///
+    /// # Errors
+    /// [`DocumentError::Csv`] if a row is none.
+    pub(crate) fn csv(&self, name: &str) -> Result<File, DocumentError> {
+        let heads: Vec<&str> = self.heads.iter().map(|head| head.short.as_str()).collect();
+        let rows = self.rows.iter().map(|row| row.cells.iter().map(Cell::written).collect::<Vec<_>>());
+        Ok((format!("{name}.csv"), csv_below(&heads, rows)?))
+    }
+
     /// A table in Markdown, empty cells where there is nothing.
     pub(crate) fn markdown(&self) -> String {
         let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
@@ -119,6 +153,14 @@ impl Table {
         let heads = line(self.heads.iter().map(|head| head.long.as_str()).collect());
         heads + &line(vec!["---"; self.heads.len()]) + &rows.collect::<String>()
     }
+}
+
+/// A cell of a CSV file.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Written<'a> {
+    Raw(Raw),
+    Text(&'a str),
 }
 
 impl Cell {
@@ -135,6 +177,10 @@ impl Cell {
     /// The same in bold on a page, if so.
     pub(crate) fn strong(self, strong: bool) -> Cell {
         Cell { strong, ..self }
+    }
+
+    fn written(&self) -> Written<'_> {
+        self.raw.map_or_else(|| Written::Text(self.plain()), Written::Raw)
     }
 
     fn plain(&self) -> &str {
@@ -162,9 +208,50 @@ impl From<&str> for Cell {
     }
 }
 
+impl From<&String> for Cell {
+    fn from(text: &String) -> Cell {
+        text.as_str().into()
+    }
+}
+
+impl From<Raw> for Cell {
+    fn from(raw: Raw) -> Cell {
+        let text = match raw {
+            Raw::Number(number) => number.to_string(),
+            Raw::Count(count) => count.to_string(),
+            Raw::Truth(truth) => if truth { "yes" } else { "no" }.into(),
+        };
+        Cell { raw: Some(raw), ..text.into() }
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Cell {
+        Raw::Number(number).into()
+    }
+}
+
+impl From<u32> for Cell {
+    fn from(count: u32) -> Cell {
+        Raw::Count(count.into()).into()
+    }
+}
+
+impl From<u64> for Cell {
+    fn from(count: u64) -> Cell {
+        Raw::Count(count).into()
+    }
+}
+
 impl From<usize> for Cell {
-    fn from(number: usize) -> Cell {
-        number.to_string().into()
+    fn from(count: usize) -> Cell {
+        Raw::Count(count as u64).into()
+    }
+}
+
+impl From<bool> for Cell {
+    fn from(truth: bool) -> Cell {
+        Raw::Truth(truth).into()
     }
 }
 
@@ -177,6 +264,17 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_has_full_precision_and_a_head_without_rows() {
+        let table = Table::named("code, seconds sweeps within");
+        assert_eq!(table.csv("empty").unwrap(), ("empty.csv".into(), b"\"code,\",seconds,sweeps,within\n".to_vec()));
+        let rows = [("=a", Some(0.1 + 0.2), true), ("b", None, false)];
+        let table = Table::named("code seconds sweeps within").of(rows, |row| cells![row.0, row.1, 3_u32, row.2]);
+        let (_, written) = table.csv("full").unwrap();
+        let expected = "code,seconds,sweeps,within\n'=a,0.30000000000000004,3,true\nb,,3,false\n";
+        assert_eq!(String::from_utf8(written).unwrap(), expected);
+    }
 
     #[test]
     fn one_table_is_shown_in_three_ways() {

@@ -1,7 +1,7 @@
 //! The files of a trade-off: its rows, its figures, and a page with tables and what they say.
 
 use super::figures::figures;
-use super::flat::{ReferenceRow, point_rows};
+use super::flat;
 use super::rows::{Fastest, Point, Reference, Varied};
 use super::study::Study;
 use super::terminal::{ordered, verdict};
@@ -17,11 +17,9 @@ impl Document for Study {
     const NAME: &'static str = "tradeoff";
 
     fn tables(&self) -> Result<Vec<File>, DocumentError> {
-        let points: Vec<_> = self.points.iter().flat_map(point_rows).collect();
-        let references: Vec<_> = self.references.iter().map(ReferenceRow::of).collect();
         Ok(vec![
-            table("points", &points)?,
-            table("references", &references)?,
+            flat::points(&self.points).csv("points")?,
+            flat::references(&self.references).csv("references")?,
             table("fastest", &self.fastest)?,
             json("provenance", &self.provenance)?,
         ])

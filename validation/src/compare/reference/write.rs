@@ -4,7 +4,7 @@ use super::{
     FORCE_COLUMNS, ForceLine, GRAIN_COLUMNS, MEASUREMENT_COLUMNS, MeasuredRun, MeasurementLine, RUN_COLUMNS, Reference,
     RunLine, SERIES_COLUMNS, SeriesLine, days, final_state_file, processors,
 };
-use crate::output::cells::without_formulas;
+use crate::output::cells::csv_below;
 use crate::output::{WriteError, create_folder, write_whole};
 use crate::plan::Scene;
 use serde::Serialize;
@@ -140,12 +140,7 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// Lines below their head, which stands there even if there is no line.
+/// Lines below their head.
 fn to_csv<T: Serialize>(columns: &[&str], lines: impl Iterator<Item = T>) -> Vec<u8> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    writer.write_record(columns).expect("text can be written to memory");
-    for line in lines {
-        writer.serialize(line).expect("numbers and text can be written to memory");
-    }
-    without_formulas(writer.into_inner().expect("memory can be flushed"))
+    csv_below(columns, lines).expect("numbers and text can be written to memory")
 }
