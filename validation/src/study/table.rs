@@ -106,11 +106,22 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// Aligned plain text: words to the left, numbers to the right, "-" where there is nothing.
+    /// Aligned plain text: words to the left, numbers to the right, "-" where there is nothing, "*" behind what is strong.
     pub(crate) fn text(&self) -> String {
         let heads: Vec<String> = self.heads.iter().map(|head| head.short.clone()).collect();
-        let plain = |cell: &Cell| cell.text.clone().unwrap_or_else(|| "-".into());
-        let rows = self.rows.iter().map(|row| row.cells.iter().map(plain).collect::<Vec<_>>());
+        let plain = |(column, cell): (usize, &Cell)| {
+            let text = cell.text.as_deref().unwrap_or("-");
+            let any = self.rows.iter().any(|row| row.cells[column].strong);
+            let star = if !any {
+                ""
+            } else if cell.strong {
+                " *"
+            } else {
+                "  "
+            };
+            format!("{text}{star}")
+        };
+        let rows = self.rows.iter().map(|row| row.cells.iter().enumerate().map(plain).collect::<Vec<_>>());
         columns(&[heads].into_iter().chain(rows).collect::<Vec<_>>(), |column| self.heads[column].is_words)
     }
 
@@ -281,7 +292,7 @@ mod tests {
         let mut table = Table::new(&["code"], &["s"]).on_a_page(&["seconds"]).with_words("verdict");
         table.first_row(["a<b".into(), Cell::from("12").above(Some("11 to 13".into())), "within".into()]);
         table.row([Cell::from("c").marked("code-c"), None::<String>.into(), Cell::from("beyond").strong(true)]);
-        assert_eq!(table.text(), "code   s  verdict\na<b   12  within\nc      -  beyond\n");
+        assert_eq!(table.text(), "code   s  verdict\na<b   12  within\nc      -  beyond *\n");
         assert_eq!(
             table.markdown(),
             "| code | seconds | verdict |\n| --- | --- | --- |\n| a<b | 12 | within |\n| c |  | beyond |\n"
