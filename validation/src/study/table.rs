@@ -15,14 +15,24 @@ pub(crate) use cells;
 
 /// A table: heads and rows of as many cells.
 pub(crate) struct Table {
+    class: &'static str,
     heads: Vec<Head>,
     rows: Vec<Row>,
 }
 
 struct Head {
     short: String,
-    long: String,
+    long: Cell,
     is_words: bool,
+    /// Style class of the column.
+    class: &'static str,
+}
+
+impl Head {
+    fn new(long: impl Into<Cell>, is_words: bool) -> Head {
+        let long = long.into();
+        Head { short: long.plain().into(), long, is_words, class: "" }
+    }
 }
 
 struct Row {
@@ -37,7 +47,8 @@ pub(crate) struct Cell {
     text: Option<String>,
     /// What the text was made from, at full precision; absent where it is the text itself.
     raw: Option<Raw>,
-    below: Option<String>,
+    /// What stands below the text on a page, each with its style classes.
+    below: Vec<(String, String)>,
     mark: Option<String>,
     strong: bool,
 }
@@ -58,29 +69,44 @@ impl Table {
 
     /// A table of these columns, words first, then numbers.
     pub(crate) fn new(words: &[&str], numbers: &[&str]) -> Table {
-        let words = words.iter().map(|head| (head, true));
-        let numbers = numbers.iter().map(|head| (head, false));
-        let head = |(head, is_words): (&&str, bool)| Head { short: head.to_string(), long: head.to_string(), is_words };
-        Table { heads: words.chain(numbers).map(head).collect(), rows: Vec::new() }
+        let words = words.iter().map(|head| Head::new(*head, true));
+        let numbers = numbers.iter().map(|head| Head::new(*head, false));
+        Table { class: "", heads: words.chain(numbers).collect(), rows: Vec::new() }
+    }
+
+    /// The same in a style class.
+    pub(crate) fn styled(self, class: &'static str) -> Table {
+        Table { class, ..self }
     }
 
     /// Adds a column of words.
     pub(crate) fn with_words(mut self, head: &str) -> Table {
-        self.heads.push(Head { short: head.into(), long: head.into(), is_words: true });
+        self.heads.push(Head::new(head, true));
         self
     }
 
     /// Adds columns of numbers.
     pub(crate) fn with_numbers<T: AsRef<str>>(mut self, heads: impl IntoIterator<Item = T>) -> Table {
-        let head = |head: T| Head { short: head.as_ref().into(), long: head.as_ref().into(), is_words: false };
-        self.heads.extend(heads.into_iter().map(head));
+        self.heads.extend(heads.into_iter().map(|head| Head::new(head.as_ref(), false)));
+        self
+    }
+
+    /// Adds columns of numbers with all that a head has on a page, each in a style class.
+    pub(crate) fn with_columns(mut self, heads: impl IntoIterator<Item = (Cell, &'static str)>) -> Table {
+        self.heads.extend(heads.into_iter().map(|(head, class)| Head { class, ..Head::new(head, false) }));
+        self
+    }
+
+    /// The same with the last column in a style class.
+    pub(crate) fn of_class(mut self, class: &'static str) -> Table {
+        self.heads.iter_mut().last().expect("a column").class = class;
         self
     }
 
     /// Gives the columns from the last one with other heads on a page, where there is more room.
     pub(crate) fn on_a_page(mut self, long: &[&str]) -> Table {
         let from = self.heads.len() - long.len();
-        self.heads[from..].iter_mut().zip(long).for_each(|(head, long)| head.long = long.to_string());
+        self.heads[from..].iter_mut().zip(long).for_each(|(head, long)| head.long = (*long).into());
         self
     }
 
@@ -99,6 +125,15 @@ impl Table {
     pub(crate) fn of<T>(mut self, items: impl IntoIterator<Item = T>, cells: impl Fn(T) -> Vec<Cell>) -> Table {
         items.into_iter().for_each(|item| self.row(cells(item)));
         self
+    }
+
+    /// Adds a group of rows, the first of which begins with the name of the group.
+    pub(crate) fn group<T>(&mut self, name: &str, items: impl IntoIterator<Item = T>, cells: impl Fn(T) -> Vec<Cell>) {
+        for (place, item) in items.into_iter().enumerate() {
+            let name = if place == 0 { name } else { "" };
+            let cells = [Cell::from(name)].into_iter().chain(cells(item)).collect();
+            self.rows.push(Row { cells, first: place == 0 });
+        }
     }
 
     /// Whether it has no rows.
@@ -127,19 +162,23 @@ impl Table {
 
     /// An element of a page that scrolls where it is too wide; the first column of words names its row.
     pub(crate) fn html(&self) -> String {
-        let mut html = String::from("<div class=\"scroll\">\n<table>\n<thead><tr>");
+        let mut html = format!("<div class=\"scroll\">\n<table{}>\n<thead><tr>", class(self.class));
         for head in &self.heads {
-            let class = if head.is_words { "" } else { " class=\"num\"" };
-            let _ = write!(html, "<th{class}>{}</th>", escape(&head.long));
+            let kind = if head.is_words { "" } else { "num" };
+            let _ = write!(html, "<th{}>{}</th>", class(&format!("{kind} {}", head.class)), head.long.html());
         }
         html += "</tr></thead>\n<tbody>\n";
         for row in &self.rows {
             html += if row.first { "<tr class=\"first\">" } else { "<tr>" };
             for (column, (cell, head)) in row.cells.iter().zip(&self.heads).enumerate() {
+                let kind = match (head.is_words, head.class) {
+                    (false, _) => "num",
+                    (true, "") => "setting",
+                    (true, _) => "",
+                };
                 html += &match (column, head.is_words) {
                     (0, true) => format!("<th scope=\"row\">{}</th>", cell.html()),
-                    (_, true) => format!("<td class=\"setting\">{}</td>", cell.html()),
-                    (_, false) => format!("<td class=\"num\">{}</td>", cell.html()),
+                    _ => format!("<td{}>{}</td>", class(&format!("{kind} {}", head.class)), cell.html()),
                 };
             }
             html += "</tr>\n";
@@ -161,7 +200,7 @@ impl Table {
     pub(crate) fn markdown(&self) -> String {
         let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
         let rows = self.rows.iter().map(|row| line(row.cells.iter().map(Cell::plain).collect()));
-        let heads = line(self.heads.iter().map(|head| head.long.as_str()).collect());
+        let heads = line(self.heads.iter().map(|head| head.long.plain()).collect());
         heads + &line(vec!["---"; self.heads.len()]) + &rows.collect::<String>()
     }
 }
@@ -177,7 +216,18 @@ enum Written<'a> {
 impl Cell {
     /// The same with a smaller text below on a page, if there is one.
     pub(crate) fn above(self, below: Option<String>) -> Cell {
-        Cell { below, ..self }
+        self.with("interval", below)
+    }
+
+    /// The same with style class and word of an outcome behind it on a page, if there is one.
+    pub(crate) fn outcome(self, outcome: Option<(&'static str, &'static str)>) -> Cell {
+        let classes = format!("outcome {}", outcome.map_or("", |(class, _)| class));
+        self.with(&classes, outcome.map(|(_, word)| word.into()))
+    }
+
+    fn with(mut self, classes: &str, below: Option<String>) -> Cell {
+        self.below.extend(below.map(|below| (classes.to_string(), below)));
+        self
     }
 
     /// The same behind a mark of these style classes.
@@ -199,12 +249,20 @@ impl Cell {
     }
 
     fn html(&self) -> String {
-        let text = escape(self.text.as_deref().unwrap_or("–"));
+        let absent = if self.below.is_empty() { "–" } else { "" };
+        let text = escape(self.text.as_deref().unwrap_or(absent));
         let text = if self.strong { format!("<strong>{text}</strong>") } else { text };
         let mark = self.mark.as_ref().map(|classes| format!("<span class=\"swatch {}\"></span>", escape(classes)));
-        let below = self.below.as_ref().map(|below| format!("<span class=\"interval\">{}</span>", escape(below)));
-        mark.unwrap_or_default() + &text + &below.unwrap_or_default()
+        let below =
+            self.below.iter().map(|(classes, text)| format!("<span class=\"{classes}\">{}</span>", escape(text)));
+        mark.unwrap_or_default() + &text + &below.collect::<String>()
     }
+}
+
+/// The attribute of style classes; nothing without any.
+fn class(classes: &str) -> String {
+    let classes = classes.trim();
+    if classes.is_empty() { String::new() } else { format!(" class=\"{classes}\"") }
 }
 
 impl From<String> for Cell {
