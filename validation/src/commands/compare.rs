@@ -2,7 +2,7 @@
 
 use super::arguments::CompareArguments;
 use super::record::record;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes, json, load, use_threads};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes, json, load};
 use crate::compare::{CodeSummary, Comparison, Row};
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
@@ -30,7 +30,7 @@ struct CompareDocument<'a> {
 
 /// Compares codes on a scene, or records references.
 pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result<ExitCode, Failure> {
-    use_threads(arguments.threads)?;
+    arguments.side_by_side.apply()?;
     let (file, scene) = load(&arguments.scene)?;
     match arguments.record {
         true => record(arguments, &scene, &file, console),

@@ -1,7 +1,7 @@
 //! `makadam convergence`: how each method converges on the problem of one step.
 
 use super::arguments::ConvergenceArguments;
-use super::{Console, Failure, begin, can_record, folder_of, load, publish, settle};
+use super::{Console, Failure, begin, can_record, publish, settle};
 use crate::convergence::{self, Effort, Problem, Study};
 use crate::execution::Execution;
 use crate::output::record_folder;
@@ -13,11 +13,10 @@ use std::process::ExitCode;
 
 /// Solves one problem with every method, writes and says what was found.
 pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let (file, scene) = load(&arguments.scene)?;
+    let (file, scene, seed) = arguments.scene.load()?;
     if arguments.record {
         can_record(&file)?;
     }
-    let seed = arguments.seed.unwrap_or(scene.seed);
     let wanted = convergence::methods(&scene, arguments.methods.as_deref());
     let threads = usize::from(arguments.threads);
     let scheduler = if threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
@@ -55,10 +54,10 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     });
     drop(bar);
     let curves = curves.map_err(|_| Failure::Interrupted("nothing: the methods were not finished".into()))?;
-    let study = Study::new(problem, effort, curves, left_out, provenance).with_findings();
+    let study = Study::new(problem, effort, curves, left_out, provenance);
 
-    let folder = folder_of(arguments.output.as_deref(), "convergence", &scene);
-    publish(&study, || convergence::table(&study), &folder, arguments.json, console)?;
+    let folder = arguments.output.folder_of("convergence", &scene);
+    publish(&study, || convergence::table(&study), &folder, arguments.output.json, console)?;
     if arguments.record {
         let processor = &study.provenance.build.processor;
         let folder = record_folder("convergence", &file, processor, Some(execution.instruction_set));

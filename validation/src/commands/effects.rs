@@ -1,11 +1,9 @@
 //! `makadam effects`: which effects a scene calls for, what each costs, and whether it matters.
 
 use super::arguments::EffectsArguments;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, begin, folder_of, json, load, settle, use_threads};
-use crate::effects::{Ablation, Costs, Look, Plan, Study, called, markdown, table, warnings};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, flowing, json, settle};
+use crate::effects::{Ablation, Costs, Look, Plan, Study, table};
 use crate::execution::Execution;
-use crate::output::{JSON_VERSION, create_folder, write_whole};
-use crate::prepared::Start;
 use crate::provenance::Provenance;
 use crate::scenes;
 use std::process::ExitCode;
@@ -13,7 +11,7 @@ use std::time::Duration;
 
 /// Looks, measures, writes and says what was found.
 pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let (file, scene) = load(&arguments.scene)?;
+    let (file, scene, seed) = arguments.scene.load()?;
     let text = scenes::text(&file)?;
     if arguments.ablate && scene.compare.iter().all(|expectation| expectation.margin.is_none()) {
         return Err(Failure::Usage(format!(
@@ -21,13 +19,8 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
             scene.name
         )));
     }
-    let seed = arguments.seed.unwrap_or(scene.seed);
     let execution = Execution::serial();
-    let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
-    if start == Start::Fresh {
-        // A lattice gas has hardly a contact to sweep over.
-        settle(&mut simulation, arguments.settle, console)?;
-    }
+    let mut simulation = flowing(&scene, seed, &file, &execution, arguments.settle, console)?;
     let from = simulation.time();
     simulation.open_ledger();
     settle(&mut simulation, arguments.look, console)?;
@@ -35,9 +28,9 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     console.detail("timing kernels");
     let costs = Costs::measure(&simulation);
     drop(simulation);
-    let folder = folder_of(arguments.output.as_deref(), "effects", &scene);
+    let folder = arguments.output.folder_of("effects", &scene);
     let ablation = if arguments.ablate {
-        use_threads(arguments.threads)?;
+        arguments.side_by_side.apply()?;
         let seeds: Vec<u64> = (seed..seed + u64::from(arguments.seeds)).collect();
         let plan = Plan {
             scene: &scene,
@@ -52,24 +45,10 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     } else {
         None
     };
-    let study = Study {
-        version: JSON_VERSION,
-        command: "effects",
-        effects: called(&scene, &text),
-        warnings: warnings(&scene, look.as_ref()),
-        scene: scene.name.clone(),
-        costs,
-        look,
-        ablation,
-        provenance: Provenance::of_run(&scene, &file, seed, &execution),
-    };
-    create_folder(&folder)?;
-    let document = json(&study);
-    write_whole(&folder.join("effects.json"), document.as_bytes())?;
-    if study.ablation.is_some() {
-        write_whole(&folder.join("ablation.md"), markdown(&study).as_bytes())?;
-    }
-    console.result(&if arguments.json { document } else { table(&study) })?;
+    let provenance = Provenance::of_run(&scene, &file, seed, &execution);
+    let study = Study::new(&scene, &text, (look, costs), ablation, provenance);
+    study.write(&folder)?;
+    console.result(&if arguments.output.json { json(&study) } else { table(&study) })?;
     let lacking = study.ablation.iter().flat_map(|ablation| &ablation.rows).find(|row| row.mean.is_none());
     if let Some(row) = lacking {
         console.warn(&format!("{} was not measured in every seed of the scene as it is", row.observable));

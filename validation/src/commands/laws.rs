@@ -1,11 +1,11 @@
 //! `makadam laws`: published laws of granular matter, measured and judged.
 
 use super::arguments::LawsArguments;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, json, use_threads};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
 use crate::laws::{Law, LawError, LawResult, Plan, Study, all, carry_out, table, write, write_scenes};
 use crate::output::JSON_VERSION;
 use crate::provenance::account;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Measures the laws that were asked for, one after the other, writes each as it is done, and says what was found.
@@ -16,8 +16,8 @@ pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitC
         console.result(&laws.iter().map(line).collect::<Vec<_>>().join("\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
-    use_threads(arguments.threads)?;
-    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join("laws"));
+    arguments.side_by_side.apply()?;
+    let folder = arguments.output.folder("laws");
     let seeds: Vec<u64> = (arguments.seed..).take(usize::from(arguments.seeds)).collect();
     let study = |laws: Vec<LawResult>| Study {
         version: JSON_VERSION,
@@ -35,7 +35,7 @@ pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitC
         results.push(result);
     }
     let study = study(results);
-    console.result(&if arguments.json { json(&study) } else { table(&study) })?;
+    console.result(&if arguments.output.json { json(&study) } else { table(&study) })?;
     Ok(if study.hold { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
 }
 

@@ -22,16 +22,17 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 
 use crate::compare::Share;
 use crate::execution::Execution;
-use crate::output::{cache_folder, file_stem};
+use crate::output::cache_folder;
 use crate::peers::{Code, Liggghts, Makadam, Yade};
 use crate::plan::Scene;
 use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::Document;
-use arguments::{Arguments, CodeName, Command};
+use arguments::{Arguments, CodeName, Command, load};
 use clap::Parser;
 use makadam::Simulation;
+use makadam::scene::Stop;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -82,14 +83,6 @@ fn tell(words: &clap::Error) -> ExitCode {
             ExitCode::from(failure.exit_code())
         }
     }
-}
-
-/// Finds, reads and checks a scene, which has to find room in memory.
-fn load(name: &str) -> Result<(PathBuf, Scene), Failure> {
-    let file = scenes::find(name, &scenes::roots())?;
-    let scene = scenes::load(&file)?;
-    beforehand::refuse_beyond_memory(&scene, &file)?;
-    Ok((file, scene))
 }
 
 /// Refuses to record beside a scene that lies in no folder.
@@ -148,6 +141,35 @@ fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Resul
     settled.map(|_| ()).map_err(|_| Failure::Interrupted("nothing: the flowing state was not finished".into()))
 }
 
+/// The simulation at the start of its run, settled for a time (s) where no flowing state was prepared: grains that have just been
+/// placed have hardly a contact.
+fn flowing(
+    scene: &Scene,
+    seed: u64,
+    file: &Path,
+    execution: &Execution,
+    seconds: f64,
+    console: &Console,
+) -> Result<Simulation, Failure> {
+    let (mut simulation, start) = begin(scene, seed, file, execution, console)?;
+    if start == Start::Fresh {
+        settle(&mut simulation, seconds, console)?;
+    }
+    Ok(simulation)
+}
+
+/// Refuses solves that stop when their wall time is spent.
+fn refuse_time_budget(scene: &Scene) -> Result<(), Failure> {
+    match scene.solver.stop {
+        Stop::TimeBudget { .. } => Err(Failure::Usage(format!(
+            "the solves of {} stop when their wall time is spent, so no two runs do the same work; set solver.stop to sweeps or \
+             residual",
+            scene.name
+        ))),
+        _ => Ok(()),
+    }
+}
+
 /// Writes a study into a folder, and prints it: all of it, or its table and where its page is.
 fn publish(
     study: &impl Document,
@@ -163,25 +185,9 @@ fn publish(
     })
 }
 
-/// The folder of a study of a scene: the one that was asked for, or one below `results`.
-fn folder_of(output: Option<&Path>, command: &str, scene: &Scene) -> PathBuf {
-    output.map_or_else(|| PathBuf::from("results").join(command).join(file_stem(&scene.name)), Path::to_path_buf)
-}
-
 /// A value as indented JSON.
 fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).expect("results hold only numbers, plain text and lists")
-}
-
-/// Limits the runs side by side to a number of threads.
-fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
-    let Some(threads) = threads else {
-        return Ok(());
-    };
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(threads))
-        .build_global()
-        .map_err(|error| Failure::Running(format!("cannot start {threads} threads: {error}")))
 }
 
 /// The codes that are asked for, each once, Makadam first.

@@ -3,7 +3,7 @@
 use super::arguments::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
-use super::{Console, Failure, OUTSIDE_TOLERANCE, begin, json, load};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, begin, json};
 use crate::execution::Execution;
 use crate::problem::{self, BodyVelocities, Check, ProblemFile, Settings};
 use crate::stepping::steps_in;
@@ -33,8 +33,7 @@ pub(super) fn problem(arguments: &ProblemArguments, console: &Console) -> Result
 
 /// Writes the problem of a step of a scene.
 fn export(arguments: &ProblemExportArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let (file, scene) = load(&arguments.scene)?;
-    let seed = arguments.seed.unwrap_or(scene.seed);
+    let (file, scene, seed) = arguments.scene.load()?;
     let (mut simulation, _) = begin(&scene, seed, &file, &Execution::serial(), console)?;
     let by_time = arguments.time.map(|time| steps_in((time - simulation.time()).max(0.0), simulation.time_step()));
     let steps = arguments.steps.or(by_time).unwrap_or_else(|| steps_in(scene.duration, simulation.time_step()));

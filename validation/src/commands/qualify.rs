@@ -1,7 +1,7 @@
 //! `makadam qualify`: the reference scenes judged together, one report.
 
 use super::arguments::{QualifyArguments, Tier};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, use_threads};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json};
 use crate::compare::Comparison;
 use crate::output::JSON_VERSION;
 use crate::qualify::{Qualified, QualifyError, Settings, quick};
@@ -10,7 +10,6 @@ use crate::report::{self, Verdict};
 use crate::scenes;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -36,8 +35,8 @@ struct QualifyDocument<'a> {
 
 /// Judges the reference scenes.
 pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result<ExitCode, Failure> {
-    use_threads(arguments.threads)?;
-    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/qualification"));
+    arguments.side_by_side.apply()?;
+    let folder = arguments.output.folder("qualification");
     // Minutes of work are not begun for a report that cannot be written.
     crate::output::create_folder(&folder)?;
     let announce = announce(console);
@@ -54,7 +53,7 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     let paths = report::write(&qualified.qualification, &folder)?;
     let verdict = qualified.qualification.verdict();
     let report = paths.html.display().to_string();
-    let text = match arguments.json {
+    let text = match arguments.output.json {
         true => json(&document(&qualified, &verdict, report)),
         false => describe(&qualified, &verdict, &report, console),
     };

@@ -1,21 +1,18 @@
 //! `makadam roofline`: the sweep against the processor's arithmetic and its memories.
 
 use super::arguments::RooflineArguments;
-use super::{Console, Failure, begin, load, publish, settle};
+use super::{Console, Failure, flowing, load, publish};
 use crate::execution::{Execution, cores};
 use crate::plan::Scene;
-use crate::prepared::{Start, is_ready};
+use crate::prepared::is_ready;
 use crate::provenance::account;
-use crate::roofline::{self, Kernel, Point, Roofs, Study};
+use crate::roofline::{self, Study};
 use makadam::lanes::InstructionSet;
-use makadam::sweep::Operations;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Scenes that are taken where none are named, from in cache to far beyond.
 const SCENES: [&str; 4] = ["drum", "drum-50k", "drum-100k", "drum-500k"];
-/// Steps that fill caches and buffers first.
-const WARM_UP: usize = 3;
 
 /// Measures, writes and says what was found.
 pub(super) fn roofline(arguments: &RooflineArguments, console: &Console) -> Result<ExitCode, Failure> {
@@ -37,44 +34,15 @@ pub(super) fn roofline(arguments: &RooflineArguments, console: &Console) -> Resu
     let mut counts = vec![1, cores()];
     counts.dedup();
     console.detail("measuring arithmetic and memories");
-    let roofs: Vec<Roofs> = if set.is_available() {
-        counts.iter().map(|&threads| Roofs::measure(set, threads)).collect()
-    } else {
-        // The simulation below says which sets there are.
-        Vec::new()
-    };
-    let mut points = Vec::new();
+    let scene_list: Vec<&Scene> = scenes.iter().map(|(_, scene)| scene).collect();
+    let mut study = Study::of_machine(set, cores(), account(cores(), &scene_list));
     for (file, scene) in &scenes {
-        let (mut simulation, start) = begin(scene, scene.seed, file, &execution, console)?;
-        if start == Start::Fresh {
-            settle(&mut simulation, arguments.settle, console)?;
-        }
-        (0..WARM_UP).for_each(|_| {
-            simulation.step();
-        });
-        if simulation.layout().contacts == 0 {
+        let mut simulation = flowing(scene, scene.seed, file, &execution, arguments.settle, console)?;
+        if !study.measure(&scene.name, &mut simulation)? {
             return Err(Failure::Usage(format!("{} has no contacts to sweep over; settle it for longer", scene.name)));
         }
-        for roofs in &roofs {
-            for kernel in [Kernel::Scalar, Kernel::Lanes] {
-                points.push(Point::measure(&scene.name, &simulation, kernel, set, roofs)?);
-                if crate::interrupt::requested() {
-                    return Err(Failure::Interrupted("nothing: the measurement was not finished".into()));
-                }
-            }
-        }
     }
-    let study = Study {
-        version: crate::output::JSON_VERSION,
-        command: "roofline".into(),
-        instruction_set: set.name().into(),
-        pair: Operations::of_pair(),
-        wall: Operations::of_wall(),
-        roofs,
-        points,
-        provenance: account(cores(), &scenes.iter().map(|(_, scene)| scene).collect::<Vec<_>>()),
-    };
-    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/roofline"));
-    publish(&study, || roofline::table(&study), &folder, arguments.json, console)?;
+    let folder = arguments.output.folder("roofline");
+    publish(&study, || roofline::table(&study), &folder, arguments.output.json, console)?;
     Ok(ExitCode::SUCCESS)
 }

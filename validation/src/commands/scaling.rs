@@ -1,32 +1,23 @@
 //! `makadam scaling`: how a scene's step scales, measured on the cores at hand and replayed beyond them.
 
 use super::arguments::ScalingArguments;
-use super::{Console, Failure, begin, can_record, folder_of, load, publish, settle};
+use super::{Console, Failure, can_record, flowing, publish, refuse_time_budget};
 use crate::execution::{Execution, cores};
 use crate::output::record_folder;
-use crate::prepared::Start;
 use crate::provenance::Provenance;
-use crate::scaling::{self, Bandwidth, Costs, Machine, Plan, Setting, Study};
+use crate::scaling::{self, Plan, Study};
 use crate::study::Document;
 use makadam::lanes::InstructionSet;
-use makadam::scene::Stop;
 use makadam::schedule::Scheduler;
 use std::process::ExitCode;
 
 /// Measures, replays, writes and says what was found; different bits are a failure.
 pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let (file, scene) = load(&arguments.scene)?;
+    let (file, scene, seed) = arguments.scene.load()?;
     if arguments.record {
         can_record(&file)?;
     }
-    if matches!(scene.solver.stop, Stop::TimeBudget { .. }) {
-        return Err(Failure::Usage(format!(
-            "the solves of {} stop when their wall time is spent, so no two runs do the same work; set solver.stop to \
-             sweeps or residual",
-            scene.name
-        )));
-    }
-    let seed = arguments.seed.unwrap_or(scene.seed);
+    refuse_time_budget(&scene)?;
     let cores = cores();
     let plan = plan(arguments, cores);
     if plan.traced_steps < arguments.traced_steps {
@@ -43,35 +34,15 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     let execution =
         Execution { scheduler: Scheduler::WorkStealing, threads: most, instruction_set: widest, ..Execution::serial() };
     let provenance = Provenance::of_run(&scene, &file, seed, &execution);
-    let (mut simulation, start) = begin(&scene, seed, &file, &execution, console)?;
-    if start == Start::Fresh {
-        // A lattice gas has hardly a contact to sweep over.
-        settle(&mut simulation, arguments.settle, console)?;
-    }
-    let started = simulation.time();
-    console.detail("measuring what handing out work costs, and the memory");
-    let costs = Costs::measure(cores)?;
-    if !costs.threads_met() {
-        console.detail("a second thread is slow to wake here, or the machine is busy");
-    }
-    let bandwidth = Bandwidth::measure(cores)?;
-    let measurement = {
+    let simulation = flowing(&scene, seed, &file, &execution, arguments.settle, console)?;
+    let study = {
         let bar = console.bar(&scene.name);
-        plan.measure(&simulation, &|share| bar.set(share))?
+        let tell = |words: &str| console.detail(words);
+        let memory = arguments.memory_bandwidth.map(|gigabytes| 1e9 * gigabytes);
+        Study::measure(&scene.name, simulation, &plan, memory, provenance, &tell, &|share| bar.set(share))?
     };
-    drop(simulation);
-    console.detail("replaying");
-    let memory = match arguments.memory_bandwidth {
-        Some(gigabytes) => (1e9 * gigabytes, scaling::MOST_WORKERS),
-        None => (bandwidth.all_threads, bandwidth.threads),
-    };
-    let machines =
-        vec![Machine::here(costs, memory, scaling::cache_bytes()), Machine::xeon_phi_3120(&costs, scaling::clock())];
-    let setting = Setting { scene: scene.name.clone(), started, cores, bandwidth, machines, provenance };
-    let study = Study::new(&plan, &measurement, setting).with_findings();
-
-    let folder = folder_of(arguments.output.as_deref(), "scaling", &scene);
-    publish(&study, || scaling::table(&study), &folder, arguments.json, console)?;
+    let folder = arguments.output.folder_of("scaling", &scene);
+    publish(&study, || scaling::table(&study), &folder, arguments.output.json, console)?;
     if arguments.record {
         let folder = record_folder("scaling", &file, &study.provenance.build.processor, study.widest());
         study.write_tables(&folder)?;

@@ -1,10 +1,9 @@
 //! `makadam stability`: the hard cases, in Makadam and in other codes.
 
 use super::arguments::StabilityArguments;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, installed, json, use_threads};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, installed, json};
 use crate::nearest::nearest;
 use crate::stability::{Campaign, Case, catalogue, table};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Wall time after which a run is stopped where none is given, s: of the quick catalogue, and of all cases.
@@ -20,10 +19,10 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
         return Ok(ExitCode::SUCCESS);
     }
     let codes = installed(&arguments.codes)?;
-    use_threads(arguments.threads)?;
+    arguments.side_by_side.apply()?;
     let [quick, all] = TIME_LIMITS;
     let time_limit = arguments.time_limit.unwrap_or(if arguments.quick { quick } else { all });
-    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join("stability"));
+    let folder = arguments.output.folder("stability");
     let bar = console.bar("hard cases");
     let study = Campaign {
         cases: &cases,
@@ -39,7 +38,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
     }
     .carry_out()?;
     drop(bar);
-    console.result(&if arguments.json { json(&study) } else { table(&study) })?;
+    console.result(&if arguments.output.json { json(&study) } else { table(&study) })?;
     Ok(if study.as_stated { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
 }
 

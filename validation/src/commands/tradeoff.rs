@@ -1,7 +1,7 @@
 //! `makadam tradeoff`: what accuracy costs in time.
 
 use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, codes, folder_of, installed, load, publish};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, codes, installed, load, publish, refuse_time_budget};
 use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
 use crate::plan::Scene;
@@ -10,7 +10,6 @@ use crate::study::RunCache;
 use crate::tradeoff::{
     self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Study, Terms, recorded_engines,
 };
-use makadam::scene::Stop;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -24,18 +23,8 @@ const BOUNDS: [(&str, f64); 3] =
 /// Runs what is missing, then writes and says what all runs tell.
 pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.scene)?;
-    refuse(&scene)?;
-    for bound in &arguments.bound {
-        let name = &bound.observable;
-        if let Some((group, words)) = group_of(name)
-            && !scene.measure.observables.contains(&group)
-        {
-            return Err(Failure::Usage(format!(
-                "--bound {name}: {} does not measure it; add \"{words}\" to its measure.observables",
-                scene.name
-            )));
-        }
-    }
+    refuse_time_budget(&scene)?;
+    refuse_unmeasured(&scene, &arguments.bound)?;
     let wanted = installed(&arguments.codes)?;
     let names: Vec<&str> = wanted.iter().map(|code| code.name()).collect();
     let scope = match (arguments.quick, arguments.variations) {
@@ -54,7 +43,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         time_limit: arguments.time_limit.unwrap_or(if arguments.quick { quick } else { full }),
         provenance: account(1, &[&scene]),
     };
-    let folder = folder_of(arguments.output.as_deref(), "tradeoff", &scene);
+    let folder = arguments.output.folder_of("tradeoff", &scene);
     // Read first: a damaged file is told before anything runs.
     let engines = recorded_engines(&file, &processor())?;
     let cache = RunCache::open(&folder.join("runs"))?;
@@ -86,7 +75,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     }
     outcome.notes[notes..].iter().for_each(|note| console.note(note));
     let study = Study::new(&scene, &plan, &outcome, terms).with_findings();
-    publish(&study, || tradeoff::table(&study), &folder, arguments.json, console)?;
+    publish(&study, || tradeoff::table(&study), &folder, arguments.output.json, console)?;
     // A bound that was asked for and that no reference has a value for was kept by nothing.
     let unmeasured = arguments.bound.iter().find(|bound| study.reference(&bound.observable, 1.0).is_none());
     match (study.complete, study.reaches_bounds("Makadam")) {
@@ -105,20 +94,23 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     }
 }
 
-/// Scenes that cannot be compared with a converged reference, told before anything runs.
-fn refuse(scene: &Scene) -> Result<(), Failure> {
-    if matches!(scene.solver.stop, Stop::TimeBudget { .. }) {
-        return Err(Failure::Usage(format!(
-            "the solves of {} stop when their wall time is spent, so no two runs do the same work; set solver.stop to \
-             sweeps or residual",
-            scene.name
-        )));
-    }
+/// Refuses scenes that measure nothing, or not what is bounded.
+fn refuse_unmeasured(scene: &Scene, bounds: &[BoundArgument]) -> Result<(), Failure> {
     if scene.measure.observables.is_empty() {
         return Err(Failure::Usage(format!(
             "{} measures nothing, so there is no error to show; name observables under [measure]",
             scene.name
         )));
+    }
+    for BoundArgument { observable, .. } in bounds {
+        if let Some((group, words)) = group_of(observable)
+            && !scene.measure.observables.contains(&group)
+        {
+            return Err(Failure::Usage(format!(
+                "--bound {observable}: {} does not measure it; add \"{words}\" to its measure.observables",
+                scene.name
+            )));
+        }
     }
     Ok(())
 }

@@ -33,7 +33,8 @@ pub struct MeasuredRun {
     pub date: String,
     /// Hash of the scene that was run ([`physics_hash`](super::physics_hash)); empty until the run is recorded.
     pub scene_hash: String,
-    /// What was measured.
+    /// What was measured; a line of `runs.csv` does not say it.
+    #[serde(default)]
     pub measurements: Vec<Measurement>,
 }
 

@@ -3,14 +3,13 @@
 //! ```text
 //! flowing state ─> the problem of its next step ─> method by method ─> residual after each iteration ─> study
 //!                                                                                                        │
-//!                                    terminal, page, figures, CSV <── findings, tolerances reached <─────┘
+//!                                    terminal, page, figures, CSV <── tolerances reached <───────────────┘
 //! ```
 //!
 //! Every method starts from the same state of the same problem, and one measure is taken of all of them: the natural map of
 //! [`makadam::methods`].
 
 mod figures;
-mod findings;
 mod measure;
 mod page;
 mod study;

@@ -1,57 +1,18 @@
 //! The files of a study: its curves, its figures, and a page with a table and what they say.
 
-use super::figures::{figures, title};
-use super::findings::power;
-use super::study::{Curve, Reached, Study};
+use super::figures::figures;
+use super::study::{Reached, Study};
 use crate::draw::figure::Figure;
 use crate::draw::numbers::{compact, count, two_digits};
-use crate::study::{Cell, Document, DocumentError, File, Table, json, page, table};
-use makadam::ConvergencePoint;
+use crate::study::{Document, DocumentError, File, Table, cells, json, page};
+use makadam::sweep::Residuals;
 use minijinja::context;
-use serde::Serialize;
-
-/// A method after some iterations, as a row of `convergence.csv`. Residuals are in units of g h, or in m/s where there is no
-/// gravity.
-#[derive(Serialize)]
-struct Row {
-    method: &'static str,
-    iteration: u32,
-    seconds: f64,
-    normal_rms: f64,
-    normal_max: f64,
-    tangential_u_rms: f64,
-    tangential_u_max: f64,
-    tangential_v_rms: f64,
-    tangential_v_max: f64,
-    turning_rms: f64,
-    turning_max: f64,
-}
-
-impl Row {
-    fn of(curve: &Curve, point: &ConvergencePoint) -> Row {
-        let residuals = &point.residuals;
-        Row {
-            method: curve.method.name(),
-            iteration: point.iterations,
-            seconds: point.seconds,
-            normal_rms: residuals.normal.rms,
-            normal_max: residuals.normal.max,
-            tangential_u_rms: residuals.tangential_u.rms,
-            tangential_u_max: residuals.tangential_u.max,
-            tangential_v_rms: residuals.tangential_v.rms,
-            tangential_v_max: residuals.tangential_v.max,
-            turning_rms: residuals.turning.rms,
-            turning_max: residuals.turning.max,
-        }
-    }
-}
 
 impl Document for Study {
     const NAME: &'static str = "convergence";
 
     fn tables(&self) -> Result<Vec<File>, DocumentError> {
-        let rows = self.methods.iter().flat_map(|curve| curve.points.iter().map(|point| Row::of(curve, point)));
-        Ok(vec![table(Self::NAME, &rows.collect::<Vec<_>>())?, json("provenance", &self.provenance)?])
+        Ok(vec![points(self).csv(Self::NAME)?, json("provenance", &self.provenance)?])
     }
 
     fn figures(&self) -> Vec<Figure> {
@@ -75,19 +36,39 @@ impl Document for Study {
     }
 }
 
-/// Methods, each with what it took to each tolerance.
-fn methods(study: &Study) -> Table {
-    let to = |&tolerance: &f64| format!("to {} {}", power(tolerance), study.problem.residual_unit_name);
-    Table::new(&["method"], &["ms an iteration"])
-        .with_numbers(study.tolerances.iter().map(to))
-        .of(&study.methods, cells)
+/// Each method after each number of iterations. Residuals are in units of g h, or in m/s where there is no gravity.
+fn points(study: &Study) -> Table {
+    let rows = study.methods.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
+    Table::named(
+        "method iteration seconds normal_rms normal_max tangential_u_rms tangential_u_max tangential_v_rms \
+         tangential_v_max turning_rms turning_max",
+    )
+    .of(rows, |(curve, point)| {
+        let Residuals { normal, tangential_u, tangential_v, turning } = point.residuals;
+        let of_point = cells![curve.method.name(), point.iterations, point.seconds];
+        let residuals = [normal, tangential_u, tangential_v, turning];
+        of_point.into_iter().chain(residuals.into_iter().flat_map(|one| cells![one.rms, one.max])).collect()
+    })
 }
 
-fn cells(curve: &Curve) -> Vec<Cell> {
-    let reached = |reached: &Reached| {
-        let below = reached.seconds.map(|seconds| format!("{} ms", two_digits(1e3 * seconds)));
-        Cell::from(reached.iterations.map(|iterations| iterations.to_string())).above(below)
-    };
-    let method = [title(curve.method).into(), two_digits(1e3 * curve.seconds_per_iteration).into()];
-    method.into_iter().chain(curve.reached.iter().map(reached)).collect()
+/// Methods, each with iterations and milliseconds to each tolerance: the same on a terminal and on the page.
+pub(super) fn methods(study: &Study) -> Table {
+    let short = study.tolerances.iter().flat_map(|&tolerance| [power(tolerance), "ms".into()]);
+    let unit = &study.problem.residual_unit_name;
+    let long = study.tolerances.iter().flat_map(|&tolerance| [format!("to {} {unit}", power(tolerance)), "ms".into()]);
+    let long: Vec<String> = long.collect();
+    Table::new(&["method"], &["ms an iteration"])
+        .with_numbers(short)
+        .on_a_page(&long.iter().map(String::as_str).collect::<Vec<_>>())
+        .of(&study.methods, |curve| {
+            let milliseconds = |seconds: f64| two_digits(1e3 * seconds);
+            let reached = |reached: &Reached| cells![reached.iterations, reached.seconds.map(milliseconds)];
+            let method = cells![curve.method.name(), milliseconds(curve.seconds_per_iteration)];
+            method.into_iter().chain(curve.reached.iter().flat_map(reached)).collect()
+        })
+}
+
+/// A tolerance, such as 0.01 or 10⁻⁶.
+fn power(tolerance: f64) -> String {
+    compact(tolerance).trim_start_matches("1×").into()
 }

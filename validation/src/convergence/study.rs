@@ -32,7 +32,7 @@ pub struct Study {
     pub methods: Vec<Curve>,
     /// Methods that cannot solve the scene, and were not run.
     pub left_out: Vec<LeftOut>,
-    /// What was found, in sentences.
+    /// What no table says, in sentences: which methods were not run.
     pub findings: Vec<String>,
     /// Where it came from.
     pub provenance: Provenance,
@@ -162,8 +162,8 @@ impl Study {
             repetitions: effort.repetitions,
             tolerances: TOLERANCES.into(),
             methods,
+            findings: left_out.iter().map(|one| format!("Not run: {}.", one.reason)).collect(),
             left_out,
-            findings: Vec::new(),
             provenance,
         }
     }

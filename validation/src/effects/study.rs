@@ -1,8 +1,12 @@
 //! What `makadam effects` yields.
 
-use super::{Ablation, Called, Costs, Look};
+use super::{Ablation, Called, Costs, Look, called, markdown, warnings};
+use crate::output::JSON_VERSION;
+use crate::plan::Scene;
 use crate::provenance::Provenance;
+use crate::study::{DocumentError, json, write_together};
 use serde::Serialize;
+use std::path::Path;
 
 /// The effects of a scene.
 #[derive(Clone, Debug, Serialize)]
@@ -25,4 +29,37 @@ pub struct Study {
     pub ablation: Option<Ablation>,
     /// Where it was measured.
     pub provenance: Provenance,
+}
+
+impl Study {
+    /// The effects of a scene, whose file has this text, and what was measured of them.
+    pub fn new(
+        scene: &Scene,
+        text: &str,
+        (look, costs): (Option<Look>, Option<Costs>),
+        ablation: Option<Ablation>,
+        provenance: Provenance,
+    ) -> Study {
+        Study {
+            version: JSON_VERSION,
+            command: "effects",
+            scene: scene.name.clone(),
+            effects: called(scene, text),
+            costs,
+            warnings: warnings(scene, look.as_ref()),
+            look,
+            ablation,
+            provenance,
+        }
+    }
+
+    /// Writes `effects.json` and, where there is an ablation, `ablation.md`.
+    ///
+    /// # Errors
+    /// [`DocumentError`] if a file cannot be written; none is changed then.
+    pub fn write(&self, folder: &Path) -> Result<(), DocumentError> {
+        let table = self.ablation.is_some().then(|| ("ablation.md".into(), markdown(self).into_bytes()));
+        let files: Vec<_> = [json("effects", self)?].into_iter().chain(table).collect();
+        write_together(folder, &files)
+    }
 }

@@ -1,9 +1,8 @@
 //! The files of a law: rows as CSV, the study as JSON, figures as SVG, scenes as TOML.
 
 use super::{Case, Law, Row, Study};
-use crate::output::cells::without_formulas;
 use crate::output::{WriteError, create_folder, write_whole};
-use crate::study::{DocumentError, drawn, json, write_together};
+use crate::study::{DocumentError, Table, cells, drawn, json, write_together};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -27,7 +26,7 @@ pub(crate) fn write_scenes(cases: &[Case], folder: &Path) -> Result<(), WriteErr
 pub(crate) fn write(law: &dyn Law, study: &Study, folder: &Path) -> Result<(), DocumentError> {
     let mut files = vec![json("laws", study)?];
     for result in &study.laws {
-        files.push(("rows.csv".into(), without_formulas(csv(&result.rows).into_bytes())));
+        files.push(runs(&result.rows).csv("rows")?);
         files.extend(law.figures(&result.means).iter().map(drawn));
     }
     write_together(folder, &files)
@@ -37,20 +36,11 @@ pub(crate) fn write(law: &dyn Law, study: &Study, folder: &Path) -> Result<(), D
 pub(super) const LEADING: [&str; 7] = ["case", "seed", "grains", "steps", "wall_seconds", "scene_hash", "makadam"];
 
 /// One row a run; the values of all cases by name.
-fn csv(rows: &[Row]) -> String {
+fn runs(rows: &[Row]) -> Table {
     let names: BTreeSet<&str> = rows.iter().flat_map(|row| row.values.keys().map(String::as_str)).collect();
-    let mut text = LEADING.join(",");
-    for name in &names {
-        text += &format!(",{name}");
-    }
-    text.push('\n');
-    for row in rows {
+    Table::new(&[], &LEADING).with_numbers(&names).of(rows, |row| {
         let Row { case, seed, grains, steps, wall_seconds, scene_hash, makadam, .. } = row;
-        text += &format!("{case},{seed},{grains},{steps},{wall_seconds:?},{scene_hash},{makadam}");
-        for name in &names {
-            text += &row.values.get(*name).map_or(",".into(), |value| format!(",{value:?}"));
-        }
-        text.push('\n');
-    }
-    text
+        let leading = cells![case, *seed, *grains, *steps, *wall_seconds, scene_hash, makadam];
+        leading.into_iter().chain(names.iter().map(|name| row.values.get(*name).copied().into())).collect()
+    })
 }

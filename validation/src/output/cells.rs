@@ -14,6 +14,19 @@ pub(crate) fn csv(rows: &[impl Serialize]) -> Result<Vec<u8>, csv::Error> {
     Ok(without_formulas(writer.into_inner().map_err(|error| error.into_error())?))
 }
 
+/// Rows below their head, which stands there even if there is no row.
+///
+/// # Errors
+/// [`csv::Error`] if a row is none.
+pub(crate) fn csv_below(head: &[&str], rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.write_record(head)?;
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    Ok(without_formulas(writer.into_inner().map_err(|error| error.into_error())?))
+}
+
 /// A table in CSV in which no text begins as a formula does: such cells get an apostrophe in front, which these programs read as
 /// "this is text". Numbers stay as they are. What is no CSV comes back as it was.
 pub(crate) fn without_formulas(table: Vec<u8>) -> Vec<u8> {

@@ -12,7 +12,6 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
     let mut environment = environment()?;
     environment.add_template("page", include_str!("page.html"))?;
     environment.add_template("laws", include_str!("laws.html"))?;
-    environment.add_template("results", include_str!("results.html"))?;
     environment.add_template("scene", include_str!("scene.html"))?;
     environment.add_template("words", include_str!("words.html"))?;
 
@@ -28,14 +27,15 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         style => style(),
         grain_rules => pictures::rules(),
         gradients => pictures::gradients(),
-        summary => tables::summary(comparisons),
+        summary => tables::summary(comparisons).map(|table| table.html()),
         sources => sources(comparisons),
-        speeds => comparisons.iter().filter_map(speed::line).collect::<Vec<_>>(),
+        speeds => speed::table(comparisons).map(|table| table.html()),
         slow_settings => slow_settings(comparisons),
         notes => qualification.notes,
         outside_spread => qualification.outside_spread,
         unchecked => qualification.unchecked,
         sections => sections,
+        judged => published::table(&qualification.laws).html(),
         laws => qualification.laws.iter().map(published::shown).collect::<Vec<_>>(),
         provenance => provenance(qualification),
     })
@@ -67,13 +67,13 @@ fn section(comparison: &Comparison, place: usize) -> Value {
         name => comparison.scene.name,
         description => comparison.scene.description,
         facts => facts(comparison),
-        results => tables::results(comparison),
+        results => tables::results(comparison).map(|table| table.html()),
         forest => forest::figure(comparison),
         gallery => gallery,
         series => series,
         forces => forces::figure(comparison).map(|(svg, caption)| context! { svg => svg, caption => caption }),
-        shifts => tables::shifts(comparison),
-        runs => tables::runs(comparison),
+        shifts => tables::shifts(comparison).map(|table| table.html()),
+        runs => tables::runs(comparison).map(|table| table.html()),
         limits => tables::limits(comparison),
         notes => comparison.notes,
         scene_file => toml::to_string_pretty(&comparison.scene).unwrap_or_default(),

@@ -1,6 +1,7 @@
 //! Published laws of granular matter in a report: figures that were measured, beside what experiments found.
 
 use crate::draw::numbers;
+use crate::study::{Cell, Table, cells};
 use minijinja::{Value, context};
 use serde::{Deserialize, Serialize};
 
@@ -43,28 +44,25 @@ pub struct Judged {
     pub holds: bool,
 }
 
-/// What the template shows of a law.
-pub(super) fn shown(law: &PublishedLaw) -> Value {
-    let lines = law.judged.iter().map(|judged| {
-        context! {
-            what => judged.what,
-            value => number(judged.value),
-            unit => judged.unit,
-            bounds => numbers::bounds([judged.low, judged.high], number),
-            holds => judged.holds,
-        }
-    });
-    let figures = law.figures.iter().map(|(svg, caption)| context! { svg => svg, caption => caption });
-    context! {
-        name => law.name,
-        statement => law.statement,
-        source => law.source,
-        runs => law.runs,
-        wall_time => numbers::duration(law.wall_seconds),
-        version => law.version,
-        lines => lines.collect::<Vec<_>>(),
-        figures => figures.collect::<Vec<_>>(),
+/// The figures of all laws and their bounds.
+pub(super) fn table(laws: &[PublishedLaw]) -> Table {
+    let table = Table::new(&["law", "measured"], &["value", "bounds"]).styled("results").with_words("");
+    let mut table = table;
+    for law in laws {
+        table.group(&law.name, &law.judged, |judged| {
+            let bounds = numbers::bounds([judged.low, judged.high], number);
+            let value = format!("{} {}", number(judged.value), judged.unit);
+            let outcome = if judged.holds { ("agree", "within") } else { ("disagree", "outside") };
+            cells![&judged.what, value.trim_end(), bounds, Cell::from("").outcome(Some(outcome))]
+        });
     }
+    table
+}
+
+/// What the template shows of a law beside its figures.
+pub(super) fn shown(law: &PublishedLaw) -> Value {
+    let figures = law.figures.iter().map(|(svg, caption)| context! { svg => svg, caption => caption });
+    context! { law => law, wall_time => numbers::duration(law.wall_seconds), figures => figures.collect::<Vec<_>>() }
 }
 
 /// Three decimals; a typographic minus.

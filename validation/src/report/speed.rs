@@ -2,29 +2,10 @@
 //! timed alone: runs side by side share memory and caches, so that their wall times are no measure of speed.
 
 use super::qualification::{JUDGED, join};
-use super::words;
+use super::{tables, words};
 use crate::compare::{CodeSummary, Comparison, Source, Timing};
-use crate::draw::names;
-use crate::draw::numbers::{duration, two_digits};
-use serde::Serialize;
-
-/// The speeds of one scene, ready for the page.
-#[derive(Serialize)]
-pub(super) struct SpeedLine {
-    scene: String,
-    codes: Vec<SpeedCell>,
-}
-
-#[derive(Serialize)]
-struct SpeedCell {
-    code: String,
-    class: &'static str,
-    time: String,
-    source: &'static str,
-    ratio: Option<String>,
-    setting: String,
-    from: String,
-}
+use crate::draw::numbers::{compact, duration, two_digits};
+use crate::study::{Table, cells};
 
 /// What stands in the place of a speed where runs went side by side.
 const NOT_TIMED: &str = "not timed: ran side by side";
@@ -127,33 +108,34 @@ fn processor(code: &CodeSummary) -> &str {
     if code.processor.is_empty() { "an unnamed processor" } else { &code.processor }
 }
 
-/// The speeds of a scene for the table; none if nothing was timed.
-pub(super) fn line(comparison: &Comparison) -> Option<SpeedLine> {
-    let timed = timed(comparison);
-    let judged = timed.iter().copied().find(|code| code.code == JUDGED);
-    let codes: Vec<SpeedCell> = timed
-        .iter()
-        .map(|code| SpeedCell {
-            code: code.code.clone(),
-            class: names::code_style(&code.code).class,
-            time: time(code),
-            source: words::source(code.source),
-            ratio: judged.and_then(|judged| ratio(judged, code)).map(two_digits),
-            setting: setting(code),
-            from: match code.source {
-                Source::Live => code.provenance.clone(),
-                Source::Recorded => processor(code).into(),
-            },
-        })
-        .collect();
-    (!codes.is_empty()).then(|| SpeedLine { scene: comparison.scene.name.clone(), codes })
+/// The speeds of all scenes; nothing where nothing was timed.
+pub(super) fn table(comparisons: &[Comparison]) -> Option<Table> {
+    let numbers = ["wall time per simulated second", "over Makadam's"];
+    let table = Table::new(&["scene", "code"], &numbers).with_words("setting").with_words("source");
+    let mut table = table.of_class("wide");
+    for comparison in comparisons {
+        let timed = timed(comparison);
+        let judged = timed.iter().copied().find(|code| code.code == JUDGED);
+        table.group(&comparison.scene.name, timed, |code| {
+            let ratio =
+                judged.and_then(|judged| ratio(judged, code)).map(|ratio| format!("{} times", two_digits(ratio)));
+            let from = match code.source {
+                Source::Live => code.provenance.as_str(),
+                Source::Recorded => processor(code),
+            };
+            let colon = if from.is_empty() { "" } else { ": " };
+            let source = format!("{}{colon}{from}", words::source(code.source));
+            cells![tables::code(&code.code), time(code), ratio, setting(code), source]
+        });
+    }
+    (!table.is_empty()).then_some(table)
 }
 
 /// The time step of a code, and what share of the Rayleigh step it is.
-pub(super) fn setting(code: &CodeSummary) -> String {
-    let step = format!("step {} s", crate::draw::numbers::compact(code.time_step));
+fn setting(code: &CodeSummary) -> String {
+    let step = format!("step {} s", compact(code.time_step));
     match code.rayleigh_fraction {
-        Some(fraction) => format!("{step}, {}% of the Rayleigh step", crate::draw::numbers::compact(100.0 * fraction)),
+        Some(fraction) => format!("{step}, {}% of the Rayleigh step", compact(100.0 * fraction)),
         None => step,
     }
 }

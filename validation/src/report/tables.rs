@@ -2,14 +2,14 @@
 
 use super::qualification::{JUDGED, floor_exceeds_margin, join, plural};
 use super::{speed, words};
-use crate::compare::{CodeSummary, Comparison, Row};
+use crate::compare::{Comparison, Row};
 use crate::draw::names;
 use crate::draw::numbers::{Rounding, compact};
 use crate::statistics::Outcome;
-use serde::Serialize;
+use crate::study::{Cell, Table, cells};
 
 /// A column of differences: the first code minus the second.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Pair {
     pub(super) code: String,
     pub(super) reference: String,
@@ -17,49 +17,15 @@ pub(super) struct Pair {
     pub(super) floor: bool,
 }
 
-#[derive(Serialize)]
-pub(super) struct Value {
-    mean: String,
-    spread: Option<String>,
-    seeds: usize,
-}
-
-#[derive(Serialize)]
-pub(super) struct Difference {
-    difference: Option<String>,
-    interval: Option<String>,
-    verdict_interval: Option<String>,
-    outcome: Option<&'static str>,
-    /// Style class of the outcome.
-    class: Option<&'static str>,
-    missing: Option<String>,
-    seeds_needed: Option<usize>,
-    floor: bool,
-}
-
-/// One observable: a line of the table.
-#[derive(Serialize)]
-pub(super) struct Line {
-    name: String,
-    values: Vec<Option<Value>>,
-    margin: Option<String>,
-    differences: Vec<Option<Difference>>,
-    floor_exceeds_margin: bool,
-}
-
-/// Values and differences of a scene.
-#[derive(Serialize)]
-pub(super) struct Results {
-    codes: Vec<Code>,
-    pub(super) pairs: Vec<Pair>,
-    pub(super) lines: Vec<Line>,
-}
-
-#[derive(Serialize)]
-struct Code {
-    name: String,
-    class: &'static str,
-    source: Option<&'static str>,
+impl Pair {
+    /// Head and style class of its column.
+    fn head(&self) -> (Cell, &'static str) {
+        let head = Cell::from(format!("{} − {}", self.code, self.reference));
+        match self.floor {
+            true => (head.above(Some("floor".into())), "floor"),
+            false => (head, ""),
+        }
+    }
 }
 
 /// The names that a field takes in rows, each once, in the order of their appearance.
@@ -94,136 +60,118 @@ pub(super) fn pairs(rows: &[Row]) -> Vec<Pair> {
     pairs
 }
 
-/// Values and differences of a scene.
-pub(super) fn results(comparison: &Comparison) -> Results {
+/// A code behind its mark.
+pub(super) fn code(name: &str) -> Cell {
+    Cell::from(name).marked(names::code_style(name).class)
+}
+
+/// Values and differences of a scene; nothing where no observable was measured.
+pub(super) fn results(comparison: &Comparison) -> Option<Table> {
     let names = codes(comparison);
     let pairs = pairs(&comparison.rows);
-    let lines = distinct(comparison.rows.iter().map(|row| row.observable.as_str()))
-        .into_iter()
-        .map(|observable| line(comparison, observable, &names, &pairs))
-        .collect();
-    let codes = names
-        .iter()
-        .map(|&name| Code {
-            name: name.into(),
-            class: names::code_style(name).class,
-            source: comparison.codes.iter().find(|c| c.code == name).map(|c| words::source(c.source)),
-        })
-        .collect();
-    Results { codes, pairs, lines }
+    let source =
+        |name: &str| comparison.codes.iter().find(|code| code.code == name).map(|code| words::source(code.source));
+    let heads = names.iter().map(|&name| (code(name).above(source(name).map(String::from)), ""));
+    let table = Table::new(&["observable"], &[]).styled("results").with_columns(heads).with_numbers(["margin"]);
+    let observables = distinct(comparison.rows.iter().map(|row| row.observable.as_str()));
+    let table = table.with_columns(pairs.iter().map(Pair::head)).of(observables, |observable| {
+        let line = Line::of(comparison, observable);
+        let exceeded = line.rows.iter().any(|row| floor_exceeds_margin(comparison, row));
+        let warning = exceeded.then(|| "references differ by more than the margin".into());
+        let values = names.iter().map(|code| line.value(code));
+        let differences = pairs.iter().map(|pair| line.difference(pair, true));
+        let name = Cell::from(line.name()).above(warning);
+        [name].into_iter().chain(values).chain([line.margin()]).chain(differences).collect()
+    });
+    (!table.is_empty()).then_some(table)
 }
 
-fn line(comparison: &Comparison, observable: &str, codes: &[&str], pairs: &[Pair]) -> Line {
-    let rows: Vec<&Row> = comparison.rows.iter().filter(|row| row.observable == observable).collect();
-    let rounding = words::rounding(rows.iter().copied());
-    let unit = rows.first().map_or("", |row| row.unit.as_str());
-    Line {
-        name: names::with_unit(observable, unit, rounding),
-        values: codes.iter().map(|code| value(&rows, code, rounding)).collect(),
-        margin: rows.iter().find_map(|row| row.margin).map(|margin| rounding.margin(margin)),
-        differences: pairs.iter().map(|pair| difference(&rows, pair, rounding)).collect(),
-        floor_exceeds_margin: rows.iter().any(|row| floor_exceeds_margin(comparison, row)),
-    }
-}
-
-/// The value of a code: from a row of its own, or else from a row that has it as the reference.
-fn value(rows: &[&Row], code: &str, rounding: Rounding) -> Option<Value> {
-    if let Some(row) = rows.iter().find(|row| row.code == code) {
-        let spread = row.standard_deviation.filter(|_| row.seeds > 1).map(|spread| rounding.value(spread));
-        return Some(Value { mean: rounding.value(row.mean?), spread, seeds: row.seeds });
-    }
-    let row = rows.iter().find(|row| row.reference_code.as_deref() == Some(code))?;
-    Some(Value { mean: rounding.value(row.mean? - row.difference?), spread: None, seeds: 0 })
-}
-
-fn difference(rows: &[&Row], pair: &Pair, rounding: Rounding) -> Option<Difference> {
-    let row = rows
-        .iter()
-        .find(|row| row.code == pair.code && row.reference_code.as_deref() == Some(pair.reference.as_str()))?;
-    Some(Difference {
-        difference: row.difference.map(|difference| rounding.signed(difference)),
-        interval: row.interval90.map(|interval| rounding.interval(interval)),
-        verdict_interval: row.interval_of_verdict.map(|interval| rounding.interval(interval)),
-        outcome: row.outcome.map(words::outcome),
-        class: row.outcome.map(words::outcome_class),
-        missing: row.missing.clone(),
-        seeds_needed: row.seeds_needed.filter(|_| row.outcome == Some(Outcome::Undecided)),
-        floor: pair.floor,
-    })
-}
-
-/// A test of the summary: one observable of one scene.
-#[derive(Serialize)]
-pub(super) struct SummaryLine {
-    scene: String,
-    line: Line,
-    first_of_scene: Option<usize>,
-}
-
-/// The summary of all scenes over common columns of pairs.
-#[derive(Serialize)]
-pub(super) struct Summary {
-    pairs: Vec<Pair>,
-    lines: Vec<SummaryLine>,
-}
-
-/// Every observable with a margin, of every scene.
-pub(super) fn summary(comparisons: &[Comparison]) -> Summary {
+/// Every observable with a margin, of every scene, over common columns of pairs; nothing where nothing was tested.
+pub(super) fn summary(comparisons: &[Comparison]) -> Option<Table> {
     let tested = |row: &&Row| row.outcome.is_some() && row.code == JUDGED;
     let mut columns: Vec<Pair> = Vec::new();
     for comparison in comparisons {
         columns.extend(pairs(&comparison.rows).into_iter().filter(|pair| !columns.contains(pair)).collect::<Vec<_>>());
     }
     columns.sort_by_key(|pair| pair.floor);
-    let mut lines = Vec::new();
+    let table = Table::new(&["scene", "observable"], &["margin"]).styled("summary");
+    let mut table = table.with_columns(columns.iter().map(Pair::head));
     for comparison in comparisons {
         let observables = distinct(comparison.rows.iter().filter(tested).map(|row| row.observable.as_str()));
-        for (place, observable) in observables.iter().enumerate() {
-            lines.push(SummaryLine {
-                scene: comparison.scene.name.clone(),
-                line: line(comparison, observable, &[], &columns),
-                first_of_scene: (place == 0).then_some(observables.len()),
-            });
+        table.group(&comparison.scene.name, observables, |observable| {
+            let line = Line::of(comparison, observable);
+            let differences = columns.iter().map(|pair| line.difference(pair, false));
+            [line.name().into(), line.margin()].into_iter().chain(differences).collect()
+        });
+    }
+    (!table.is_empty()).then_some(table)
+}
+
+/// The rows of one observable.
+struct Line<'a> {
+    rows: Vec<&'a Row>,
+    rounding: Rounding,
+}
+
+impl<'a> Line<'a> {
+    fn of(comparison: &'a Comparison, observable: &str) -> Line<'a> {
+        let rows: Vec<&Row> = comparison.rows.iter().filter(|row| row.observable == observable).collect();
+        Line { rounding: words::rounding(rows.iter().copied()), rows }
+    }
+
+    fn name(&self) -> String {
+        self.rows.first().map_or(String::new(), |row| names::with_unit(&row.observable, &row.unit, self.rounding))
+    }
+
+    fn margin(&self) -> Cell {
+        self.rows.iter().find_map(|row| row.margin).map(|margin| self.rounding.margin(margin)).into()
+    }
+
+    /// The value of a code: from a row of its own, or else from a row that has it as the reference.
+    fn value(&self, code: &str) -> Cell {
+        let value = |value: Option<f64>| value.map(|value| self.rounding.value(value));
+        if let Some(row) = self.rows.iter().find(|row| row.code == code) {
+            let Some(mean) = value(row.mean) else { return Cell::default() };
+            let spread = value(row.standard_deviation.filter(|_| row.seeds > 1)).map(|spread| format!("± {spread}"));
+            return Cell::from(mean).above(spread).above((row.seeds > 0).then(|| plural(row.seeds, "seed")));
         }
+        let row = self.rows.iter().find(|row| row.reference_code.as_deref() == Some(code));
+        row.and_then(|row| value(Some(row.mean? - row.difference?))).into()
     }
-    Summary { pairs: columns, lines }
-}
 
-/// How a code was run.
-#[derive(Serialize)]
-pub(super) struct Run {
-    code: String,
-    class: &'static str,
-    version: String,
-    source: &'static str,
-    seeds: String,
-    time_step: String,
-    rayleigh: String,
-    stiffness: String,
-    wall: String,
-    processor: String,
-    provenance: String,
-}
-
-/// How the codes of a scene were run.
-pub(super) fn runs(comparison: &Comparison) -> Vec<Run> {
-    comparison.codes.iter().map(run).collect()
-}
-
-fn run(code: &CodeSummary) -> Run {
-    Run {
-        code: code.code.clone(),
-        class: names::code_style(&code.code).class,
-        version: code.version.clone(),
-        source: words::source(code.source),
-        seeds: seeds(&code.seeds),
-        time_step: format!("{} s", compact(code.time_step)),
-        rayleigh: code.rayleigh_fraction.map_or("–".into(), |f| format!("{}%", compact(100.0 * f))),
-        stiffness: format!("×{}", compact(code.stiffness_factor)),
-        wall: speed::time(code),
-        processor: code.processor.clone(),
-        provenance: code.provenance.clone(),
+    /// A difference and its outcome; `fully`: with its interval, and what would decide or is missing.
+    fn difference(&self, pair: &Pair, fully: bool) -> Cell {
+        let own = |row: &&&Row| row.code == pair.code && row.reference_code.as_deref() == Some(pair.reference.as_str());
+        let Some(row) = self.rows.iter().find(own) else { return Cell::default() };
+        let undecided = row.outcome == Some(Outcome::Undecided);
+        let needed = row.seeds_needed.filter(|_| fully && undecided);
+        Cell::from(row.difference.map(|difference| self.rounding.signed(difference)))
+            .above(row.interval90.filter(|_| fully).map(|interval| self.rounding.interval(interval)))
+            .outcome(row.outcome.map(|outcome| (words::outcome_class(outcome), words::outcome(outcome))))
+            .above(row.missing.clone().filter(|_| fully))
+            .above(needed.map(|seeds| format!("{seeds} seeds would decide")))
     }
+}
+
+/// How the codes of a scene were run; nothing where none is known.
+pub(super) fn runs(comparison: &Comparison) -> Option<Table> {
+    let numbers = ["time step", "of the Rayleigh step", "stiffness", "wall time per simulated second"];
+    let table = Table::new(&["code", "version", "source", "seeds"], &numbers).with_words("where the numbers are from");
+    let table = table.of_class("wide").of(&comparison.codes, |run| {
+        let from = [run.provenance.as_str(), run.processor.as_str()].into_iter().filter(|text| !text.is_empty());
+        cells![
+            code(&run.code),
+            &run.version,
+            words::source(run.source),
+            seeds(&run.seeds),
+            format!("{} s", compact(run.time_step)),
+            run.rayleigh_fraction.map(|fraction| format!("{}%", compact(100.0 * fraction))),
+            format!("×{}", compact(run.stiffness_factor)),
+            speed::time(run),
+            from.collect::<Vec<_>>().join("; "),
+        ]
+    });
+    (!table.is_empty()).then_some(table)
 }
 
 /// Seeds in short: "1–5", or a list.
@@ -238,49 +186,37 @@ fn seeds(seeds: &[u64]) -> String {
     }
 }
 
-/// The shift of one observable in one code when its grains are made ten times stiffer.
-#[derive(Serialize)]
-pub(super) struct Shift {
-    name: String,
-    code: String,
-    class: &'static str,
-    shift: String,
-    interval: Option<String>,
-    third: Option<String>,
-    share: Option<String>,
-    verdict: &'static str,
-}
-
-/// Bias of soft grains.
-pub(super) fn shifts(comparison: &Comparison) -> Vec<Shift> {
-    comparison
-        .soft_bias
-        .iter()
-        .map(|row| {
-            let margin = margin_of_shift(comparison, row);
-            let same = comparison.soft_bias.iter().filter(|other| other.observable == row.observable);
-            let rounding = match margin {
-                // A third of the margin is the yardstick here.
-                Some(margin) => words::rounding(std::iter::once(&Row { margin: Some(margin / 3.0), ..row.clone() })),
-                None => words::rounding(same),
-            };
-            Shift {
-                name: names::with_unit(&row.observable, &row.unit, rounding),
-                code: row.code.clone(),
-                class: names::code_style(&row.code).class,
-                shift: row.difference.map_or("–".into(), |d| rounding.signed(d)),
-                interval: row.interval90.map(|interval| rounding.interval(interval)),
-                third: margin.map(|m| format!("±{}", rounding.value(m / 3.0))),
-                share: margin.zip(row.difference).map(|(m, d)| format!("{:.0}%", 100.0 * d.abs() / m)),
-                verdict: match shift_is_small(comparison, row) {
-                    Some(true) => "small",
-                    Some(false) => "too large",
-                    None if row.outcome == Some(Outcome::NotMeasured) => "not measured",
-                    None => "",
-                },
-            }
-        })
-        .collect()
+/// Bias of soft grains: how far each observable moves in each code when grains are made ten times stiffer; nothing where that was
+/// not run.
+pub(super) fn shifts(comparison: &Comparison) -> Option<Table> {
+    let numbers = ["shift, 10 E minus E", "a third of the margin", "share of the margin"];
+    let table = Table::new(&["observable", "code"], &numbers).with_words("shift is");
+    let table = table.of(&comparison.soft_bias, |row| {
+        let margin = margin_of_shift(comparison, row);
+        let same = comparison.soft_bias.iter().filter(|other| other.observable == row.observable);
+        let rounding = match margin {
+            // A third of the margin is the yardstick here.
+            Some(margin) => words::rounding(std::iter::once(&Row { margin: Some(margin / 3.0), ..row.clone() })),
+            None => words::rounding(same),
+        };
+        let verdict = match shift_is_small(comparison, row) {
+            Some(true) => Some(("agree", "small")),
+            Some(false) => Some(("disagree", "too large")),
+            None if row.outcome == Some(Outcome::NotMeasured) => Some(("undecided", "not measured")),
+            None => None,
+        };
+        let none = verdict.is_none().then_some("no margin");
+        let interval = row.interval90.map(|interval| rounding.interval(interval));
+        cells![
+            names::with_unit(&row.observable, &row.unit, rounding),
+            code(&row.code),
+            Cell::from(row.difference.map(|d| rounding.signed(d))).above(interval),
+            margin.map(|margin| format!("±{}", rounding.value(margin / 3.0))),
+            margin.zip(row.difference).map(|(margin, d)| format!("{:.0}%", 100.0 * d.abs() / margin)),
+            Cell::from(none).outcome(verdict),
+        ]
+    });
+    (!table.is_empty()).then_some(table)
 }
 
 fn margin_of_shift(comparison: &Comparison, row: &Row) -> Option<f64> {

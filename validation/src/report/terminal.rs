@@ -6,36 +6,24 @@ use crate::compare::{Comparison, Row};
 use crate::draw::names;
 use crate::draw::numbers::Rounding;
 use crate::statistics::Outcome;
-
-const HEAD: [&str; 7] =
-    ["observable", "code", "mean ± spread (seeds)", "against", "difference [90% interval]", "margin", "outcome"];
+use crate::study::{Cell, Table, cells};
 
 /// The rows of a comparison as aligned text, with the speed below; outcomes are coloured if `colour` is set.
 ///
 /// Columns are padded by characters, so it wants a terminal that knows UTF-8.
 pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
-    let mut lines: Vec<([String; 7], Option<Outcome>)> = Vec::new();
     let mut last = "";
+    let mut table = Table::new(&["observable", "code"], &["mean ± spread (seeds)"])
+        .with_words("against")
+        .with_numbers(["difference [90% interval]", "margin"])
+        .with_words("outcome");
     for row in &comparison.rows {
         let rounding = words::rounding(comparison.rows.iter().filter(|other| other.observable == row.observable));
-        let first = row.observable != last;
-        lines.push((cells(row, rounding, first), row.outcome));
+        table.row(cells(row, rounding, row.observable != last, colour));
         last = &row.observable;
     }
-    let mut widths = HEAD.map(|text| text.chars().count());
-    for (cells, _) in &lines {
-        for (width, cell) in widths.iter_mut().zip(cells) {
-            *width = (*width).max(cell.chars().count());
-        }
-    }
-    let mut text = format!("{}: {}\n\n", comparison.scene.name, comparison.scene.description);
-    text.push_str(&padded(&HEAD.map(String::from), &widths, None, colour));
-    text.push_str(&widths.map(|width| "─".repeat(width)).join("  "));
-    text.push('\n');
-    for (cells, outcome) in &lines {
-        text.push_str(&padded(cells, &widths, *outcome, colour));
-    }
-    if lines.is_empty() {
+    let mut text = format!("{}: {}\n\n{}", comparison.scene.name, comparison.scene.description, table.text());
+    if table.is_empty() {
         text.push_str("no rows\n");
     }
     if let Some(speed) = speed_sentence(comparison) {
@@ -47,7 +35,7 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
     text
 }
 
-fn cells(row: &Row, rounding: Rounding, first: bool) -> [String; 7] {
+fn cells(row: &Row, rounding: Rounding, first: bool, colour: bool) -> Vec<Cell> {
     let spread = row.standard_deviation.filter(|_| row.seeds > 1);
     let spread = spread.map_or(String::new(), |spread| format!(" ± {}", rounding.value(spread)));
     let mean = row.mean.map_or("–".into(), |mean| rounding.value(mean));
@@ -60,42 +48,25 @@ fn cells(row: &Row, rounding: Rounding, first: bool) -> [String; 7] {
         (Some(outcome), _) => words::outcome(outcome).into(),
         (None, _) => String::new(),
     };
-    [
+    cells![
         if first { names::with_unit(&row.observable, &row.unit, rounding) } else { String::new() },
-        row.code.clone(),
+        &row.code,
         format!("{mean}{spread} ({})", row.seeds),
-        row.reference_code.clone().unwrap_or_default(),
+        row.reference_code.as_deref().unwrap_or_default(),
         row.difference.map(|difference| rounding.signed(difference) + &interval).unwrap_or_default(),
         row.margin.map(|margin| rounding.margin(margin)).unwrap_or_default(),
-        outcome,
+        match row.outcome.filter(|_| colour) {
+            Some(known) => format!("\x1b[{}m{outcome}\x1b[0m", code_of(known)),
+            None => outcome,
+        },
     ]
 }
 
-/// One line; words to the left, numbers to the right.
-fn padded(cells: &[String; 7], widths: &[usize; 7], outcome: Option<Outcome>, colour: bool) -> String {
-    let mut line = String::new();
-    for (column, (cell, &width)) in cells.iter().zip(widths).enumerate() {
-        let gap = " ".repeat(width - cell.chars().count());
-        let last = column + 1 == cells.len();
-        match column {
-            2 | 4 | 5 => line.push_str(&format!("{gap}{cell}")),
-            6 if colour && outcome.is_some() => line.push_str(&format!("\x1b[{}m{cell}\x1b[0m", code_of(outcome))),
-            _ if last => line.push_str(cell),
-            _ => line.push_str(&format!("{cell}{gap}")),
-        }
-        if !last {
-            line.push_str("  ");
-        }
-    }
-    format!("{}\n", line.trim_end())
-}
-
 /// Escape code of an outcome's colour: blue, red and yellow are told apart by colour-blind readers too.
-fn code_of(outcome: Option<Outcome>) -> &'static str {
+fn code_of(outcome: Outcome) -> &'static str {
     match outcome {
-        Some(Outcome::Agree) => "34",
-        Some(Outcome::Disagree) => "31;1",
-        Some(Outcome::Undecided | Outcome::NotMeasured) => "33",
-        None => "0",
+        Outcome::Agree => "34",
+        Outcome::Disagree => "31;1",
+        Outcome::Undecided | Outcome::NotMeasured => "33",
     }
 }

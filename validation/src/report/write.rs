@@ -52,7 +52,7 @@ pub fn write(qualification: &Qualification, folder: &Path) -> Result<ReportPaths
     let files = [
         ("report.html".to_string(), page::render(qualification)?.into_bytes()),
         ("report.json".to_string(), serde_json::to_vec(&document)?),
-        ("rows.csv".to_string(), rows::to_csv(qualification)?),
+        rows::table(qualification).csv("rows")?,
     ];
     write_together(folder, &files)?;
     Ok(paths)

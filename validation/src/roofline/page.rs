@@ -5,26 +5,14 @@ use super::study::Study;
 use super::terminal::{sweeps, threads};
 use crate::draw::figure::Figure;
 use crate::draw::numbers::two_digits;
-use crate::study::{Document, DocumentError, File, page, table};
+use crate::study::{Document, DocumentError, File, Table, cells, page, table};
 use minijinja::context;
-use serde::Serialize;
-
-/// A roof as a row of `roofs.csv`.
-#[derive(Serialize)]
-struct RoofRow<'a> {
-    threads: usize,
-    instruction_set: &'a str,
-    roof: &'a str,
-    working_set_bytes: Option<usize>,
-    unit: &'static str,
-    rate: f64,
-}
 
 impl Document for Study {
     const NAME: &'static str = "roofline";
 
     fn tables(&self) -> Result<Vec<File>, DocumentError> {
-        Ok(vec![table("points", &self.points)?, table("roofs", &self.roof_rows())?])
+        Ok(vec![table("points", &self.points)?, roof_rows(self).csv("roofs")?])
     }
 
     fn figures(&self) -> Vec<Figure> {
@@ -56,22 +44,20 @@ impl Document for Study {
     }
 }
 
-impl Study {
-    fn roof_rows(&self) -> Vec<RoofRow<'_>> {
-        let mut rows = Vec::new();
-        for roofs in &self.roofs {
-            let mut push = |roof, working_set_bytes, unit, rate| {
-                let (threads, instruction_set) = (roofs.threads, self.instruction_set.as_str());
-                rows.push(RoofRow { threads, instruction_set, roof, working_set_bytes, unit, rate });
-            };
-            push("peak", None, "flop/s", roofs.peak_flops_per_second);
-            for level in &roofs.levels {
-                push(&level.name, Some(level.working_set_bytes), "byte/s", level.bytes_per_second);
-            }
-            let memory = roofs.levels.last().map(|level| level.working_set_bytes);
-            push("triad", memory, "byte/s", roofs.triad_bytes_per_second);
-            push("copy", memory, "byte/s", roofs.copy_bytes_per_second);
+/// Roofs, one a row.
+fn roof_rows(study: &Study) -> Table {
+    let mut table = Table::named("threads instruction_set roof working_set_bytes unit rate");
+    for roofs in &study.roofs {
+        let mut push = |roof: &str, working_set: Option<usize>, unit: &str, rate: f64| {
+            table.row(cells![roofs.threads, &study.instruction_set, roof, working_set, unit, rate]);
+        };
+        push("peak", None, "flop/s", roofs.peak_flops_per_second);
+        for level in &roofs.levels {
+            push(&level.name, Some(level.working_set_bytes), "byte/s", level.bytes_per_second);
         }
-        rows
+        let memory = roofs.levels.last().map(|level| level.working_set_bytes);
+        push("triad", memory, "byte/s", roofs.triad_bytes_per_second);
+        push("copy", memory, "byte/s", roofs.copy_bytes_per_second);
     }
+    table
 }

@@ -69,7 +69,7 @@ pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
             })
             .collect();
         let serial = curve_rows(study, machine, Scheduler::Serial, Portion::Batches).next().map(|row| row.step_seconds);
-        let about = format!("the two schedulers on {}, {}", site(machine), set.name());
+        let about = format!("the two schedulers on {}, {}", site(machine, ""), set.name());
         all.push(pair(&machine.name, &about, machine, &series, serial));
     }
     if let Some(here) = study.machines.first() {
@@ -84,14 +84,15 @@ pub(super) fn figures(study: &Study) -> Vec<[Figure; 2]> {
                 points: points(study, (Scheduler::WorkStealing, Portion::Batches), set),
             })
             .collect();
-        let about = format!("work stealing with each instruction set on {}", site(here));
+        let about = format!("work stealing with each instruction set on {}", site(here, ""));
         all.push(pair("instruction-sets", &about, here, &series, None));
     }
     all
 }
 
-fn site(machine: &Machine) -> String {
-    if machine.name == Machine::HERE { "this machine".into() } else { format!("the model {}", machine.name) }
+/// A machine in a sentence; this one with a word more.
+pub(super) fn site(machine: &Machine, more: &str) -> String {
+    if machine.name == Machine::HERE { format!("this machine{more}") } else { format!("the model {}", machine.name) }
 }
 
 fn line(study: &Study, machine: &Machine, way: (Scheduler, Portion), set: InstructionSet) -> Vec<Point> {

@@ -1,12 +1,12 @@
 //! The files of a study: its rows, its figures, and a page with tables and what they say.
 
-use super::figures::figures;
-use super::findings::{LINEAR_SHARE, PARALLEL, time};
+use super::figures::{figures, site};
+use super::findings::{LINEAR_SHARE, PARALLEL, curve_rows, curves, time};
 use super::machine::Machine;
 use super::study::Study;
 use crate::draw::figure::Figure;
 use crate::draw::numbers::{count, two_digits};
-use crate::study::{Cell, Document, DocumentError, File, Table, json, page, table};
+use crate::study::{Cell, Document, DocumentError, File, Table, cells, json, page, table};
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
 use makadam::schedule::{Phase, Scheduler};
@@ -67,58 +67,58 @@ fn push(table: &mut Table, scheduler: Scheduler, cells: Vec<Cell>) {
     }
 }
 
-fn measured(study: &Study) -> Table {
-    let numbers =
-        ["threads", "wall time a step", "speed-up", "of it sweeps", "speed-up of the sweeps", "a contact sweep (ns)"];
-    let mut table = Table::new(&CONFIGURATION, &numbers);
+/// Measured configurations: the same on a terminal and on the page.
+pub(super) fn measured(study: &Study) -> Table {
+    let numbers = ["threads", "a step", "speed-up", "sweeps", "speed-up", "ns"];
+    let mut table = Table::new(&CONFIGURATION, &numbers).on_a_page(&[
+        "wall time per step",
+        "speed-up",
+        "of it sweeps",
+        "speed-up of the sweeps",
+        "contact sweep (ns)",
+    ]);
     for row in &study.measured {
         let range = format!("{} to {}", time(row.step_seconds_least), time(row.step_seconds_most));
-        push(
-            &mut table,
-            row.scheduler,
-            vec![
-                row.instruction_set.name().into(),
-                row.scheduler.name().replace('-', " ").into(),
-                row.portion.name().into(),
-                row.threads.into(),
-                Cell::from(time(row.step_seconds)).above(Some(range)),
-                format!("{:.2}", row.speedup).into(),
-                time(row.sweep_seconds).into(),
-                format!("{:.2}", row.sweep_speedup).into(),
-                row.nanoseconds_per_contact_sweep.map(two_digits).into(),
-            ],
-        );
+        let cells = cells![
+            row.instruction_set.name(),
+            row.scheduler.name(),
+            row.portion.name(),
+            row.threads,
+            Cell::from(time(row.step_seconds)).above(Some(range)),
+            format!("{:.2}", row.speedup),
+            time(row.sweep_seconds),
+            format!("{:.2}", row.sweep_speedup),
+            row.nanoseconds_per_contact_sweep.map(two_digits),
+        ];
+        push(&mut table, row.scheduler, cells);
     }
     table
 }
 
-fn checks(study: &Study) -> Table {
-    let numbers =
-        ["threads", "measured", "replayed", "deviation", "its tasks, over serial", "replayed from them", "deviation"];
-    let mut table = Table::new(&CONFIGURATION, &numbers);
+/// The replay beside the measurement: the same on a terminal and on the page.
+pub(super) fn checks(study: &Study) -> Table {
+    let numbers = ["threads", "measured", "replayed", "deviation", "tasks", "from them", "deviation"];
+    let mut table =
+        Table::new(&CONFIGURATION, &numbers).on_a_page(&["its tasks, over serial", "replayed from them", "deviation"]);
     for check in &study.checks {
-        push(
-            &mut table,
-            check.scheduler,
-            vec![
-                check.instruction_set.name().into(),
-                check.scheduler.name().replace('-', " ").into(),
-                check.portion.name().into(),
-                check.threads.into(),
-                time(check.measured_seconds).into(),
-                time(check.replayed_seconds).into(),
-                signed_percent(check.deviation_percent).into(),
-                signed_percent(100.0 * (check.task_time_ratio - 1.0)).into(),
-                time(check.replayed_from_own_tasks_seconds).into(),
-                signed_percent(check.own_tasks_deviation_percent).into(),
-            ],
-        );
+        let cells = cells![
+            check.instruction_set.name(),
+            check.scheduler.name(),
+            check.portion.name(),
+            check.threads,
+            time(check.measured_seconds),
+            time(check.replayed_seconds),
+            signed_percent(check.deviation_percent),
+            signed_percent(100.0 * (check.task_time_ratio - 1.0)),
+            time(check.replayed_from_own_tasks_seconds),
+            signed_percent(check.own_tasks_deviation_percent),
+        ];
+        push(&mut table, check.scheduler, cells);
     }
     table
 }
-
 /// A deviation with its sign and a true minus.
-pub(super) fn signed_percent(percent: f64) -> String {
+fn signed_percent(percent: f64) -> String {
     format!("{percent:+.1}%").replace('-', "−")
 }
 
@@ -126,7 +126,7 @@ fn machines(study: &Study) -> Vec<Value> {
     let rows = study.machines.iter().map(|machine| {
         let costs = machine.costs;
         context! {
-            name => machine.name,
+            title => site(machine, " with more cores"),
             description => machine.description,
             costs => [
                 ("pop of the queue, alone", costs.pop_alone),
@@ -135,6 +135,7 @@ fn machines(study: &Study) -> Vec<Value> {
                 ("stealing", costs.steal),
                 ("opening and closing a region", costs.region),
             ].map(|(name, seconds)| (name, time(seconds))),
+            curves => curves(study, machine).html(),
             table => replayed(study, machine).html(),
         }
     });
@@ -155,31 +156,18 @@ fn replayed(study: &Study, machine: &Machine) -> Table {
         "stealing box by box",
         "speed-up",
     ];
-    let rows = study.replayed.iter().filter(|row| {
-        row.machine == machine.name
-            && Some(row.instruction_set) == study.widest()
-            && (row.scheduler, row.portion) == (Scheduler::CentralQueue, Portion::Batches)
-            && SHOWN.contains(&row.workers)
-    });
+    let rows = curve_rows(study, machine, Scheduler::CentralQueue, Portion::Batches);
+    let rows = rows.filter(|row| SHOWN.contains(&row.workers));
     Table::new(&[], &numbers).of(rows, |queue| {
         let other = |scheduler, portion| {
-            let found = study.replayed.iter().find(|row| {
-                (row.scheduler, row.portion) == (scheduler, portion)
-                    && row.machine == queue.machine
-                    && row.workers == queue.workers
-                    && row.instruction_set == queue.instruction_set
-            });
-            [found.map(|row| time(row.step_seconds)).into(), found.map(|row| two_digits(row.speedup)).into()]
+            let found = curve_rows(study, machine, scheduler, portion).find(|row| row.workers == queue.workers);
+            cells![found.map(|row| time(row.step_seconds)), found.map(|row| two_digits(row.speedup))]
         };
-        let own = [
-            Cell::from(queue.workers),
-            time(queue.step_seconds).into(),
-            two_digits(queue.speedup).into(),
-            format!("{:.0}%", 100.0 * queue.waiting_share).into(),
-        ];
-        let stealing = other(Scheduler::WorkStealing, Portion::Batches);
-        let boxes = PARALLEL.map(|scheduler| other(scheduler, Portion::Boxes));
-        own.into_iter().chain(stealing).chain(boxes.into_iter().flatten()).collect()
+        let waiting = format!("{:.0}%", 100.0 * queue.waiting_share);
+        let mut cells = cells![queue.workers, time(queue.step_seconds), two_digits(queue.speedup), waiting];
+        cells.extend(other(Scheduler::WorkStealing, Portion::Batches));
+        cells.extend(PARALLEL.into_iter().flat_map(|scheduler| other(scheduler, Portion::Boxes)));
+        cells
     })
 }
 
@@ -197,24 +185,20 @@ fn tasks(study: &Study) -> Table {
     ];
     let rows = study.tasks.iter().filter(|row| Some(row.instruction_set) == study.widest());
     Table::new(&["phase", "tasks are"], &numbers).of(rows, |row| {
+        let name = match row.phase {
+            Phase::Detect => "detect",
+            Phase::Constrain => "constrain",
+            Phase::Sweep => "sweep",
+            Phase::Integrate => "integrate",
+        };
         let phase = match row.stage {
-            Some(stage) => format!("{}, stage {stage}", phase_name(row.phase)),
-            None if row.most_tasks < 2 => format!("{}, serial", phase_name(row.phase)),
-            None => phase_name(row.phase).into(),
+            Some(stage) => format!("{name}, stage {stage}"),
+            None if row.most_tasks < 2 => format!("{name}, serial"),
+            None => name.into(),
         };
         let counts = [row.portion.name().into(), two_digits(row.regions), two_digits(row.tasks)];
         let durations = [row.mean, row.least, row.tenth, row.median, row.ninetieth, row.most].map(time);
         let share = format!("{:.1}%", 100.0 * row.share);
         [phase].into_iter().chain(counts).chain([share]).chain(durations).map(Cell::from).collect()
     })
-}
-
-/// A phase's name in a table.
-fn phase_name(phase: Phase) -> &'static str {
-    match phase {
-        Phase::Detect => "detect",
-        Phase::Constrain => "constrain",
-        Phase::Sweep => "sweep",
-        Phase::Integrate => "integrate",
-    }
 }

@@ -1,14 +1,17 @@
 //! A scaling study: rows made of a measurement, and replays of its traces on models of machines.
 
-use super::hardware::Bandwidth;
-use super::machine::Machine;
+use super::costs::Costs;
+use super::hardware::{Bandwidth, cache_bytes, clock};
+use super::machine::{MOST_WORKERS, Machine};
 use super::measure::{Measurement, Plan, Timing, Traces, WARM_UP};
 use super::predict::{checks, curves};
 use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
 use super::tasks::{mean, task_rows};
+use crate::execution::{MeasureError, cores};
 use crate::output::JSON_VERSION;
 use crate::provenance::Provenance;
 use crate::statistics::median;
+use makadam::Simulation;
 use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
 use rayon::prelude::*;
@@ -84,6 +87,39 @@ pub struct Setting {
 }
 
 impl Study {
+    /// Measures and replays what a plan asks for from the state of a simulation. `memory`: what the memory delivers to any number
+    /// of cores, bytes/s; if absent, what is measured is taken to grow with the cores. `tell` is told what is done, `progress` the
+    /// share of the steps.
+    ///
+    /// # Errors
+    /// [`MeasureError`] if the machine cannot step as asked, or the user asked to stop.
+    pub fn measure(
+        scene: &str,
+        simulation: Simulation,
+        plan: &Plan,
+        memory: Option<f64>,
+        provenance: Provenance,
+        tell: &dyn Fn(&str),
+        progress: &dyn Fn(f64),
+    ) -> Result<Study, MeasureError> {
+        let cores = cores();
+        tell("measuring what handing out work costs, and the memory");
+        let costs = Costs::measure(cores)?;
+        if !costs.threads_met() {
+            tell("a second thread is slow to wake here, or the machine is busy");
+        }
+        let bandwidth = Bandwidth::measure(cores)?;
+        let started = simulation.time();
+        let measurement = plan.measure(&simulation, progress)?;
+        drop(simulation);
+        tell("replaying");
+        let memory = memory
+            .map_or((bandwidth.all_threads, bandwidth.threads), |bytes_per_second| (bytes_per_second, MOST_WORKERS));
+        let machines = vec![Machine::here(costs, memory, cache_bytes()), Machine::xeon_phi_3120(&costs, clock())];
+        let setting = Setting { scene: scene.into(), started, cores, bandwidth, machines, provenance };
+        Ok(Study::new(plan, &measurement, setting).with_findings())
+    }
+
     /// Makes rows and replays of a measurement.
     pub fn new(plan: &Plan, measurement: &Measurement, setting: Setting) -> Study {
         let measured = measured_rows(measurement);

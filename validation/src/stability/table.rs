@@ -1,6 +1,7 @@
 //! A study as plain text for a terminal: one row a case, one column a code, and what is not as stated below.
 
 use super::{CaseResult, Outcome, Study, Verdict};
+use crate::draw::columns;
 use crate::study::Finding;
 
 /// The cases by group as aligned text.
@@ -11,18 +12,14 @@ pub fn table(study: &Study) -> String {
     for case in &study.cases {
         rows.push(std::iter::once(case.name.clone()).chain(case.outcomes.iter().map(cell)).collect());
     }
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
     let mut text = String::new();
     let mut group = "";
-    for (number, row) in rows.iter().enumerate() {
+    for (number, line) in columns(&rows, |_| true).lines().enumerate() {
         if number > 0 && study.cases[number - 1].group != group {
             group = study.cases[number - 1].group;
             text.push_str(&format!("\n{group}\n"));
         }
-        let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}")).collect::<Vec<_>>();
-        text.push_str(cells.join("  ").trim_end());
-        text.push('\n');
+        text.push_str(&format!("{line}\n"));
     }
     text.push_str(&remarks(study));
     text.push_str(&summary(study));

@@ -16,4 +16,4 @@ pub use document::{Document, DocumentError, File};
 pub(crate) use document::{drawn, json, table, write_together};
 pub use finding::Finding;
 pub(crate) use page::{environment, page, style};
-pub(crate) use table::{Cell, Table};
+pub(crate) use table::{Cell, Table, cells};

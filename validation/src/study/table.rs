@@ -1,19 +1,38 @@
-//! One table, shown on a terminal, on a page and in Markdown.
+//! One table, shown on a terminal, on a page and in Markdown, or written as CSV.
 
+use super::document::{DocumentError, File};
 use crate::draw::columns;
 use crate::draw::svg::escape;
+use crate::output::cells::csv_below;
+use serde::Serialize;
 use std::fmt::Write;
 
-/// A table of finished texts: heads and rows of as many cells.
+/// A row of a table: whatever cells can be made from.
+macro_rules! cells {
+    ($($cell:expr),* $(,)?) => { vec![$($crate::study::Cell::from($cell)),*] };
+}
+pub(crate) use cells;
+
+/// A table: heads and rows of as many cells.
 pub(crate) struct Table {
+    class: &'static str,
     heads: Vec<Head>,
     rows: Vec<Row>,
 }
 
 struct Head {
     short: String,
-    long: String,
+    long: Cell,
     is_words: bool,
+    /// Style class of the column.
+    class: &'static str,
+}
+
+impl Head {
+    fn new(long: impl Into<Cell>, is_words: bool) -> Head {
+        let long = long.into();
+        Head { short: long.plain().into(), long, is_words, class: "" }
+    }
 }
 
 struct Row {
@@ -26,37 +45,68 @@ struct Row {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Cell {
     text: Option<String>,
-    below: Option<String>,
+    /// What the text was made from, at full precision; absent where it is the text itself.
+    raw: Option<Raw>,
+    /// What stands below the text on a page, each with its style classes.
+    below: Vec<(String, String)>,
     mark: Option<String>,
     strong: bool,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+enum Raw {
+    Number(f64),
+    Count(u64),
+    Truth(bool),
+}
+
 impl Table {
+    /// A table of these columns, whose names stand in one text with blanks between.
+    pub(crate) fn named(names: &str) -> Table {
+        Table::new(&[], &names.split_whitespace().collect::<Vec<_>>())
+    }
+
     /// A table of these columns, words first, then numbers.
     pub(crate) fn new(words: &[&str], numbers: &[&str]) -> Table {
-        let words = words.iter().map(|head| (head, true));
-        let numbers = numbers.iter().map(|head| (head, false));
-        let head = |(head, is_words): (&&str, bool)| Head { short: head.to_string(), long: head.to_string(), is_words };
-        Table { heads: words.chain(numbers).map(head).collect(), rows: Vec::new() }
+        let words = words.iter().map(|head| Head::new(*head, true));
+        let numbers = numbers.iter().map(|head| Head::new(*head, false));
+        Table { class: "", heads: words.chain(numbers).collect(), rows: Vec::new() }
+    }
+
+    /// The same in a style class.
+    pub(crate) fn styled(self, class: &'static str) -> Table {
+        Table { class, ..self }
     }
 
     /// Adds a column of words.
     pub(crate) fn with_words(mut self, head: &str) -> Table {
-        self.heads.push(Head { short: head.into(), long: head.into(), is_words: true });
+        self.heads.push(Head::new(head, true));
         self
     }
 
     /// Adds columns of numbers.
     pub(crate) fn with_numbers<T: AsRef<str>>(mut self, heads: impl IntoIterator<Item = T>) -> Table {
-        let head = |head: T| Head { short: head.as_ref().into(), long: head.as_ref().into(), is_words: false };
-        self.heads.extend(heads.into_iter().map(head));
+        self.heads.extend(heads.into_iter().map(|head| Head::new(head.as_ref(), false)));
+        self
+    }
+
+    /// Adds columns of numbers with all that a head has on a page, each in a style class.
+    pub(crate) fn with_columns(mut self, heads: impl IntoIterator<Item = (Cell, &'static str)>) -> Table {
+        self.heads.extend(heads.into_iter().map(|(head, class)| Head { class, ..Head::new(head, false) }));
+        self
+    }
+
+    /// The same with the last column in a style class.
+    pub(crate) fn of_class(mut self, class: &'static str) -> Table {
+        self.heads.iter_mut().last().expect("a column").class = class;
         self
     }
 
     /// Gives the columns from the last one with other heads on a page, where there is more room.
     pub(crate) fn on_a_page(mut self, long: &[&str]) -> Table {
         let from = self.heads.len() - long.len();
-        self.heads[from..].iter_mut().zip(long).for_each(|(head, long)| head.long = long.to_string());
+        self.heads[from..].iter_mut().zip(long).for_each(|(head, long)| head.long = (*long).into());
         self
     }
 
@@ -77,34 +127,58 @@ impl Table {
         self
     }
 
+    /// Adds a group of rows, the first of which begins with the name of the group.
+    pub(crate) fn group<T>(&mut self, name: &str, items: impl IntoIterator<Item = T>, cells: impl Fn(T) -> Vec<Cell>) {
+        for (place, item) in items.into_iter().enumerate() {
+            let name = if place == 0 { name } else { "" };
+            let cells = [Cell::from(name)].into_iter().chain(cells(item)).collect();
+            self.rows.push(Row { cells, first: place == 0 });
+        }
+    }
+
     /// Whether it has no rows.
     pub(crate) fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// Aligned plain text: words to the left, numbers to the right, "-" where there is nothing.
+    /// Aligned plain text: words to the left, numbers to the right, "-" where there is nothing, "*" behind what is strong.
     pub(crate) fn text(&self) -> String {
         let heads: Vec<String> = self.heads.iter().map(|head| head.short.clone()).collect();
-        let plain = |cell: &Cell| cell.text.clone().unwrap_or_else(|| "-".into());
-        let rows = self.rows.iter().map(|row| row.cells.iter().map(plain).collect::<Vec<_>>());
+        let plain = |(column, cell): (usize, &Cell)| {
+            let text = cell.text.as_deref().unwrap_or("-");
+            let any = self.rows.iter().any(|row| row.cells[column].strong);
+            let star = if !any {
+                ""
+            } else if cell.strong {
+                " *"
+            } else {
+                "  "
+            };
+            format!("{text}{star}")
+        };
+        let rows = self.rows.iter().map(|row| row.cells.iter().enumerate().map(plain).collect::<Vec<_>>());
         columns(&[heads].into_iter().chain(rows).collect::<Vec<_>>(), |column| self.heads[column].is_words)
     }
 
     /// An element of a page that scrolls where it is too wide; the first column of words names its row.
     pub(crate) fn html(&self) -> String {
-        let mut html = String::from("<div class=\"scroll\">\n<table>\n<thead><tr>");
+        let mut html = format!("<div class=\"scroll\">\n<table{}>\n<thead><tr>", class(self.class));
         for head in &self.heads {
-            let class = if head.is_words { "" } else { " class=\"num\"" };
-            let _ = write!(html, "<th{class}>{}</th>", escape(&head.long));
+            let kind = if head.is_words { "" } else { "num" };
+            let _ = write!(html, "<th{}>{}</th>", class(&format!("{kind} {}", head.class)), head.long.html());
         }
         html += "</tr></thead>\n<tbody>\n";
         for row in &self.rows {
             html += if row.first { "<tr class=\"first\">" } else { "<tr>" };
             for (column, (cell, head)) in row.cells.iter().zip(&self.heads).enumerate() {
+                let kind = match (head.is_words, head.class) {
+                    (false, _) => "num",
+                    (true, "") => "setting",
+                    (true, _) => "",
+                };
                 html += &match (column, head.is_words) {
                     (0, true) => format!("<th scope=\"row\">{}</th>", cell.html()),
-                    (_, true) => format!("<td class=\"setting\">{}</td>", cell.html()),
-                    (_, false) => format!("<td class=\"num\">{}</td>", cell.html()),
+                    _ => format!("<td{}>{}</td>", class(&format!("{kind} {}", head.class)), cell.html()),
                 };
             }
             html += "</tr>\n";
@@ -112,19 +186,48 @@ impl Table {
         html + "</tbody>\n</table>\n</div>"
     }
 
+    /// A file NAME.csv: numbers at full precision, empty cells where there is nothing; with a head even if there are no rows.
+    ///
+    /// # Errors
+    /// [`DocumentError::Csv`] if a row is none.
+    pub(crate) fn csv(&self, name: &str) -> Result<File, DocumentError> {
+        let heads: Vec<&str> = self.heads.iter().map(|head| head.short.as_str()).collect();
+        let rows = self.rows.iter().map(|row| row.cells.iter().map(Cell::written).collect::<Vec<_>>());
+        Ok((format!("{name}.csv"), csv_below(&heads, rows)?))
+    }
+
     /// A table in Markdown, empty cells where there is nothing.
     pub(crate) fn markdown(&self) -> String {
         let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
         let rows = self.rows.iter().map(|row| line(row.cells.iter().map(Cell::plain).collect()));
-        let heads = line(self.heads.iter().map(|head| head.long.as_str()).collect());
+        let heads = line(self.heads.iter().map(|head| head.long.plain()).collect());
         heads + &line(vec!["---"; self.heads.len()]) + &rows.collect::<String>()
     }
+}
+
+/// A cell of a CSV file.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Written<'a> {
+    Raw(Raw),
+    Text(&'a str),
 }
 
 impl Cell {
     /// The same with a smaller text below on a page, if there is one.
     pub(crate) fn above(self, below: Option<String>) -> Cell {
-        Cell { below, ..self }
+        self.with("interval", below)
+    }
+
+    /// The same with style class and word of an outcome behind it on a page, if there is one.
+    pub(crate) fn outcome(self, outcome: Option<(&'static str, &'static str)>) -> Cell {
+        let classes = format!("outcome {}", outcome.map_or("", |(class, _)| class));
+        self.with(&classes, outcome.map(|(_, word)| word.into()))
+    }
+
+    fn with(mut self, classes: &str, below: Option<String>) -> Cell {
+        self.below.extend(below.map(|below| (classes.to_string(), below)));
+        self
     }
 
     /// The same behind a mark of these style classes.
@@ -137,17 +240,29 @@ impl Cell {
         Cell { strong, ..self }
     }
 
+    fn written(&self) -> Written<'_> {
+        self.raw.map_or_else(|| Written::Text(self.plain()), Written::Raw)
+    }
+
     fn plain(&self) -> &str {
         self.text.as_deref().unwrap_or_default()
     }
 
     fn html(&self) -> String {
-        let text = escape(self.text.as_deref().unwrap_or("–"));
+        let absent = if self.below.is_empty() { "–" } else { "" };
+        let text = escape(self.text.as_deref().unwrap_or(absent));
         let text = if self.strong { format!("<strong>{text}</strong>") } else { text };
         let mark = self.mark.as_ref().map(|classes| format!("<span class=\"swatch {}\"></span>", escape(classes)));
-        let below = self.below.as_ref().map(|below| format!("<span class=\"interval\">{}</span>", escape(below)));
-        mark.unwrap_or_default() + &text + &below.unwrap_or_default()
+        let below =
+            self.below.iter().map(|(classes, text)| format!("<span class=\"{classes}\">{}</span>", escape(text)));
+        mark.unwrap_or_default() + &text + &below.collect::<String>()
     }
+}
+
+/// The attribute of style classes; nothing without any.
+fn class(classes: &str) -> String {
+    let classes = classes.trim();
+    if classes.is_empty() { String::new() } else { format!(" class=\"{classes}\"") }
 }
 
 impl From<String> for Cell {
@@ -162,9 +277,50 @@ impl From<&str> for Cell {
     }
 }
 
+impl From<&String> for Cell {
+    fn from(text: &String) -> Cell {
+        text.as_str().into()
+    }
+}
+
+impl From<Raw> for Cell {
+    fn from(raw: Raw) -> Cell {
+        let text = match raw {
+            Raw::Number(number) => number.to_string(),
+            Raw::Count(count) => count.to_string(),
+            Raw::Truth(truth) => if truth { "yes" } else { "no" }.into(),
+        };
+        Cell { raw: Some(raw), ..text.into() }
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Cell {
+        Raw::Number(number).into()
+    }
+}
+
+impl From<u32> for Cell {
+    fn from(count: u32) -> Cell {
+        Raw::Count(count.into()).into()
+    }
+}
+
+impl From<u64> for Cell {
+    fn from(count: u64) -> Cell {
+        Raw::Count(count).into()
+    }
+}
+
 impl From<usize> for Cell {
-    fn from(number: usize) -> Cell {
-        number.to_string().into()
+    fn from(count: usize) -> Cell {
+        Raw::Count(count as u64).into()
+    }
+}
+
+impl From<bool> for Cell {
+    fn from(truth: bool) -> Cell {
+        Raw::Truth(truth).into()
     }
 }
 
@@ -179,11 +335,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_file_has_full_precision_and_a_head_without_rows() {
+        let table = Table::named("code, seconds sweeps within");
+        assert_eq!(table.csv("empty").unwrap(), ("empty.csv".into(), b"\"code,\",seconds,sweeps,within\n".to_vec()));
+        let rows = [("=a", Some(0.1 + 0.2), true), ("b", None, false)];
+        let table = Table::named("code seconds sweeps within").of(rows, |row| cells![row.0, row.1, 3_u32, row.2]);
+        let (_, written) = table.csv("full").unwrap();
+        let expected = "code,seconds,sweeps,within\n'=a,0.30000000000000004,3,true\nb,,3,false\n";
+        assert_eq!(String::from_utf8(written).unwrap(), expected);
+    }
+
+    #[test]
     fn one_table_is_shown_in_three_ways() {
         let mut table = Table::new(&["code"], &["s"]).on_a_page(&["seconds"]).with_words("verdict");
         table.first_row(["a<b".into(), Cell::from("12").above(Some("11 to 13".into())), "within".into()]);
         table.row([Cell::from("c").marked("code-c"), None::<String>.into(), Cell::from("beyond").strong(true)]);
-        assert_eq!(table.text(), "code   s  verdict\na<b   12  within\nc      -  beyond\n");
+        assert_eq!(table.text(), "code   s  verdict\na<b   12  within\nc      -  beyond *\n");
         assert_eq!(
             table.markdown(),
             "| code | seconds | verdict |\n| --- | --- | --- |\n| a<b | 12 | within |\n| c |  | beyond |\n"

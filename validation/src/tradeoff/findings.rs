@@ -1,8 +1,8 @@
-//! What a trade-off found, in sentences: every number is computed from its rows.
+//! What a trade-off found that no table says, in sentences: every number is computed from its rows.
 
-use super::rows::{Fastest, Point, Reference, Varied};
+use super::rows::{Fastest, Point, Reference};
 use super::study::Study;
-use super::words::{self, modulus};
+use super::words::modulus;
 use crate::draw::names::observable;
 use crate::draw::numbers::two_digits;
 
@@ -17,14 +17,9 @@ impl Study {
     }
 }
 
-/// The sentences, the answer first.
 fn findings(study: &Study) -> Vec<String> {
-    let mut sentences: Vec<String> = study.fastest.iter().map(|row| fastest(study, row)).collect();
-    sentences.extend(study.stiffness_factors().into_iter().filter_map(|factor| ratios(study, factor)));
-    sentences.extend(study.variations.iter().filter_map(|row| varied(study, row)));
-    let bounded = |row: &&Reference| study.bounds.iter().any(|bound| bound.observable == row.observable);
-    sentences.extend(study.references.iter().filter(bounded).filter_map(|row| trust(study, row)));
-    sentences.extend(study.references.iter().filter(bounded).filter_map(shift));
+    let mut sentences: Vec<String> = study.fastest.iter().filter_map(|row| none_within(study, row)).collect();
+    sentences.extend(study.references.iter().filter_map(|row| in_doubt(study, row)));
     sentences.extend(extrapolated(study));
     sentences.extend(neighbours(study));
     if study.bounds.is_empty() {
@@ -35,117 +30,36 @@ fn findings(study: &Study) -> Vec<String> {
     sentences
 }
 
-/// Whether a point is one of those that a row chose from.
-fn is_of(point: &Point, row: &Fastest) -> bool {
-    point.code == row.code && point.stiffness_factor == row.stiffness_factor
-}
-
-fn fastest(study: &Study, row: &Fastest) -> String {
-    let bounds = study.bounds.iter().map(words::bound).collect::<Vec<_>>().join(" and ");
-    let stiffness = modulus(row.youngs_modulus);
-    let Some((setting, wall)) = row.setting.as_ref().zip(row.wall_seconds_per_simulated_second) else {
-        let mut own = study.points.iter().filter(|point| is_of(point, row));
-        return match own.any(|point| !point.extrapolated) {
-            true => format!("At {stiffness} no setting of {} that ran to its end keeps the {bounds}.", row.code),
-            false => format!(
-                "At {stiffness} every run of {} was cut short, so there is no error: raise --time-limit for one.",
-                row.code
-            ),
-        };
-    };
-    if study.points.iter().any(|point| is_of(point, row) && point.reference && point.setting == *setting) {
-        return format!(
-            "At {stiffness} no setting of {} keeps the {bounds} but the reference itself, {setting}: {} s a simulated second.",
-            row.code,
-            two_digits(wall)
-        );
+/// Why a code has no fastest setting, or none but the reference itself.
+fn none_within(study: &Study, row: &Fastest) -> Option<String> {
+    let is_own = |point: &&Point| point.code == row.code && point.stiffness_factor == row.stiffness_factor;
+    let mut own = study.points.iter().filter(is_own);
+    let (code, stiffness) = (&row.code, modulus(row.youngs_modulus));
+    match &row.setting {
+        Some(setting) => own
+            .any(|point| point.reference && point.setting == *setting)
+            .then(|| format!("At {stiffness} no setting of {code} keeps the bounds but the reference itself.")),
+        None if own.any(|point| !point.extrapolated) => {
+            Some(format!("At {stiffness} no setting of {code} that ran to its end keeps the bounds."))
+        }
+        None => Some(format!(
+            "At {stiffness} every run of {code} was cut short, so there is no error: raise --time-limit for one."
+        )),
     }
-    let interval = match row.intervals_within_bounds {
-        Some(true) => "; the 90% interval lies within too",
-        Some(false) => "; the 90% interval reaches beyond, more seeds would tell",
-        None => "",
-    };
-    format!(
-        "At {stiffness} the fastest setting of {} that keeps the {bounds} is {setting}: {} s a simulated second{interval}.",
-        row.code,
-        two_digits(wall)
-    )
 }
 
-/// Wall times of the fastest settings of all codes at one stiffness.
-fn ratios(study: &Study, factor: f64) -> Option<String> {
-    let rows: Vec<(&Fastest, f64)> = study
-        .fastest
-        .iter()
-        .filter(|row| row.stiffness_factor == factor)
-        .filter_map(|row| Some((row, row.ratio_to_makadam?)))
-        .collect();
-    let (first, _) = rows.first()?;
-    let names: Vec<&str> = rows.iter().map(|(row, _)| row.code.as_str()).collect();
-    let ratios: Vec<String> = rows.iter().map(|(_, ratio)| two_digits(*ratio)).collect();
-    (rows.len() > 1).then(|| {
+/// A reference that may be farther from its limit than the bound.
+fn in_doubt(study: &Study, row: &Reference) -> Option<String> {
+    let index = row.convergence.as_ref()?.grid_convergence_index;
+    let bound = study.bounds.iter().find(|bound| bound.observable == row.observable)?.value;
+    (index > bound).then(|| {
         format!(
-            "Wall times {} within the bounds at {}: {}.",
-            names.join(" : "),
-            modulus(first.youngs_modulus),
-            ratios.join(" : ")
+            "The reference at {} is itself in doubt: the grid convergence index of its {}, {}, lies above the bound.",
+            modulus(row.youngs_modulus),
+            observable(&row.observable),
+            two_digits(index)
         )
     })
-}
-
-/// What a variation of the solver is good for; nothing can be said without bounds.
-fn varied(study: &Study, row: &Varied) -> Option<String> {
-    let Varied { variation, settings, setting, .. } = row;
-    if study.bounds.is_empty() {
-        return None;
-    }
-    let bounds = study.bounds.iter().map(words::bound).collect::<Vec<_>>().join(" and ");
-    Some(match (setting, row.wall_seconds_per_simulated_second, row.ratio_to_plain) {
-        (Some(setting), Some(wall), Some(ratio)) => format!(
-            "With {variation} the {bounds} takes {} s a simulated second ({setting}), {} times the fastest setting that varies \
-             step and sweeps alone.",
-            two_digits(wall),
-            two_digits(ratio)
-        ),
-        (Some(setting), Some(wall), None) => format!(
-            "With {variation} the {bounds} takes {} s a simulated second ({setting}); step and sweeps alone do not reach it.",
-            two_digits(wall)
-        ),
-        _ if *settings == 1 => format!("With {variation} the one setting that was run does not keep the {bounds}."),
-        _ => format!("With {variation} none of {settings} settings keeps the {bounds}."),
-    })
-}
-
-/// How near a reference is to its limit.
-fn trust(study: &Study, row: &Reference) -> Option<String> {
-    let convergence = row.convergence?;
-    let bound = study.bounds.iter().find(|bound| bound.observable == row.observable)?;
-    let order = match convergence.observed_order {
-        Some(order) => format!("observed order {}", two_digits(order)),
-        None => "no order observed above the spread over seeds".into(),
-    };
-    let index = convergence.grid_convergence_index;
-    let verdict =
-        if index <= bound.value { "below the bound" } else { "above the bound, so the reference itself is in doubt" };
-    Some(format!(
-        "Reference at {}: {} {} over {} seeds; {order}; grid convergence index {} (safety factor {}), {verdict}.",
-        modulus(row.youngs_modulus),
-        observable(&row.observable),
-        words::measured(row.mean, row.standard_error),
-        row.seeds,
-        two_digits(index),
-        convergence.safety_factor,
-    ))
-}
-
-fn shift(row: &Reference) -> Option<String> {
-    let shift = row.shift?;
-    Some(format!(
-        "Grains of {} instead of the scene's shift the {} by {}.",
-        modulus(row.youngs_modulus),
-        observable(&row.observable),
-        words::signed(shift, row.shift_standard_error)
-    ))
 }
 
 fn extrapolated(study: &Study) -> Option<String> {

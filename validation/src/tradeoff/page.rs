@@ -1,27 +1,24 @@
 //! The files of a trade-off: its rows, its figures, and a page with tables and what they say.
 
 use super::figures::figures;
-use super::flat::{ReferenceRow, point_rows};
-use super::rows::{Fastest, Point, Reference, Varied};
+use super::flat;
+use super::rows::{Point, Reference};
 use super::study::Study;
-use super::terminal::{ordered, verdict};
 use super::variations::Variation;
 use super::words::{self, modulus, titled};
 use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker, code_style, observable};
 use crate::draw::numbers::{count, duration, two_digits};
-use crate::study::{Cell, Document, DocumentError, File, Table, json, page, table};
+use crate::study::{Cell, Document, DocumentError, File, Table, cells, json, page, table};
 use minijinja::{Value, context};
 
 impl Document for Study {
     const NAME: &'static str = "tradeoff";
 
     fn tables(&self) -> Result<Vec<File>, DocumentError> {
-        let points: Vec<_> = self.points.iter().flat_map(point_rows).collect();
-        let references: Vec<_> = self.references.iter().map(ReferenceRow::of).collect();
         Ok(vec![
-            table("points", &points)?,
-            table("references", &references)?,
+            flat::points(&self.points).csv("points")?,
+            flat::references(&self.references).csv("references")?,
             table("fastest", &self.fastest)?,
             json("provenance", &self.provenance)?,
         ])
@@ -38,9 +35,9 @@ impl Document for Study {
             particles => count(self.particles),
             limit => duration(self.time_limit),
             bounds => self.bounds.iter().map(words::bound).collect::<Vec<_>>().join(", "),
-            fastest => fastest(&self.fastest),
-            variations => variations(&self.variations),
-            points => points(self).html(),
+            fastest => fastest(self).map(|table| table.html()),
+            variations => variations(self).map(|table| table.html()),
+            points => points(self, usize::MAX).html(),
             references => references(self).html(),
             shifted => is_shifted(self),
         };
@@ -61,35 +58,40 @@ fn standing(study: &Study) -> Value {
         (true, Some(false)) => ("Beyond the bounds.", "disagree"),
         (true, None) => ("No bounds.", "undecided"),
     };
-    let makadam = study.findings.iter().find(|sentence| sentence.contains("Makadam"));
-    context! { word => word, class => class, sentence => makadam.or(study.findings.first()) }
+    let own = study.fastest.iter().find(|row| row.code == "Makadam" && row.stiffness_factor == 1.0);
+    let sentence = own.and_then(|row| row.setting.as_ref().zip(row.wall_seconds_per_simulated_second));
+    let sentence = sentence.map(|(setting, wall)| {
+        format!(
+            "The fastest setting of Makadam that keeps them is {setting}: {} s per simulated second.",
+            two_digits(wall)
+        )
+    });
+    context! { word => word, class => class, sentence => sentence.as_ref().or(study.findings.first()) }
 }
 
 /// The fastest settings; nothing where there are none.
-fn fastest(rows: &[Fastest]) -> Option<String> {
+pub(super) fn fastest(study: &Study) -> Option<Table> {
     let table = Table::new(&["stiffness", "code", "setting"], &["s a simulated s", "over Makadam's"]);
-    let table = table.with_words("90% interval").of(rows, |row| {
-        let code = Cell::from(row.code.as_str()).marked(code_style(&row.code).class);
-        let mut cells = vec![modulus(row.youngs_modulus).into(), code];
+    let table = table.with_words("90% interval").of(&study.fastest, |row| {
+        let code = Cell::from(&row.code).marked(code_style(&row.code).class);
         let seconds = [row.wall_seconds_per_simulated_second, row.ratio_to_makadam];
-        cells.extend(choice(row.setting.as_deref(), seconds, row.intervals_within_bounds));
-        cells
+        let chosen = choice(row.setting.as_deref(), seconds, row.intervals_within_bounds);
+        cells![modulus(row.youngs_modulus), code].into_iter().chain(chosen).collect()
     });
-    (!table.is_empty()).then(|| table.html())
+    (!table.is_empty()).then_some(table)
 }
 
 /// What other methods do; nothing where there are none.
-fn variations(rows: &[Varied]) -> Option<String> {
+pub(super) fn variations(study: &Study) -> Option<Table> {
     let table = Table::new(&["varied"], &["settings"]).with_words("fastest within the bounds");
-    let table =
-        table.with_numbers(["s a simulated s", "over sweeps alone"]).with_words("90% interval").of(rows, |row| {
-            let variation = Cell::from(row.variation.as_str()).marked(mark(Some(&row.variation), "Makadam"));
-            let mut cells = vec![variation, row.settings.into()];
-            let seconds = [row.wall_seconds_per_simulated_second, row.ratio_to_plain];
-            cells.extend(choice(row.setting.as_deref(), seconds, row.intervals_within_bounds));
-            cells
-        });
-    (!table.is_empty()).then(|| table.html())
+    let table = table.with_numbers(["s a simulated s", "over sweeps alone"]).with_words("90% interval");
+    let table = table.of(&study.variations, |row| {
+        let variation = Cell::from(&row.variation).marked(mark(Some(&row.variation), "Makadam"));
+        let seconds = [row.wall_seconds_per_simulated_second, row.ratio_to_plain];
+        let chosen = choice(row.setting.as_deref(), seconds, row.intervals_within_bounds);
+        cells![variation, row.settings].into_iter().chain(chosen).collect()
+    });
+    (!table.is_empty()).then_some(table)
 }
 
 /// A setting that was chosen, its wall time and the ratio of that to another's, and how sure the choice is.
@@ -118,8 +120,9 @@ fn mark(variation: Option<&str>, code: &str) -> String {
     format!("{class} {shape}")
 }
 
-fn points(study: &Study) -> Table {
-    let names = study.observables();
+/// Points by stiffness, code and wall time, with the errors of so many observables, bounded ones first.
+pub(super) fn points(study: &Study, most: usize) -> Table {
+    let names: Vec<&str> = study.observables().into_iter().take(most).collect();
     let unit = |name: &str| study.references.iter().find(|row| row.observable == name).map_or("", |row| &row.unit);
     let mut table = Table::new(&["stiffness", "code", "setting"], &["seeds", "s a simulated s"])
         .with_numbers(names.iter().map(|name| titled(name, unit(name))))
@@ -128,11 +131,11 @@ fn points(study: &Study) -> Table {
     for point in ordered(study) {
         let about = if point.extrapolated { "~" } else { "" };
         let pace = format!("{about}{}", two_digits(point.wall_seconds_per_simulated_second));
-        let mut cells = vec![
-            modulus(point.youngs_modulus).into(),
-            Cell::from(point.code.as_str()).marked(mark(point.variation.as_deref(), &point.code)),
-            point.setting.as_str().into(),
-            point.seeds.len().into(),
+        let mut cells = cells![
+            modulus(point.youngs_modulus),
+            Cell::from(&point.code).marked(mark(point.variation.as_deref(), &point.code)),
+            &point.setting,
+            point.seeds.len(),
             Cell::from(pace).above(range(point)),
         ];
         cells.extend(names.iter().map(|name| error(point, name)));
@@ -144,6 +147,32 @@ fn points(study: &Study) -> Table {
         }
     }
     table
+}
+
+/// Points by stiffness, code and wall time.
+fn ordered(study: &Study) -> Vec<&Point> {
+    let mut points: Vec<&Point> = study.points.iter().collect();
+    let rank = |code: &str| study.points.iter().position(|point| point.code == code);
+    points.sort_by(|a, b| {
+        let wall = |point: &Point| point.wall_seconds_per_simulated_second;
+        a.stiffness_factor
+            .total_cmp(&b.stiffness_factor)
+            .then(rank(&a.code).cmp(&rank(&b.code)))
+            .then(wall(a).total_cmp(&wall(b)))
+    });
+    points
+}
+
+/// Whether a point keeps the bounds, in words.
+fn verdict(study: &Study, point: &Point) -> &'static str {
+    match (point.reference, point.within_bounds, point.intervals_within_bounds) {
+        _ if study.bounds.is_empty() => "",
+        (true, ..) => "reference",
+        (_, Some(true), Some(true)) => "within, interval too",
+        (_, Some(true), _) => "within",
+        (_, Some(false), _) => "beyond",
+        (_, None, _) => "",
+    }
 }
 
 /// Range of the wall times of several seeds, or the stretch that a wall time was extrapolated from.

@@ -2,6 +2,7 @@
 
 mod problem;
 mod runs;
+mod shared;
 mod studies;
 mod values;
 
@@ -9,6 +10,7 @@ pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
 pub use runs::{CompareArguments, QualifyArguments, RunArguments, Tier};
+pub use shared::load;
 pub use studies::{
     ConvergenceArguments, EffectsArguments, LawsArguments, RooflineArguments, ScalingArguments, StabilityArguments,
     TradeoffArguments,

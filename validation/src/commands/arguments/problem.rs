@@ -1,5 +1,6 @@
 //! Arguments of `makadam problem`.
 
+use super::shared::SceneArguments;
 use super::values::positive;
 use crate::problem::Method;
 use clap::{Args, Subcommand, ValueEnum};
@@ -27,17 +28,15 @@ pub enum ProblemCommand {
 /// Arguments of `makadam problem export`.
 #[derive(Debug, Args)]
 pub struct ProblemExportArguments {
-    /// A folder under reference-scenes/, or a path to a TOML file.
-    pub scene: String,
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Simulated time of the step, s; the scene's duration, if absent.
     #[arg(long, value_parser = positive)]
     pub time: Option<f64>,
     /// The same as a number of steps.
     #[arg(long, conflicts_with = "time")]
     pub steps: Option<u64>,
-    /// Seed of the initial positions; the scene's, if absent.
-    #[arg(long)]
-    pub seed: Option<u64>,
     /// File to write.
     #[arg(short, long)]
     pub output: PathBuf,

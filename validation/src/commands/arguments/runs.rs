@@ -1,5 +1,6 @@
 //! Arguments of the commands that run scenes and judge them.
 
+use super::shared::{OutputArguments, SceneArguments, ThreadArguments};
 use super::values::{
     CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, positive, rayleigh_fraction, seconds,
     time_limit,
@@ -11,11 +12,9 @@ use std::path::PathBuf;
 /// Arguments of `makadam run`.
 #[derive(Debug, Args)]
 pub struct RunArguments {
-    /// A folder under reference-scenes/, or a path to a TOML file.
-    pub scene: String,
-    /// Seed of the initial positions; the scene's, if absent.
-    #[arg(long)]
-    pub seed: Option<u64>,
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Threads that share the work; as many as there are cores, if absent. The result does not depend on it.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -55,12 +54,9 @@ pub struct RunArguments {
     /// Wall time between checkpoints, s; 0 writes one after every step.
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     pub checkpoint_interval: f64,
-    /// Folder to write into; results/SCENE, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the summary as JSON.
-    #[arg(long)]
-    pub json: bool,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `makadam compare`.
@@ -96,9 +92,9 @@ pub struct CompareArguments {
     /// Folder of raw recordings, read and filled by --record; in the user's cache, if absent.
     #[arg(long, requires = "record")]
     pub recordings: Option<PathBuf>,
-    /// Threads for the runs of Makadam.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
+    /// How many threads.
+    #[command(flatten)]
+    pub side_by_side: ThreadArguments,
     /// Folder to write report.html, report.json and rows.csv into; nothing is written, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
@@ -126,13 +122,10 @@ pub struct QualifyArguments {
     /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
     #[arg(long, default_value_t = 900.0, value_parser = time_limit)]
     pub time_limit: f64,
-    /// Threads for the runs of Makadam.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// Folder of the report; results/qualification, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the qualification as JSON.
-    #[arg(long)]
-    pub json: bool,
+    /// How many threads.
+    #[command(flatten)]
+    pub side_by_side: ThreadArguments,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }

@@ -1,17 +1,15 @@
 //! Arguments of the commands that study the solver.
 
+use super::shared::{OutputArguments, SceneArguments, ThreadArguments};
 use super::values::{BoundArgument, CodeName, InstructionSetName, bound, method, positive, time_limit};
 use clap::Args;
-use std::path::PathBuf;
 
 /// Arguments of `makadam scaling`.
 #[derive(Debug, Args)]
 pub struct ScalingArguments {
-    /// A folder under reference-scenes/, or a path to a TOML file.
-    pub scene: String,
-    /// Seed of the initial positions; the scene's, if absent.
-    #[arg(long)]
-    pub seed: Option<u64>,
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Numbers of threads to measure; 1, 2, 4, ... and all cores, if absent.
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=256))]
     pub threads_list: Option<Vec<u16>>,
@@ -37,19 +35,17 @@ pub struct ScalingArguments {
     /// Write the tables beside the scene too, in a folder named after processor and instruction set.
     #[arg(long)]
     pub record: bool,
-    /// Folder to write into; results/scaling/SCENE, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the study as JSON.
-    #[arg(long)]
-    pub json: bool,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `makadam convergence`.
 #[derive(Debug, Args)]
 pub struct ConvergenceArguments {
-    /// A folder under reference-scenes/, or a path to a TOML file.
-    pub scene: String,
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Iterations of each method.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub iterations: u32,
@@ -63,21 +59,15 @@ pub struct ConvergenceArguments {
     /// it settles before it is measured (measure.from), or its whole duration.
     #[arg(long, value_parser = positive)]
     pub settle: Option<f64>,
-    /// Seed of the initial positions; the scene's, if absent.
-    #[arg(long)]
-    pub seed: Option<u64>,
     /// Threads that share the work. Residuals do not depend on it.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
     /// Write the table beside the scene too, in a folder named after processor and instruction set.
     #[arg(long)]
     pub record: bool,
-    /// Folder to write into; results/convergence/SCENE, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the study as JSON.
-    #[arg(long)]
-    pub json: bool,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `makadam tradeoff`.
@@ -107,12 +97,9 @@ pub struct TradeoffArguments {
     /// Wall time beyond which a run is cut short and its wall time extrapolated, s; 900, if absent, or 60 with --quick.
     #[arg(long, value_parser = time_limit)]
     pub time_limit: Option<f64>,
-    /// Folder to write into, and to take finished runs from; results/tradeoff/SCENE, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the study as JSON.
-    #[arg(long)]
-    pub json: bool,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `makadam roofline`.
@@ -126,12 +113,9 @@ pub struct RooflineArguments {
     /// Simulated time before the measurement where a scene prepares no flowing state, s.
     #[arg(long, default_value_t = 1.5, value_parser = positive)]
     pub settle: f64,
-    /// Folder to write into; results/roofline, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the study as JSON.
-    #[arg(long)]
-    pub json: bool,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `makadam stability`.
@@ -151,25 +135,20 @@ pub struct StabilityArguments {
     /// Wall time after which a run is stopped, s; 600, if absent, or 60 with --quick.
     #[arg(long, value_parser = time_limit)]
     pub time_limit: Option<f64>,
-    /// Runs side by side; as many as there are cores, if absent.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// Folder to write into; results/stability, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the study as JSON.
-    #[arg(long)]
-    pub json: bool,
+    /// How many threads.
+    #[command(flatten)]
+    pub side_by_side: ThreadArguments,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `makadam effects`.
 #[derive(Debug, Args)]
 pub struct EffectsArguments {
-    /// A folder under reference-scenes/, or a path to a TOML file.
-    pub scene: String,
-    /// Seed of the initial positions, the first one with --ablate; the scene's, if absent.
-    #[arg(long)]
-    pub seed: Option<u64>,
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Run the scene with each effect off or on and tell which of its observables need it.
     #[arg(long)]
     pub ablate: bool,
@@ -188,15 +167,12 @@ pub struct EffectsArguments {
     /// Make again the runs of --ablate that an earlier start has kept.
     #[arg(long)]
     pub again: bool,
-    /// Runs of --ablate side by side; as many as there are cores, if absent.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Folder to write into, and to take finished runs of --ablate from; results/effects/SCENE, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the study as JSON.
-    #[arg(long)]
-    pub json: bool,
+    /// How many threads.
+    #[command(flatten)]
+    pub side_by_side: ThreadArguments,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `makadam laws`.
@@ -219,13 +195,10 @@ pub struct LawsArguments {
     /// Measure again what an earlier start has kept.
     #[arg(long)]
     pub again: bool,
-    /// Runs side by side; as many as there are cores, if absent.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Folder to write into, a folder a law, and to take finished runs from; results/laws, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the study as JSON.
-    #[arg(long)]
-    pub json: bool,
+    /// How many threads.
+    #[command(flatten)]
+    pub side_by_side: ThreadArguments,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }

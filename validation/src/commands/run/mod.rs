@@ -13,7 +13,7 @@ mod session;
 
 use super::arguments::RunArguments;
 use super::beforehand::tell_findings;
-use super::{Console, Failure, begin, json, load};
+use super::{Console, Failure, begin, json};
 use crate::execution::{Execution, cores};
 use crate::output::file_stem;
 use crate::output::{FolderLock, LockError, RunFiles, RunSummary, create_folder};
@@ -30,13 +30,13 @@ use makadam::scene::Finding;
 use plan::Plan;
 use progress::Progress;
 use session::Session;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
 /// Simulates a scene.
 pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let (file, mut scene) = load(&arguments.scene)?;
+    let (file, mut scene, seed) = arguments.scene.load()?;
     if let Some(accuracy) = arguments.accuracy {
         scene.ask(accuracy);
     }
@@ -52,8 +52,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
             .goes_with(scene.solver.method, scene.solver.precision)
             .map_err(|error| Failure::Usage(format!("--precision single: {}: {error}; leave it out", scene.name)))?;
     }
-    let seed = arguments.seed.unwrap_or(scene.seed);
-    let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results").join(file_stem(&scene.name)));
+    let output = arguments.output.folder(&file_stem(&scene.name));
     let execution = Execution {
         scheduler: arguments.scheduler.into(),
         threads: arguments.threads.map_or_else(cores, usize::from),
@@ -70,7 +69,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
             // What a process that was killed at its very end has not removed.
             Place::inside(&output).clear();
             console.note(&format!("nothing to do: {} holds this run, which has ended", output.display()));
-            console.result(&if arguments.json { record.text } else { record.describe() })?;
+            console.result(&if arguments.output.json { record.text } else { record.describe() })?;
             return Ok(ExitCode::SUCCESS);
         }
         Task::GoOn => asked.go_on(&scene, steps)?,
@@ -104,7 +103,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
             Err(failure) => ended = Err(failure),
         }
     }
-    console.result(&if arguments.json { json(&summary) } else { describe(&summary) })?;
+    console.result(&if arguments.output.json { json(&summary) } else { describe(&summary) })?;
     ended?;
     Ok(ExitCode::SUCCESS)
 }

@@ -24,7 +24,7 @@ use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing};
 use crate::observables::{ForceDistribution, Series};
 use crate::plan::Scene;
 use makadam::checkpoint::checksum;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// The recorded references of one scene.
@@ -144,31 +144,19 @@ pub fn physics_hash(scene: &Scene) -> String {
     format!("{:016x}", checksum(physics.to_string().as_bytes()))
 }
 
-/// A line of `runs.csv`.
-#[derive(Clone, Serialize, Deserialize)]
-struct RunLine {
-    code: String,
-    version: String,
-    seed: u64,
-    time_step: f64,
-    rayleigh_fraction: Option<f64>,
-    stiffness_factor: f64,
-    wall_seconds: f64,
-    simulated_seconds: f64,
-    processor: String,
-    date: String,
-    scene_hash: String,
-}
-
 /// A line of `measurements.csv`.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 struct MeasurementLine {
     code: String,
-    version: String,
     seed: u64,
-    time_step: f64,
-    rayleigh_fraction: Option<f64>,
     stiffness_factor: f64,
+    // What stands in `runs.csv` too has to be readable here as well.
+    #[serde(rename = "version")]
+    _version: String,
+    #[serde(rename = "time_step")]
+    _time_step: f64,
+    #[serde(rename = "rayleigh_fraction")]
+    _rayleigh_fraction: Option<f64>,
     observable: String,
     unit: String,
     value: f64,
@@ -177,7 +165,7 @@ struct MeasurementLine {
 }
 
 /// A line of `forces.csv`.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 struct ForceLine {
     code: String,
     force_over_mean: f64,
@@ -186,7 +174,7 @@ struct ForceLine {
 }
 
 /// A line of `series.csv`.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 struct SeriesLine {
     code: String,
     seed: u64,
@@ -210,42 +198,6 @@ struct GrainLine {
     wy: f64,
     wz: f64,
 }
-
-/// Names of the columns of `runs.csv`.
-const RUN_COLUMNS: [&str; 11] = [
-    "code",
-    "version",
-    "seed",
-    "time_step",
-    "rayleigh_fraction",
-    "stiffness_factor",
-    "wall_seconds",
-    "simulated_seconds",
-    "processor",
-    "date",
-    "scene_hash",
-];
-
-/// Names of the columns of `measurements.csv`.
-const MEASUREMENT_COLUMNS: [&str; 11] = [
-    "code",
-    "version",
-    "seed",
-    "time_step",
-    "rayleigh_fraction",
-    "stiffness_factor",
-    "observable",
-    "unit",
-    "value",
-    "standard_error",
-    "frames",
-];
-
-/// Names of the columns of `forces.csv`.
-const FORCE_COLUMNS: [&str; 4] = ["code", "force_over_mean", "density", "samples"];
-
-/// Names of the columns of `series.csv`.
-const SERIES_COLUMNS: [&str; 5] = ["code", "seed", "observable", "time", "value"];
 
 /// Names of the columns of `final-state-CODE.csv`.
 const GRAIN_COLUMNS: [&str; 11] = ["id", "radius", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz"];

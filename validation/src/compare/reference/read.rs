@@ -1,8 +1,8 @@
 //! Reading recorded references; an error names the file and the line.
 
 use super::{
-    FinalState, ForceDistribution, ForceLine, GrainLine, MeasuredRun, MeasurementLine, Reference, RunLine, Series,
-    SeriesLine, final_state_file,
+    FinalState, ForceDistribution, ForceLine, GrainLine, MeasuredRun, MeasurementLine, Reference, Series, SeriesLine,
+    final_state_file,
 };
 use crate::observables::Measurement;
 use crate::output::cells::as_meant;
@@ -55,10 +55,10 @@ impl Reference {
     /// # Errors
     /// As [`Reference::load`].
     pub fn read(folder: &Path, bytes: Bytes<'_>) -> Result<Option<Reference>, ReferenceError> {
-        let Some(runs) = lines_if_there::<RunLine>(&folder.join("runs.csv"), bytes)? else {
+        let Some(runs) = lines_if_there::<MeasuredRun>(&folder.join("runs.csv"), bytes)? else {
             return Ok(None);
         };
-        let runs = runs.into_iter().map(|(_, line)| run(line)).collect();
+        let runs = runs.into_iter().map(|(_, run)| run).collect();
         let mut reference = Reference { runs, ..Reference::default() };
         reference.read_measurements(&folder.join("measurements.csv"), bytes)?;
         reference.read_forces(&folder.join("forces.csv"), bytes)?;
@@ -133,23 +133,6 @@ impl Reference {
             self.final_states.push(FinalState { code, seed, time, particles });
         }
         Ok(())
-    }
-}
-
-fn run(line: RunLine) -> MeasuredRun {
-    MeasuredRun {
-        code: line.code,
-        version: line.version,
-        seed: line.seed,
-        time_step: line.time_step,
-        rayleigh_fraction: line.rayleigh_fraction,
-        stiffness_factor: line.stiffness_factor,
-        wall_seconds: line.wall_seconds,
-        simulated_seconds: line.simulated_seconds,
-        processor: line.processor,
-        date: line.date,
-        scene_hash: line.scene_hash,
-        measurements: Vec::new(),
     }
 }
 

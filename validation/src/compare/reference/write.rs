@@ -1,13 +1,10 @@
 //! Writing recorded references.
 
-use super::{
-    FORCE_COLUMNS, ForceLine, GRAIN_COLUMNS, MEASUREMENT_COLUMNS, MeasuredRun, MeasurementLine, RUN_COLUMNS, Reference,
-    RunLine, SERIES_COLUMNS, SeriesLine, days, final_state_file, processors,
-};
-use crate::output::cells::without_formulas;
+use super::{GRAIN_COLUMNS, MeasuredRun, Reference, days, final_state_file, processors};
+use crate::observables::Measurement;
 use crate::output::{WriteError, create_folder, write_whole};
 use crate::plan::Scene;
-use serde::Serialize;
+use crate::study::{DocumentError, File, Table, cells};
 use std::path::Path;
 
 impl Reference {
@@ -17,28 +14,10 @@ impl Reference {
     /// [`WriteError`] if the system refuses; files not yet reached stay as they were.
     pub fn save(&self, scene: &Scene, folder: &Path) -> Result<(), WriteError> {
         create_folder(folder)?;
-        write_whole(&folder.join("runs.csv"), &to_csv(&RUN_COLUMNS, self.runs.iter().map(run_line)))?;
-        let measurements = self.runs.iter().flat_map(measurement_lines);
-        write_whole(&folder.join("measurements.csv"), &to_csv(&MEASUREMENT_COLUMNS, measurements))?;
-        let forces = self.forces.iter().flat_map(|forces| {
-            forces.force.iter().zip(&forces.density).map(|(&force_over_mean, &density)| ForceLine {
-                code: forces.code.clone(),
-                force_over_mean,
-                density: rounded(density),
-                samples: forces.samples,
-            })
-        });
-        write_whole(&folder.join("forces.csv"), &to_csv(&FORCE_COLUMNS, forces))?;
-        let series = self.series.iter().flat_map(|series| {
-            series.time.iter().zip(&series.value).map(|(&time, &value)| SeriesLine {
-                code: series.code.clone(),
-                seed: series.seed,
-                observable: series.observable.clone(),
-                time: rounded(time),
-                value: rounded(value),
-            })
-        });
-        write_whole(&folder.join("series.csv"), &to_csv(&SERIES_COLUMNS, series))?;
+        for table in [self.run_lines(), self.measurement_lines(), self.force_lines(), self.series_lines()] {
+            let (name, bytes) = table.expect("numbers and text can be written to memory");
+            write_whole(&folder.join(name), &bytes)?;
+        }
         for state in &self.final_states {
             let mut text = GRAIN_COLUMNS.join(",") + "\n";
             for grain in &state.particles {
@@ -53,6 +32,71 @@ impl Reference {
         }
         write_whole(&folder.join("README.md"), self.account(scene).as_bytes())?;
         super::checksums::write(folder)
+    }
+
+    fn run_lines(&self) -> Result<File, DocumentError> {
+        let columns = "code version seed time_step rayleigh_fraction stiffness_factor wall_seconds simulated_seconds processor date \
+                       scene_hash";
+        let cells = |run: &MeasuredRun| {
+            cells![
+                &run.code,
+                &run.version,
+                run.seed,
+                rounded(run.time_step),
+                run.rayleigh_fraction,
+                run.stiffness_factor,
+                rounded(run.wall_seconds),
+                rounded(run.simulated_seconds),
+                &run.processor,
+                &run.date,
+                &run.scene_hash,
+            ]
+        };
+        Table::named(columns).of(&self.runs, cells).csv("runs")
+    }
+
+    fn measurement_lines(&self) -> Result<File, DocumentError> {
+        let columns = "code version seed time_step rayleigh_fraction stiffness_factor observable unit value standard_error frames";
+        let rows = self.runs.iter().flat_map(|run| {
+            let finite = run.measurements.iter().filter(|measured| measured.value.is_finite());
+            finite.map(move |measured| (run, measured))
+        });
+        let cells = |(run, measured): (&MeasuredRun, &Measurement)| {
+            cells![
+                &run.code,
+                &run.version,
+                run.seed,
+                rounded(run.time_step),
+                run.rayleigh_fraction,
+                run.stiffness_factor,
+                &measured.observable,
+                &measured.unit,
+                measured.value,
+                measured.standard_error.map(rounded),
+                measured.frames,
+            ]
+        };
+        Table::named(columns).of(rows, cells).csv("measurements")
+    }
+
+    fn force_lines(&self) -> Result<File, DocumentError> {
+        let mut table = Table::named("code force_over_mean density samples");
+        for forces in &self.forces {
+            for (&force, &density) in forces.force.iter().zip(&forces.density) {
+                table.row(cells![&forces.code, force, rounded(density), forces.samples]);
+            }
+        }
+        table.csv("forces")
+    }
+
+    fn series_lines(&self) -> Result<File, DocumentError> {
+        let mut table = Table::named("code seed observable time value");
+        for series in &self.series {
+            for (&time, &value) in series.time.iter().zip(&series.value) {
+                table.row(cells![&series.code, series.seed, &series.observable, rounded(time), rounded(value)]);
+            }
+        }
+        table.csv("series")
     }
 
     /// How the numbers were made, for people.
@@ -103,49 +147,7 @@ impl Reference {
     }
 }
 
-fn run_line(run: &MeasuredRun) -> RunLine {
-    RunLine {
-        code: run.code.clone(),
-        version: run.version.clone(),
-        seed: run.seed,
-        time_step: rounded(run.time_step),
-        rayleigh_fraction: run.rayleigh_fraction,
-        stiffness_factor: run.stiffness_factor,
-        wall_seconds: rounded(run.wall_seconds),
-        simulated_seconds: rounded(run.simulated_seconds),
-        processor: run.processor.clone(),
-        date: run.date.clone(),
-        scene_hash: run.scene_hash.clone(),
-    }
-}
-
-fn measurement_lines(run: &MeasuredRun) -> impl Iterator<Item = MeasurementLine> {
-    run.measurements.iter().filter(|measurement| measurement.value.is_finite()).map(|measurement| MeasurementLine {
-        code: run.code.clone(),
-        version: run.version.clone(),
-        seed: run.seed,
-        time_step: rounded(run.time_step),
-        rayleigh_fraction: run.rayleigh_fraction,
-        stiffness_factor: run.stiffness_factor,
-        observable: measurement.observable.clone(),
-        unit: measurement.unit.clone(),
-        value: measurement.value,
-        standard_error: measurement.standard_error.map(rounded),
-        frames: measurement.frames,
-    })
-}
-
 /// Six significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
-}
-
-/// Lines below their head, which stands there even if there is no line.
-fn to_csv<T: Serialize>(columns: &[&str], lines: impl Iterator<Item = T>) -> Vec<u8> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    writer.write_record(columns).expect("text can be written to memory");
-    for line in lines {
-        writer.serialize(line).expect("numbers and text can be written to memory");
-    }
-    without_formulas(writer.into_inner().expect("memory can be flushed"))
 }

@@ -1,0 +1,76 @@
+//! Arguments that commands have in common.
+
+use crate::commands::{Failure, beforehand};
+use crate::output::file_stem;
+use crate::plan::Scene;
+use crate::scenes;
+use clap::Args;
+use std::path::PathBuf;
+
+/// The scene of a command, and its initial positions.
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    /// A folder under reference-scenes/, or a path to a TOML file.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Seed of the initial positions, the first one if there are several; the scene's, if absent.
+    #[arg(long)]
+    pub seed: Option<u64>,
+}
+
+impl SceneArguments {
+    /// File, scene and seed; see [`load`].
+    pub fn load(&self) -> Result<(PathBuf, Scene, u64), Failure> {
+        let (file, scene) = load(&self.scene)?;
+        let seed = self.seed.unwrap_or(scene.seed);
+        Ok((file, scene, seed))
+    }
+}
+
+/// Finds, reads and checks a scene, which has to find room in memory.
+pub fn load(name: &str) -> Result<(PathBuf, Scene), Failure> {
+    let file = scenes::find(name, &scenes::roots())?;
+    let scene = scenes::load(&file)?;
+    beforehand::refuse_beyond_memory(&scene, &file)?;
+    Ok((file, scene))
+}
+
+/// Where the results of a command go.
+#[derive(Debug, Args)]
+pub struct OutputArguments {
+    /// Folder to write into, and to take finished runs from; one under results/, named after command and scene, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the results as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl OutputArguments {
+    /// The folder that was asked for, or one below `results`.
+    pub fn folder(&self, default: &str) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| PathBuf::from("results").join(default))
+    }
+
+    /// The folder of a study of a scene.
+    pub fn folder_of(&self, command: &str, scene: &Scene) -> PathBuf {
+        self.folder(&format!("{command}/{}", file_stem(&scene.name)))
+    }
+}
+
+/// How many threads share the runs of a command.
+#[derive(Debug, Args)]
+pub struct ThreadArguments {
+    /// Threads for the runs, side by side; as many as there are cores, if absent.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+impl ThreadArguments {
+    /// Limits the runs side by side to that number.
+    pub fn apply(&self) -> Result<(), Failure> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+        pool.map_err(|error| Failure::Running(format!("cannot start {threads} threads: {error}")))
+    }
+}
