@@ -170,7 +170,7 @@ fn touching<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCand
     // SAFETY: candidates name grains.
     let [x, y, z, radii] = unsafe { L::load_differences::<1>(spheres, &first, &second) };
     let arm = if PERIODIC { given.world.period.shortest([x, y, z]) } else { [x, y, z] };
-    let touch = radii + L::splat(given.constants.reach);
+    let touch = radii + L::splat(given.constants.contact_margin);
     L::bits(dot(arm, arm).below(touch * touch)) as u8
 }
 
@@ -206,10 +206,13 @@ impl Given<'_> {
                 continue;
             }
             let sphere = &self.world.spheres[wall.body as usize];
-            let distance = self.poses[wall.surface as usize].distance(&sphere.centre);
+            let face = self.walls.face(wall.surface);
+            let distance = face.distance(&sphere.centre);
             // SAFETY: the caller's promise.
             unsafe {
-                if distance < sphere.radius + self.constants.reach || self.meets(&wall).is_some() {
+                if distance < sphere.radius + self.constants.contact_margin
+                    || self.swept_contact(&wall, &face).is_some()
+                {
                     let (group, lane) = packer.place([wall.body]);
                     groups.put_wall((before + group, lane), wall, candidate as u32, dummies);
                     groups.wall_contacts += 1;
