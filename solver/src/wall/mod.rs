@@ -68,7 +68,10 @@ pub(crate) struct WallsAt<'a> {
 /// A face where it stands, with its velocity field.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedFace<'a> {
-    shape: Face,
+    /// As the scene places it.
+    placed: &'a Face,
+    /// Where it stands, if that is elsewhere: most walls are at rest, and their faces are not copied.
+    moved: Option<Face>,
     pose: &'a Pose,
     in_place: bool,
 }
@@ -188,7 +191,7 @@ impl<'a> WallsAt<'a> {
     pub fn face(&self, number: u32) -> PlacedFace<'a> {
         let WallFace { shape, wall, in_place } = &self.walls.faces[number as usize];
         let pose = &self.poses[*wall as usize];
-        PlacedFace { shape: pose.place(shape, *in_place), pose, in_place: *in_place }
+        PlacedFace { placed: shape, moved: pose.moved(shape, *in_place), pose, in_place: *in_place }
     }
 
     /// The pose of each wall, with the numbers of its faces.
@@ -232,6 +235,11 @@ impl<'a> WallsAt<'a> {
 }
 
 impl PlacedFace<'_> {
+    #[inline(always)]
+    fn shape(&self) -> &Face {
+        self.moved.as_ref().unwrap_or(self.placed)
+    }
+
     /// Distance from a point to the face (m), negative behind a plane: see [`PlacedFace::nearest`].
     #[inline]
     pub fn distance(&self, point: &Vector) -> f64 {
@@ -245,7 +253,7 @@ impl PlacedFace<'_> {
     /// have two sides, and rims that grains roll over.
     #[inline]
     pub fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {
-        self.shape.nearest(centre, travel)
+        self.shape().nearest(centre, travel)
     }
 
     /// The contact that a grain comes to within a step (s) in which it moves by more than its radius against the wall: the distance from
@@ -263,7 +271,7 @@ impl PlacedFace<'_> {
         if path.norm_squared() <= radius * radius {
             return None;
         }
-        self.shape.time_of_impact(centre, &path, radius).map(|impact| (impact.distance, impact.normal))
+        self.shape().time_of_impact(centre, &path, radius).map(|impact| (impact.distance, impact.normal))
     }
 
     /// The contact of a grain with the face in a step: the distance from its centre to the face, or to the plane that touches the face
@@ -294,7 +302,7 @@ impl PlacedFace<'_> {
 
     /// Where a path from a point first comes within `level` (m) of the face, having begun farther away.
     pub(crate) fn time_of_impact(&self, from: &Vector, path: &Vector, level: f64) -> Option<Impact> {
-        self.shape.time_of_impact(from, path, level)
+        self.shape().time_of_impact(from, path, level)
     }
 
     /// The velocity that takes a point where the wall takes it within a step (s), m/s.

@@ -256,14 +256,14 @@ pub(super) fn keeps_in_place(face: &Face, motion: &Motion) -> bool {
 }
 
 impl Pose {
-    /// A face of the wall where it now stands; `in_place` if the motion maps it onto itself.
+    /// A face of the wall where it now stands, if that is not where the scene places it; `in_place` if the motion maps it onto itself.
     #[inline]
-    pub(super) fn place(&self, face: &Face, in_place: bool) -> Face {
+    pub(super) fn moved(&self, face: &Face, in_place: bool) -> Option<Face> {
         match &self.displacement {
-            Displacement::Nowhere => *face,
-            Displacement::By(shift) => face.moved(*shift),
-            Displacement::About(..) if in_place => *face,
-            Displacement::About(centre, rotation) => face.turned(*centre, rotation),
+            Displacement::Nowhere => None,
+            Displacement::By(shift) => Some(face.moved(*shift)),
+            Displacement::About(..) if in_place => None,
+            Displacement::About(centre, rotation) => Some(face.turned(*centre, rotation)),
         }
     }
 
