@@ -1,7 +1,7 @@
 //! Mechanical energy of a state.
 
 use crate::Simulation;
-use crate::detect::{Candidates, PairCandidate, WallCandidate};
+use crate::detect::Candidates;
 use crate::effects::cohesion::Pull;
 use crate::effects::compliance::{NormalContact, NormalLaw};
 use crate::world::World;
@@ -91,50 +91,18 @@ impl ContactEnergy {
             let (first, second) = (pair.first as usize, pair.second as usize);
             let (a, b) = (world.spheres[first].radius, world.spheres[second].radius);
             if world.arm(first, second).norm_squared() <= (a + b + range).powi(2) * (1.0 + 1e-9) {
-                take(pair_as_it_is(world, pair), a.min(b), first);
+                take(world.pair_contact(pair), a.min(b), first);
             }
         }
-        let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
+        let poses: Vec<_> = world.walls.poses(world.time).collect();
+        let walls = world.walls.placed(&poses);
         for wall in &candidates.walls {
             let sphere = &world.spheres[wall.body as usize];
-            let distance = poses[wall.surface as usize].distance(&sphere.centre);
+            let distance = walls.face(wall.surface).distance(&sphere.centre);
             if distance <= (sphere.radius + range) * (1.0 + 1e-9) {
-                take(wall_as_it_is(world, wall, distance), sphere.radius, wall.body as usize);
+                take(world.wall_contact(wall, distance), sphere.radius, wall.body as usize);
             }
         }
         sum
     }
-}
-
-/// The contact of two grains where they are, and its pull; without its velocity.
-pub(crate) fn pair_as_it_is(world: &World, pair: &PairCandidate) -> (NormalContact<f64>, Pull) {
-    let (i, j) = (pair.first as usize, pair.second as usize);
-    let (a, b) = (&world.spheres[i], &world.spheres[j]);
-    let material = world.table.between_grains(world.materials[i], world.materials[j]);
-    let effective_radius = a.radius * b.radius / (a.radius + b.radius);
-    let contact = NormalContact {
-        overlap: a.radius + b.radius - world.arm(i, j).norm(),
-        velocity: 0.0,
-        effective_modulus: material.effective_modulus,
-        effective_radius,
-        inverse_mass: world.bodies[i].inverse_mass + world.bodies[j].inverse_mass,
-        damping_ratio: material.damping_ratio,
-    };
-    (contact, material.pull(effective_radius))
-}
-
-/// The contact of a grain with a wall whose face is so far (m) from its centre, and its pull; without its velocity.
-pub(crate) fn wall_as_it_is(world: &World, wall: &WallCandidate, distance: f64) -> (NormalContact<f64>, Pull) {
-    let grain = wall.body as usize;
-    let radius = world.spheres[grain].radius;
-    let material = world.table.with_wall(world.materials[grain], world.surfaces[wall.surface as usize].material);
-    let contact = NormalContact {
-        overlap: radius - distance,
-        velocity: 0.0,
-        effective_modulus: material.effective_modulus,
-        effective_radius: radius,
-        inverse_mass: world.bodies[grain].inverse_mass,
-        damping_ratio: material.damping_ratio,
-    };
-    (contact, material.pull(radius))
 }

@@ -46,6 +46,7 @@
 pub mod checkpoint;
 #[doc(hidden)]
 pub mod constrain;
+mod contact;
 mod convergence;
 #[doc(hidden)]
 pub mod detect;
@@ -80,6 +81,7 @@ pub mod solve;
 #[doc(hidden)]
 pub mod sweep;
 mod swept;
+pub mod wall;
 pub mod watch;
 #[doc(hidden)]
 pub mod world;

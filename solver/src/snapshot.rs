@@ -4,6 +4,7 @@ use crate::Simulation;
 use crate::effects::drive::Drive;
 use crate::groups::ContactLanes;
 use crate::lanes::Eight;
+pub use crate::wall::DrivenWall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -68,17 +69,6 @@ pub struct Snapshot {
     pub driven_walls: Vec<DrivenWall>,
 }
 
-/// State of a wall that a force or a torque drives.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DrivenWall {
-    /// Its place in the scene's list of walls.
-    pub wall: u32,
-    /// How far it is from where the scene placed it, along or about its axis, m or rad.
-    pub displacement: f64,
-    /// How fast it moves, m/s or rad/s.
-    pub rate: f64,
-}
-
 impl Simulation {
     /// Grains as they are now, inside the domain where that repeats itself, and the contacts of the last step with their forces (impulse over time step).
     pub fn snapshot(&self) -> Snapshot {
@@ -112,11 +102,8 @@ impl Simulation {
         groups.flat_map(move |(group, sources, pulls)| {
             sources.occupied().map(move |(lane, _)| {
                 let (i, j) = (group.first[lane] as usize, group.second[lane] as usize);
-                let (a, b) = (&world.spheres[i], &world.spheres[j]);
-                // The contact point lies in the middle of the overlap.
-                let distance = world.arm(i, j).norm();
-                let depth = 0.5 * (distance + a.radius - b.radius);
-                let point = a.centre + Vector3::from(group.contacts.normal(lane)) * depth;
+                let along = world.pair_geometry(i, j).point;
+                let point = world.spheres[i].centre + Vector3::from(group.contacts.normal(lane)) * along;
                 self.contact(world.ids[i], Partner::Grain(world.ids[j]), point, (&group.contacts, pulls), lane)
             })
         })
@@ -131,7 +118,7 @@ impl Simulation {
         groups.flat_map(move |(group, sources, pulls)| {
             sources.occupied().map(move |(lane, source)| {
                 let grain = group.body[lane] as usize;
-                let wall = world.surfaces[self.candidates.walls[source].surface as usize].wall;
+                let wall = world.walls.wall_of(self.candidates.walls[source].surface);
                 let sphere = &world.spheres[grain];
                 let point = sphere.centre + Vector3::from(group.contacts.normal(lane)) * sphere.radius;
                 self.contact(world.ids[grain], Partner::Wall(wall), point, (&group.contacts, pulls), lane)
@@ -146,7 +133,7 @@ impl Simulation {
             let sphere = &world.spheres[strike.place as usize];
             Contact {
                 first: world.ids[strike.place as usize],
-                second: Partner::Wall(world.surfaces[strike.surface as usize].wall),
+                second: Partner::Wall(world.walls.wall_of(strike.surface)),
                 point: world.wrapped(&(sphere.centre + strike.normal * sphere.radius)).into(),
                 normal: strike.normal.into(),
                 normal_force: strike.along / h,

@@ -1,17 +1,17 @@
-//! Grains whose way in a step leads through a wall: they are stopped there, after the solve and before anything moves.
+//! Grains whose path in a step leads through a wall: they are stopped there, after the solve and before anything moves.
 //!
 //! A solve knows the contacts at the start of a step, and what grains meet that fly on as they are. A grain that another one pushes, that
 //! leaves one wall for the next within the step, or that a load presses through a thin wall goes where the solve has not looked. So with
-//! the velocities of the solve the way of a grain's centre `x + s h u`, 0 <= s <= 1, as seen from each face of the walls, must not come
+//! the velocities of the solve the path of a grain's centre `x + s h u`, 0 <= s <= 1, as seen from each face of the walls, must not come
 //! nearer to the face than a level,
 //!
 //! ```text
-//! level = 9/10 min(r, d)    where the way is longer than r/2          d: distance from the centre to the face at the start
+//! level = 9/10 min(r, d)    where the path is longer than r/2         d: distance from the centre to the face at the start
 //! level = 1/10 d            elsewhere, if d < r/2
 //! ```
 //!
-//! A shorter way from farther off cannot cross. A grain that does come nearer takes an impulse of Newton's and Coulomb's impact from the
-//! face that it comes to first, in the one-contact solution, and its new way is looked at again. Prescribed walls take no notice;
+//! A shorter path from farther off cannot cross. A grain that does come nearer takes an impulse of Newton's and Coulomb's impact from the
+//! face that it comes to first, in the one-contact solution, and its new path is looked at again. Prescribed walls take no notice;
 //! driven ones take the opposite impulse at once. No other grain feels it before the next step.
 
 use crate::Simulation;
@@ -19,7 +19,8 @@ use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
 use crate::ledger::WallImpulse;
 use crate::schedule::{Each, Phase, Team};
-use crate::world::{Body, Pose, Reached, Sphere, World, by_chunk, chunk, chunk_of, chunks};
+use crate::wall::{Impact, Pose, WallsAt};
+use crate::world::{Body, Sphere, World, by_chunk, chunk, chunk_of, chunks};
 use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
@@ -27,10 +28,10 @@ type Vector = Vector3<f64>;
 /// Share of its radius up to which a grain that moves no farther in a step, and is no nearer to a face, cannot cross this.
 pub(crate) const SHORT: f64 = 0.5;
 
-/// Level of a long way over the distance at the start, or over the radius.
+/// Level of a long path over the distance at the start, or over the radius.
 const LONG_LEVEL: f64 = 0.9;
 
-/// Level of a short way over the distance at the start.
+/// Level of a short path over the distance at the start.
 const SHORT_LEVEL: f64 = 0.1;
 
 /// Share of the distance to a face by which a grain that is pressed against it may come nearer in a step.
@@ -59,7 +60,7 @@ pub struct Crossing {
 pub(crate) struct Strike {
     /// Place of the grain.
     pub place: u32,
-    /// Number of the surface.
+    /// Number of the face.
     pub surface: u32,
     /// Unit normal towards the wall.
     pub normal: Vector,
@@ -108,11 +109,10 @@ struct Pace {
 impl Pace {
     fn of(world: &World, step: f64) -> Pace {
         let (low, high) = world.domain;
-        let reach = |pose: &Pose| (high - low).norm() + pose.pivot_distance(&((low + high) * 0.5));
-        let moving = (0..world.surfaces.len()).filter(|&number| world.surfaces[number].moves());
+        let moving = world.walls.moving();
         let poses =
-            moving.flat_map(|number| [world.surfaces[number].over(world.time, step), world.pose_through(number, step)]);
-        let speeds = poses.map(|pose| pose.largest_speed(reach(&pose)));
+            moving.flat_map(|wall| [world.walls.pose_over(wall, world.time, step), world.pose_through(wall, step)]);
+        let speeds = poses.map(|pose| pose.largest_speed(&((low + high) * 0.5), (high - low).norm()));
         Pace { step, walls: speeds.fold(0.0, f64::max) }
     }
 
@@ -133,47 +133,58 @@ impl Pace {
     }
 }
 
-/// What a grain comes to first on its way.
-struct Met {
-    surface: usize,
-    at: Reached,
+/// What a grain comes to first on its path.
+struct PathImpact {
+    /// Number of the face.
+    surface: u32,
+    at: Impact,
     /// Distance from the centre to the face at the start, m.
     distance: f64,
-    /// Whether the way is longer than its share of the radius.
+    /// Whether the path is longer than its share of the radius.
     long: bool,
 }
 
-/// What a grain comes to first on the way that its velocity gives it.
-fn first_met(world: &World, poses: &[Pose], place: usize, step: f64) -> Option<Met> {
+/// What a grain comes to first on the path that its velocity gives it; of faces that it comes to at once the first.
+fn first_impact(world: &World, walls: &WallsAt<'_>, place: usize, step: f64) -> Option<PathImpact> {
     let (sphere, velocity) = (&world.spheres[place], Vector::from(world.bodies[place].velocity));
-    let mut first: Option<Met> = None;
-    for (surface, pose) in poses.iter().enumerate() {
-        let way = pose.way(&sphere.centre, &velocity, step);
-        let (length, distance) = (way.norm(), pose.distance(&sphere.centre));
+    let centre = &sphere.centre;
+    let mut first: Option<PathImpact> = None;
+    let radius = |pose: &Pose| pose.longest_path(centre, &velocity, step) + sphere.radius;
+    walls.for_each_near(centre, radius, |surface, face| {
+        let path = face.path(centre, &velocity, step);
+        let (length, distance) = (path.norm(), face.distance(centre));
         // Behind a plane a grain is pushed back, however deep.
         if distance > length + sphere.radius || distance <= 0.0 {
-            continue;
+            return;
         }
         let long = length > SHORT * sphere.radius;
         let level = match long {
             true => LONG_LEVEL * distance.min(sphere.radius),
             false if distance < SHORT * sphere.radius => SHORT_LEVEL * distance,
-            false => continue,
+            false => return,
         };
-        // Past a rim a way may come to a face that it did not come near before.
-        let reached = pose.reached(&sphere.centre, &way, level).or_else(|| pose.reached(&sphere.centre, &way, 0.0));
-        if let Some(at) = reached.filter(|at| first.as_ref().is_none_or(|first| at.share < first.at.share)) {
-            first = Some(Met { surface, at, distance, long });
+        // Past a rim a path may come to a face that it did not come near before.
+        let impact = face.time_of_impact(centre, &path, level).or_else(|| face.time_of_impact(centre, &path, 0.0));
+        let sooner =
+            |at: &Impact| first.as_ref().is_none_or(|first| (at.share, surface) < (first.at.share, first.surface));
+        if let Some(at) = impact.filter(sooner) {
+            first = Some(PathImpact { surface, at, distance, long });
         }
-    }
+    });
     first
 }
 
-/// Whether the way of a grain at this velocity (m/s) crosses a face, and which.
-fn crossed(world: &World, poses: &[Pose], place: usize, velocity: &Vector, step: f64) -> Option<usize> {
-    let centre = &world.spheres[place].centre;
-    let crosses = |pose: &Pose| pose.reached(centre, &pose.way(centre, velocity, step), 0.0).is_some();
-    poses.iter().position(crosses)
+/// Whether the path of a grain at this velocity (m/s) crosses a face, and which is the first of them.
+fn crossed(walls: &WallsAt<'_>, centre: &Vector, velocity: &Vector, step: f64) -> Option<u32> {
+    let mut first: Option<u32> = None;
+    let radius = |pose: &Pose| pose.longest_path(centre, velocity, step);
+    walls.for_each_near(centre, radius, |surface, face| {
+        let before = first.is_none_or(|first| surface < first);
+        if before && face.time_of_impact(centre, &face.path(centre, velocity, step), 0.0).is_some() {
+            first = Some(surface);
+        }
+    });
+    first
 }
 
 impl Simulation {
@@ -249,11 +260,11 @@ impl Simulation {
         let h = self.settings.step;
         self.swept.poses.clear();
         if self.swept.look.iter().any(|look| *look != Look::None) {
-            let poses = (0..self.world.surfaces.len()).map(|surface| self.world.pose_through(surface, h));
+            let poses = (0..self.world.walls.count() as u32).map(|wall| self.world.pose_through(wall, h));
             self.swept.poses.extend(poses);
         }
         for round in 0..=ROUNDS {
-            self.find_met(pace, team);
+            self.find_impacts(pace, team);
             let met = std::mem::take(&mut self.swept.met);
             let mut pushed = false;
             for &place in met.iter().flatten() {
@@ -269,11 +280,11 @@ impl Simulation {
     }
 
     /// Looks for grains that meet something.
-    fn find_met(&mut self, pace: Pace, team: &Team) {
+    fn find_impacts(&mut self, pace: Pace, team: &Team) {
         let Simulation { world, swept, settings, .. } = self;
         let Swept { poses, look, met, .. } = swept;
         met.resize_with(look.len(), Vec::new);
-        let h = settings.step;
+        let (walls, h) = (world.walls.placed(poses), settings.step);
         team.each_with(Phase::Integrate, look.len(), Each::of(met), |number, met| {
             met.clear();
             if look[number] == Look::None {
@@ -281,7 +292,7 @@ impl Simulation {
             }
             for place in chunk(number, world.grains()) {
                 let looked_at = look[number] == Look::All || pace.is_swift(&world.spheres[place], &world.bodies[place]);
-                if looked_at && first_met(world, poses, place, h).is_some() {
+                if looked_at && first_impact(world, &walls, place, h).is_some() {
                     met.push(place as u32);
                 }
             }
@@ -293,7 +304,8 @@ impl Simulation {
     fn stop_grain(&mut self, place: usize, yields: bool) -> bool {
         let (h, mut pushed) = (self.settings.step, false);
         for _ in 0..MOST_STRIKES {
-            let Some(met) = first_met(&self.world, &self.swept.poses, place, h) else { return pushed };
+            let walls = self.world.walls.placed(&self.swept.poses);
+            let Some(met) = first_impact(&self.world, &walls, place, h) else { return pushed };
             let Some(driven) = self.strike(place, &met, yields) else { break };
             pushed |= driven;
         }
@@ -302,16 +314,16 @@ impl Simulation {
     }
 
     /// The impact of a grain on what it meets; absent if it does not approach. Whether the wall is a driven one.
-    fn strike(&mut self, place: usize, met: &Met, yields: bool) -> Option<bool> {
+    fn strike(&mut self, place: usize, met: &PathImpact, yields: bool) -> Option<bool> {
         let (h, normal) = (self.settings.step, met.at.normal);
         let world = &mut self.world;
         let (sphere, body) = (world.spheres[place], world.bodies[place]);
         let (velocity, spin) = (Vector::from(body.velocity), Vector::from(body.surface_speed));
-        let pose = &self.swept.poses[met.surface];
+        let face = world.walls.placed(&self.swept.poses).face(met.surface);
         let point = sphere.centre + velocity * (met.at.share * h) + normal * sphere.radius;
-        let wall_velocity = pose.velocity_at(&point);
+        let wall_velocity = face.velocity_at(&point);
         let along = normal.dot(&(wall_velocity - velocity));
-        let material = world.table.with_wall(world.materials[place], world.surfaces[met.surface].material);
+        let material = world.wall_material(place, met.surface);
         // What gravity gives within the step is no speed of impact, as in the solve.
         let falling = (normal.dot(&world.gravity) * h).max(0.0);
         let speed = (-along - falling).max(0.0);
@@ -327,7 +339,7 @@ impl Simulation {
         if bias <= along {
             return None;
         }
-        let drive = world.drive_of(met.surface as u32).filter(|_| yields);
+        let drive = world.drive_of(met.surface).filter(|_| yields);
         let (jacobian, yields) = drive.map_or((Vector::zeros(), 0.0), |drive| {
             (world.drives[drive].jacobian(&point), world.drives[drive].inverse_inertia)
         });
@@ -354,9 +366,7 @@ impl Simulation {
         if let Some(drive) = drive {
             world.drives[drive].push(-jacobian.dot(&impulse));
             let wall = world.drives[drive].wall;
-            for surface in (0..world.surfaces.len()).filter(|&surface| world.surfaces[surface].wall == wall) {
-                self.swept.poses[surface] = world.pose_through(surface, h);
-            }
+            self.swept.poses[wall as usize] = world.pose_through(wall, h);
         }
         let body = self.world.bodies[place];
         let after = wall_velocity - Vector::from(body.velocity) - Vector::from(body.surface_speed).cross(&normal);
@@ -367,22 +377,23 @@ impl Simulation {
     /// Holds a grain that impacts did not stop, as between walls that it would cross more often than was looked at in a step: it goes as
     /// far as the first wall, or with this wall. If it crosses one all the same, that is noted.
     fn hold(&mut self, place: usize) {
-        let Some(met) = first_met(&self.world, &self.swept.poses, place, self.settings.step) else { return };
-        let (h, world) = (self.settings.step, &mut self.world);
+        let walls = self.world.walls.placed(&self.swept.poses);
+        let Some(met) = first_impact(&self.world, &walls, place, self.settings.step) else { return };
+        let (h, world) = (self.settings.step, &self.world);
         let (centre, body) = (world.spheres[place].centre, world.bodies[place]);
         let velocity = Vector::from(body.velocity);
-        let poses = &self.swept.poses;
-        let wall_velocity = poses[met.surface].carries(&centre, h);
+        let wall_velocity = walls.face(met.surface).carries(&centre, h);
         let short = velocity * (LONG_LEVEL * met.at.share);
         // With the wall, and a little away from it.
         let along = wall_velocity - met.at.normal * (SHORT_LEVEL * met.distance / h);
-        let ways = [short, along, wall_velocity].map(|way| (way, crossed(world, poses, place, &way, h)));
-        let (held, crossed) = ways.iter().find(|(_, crossed)| crossed.is_none()).copied().unwrap_or(ways[1]);
+        let velocities = [short, along, wall_velocity];
+        let tried = velocities.map(|velocity| (velocity, crossed(&walls, &centre, &velocity, h)));
+        let (held, crossed) = tried.iter().find(|(_, crossed)| crossed.is_none()).copied().unwrap_or(tried[1]);
         if let Some(surface) = crossed {
-            let wall = world.surfaces[surface].wall;
+            let wall = world.walls.wall_of(surface);
             self.swept.crossing.get_or_insert(Crossing { grain: world.ids[place], wall });
         }
-        world.bodies[place].velocity = held.into();
+        self.world.bodies[place].velocity = held.into();
         let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);
         // It acts on the centre, so that the spin stays.
         let (along, relative) = (normal.dot(&impulse), [wall_velocity - velocity, wall_velocity - held]);
@@ -394,7 +405,7 @@ impl Simulation {
     fn note_strike(
         &mut self,
         place: usize,
-        surface: usize,
+        surface: u32,
         normal: Vector,
         (along, tangential): (f64, Vector),
         wall_velocity: Vector,
@@ -410,8 +421,7 @@ impl Simulation {
             wall_velocity: wall_velocity.into(),
             shift: [0.0; 3],
         });
-        let (place, surface) = (place as u32, surface as u32);
-        self.swept.strikes.push(Strike { place, surface, normal, along, tangential });
+        self.swept.strikes.push(Strike { place: place as u32, surface, normal, along, tangential });
     }
 }
 

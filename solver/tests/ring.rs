@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use makadam::Simulation;
 use makadam::scene::{Domain, Motion, Scene, Shape, Wall};
-use makadam::world::{Pose, Surface};
+use makadam::wall::PlacedWalls;
 use nalgebra::Vector3;
 
 const HOLE: f64 = 0.05;
@@ -16,14 +16,16 @@ fn everywhere() -> Domain {
 }
 
 /// A ring in the plane z = 0, its hole of radius 0.05 m and its outline of 0.2 m.
-fn ring() -> Pose {
+fn ring() -> PlacedWalls {
     let shape = Shape::Disc { centre: [0.0; 3], normal: [0.0, 0.0, 2.0], radius: 0.2, hole: HOLE };
     let wall = Wall { name: "ring".into(), material: "wall".into(), shape, motion: Motion::Fixed };
-    Surface::of_wall(&wall, &everywhere(), 0, 0)[0].at(0.0)
+    PlacedWalls::at(&[wall], &everywhere(), 0.0, &[])
 }
 
 fn nearest(at: [f64; 3]) -> (f64, Vector3<f64>) {
-    ring().nearest(&Vector3::from(at), Vector3::zeros)
+    let ring = ring();
+    let (_, face) = ring.faces().next().unwrap();
+    face.nearest(&Vector3::from(at), Vector3::zeros)
 }
 
 #[test]

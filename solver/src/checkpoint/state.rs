@@ -160,7 +160,7 @@ impl State {
                 .map(|drive| DriveState {
                     displacement: drive.displacement,
                     rate: drive.rate,
-                    displacement_in_list: world.displacement_in_list(drive),
+                    displacement_in_list: world.walls.displacement_in_list(drive.wall),
                 })
                 .collect(),
             ledger: simulation.ledger.clone(),
@@ -221,7 +221,7 @@ impl State {
             self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
         }
         let scale = scene.solver.step / self.step;
-        let (grains, surfaces) = (self.grains.len() as u32, simulation.world.surfaces.len() as u32);
+        let (grains, surfaces) = (self.grains.len() as u32, simulation.world.walls.faces() as u32);
         let candidates = &mut simulation.candidates;
         candidates.impulses.pairs.clear();
         candidates.impulses.walls.clear();

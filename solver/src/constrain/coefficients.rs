@@ -40,11 +40,7 @@ impl Contacts for OnSurfaces<'_> {
     #[inline(always)]
     fn property<L: Lanes>(&self, given: &Given<'_>, property: fn(&ContactMaterial) -> f64) -> L {
         let OnSurfaces(group, surfaces) = *self;
-        let world = given.world;
-        let material = |lane: usize| {
-            let grain = world.materials[group.body[lane] as usize];
-            world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material)
-        };
+        let material = |lane: usize| given.world.wall_material(group.body[lane] as usize, surfaces[lane]);
         L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
     }
 }

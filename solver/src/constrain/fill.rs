@@ -2,12 +2,12 @@
 
 use super::coefficients::{LaneMaterial, OnSurfaces};
 use super::{Given, write_contacts};
+use crate::contact::ContactGeometry;
 use crate::detect::Impulse;
-use crate::effects::compliance::NormalContact;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
 use crate::groups::{PairGroup, Sources, Tangential};
 use crate::lanes::{
-    Eight, Kernel, Lanes, PREFETCH, Slots, dot, minus, prefetch_lines, prefetch_places, prefetch_range, times,
+    Eight, Kernel, Lanes, PREFETCH, Slots, dot, minus, prefetch_lines, prefetch_places, prefetch_range,
 };
 use crate::partition::{PlannedTask, TaskGroups};
 use nalgebra::Vector3;
@@ -58,14 +58,10 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
             let [to_x, to_y, to_z, to_radius]: [L; 4] = spheres.load_quads(&group.second);
             let [u, v, w, inverse_mass]: [L; 4] = before.load_differences(&group.first, &group.second);
             let remembered = impulses.load_quads(&sources.or(nothing));
-            // Two grains with one centre have no normal; any direction parts them.
             let arm = [to_x - x, to_y - y, to_z - z];
             let arm = if PERIODIC { world.period.shortest(arm) } else { arm };
-            let distance = dot(arm, arm).sqrt();
-            let one_centre = distance.at_most(L::zero());
-            let upward = [L::zero(), L::zero(), L::splat(1.0)];
-            let along = times(arm, L::splat(1.0) / distance);
-            let normal = std::array::from_fn(|axis| L::select(one_centre, upward[axis], along[axis]));
+            let geometry = ContactGeometry::of_pair(arm, [radius, to_radius]);
+            let normal = geometry.normal;
             let mut material = match self.given.material {
                 Some(material) => LaneMaterial::of_all(material),
                 None => LaneMaterial::of_each(|lane| {
@@ -81,15 +77,8 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 let spin = self.given.spins_of_pairs(group);
                 material.while_sliding(self.given, group, normal, velocity, spin);
             }
-            let geometry = NormalContact {
-                overlap: radius + to_radius - distance,
-                velocity: dot(normal, velocity),
-                effective_modulus: material.effective_modulus,
-                effective_radius: radius * to_radius / (radius + to_radius),
-                inverse_mass,
-                damping_ratio: material.damping_ratio,
-            };
-            write_contacts(&mut group.contacts, normal, geometry, &material, remembered, &self.given.constants);
+            let motion = [dot(normal, velocity), inverse_mass];
+            write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, &self.given.constants);
         }
     }
 }
@@ -106,7 +95,7 @@ impl Kernel for FillWalls<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Given { world, before, candidates, poses, constants, .. } = self.given;
+        let Given { world, before, candidates, walls: placed, constants, .. } = self.given;
         let nothing = candidates.walls.len() as u32;
         // Padding lanes are far from everything.
         let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
@@ -115,18 +104,19 @@ impl Kernel for FillWalls<'_> {
             let [mut distances, mut normal_x, mut normal_y, mut normal_z, mut radii] = far;
             let [mut wall_velocity, mut wall_before] = [[Eight::default(); 3]; 2];
             let mut surfaces = [0; crate::lanes::LANES];
-            let mut meets = 0_u8;
+            let mut swept = 0_u8;
             for (lane, candidate) in sources.occupied() {
                 let wall = candidates.walls[candidate];
                 let sphere = &world.spheres[wall.body as usize];
-                let pose = &poses[wall.surface as usize];
+                let face = placed.face(wall.surface);
                 let [u, v, w, _] = world.before[wall.body as usize].0;
-                let heading = || self.given.heading(&wall);
-                let (gap, normal, met) = pose.contact(sphere, &Vector3::new(u, v, w), constants.scheme.step, heading);
-                meets |= u8::from(met) << lane;
-                let velocity = pose.velocity_at(&(sphere.centre + normal * gap));
-                let velocity_before = velocity - pose.gain();
-                distances.0[lane] = gap;
+                let travel = || self.given.travel(&wall, &face);
+                let (velocity, step) = (Vector3::new(u, v, w), constants.scheme.step);
+                let (distance, normal, is_swept) = face.contact(&sphere.centre, sphere.radius, &velocity, step, travel);
+                swept |= u8::from(is_swept) << lane;
+                let velocity = face.velocity_at(&(sphere.centre + normal * distance));
+                let velocity_before = velocity - face.gain();
+                distances.0[lane] = distance;
                 radii.0[lane] = sphere.radius;
                 (normal_x.0[lane], normal_y.0[lane], normal_z.0[lane]) = (normal.x, normal.y, normal.z);
                 for axis in 0..3 {
@@ -141,10 +131,8 @@ impl Kernel for FillWalls<'_> {
                 (before.load_quads(&group.body), self.impulses.load_quads(&sources.or(nothing)));
             let normal = [&normal_x, &normal_y, &normal_z].map(L::load);
             let (distance, radius) = (L::load(&distances), L::load(&radii));
-            let mut material = LaneMaterial::of_each(|lane| {
-                let grain = world.materials[group.body[lane] as usize];
-                world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material)
-            });
+            let mut material =
+                LaneMaterial::of_each(|lane| world.wall_material(group.body[lane] as usize, surfaces[lane]));
             let velocity = minus(wall_before.each_ref().map(L::load), [body[0], body[1], body[2]]);
             if self.given.effects.falling_restitution() {
                 material.at_speed(self.given, &OnSurfaces(group, &surfaces), dot(normal, velocity));
@@ -153,23 +141,16 @@ impl Kernel for FillWalls<'_> {
                 let spin = self.given.spins_at_walls(group);
                 material.while_sliding(self.given, &OnSurfaces(group, &surfaces), normal, velocity, spin);
             }
-            let geometry = NormalContact {
-                overlap: radius - distance,
-                velocity: dot(normal, velocity),
-                effective_modulus: material.effective_modulus,
-                effective_radius: radius,
-                inverse_mass: body[3],
-                damping_ratio: material.damping_ratio,
-            };
-            write_contacts(&mut group.contacts, normal, geometry, &material, remembered, constants);
+            let geometry = ContactGeometry::with_wall(distance, normal, radius);
+            let motion = [dot(normal, velocity), body[3]];
+            write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, constants);
             // Few grains are so fast, and few scenes have any.
-            for lane in (0..crate::lanes::LANES).filter(|lane| meets >> lane & 1 == 1) {
+            for lane in (0..crate::lanes::LANES).filter(|lane| swept >> lane & 1 == 1) {
                 let [u, v, w, _] = world.before[group.body[lane] as usize].0;
                 let towards = Vector3::from(group.contacts.normal(lane));
                 let wall = Vector3::from([0, 1, 2].map(|axis| wall_velocity[axis].0[lane]));
                 let velocity = towards.dot(&(wall - Vector3::new(u, v, w)));
-                let grain = world.materials[group.body[lane] as usize];
-                let material = world.table.with_wall(grain, world.surfaces[surfaces[lane] as usize].material);
+                let material = world.wall_material(group.body[lane] as usize, surfaces[lane]);
                 let restitution = at_speed(material.restitution, material.restitution_speed, -velocity);
                 let gap = distances.0[lane] - radii.0[lane];
                 group.contacts.bias.0[lane] = impact_on_the_way(&constants.scheme, gap, velocity, restitution);

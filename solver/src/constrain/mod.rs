@@ -9,6 +9,7 @@ mod pulls;
 mod torques;
 mod touch;
 
+use crate::contact::ContactGeometry;
 use crate::detect::{CandidateList, Candidates, ImpulsesOfTask, WallCandidate};
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::friction::slip_speed;
@@ -22,7 +23,8 @@ use crate::partition::{
 use crate::scene::SolverSettings;
 use crate::schedule::{Phase, Team};
 use crate::sweep::Relaxation;
-use crate::world::{ContactMaterial, Pose, Sphere, World, WorldBesideBodies};
+use crate::wall::{PlacedFace, Pose, WallsAt};
+use crate::world::{ContactMaterial, Sphere, World, WorldBesideBodies};
 use coefficients::LaneMaterial;
 use fill::{FillPairs, FillWalls};
 use nalgebra::Vector3;
@@ -52,7 +54,7 @@ struct StepConstants {
     scheme: NormalScheme,
     warm_start: f64,
     /// Gap up to which a contact may still matter in a step, m.
-    reach: f64,
+    contact_margin: f64,
     /// Sliding faster than this at the start of a step, a contact has its kinetic friction, m/s.
     slip_speed: f64,
 }
@@ -66,7 +68,7 @@ struct Given<'a> {
     /// Surface speeds then, if they are kept.
     spins_before: Slots<'a, Quad>,
     candidates: CandidateList<'a>,
-    poses: &'a [Pose],
+    walls: WallsAt<'a>,
     constants: StepConstants,
     effects: EffectSet,
     /// Whether what a step touches is too large for the cache, and fetched ahead.
@@ -94,7 +96,7 @@ impl Constrainer {
         };
         let (stiffest, range_of_cohesion) = (world.stiffest_contact(), world.range_of_cohesion());
         let slip_speed = slip_speed(world.field.largest(), settings.step);
-        let constants = StepConstants { scheme, warm_start: settings.warm_start, reach: 0.0, slip_speed };
+        let constants = StepConstants { scheme, warm_start: settings.warm_start, contact_margin: 0.0, slip_speed };
         let effects = world.table.effects();
         let (taken, poses) = (TakenGroups::default(), Vec::new());
         Constrainer { constants, stiffest, range_of_cohesion, effects, fetches: false, taken, poses }
@@ -102,9 +104,9 @@ impl Constrainer {
 
     /// Goes by gravity as it now is.
     fn follow(&mut self, gravity: f64) {
-        let StepConstants { scheme, reach, .. } = &mut self.constants;
+        let StepConstants { scheme, contact_margin, .. } = &mut self.constants;
         scheme.gravity = gravity;
-        *reach = scheme.reach(&self.stiffest).max(self.range_of_cohesion);
+        *contact_margin = scheme.contact_margin(&self.stiffest).max(self.range_of_cohesion);
     }
 
     /// Lays out the contacts of a step from the state at its start, and gives bodies the impulses that contacts start from: those of a
@@ -118,7 +120,7 @@ impl Constrainer {
         layout: &mut Layout,
     ) {
         self.poses.clear();
-        self.poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.constants.scheme.step)));
+        self.poses.extend(world.walls.poses_over(world.time, self.constants.scheme.step));
         self.follow(world.gravity.norm());
         self.taken.start(world.grains());
         let (candidates, impulses) = candidates.split();
@@ -130,7 +132,7 @@ impl Constrainer {
                 before: Slots::of(world.before),
                 spins_before: Slots::of(world.spins_before),
                 candidates,
-                poses: &self.poses,
+                walls: world.walls.placed(&self.poses),
                 constants: self.constants,
                 effects: self.effects,
                 fetches: self.fetches,
@@ -169,8 +171,9 @@ impl Constrainer {
                     let WallGroup { body, contacts, .. } = &groups.walls[group];
                     let (sphere, [u, v, w, _]) =
                         (&world.spheres[body[lane] as usize], world.before[body[lane] as usize].0);
-                    let (pose, step) = (&self.poses[surface as usize], self.constants.scheme.step);
-                    let (distance, ..) = pose.contact(sphere, &Vector3::new(u, v, w), step, Vector3::zeros);
+                    let (face, step) = (world.walls.placed(&self.poses).face(surface), self.constants.scheme.step);
+                    let velocity = Vector3::new(u, v, w);
+                    let (distance, ..) = face.contact(&sphere.centre, sphere.radius, &velocity, step, Vector3::zeros);
                     let point = sphere.centre + Vector3::from(contacts.normal(lane)) * distance;
                     layout.driven.push(DrivenContact {
                         task: task.number,
@@ -195,27 +198,26 @@ impl Constrainer {
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.taken.memory_bytes()
+        self.taken.memory_bytes() + self.poses.capacity() * size_of::<Pose>()
     }
 }
 
 impl Given<'_> {
-    /// What the grain of a wall candidate meets if it is too fast for the step: see [`Pose::met_on_the_way`].
+    /// The contact that the grain of a wall candidate comes to if it is too fast for the step: see [`PlacedFace::swept_contact`].
     #[inline(always)]
-    fn meets(&self, wall: &WallCandidate) -> Option<(f64, Vector3<f64>)> {
+    fn swept_contact(&self, wall: &WallCandidate, face: &PlacedFace<'_>) -> Option<(f64, Vector3<f64>)> {
         let [u, v, w, _] = self.world.before[wall.body as usize].0;
         let sphere = &self.world.spheres[wall.body as usize];
-        let pose = &self.poses[wall.surface as usize];
-        pose.met_on_the_way(sphere, &Vector3::new(u, v, w), self.constants.scheme.step)
+        face.swept_contact(&sphere.centre, sphere.radius, &Vector3::new(u, v, w), self.constants.scheme.step)
     }
 
     /// Where the grain of a wall candidate would go without contacts, seen from the wall, m/s.
     #[inline(always)]
-    fn heading(&self, wall: &WallCandidate) -> Vector3<f64> {
+    fn travel(&self, wall: &WallCandidate, face: &PlacedFace<'_>) -> Vector3<f64> {
         let [u, v, w, _] = self.world.before[wall.body as usize].0;
         let falling = self.world.gravity * self.constants.scheme.step;
         let centre = &self.world.spheres[wall.body as usize].centre;
-        Vector3::new(u, v, w) + falling - self.poses[wall.surface as usize].velocity_at(centre)
+        Vector3::new(u, v, w) + falling - face.velocity_at(centre)
     }
 
     /// Lays out one task, its groups numbered from `base` on; the number from which those may begin that come after it.
@@ -264,21 +266,24 @@ impl Given<'_> {
     }
 }
 
-/// Constraint data and starting impulses of eight contacts.
+/// Constraint data and starting impulses of eight contacts, given their velocities along the normals (m/s) and the sums of their
+/// inverse masses (1/kg).
 ///
 /// The remembered tangential impulse is projected onto the new tangent plane.
 #[inline(always)]
 fn write_contacts<L: Lanes, T: Tangential>(
     contacts: &mut ContactLanes<Eight, T>,
-    normal: [L; 3],
-    geometry: NormalContact<L>,
+    geometry: &ContactGeometry<L>,
+    [velocity, inverse_mass]: [L; 2],
     material: &LaneMaterial<L>,
     remembered: [L; 4],
     constants: &StepConstants,
 ) {
-    let NormalContact { overlap, velocity, .. } = geometry;
+    let ContactGeometry { normal, overlap, .. } = *geometry;
     let scheme = &constants.scheme;
-    let constraint = with_restitution(geometry.constraint(scheme), scheme, overlap, velocity, material.restitution);
+    let LaneMaterial { effective_modulus, damping_ratio, restitution, .. } = *material;
+    let contact = geometry.normal_contact(velocity, inverse_mass, effective_modulus, damping_ratio);
+    let constraint = with_restitution(contact.constraint(scheme), scheme, overlap, velocity, restitution);
     let bears = bears(&constraint);
     let share = L::select(bears, L::splat(constants.warm_start), <L as Number>::zero());
     let [impulse, x, y, z] = remembered;

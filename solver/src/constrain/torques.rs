@@ -3,6 +3,7 @@
 use super::Given;
 use crate::detect::AngularImpulse;
 use crate::effects::Effects;
+use crate::effects::compliance::effective_radius;
 use crate::effects::resistance::bearable;
 use crate::groups::{ContactLanes, Kind, TorqueLanes};
 use crate::lanes::{Eight, Kernel, Lanes, Number, Slots};
@@ -23,7 +24,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Given { world, candidates, poses, constants, .. } = self.given;
+        let Given { world, candidates, walls: placed, constants, .. } = self.given;
         let share = constants.warm_start;
         let TaskGroups { pairs, pair_sources, pair_torques, walls, wall_sources, wall_torques, .. } = self.groups;
         for ((group, sources), torques) in E::Tangential::of(pairs).iter().zip(pair_sources).zip(pair_torques) {
@@ -32,7 +33,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
                 let [i, j] = [group.first[lane] as usize, group.second[lane] as usize];
                 let (a, b) = (world.spheres[i].radius, world.spheres[j].radius);
                 let material = world.table.between_grains(world.materials[i], world.materials[j]);
-                let effective_radius = a * b / (a + b);
+                let effective_radius = effective_radius(a, b);
                 torques.rolling_lever.0[lane] = material.rolling_friction * effective_radius;
                 torques.twisting_lever.0[lane] = material.twisting_friction * effective_radius;
                 torques.remember(lane, self.pairs.get(candidate as u32), share);
@@ -42,14 +43,14 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
         for ((group, sources), lanes) in walls.iter().zip(wall_sources).zip(wall_torques) {
             *lanes = Default::default();
             for (lane, candidate) in sources.occupied() {
-                let (grain, surface) = (group.body[lane] as usize, candidates.walls[candidate].surface as usize);
-                let material = world.table.with_wall(world.materials[grain], world.surfaces[surface].material);
+                let (grain, surface) = (group.body[lane] as usize, candidates.walls[candidate].surface);
+                let material = world.wall_material(grain, surface);
                 let radius = world.spheres[grain].radius;
                 let torques = &mut lanes.torques;
                 torques.rolling_lever.0[lane] = material.rolling_friction * radius;
                 torques.twisting_lever.0[lane] = material.twisting_friction * radius;
                 torques.remember(lane, self.walls.get(candidate as u32), share);
-                for (axis, spin) in poses[surface].spin().iter().enumerate() {
+                for (axis, spin) in placed.face(surface).spin().iter().enumerate() {
                     lanes.wall_spin[axis].0[lane] = *spin;
                 }
             }

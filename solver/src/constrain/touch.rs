@@ -163,7 +163,7 @@ fn touching<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCand
     let (first, second) = (block.map(|pair| pair.first), block.map(|pair| pair.second));
     let [x, y, z, radii]: [L; 4] = given.spheres.load_differences(&first, &second);
     let arm = if PERIODIC { given.world.period.shortest([x, y, z]) } else { [x, y, z] };
-    let touch = radii + L::splat(given.constants.reach);
+    let touch = radii + L::splat(given.constants.contact_margin);
     L::bits(dot(arm, arm).below(touch * touch)) as u8
 }
 
@@ -195,8 +195,10 @@ impl Given<'_> {
                 continue;
             }
             let sphere = &self.world.spheres[wall.body as usize];
-            let distance = self.poses[wall.surface as usize].distance(&sphere.centre);
-            if distance < sphere.radius + self.constants.reach || self.meets(&wall).is_some() {
+            let face = self.walls.face(wall.surface);
+            let distance = face.distance(&sphere.centre);
+            let touches = distance < sphere.radius + self.constants.contact_margin;
+            if touches || self.swept_contact(&wall, &face).is_some() {
                 let (group, lane) = packer.place([wall.body]);
                 groups.put_wall((before + group, lane), wall.body, candidate as u32, dummies);
                 groups.wall_contacts += 1;

@@ -4,16 +4,17 @@ use super::CellGrid;
 use super::drift::Drift;
 use super::impulses::{AngularImpulse, ContactImpulses, Impulse, ImpulsesOfTask};
 use super::memory::{OldList, Remembered, resize};
-use super::search::{Found, PairSearch, WallReach};
+use super::search::{Found, PairSearch, WallSearch};
 use crate::lanes::{Available, LANES, TaskSlots};
 use crate::partition::{BoxGrid, DIRECTIONS, Plan, PlannedTask};
 use crate::schedule::{Disjoint, Each, Phase, Team};
-use crate::world::{Pose, Surface, World, chunk, chunks};
+use crate::wall::Pose;
+use crate::world::{World, chunk, chunks};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Mutex;
 
-/// Reach of the list towards walls over its reach towards grains. Grains drift together, but not with the walls.
+/// Skin of the list towards walls over its skin towards grains. Grains drift together, but not with the walls.
 const WALL_SKINS: f64 = 4.0;
 
 /// Blocks of pairs whose impulses are looked for before the first of them are read.
@@ -145,9 +146,8 @@ impl Candidates {
         if self.rebuilds == 0 || self.reference.len() != world.grains() {
             return true;
         }
-        let reach = (world.domain.1 - world.domain.0).norm();
-        let shifts = world.surfaces.iter().map(|surface| surface.largest_shift(self.built_at, world.time, reach));
-        let wall_shift = shifts.fold(0.0, f64::max);
+        let diagonal = (world.domain.1 - world.domain.0).norm();
+        let wall_shift = world.walls.largest_shift(self.built_at, world.time, diagonal);
         let spheres = &world.spheres[..world.grains()];
         let moved = self.drift.measure(&self.grid, spheres, &self.reference, team);
         let far = self.grid.patch_width() - self.largest_diameter;
@@ -158,16 +158,25 @@ impl Candidates {
 
     /// Whether a grain that is too fast for the step meets a wall on its way that the list does not know.
     pub(crate) fn miss_a_wall(&self, world: &World, team: &Team) -> bool {
-        let poses: Vec<Pose> = world.surfaces.iter().map(|surface| surface.over(world.time, self.step)).collect();
-        let met = Mutex::new(Vec::new());
+        let poses: Vec<Pose> = world.walls.poses_over(world.time, self.step).collect();
+        let (walls, met) = (world.walls.placed(&poses), Mutex::new(Vec::new()));
         team.each(Phase::Detect, chunks(world.grains()), |number| {
             let places = chunk(number, world.grains());
             let mut own = Vec::new();
             for ((place, sphere), body) in places.clone().zip(&world.spheres[places.clone()]).zip(&world.bodies[places])
             {
-                let meets = |pose: &Pose| pose.met_on_the_way(sphere, &body.velocity.into(), self.step).is_some();
-                let met = (0..).zip(&poses).filter(|(_, pose)| meets(pose));
-                own.extend(met.map(|(surface, _)| (place as u32, surface)));
+                let velocity = body.velocity.into();
+                let (centre, radius) = (&sphere.centre, sphere.radius);
+                let path = |pose: &Pose| pose.longest_path(centre, &velocity, self.step);
+                walls.for_each_near(
+                    centre,
+                    |pose| path(pose) + radius,
+                    |surface, face| {
+                        if face.swept_contact(centre, radius, &velocity, self.step).is_some() {
+                            own.push((place as u32, surface));
+                        }
+                    },
+                );
             }
             met.lock().expect("no task panics while it looks").extend(own);
         });
@@ -176,6 +185,7 @@ impl Candidates {
             return false;
         }
         met.sort_unstable();
+        met.dedup();
         let known = self.walls.iter().filter(|wall| met.binary_search(&(wall.body, wall.surface)).is_ok()).count();
         known < met.len()
     }
@@ -201,7 +211,7 @@ impl Candidates {
             self.reference.clear();
             self.reference.extend(world.spheres[..world.grains()].iter().map(|sphere| sphere.centre));
         });
-        world.surfaces.iter_mut().for_each(Surface::enter_list);
+        world.walls.enter_list();
         self.built_at = world.time;
         self.rebuilds += 1;
     }
@@ -227,13 +237,13 @@ impl Candidates {
     fn search(&mut self, world: &World, set: Available, team: &Team) {
         let Buffers { found, poses, .. } = &mut self.buffers;
         poses.clear();
-        poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, self.step)));
+        poses.extend(world.walls.poses_over(world.time, self.step));
         let boxes = self.grid.boxes().boxes();
         found.resize_with(boxes, Found::default);
         let (grid, skin) = (&self.grid, self.skin);
-        let reach = WallReach { skin: WALL_SKINS * skin, step: self.step };
+        let (wall_skin, step, walls) = (WALL_SKINS * skin, self.step, world.walls.placed(poses));
         team.each_with(Phase::Detect, boxes, Each::of(found), |number, found| {
-            found.search_walls(world, grid, poses, number, reach);
+            WallSearch { world, walls, skin: wall_skin, step }.run(grid.grains_of_box(number), &mut found.walls);
             match world.period.any() {
                 true => set.run(PairSearch::<true> { world, grid, number, skin, found }),
                 false => set.run(PairSearch::<false> { world, grid, number, skin, found }),

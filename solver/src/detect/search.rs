@@ -1,11 +1,13 @@
-//! The search of one box: pairs of grains and grains at walls that are within reach.
+//! The search of one box: pairs of grains, and grains and faces of walls, that may touch before the list is built anew.
 
 use super::grid::{CellGrid, Neighbourhood};
 use super::{PairCandidate, WallCandidate};
 use crate::lanes::{Kernel, LANES, Lanes, Slots, dot, minus};
 use crate::partition::{DIRECTIONS, SAME_BOX};
-use crate::world::{Pose, World};
+use crate::wall::{PlacedFace, Pose, WallsAt};
+use crate::world::{Body, Sphere, World};
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// What a box found; its buffers are kept from one search to the next.
 #[derive(Clone, Debug, Default)]
@@ -18,17 +20,8 @@ pub(super) struct Found {
     pub counts: [u32; DIRECTIONS],
     /// Where the pairs of each direction go in the list.
     pub targets: [u32; DIRECTIONS],
-    /// Grains and surfaces.
+    /// Grains and faces.
     pub walls: Vec<WallCandidate>,
-}
-
-/// How far grains look for walls.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct WallReach {
-    /// Beyond touch, m.
-    pub skin: f64,
-    /// Time step, s.
-    pub step: f64,
 }
 
 impl Found {
@@ -38,19 +31,37 @@ impl Found {
             + self.directions.capacity()
             + self.walls.capacity() * size_of::<WallCandidate>()
     }
+}
 
-    /// Finds the surfaces within reach of the grains of a box.
-    ///
-    /// A grain too fast for the step also finds what it meets within the step.
-    pub fn search_walls(&mut self, world: &World, grid: &CellGrid, poses: &[Pose], number: usize, reach: WallReach) {
-        let WallReach { skin, step } = reach;
-        self.walls.clear();
-        let places = grid.grains_of_box(number);
-        if places.is_empty() {
-            return;
-        }
-        // Whole boxes are far from most surfaces.
-        let spheres = &world.spheres[places.clone()];
+/// Finds the faces of walls that the grains of a box may touch.
+///
+/// A grain too fast for the step also finds what it comes to within the step.
+pub(super) struct WallSearch<'a> {
+    pub world: &'a World,
+    pub walls: WallsAt<'a>,
+    /// How far beyond touch faces count, m.
+    pub skin: f64,
+    /// Time step, s.
+    pub step: f64,
+}
+
+/// The grains of a box, taken together.
+struct Crowd<'a> {
+    places: Range<usize>,
+    spheres: &'a [Sphere],
+    bodies: &'a [Body],
+    /// Middle of a ball that holds their centres, and its radius, m.
+    centre: Vector3<f64>,
+    half: f64,
+    /// Radius of the largest, m.
+    radius: f64,
+    /// Speed of the fastest, m/s.
+    fastest: f64,
+}
+
+impl<'a> Crowd<'a> {
+    fn of(world: &'a World, places: Range<usize>) -> Crowd<'a> {
+        let (spheres, bodies) = (&world.spheres[places.clone()], &world.bodies[places.clone()]);
         let first = world.wrapped(&spheres[0].centre);
         let (mut low, mut high, mut radius) = (first, first, 0.0_f64);
         for sphere in spheres {
@@ -59,22 +70,85 @@ impl Found {
             high = high.sup(&centre);
             radius = radius.max(sphere.radius);
         }
-        let (centre, half): (Vector3<f64>, _) = ((low + high) * 0.5, (high - low).norm() * 0.5);
-        let bodies = &world.bodies[places.clone()];
+        let (centre, half) = ((low + high) * 0.5, (high - low).norm() * 0.5);
         let fastest = bodies.iter().map(|body| Vector3::from(body.velocity).norm()).fold(0.0, f64::max);
-        for (surface, pose) in poses.iter().enumerate() {
-            let way = (fastest + pose.largest_speed(pose.pivot_distance(&centre) + half)) * step;
-            let ahead = if way > radius { way } else { 0.0 };
-            if !pose.may_be_within(&centre, (half + radius + skin + ahead) * (1.0 + 1e-9)) {
+        Crowd { places, spheres, bodies, centre, half, radius, fastest }
+    }
+
+    fn grains(&self) -> impl Iterator<Item = (usize, &'a Sphere, &'a Body)> + use<'a> {
+        let grains = self.places.clone().zip(self.spheres).zip(self.bodies);
+        grains.map(|((grain, sphere), body)| (grain, sphere, body))
+    }
+}
+
+impl WallSearch<'_> {
+    /// Lists the candidates of the grains at these places: face after face, and grain after grain.
+    pub fn run(&self, places: Range<usize>, found: &mut Vec<WallCandidate>) {
+        found.clear();
+        if places.is_empty() {
+            return;
+        }
+        let crowd = Crowd::of(self.world, places);
+        for (wall, pose, faces) in self.walls.each_wall() {
+            if self.walls.has_index(wall) {
+                self.search_index(wall, pose, &crowd, found);
                 continue;
             }
-            for ((grain, sphere), body) in places.clone().zip(spheres).zip(bodies) {
-                let meets = || pose.met_on_the_way(sphere, &body.velocity.into(), step).is_some();
-                if pose.distance(&sphere.centre) < sphere.radius + skin || (ahead > 0.0 && meets()) {
-                    self.walls.push(WallCandidate { body: grain as u32, surface: surface as u32 });
+            for surface in faces {
+                let face = self.walls.face(surface);
+                let ahead = self.ahead(&crowd, face.largest_speed(&crowd.centre, crowd.half));
+                // Whole boxes are far from most faces.
+                if !self.may_touch(&face, &crowd, ahead) {
+                    continue;
+                }
+                for (grain, sphere, body) in crowd.grains() {
+                    let near = face.distance(&sphere.centre) < sphere.radius + self.skin;
+                    if near || (ahead > 0.0 && self.is_swept(&face, sphere, body)) {
+                        found.push(WallCandidate { body: grain as u32, surface });
+                    }
                 }
             }
         }
+    }
+
+    /// Lists the same for a wall with an index, which each grain asks for its own faces.
+    fn search_index(&self, wall: u32, pose: &Pose, crowd: &Crowd<'_>, found: &mut Vec<WallCandidate>) {
+        let start = found.len();
+        let fast = self.ahead(crowd, pose.largest_speed(&crowd.centre, crowd.half)) > 0.0;
+        for (grain, sphere, body) in crowd.grains() {
+            let touch = sphere.radius + self.skin;
+            let velocity = body.velocity.into();
+            let path = if fast { pose.longest_path(&sphere.centre, &velocity, self.step) } else { 0.0 };
+            let radius = touch.max(path + sphere.radius);
+            self.walls.for_each_near_of(wall, &sphere.centre, radius, |surface, face| {
+                let near = face.distance(&sphere.centre) < touch;
+                let swept = || {
+                    let ahead = self.ahead(crowd, face.largest_speed(&crowd.centre, crowd.half));
+                    ahead > 0.0 && self.may_touch(face, crowd, ahead) && self.is_swept(face, sphere, body)
+                };
+                if near || (fast && swept()) {
+                    found.push(WallCandidate { body: grain as u32, surface });
+                }
+            });
+        }
+        // In the order in which all faces would have been asked.
+        found[start..].sort_unstable_by_key(|one| (one.surface, one.body));
+        found.dedup();
+    }
+
+    /// How far the grains of a box may come against a face of a speed (m/s) within a step, m; nothing if none is too fast for the step.
+    fn ahead(&self, crowd: &Crowd<'_>, speed: f64) -> f64 {
+        let path = (crowd.fastest + speed) * self.step;
+        if path > crowd.radius { path } else { 0.0 }
+    }
+
+    /// False if no grain of a box is near enough to a face to be listed.
+    fn may_touch(&self, face: &PlacedFace<'_>, crowd: &Crowd<'_>, ahead: f64) -> bool {
+        face.distance(&crowd.centre) < (crowd.half + crowd.radius + self.skin + ahead) * (1.0 + 1e-9)
+    }
+
+    fn is_swept(&self, face: &PlacedFace<'_>, sphere: &Sphere, body: &Body) -> bool {
+        face.swept_contact(&sphere.centre, sphere.radius, &body.velocity.into(), self.step).is_some()
     }
 }
 
@@ -113,7 +187,7 @@ impl<const PERIODIC: bool> Kernel for PairSearch<'_, PERIODIC> {
             for grain in neighbourhood.home.clone() {
                 let own = &spheres[grain];
                 let centre = [own.centre.x, own.centre.y, own.centre.z].map(L::splat);
-                let own_reach = L::splat(own.radius + self.skin);
+                let own_cutoff = L::splat(own.radius + self.skin);
                 let own_cell = (grain + 1..neighbourhood.home.end, SAME_BOX);
                 for (run, direction) in std::iter::once(&own_cell).chain(neighbourhood.runs()) {
                     for start in run.clone().step_by(LANES) {
@@ -122,8 +196,8 @@ impl<const PERIODIC: bool> Kernel for PairSearch<'_, PERIODIC> {
                         let [x, y, z, radius]: [L; 4] = records.load_quads(&places);
                         let arm = minus([x, y, z], centre);
                         let arm = if PERIODIC { period.shortest(arm) } else { arm };
-                        let reach = own_reach + radius;
-                        let mut near = L::bits(dot(arm, arm).below(reach * reach)) & ((1 << count) - 1);
+                        let cutoff = own_cutoff + radius;
+                        let mut near = L::bits(dot(arm, arm).below(cutoff * cutoff)) & ((1 << count) - 1);
                         while near != 0 {
                             let other = start + near.trailing_zeros() as usize;
                             near &= near - 1;

@@ -64,7 +64,7 @@ const SMALLEST_RELATIVE_OVERLAP: f64 = 1e-5;
 const SHORT_STEP: f64 = 0.1;
 
 /// How far gaps are looked across, in distances that gravity makes in a step: a grain at rest falls that far in three.
-const REACH_IN_FALLS: f64 = 6.0;
+const MARGIN_IN_FALLS: f64 = 6.0;
 
 /// How contacts are discretised in the normal direction; the same for all contacts of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,11 +93,11 @@ impl NormalScheme {
     /// A contact that opens by less than a fall in one step closes in the next. Where it is stiff against the step, leaving it
     /// out meanwhile would take its friction away every other step, and beds would creep denser. A contact whose impact the step
     /// resolves needs no such care: it opens and closes as it would.
-    pub fn reach(&self, stiffest: &NormalContact<f64>) -> f64 {
+    pub fn contact_margin(&self, stiffest: &NormalContact<f64>) -> f64 {
         match self.law {
             NormalLaw::Rigid => (self.restitution_threshold + self.gravity * self.step) * self.step,
             _ if stiffest.constraint(self).resolves_impact => 0.0,
-            _ => REACH_IN_FALLS * self.fall(),
+            _ => MARGIN_IN_FALLS * self.fall(),
         }
     }
 }
@@ -128,6 +128,12 @@ pub struct NormalContact<N> {
     pub inverse_mass: N,
     /// Damping of an impact as a share of critical damping: see [`damping_ratio`].
     pub damping_ratio: N,
+}
+
+/// Effective radius of two spheres, `a b / (a + b)`, m.
+#[inline(always)]
+pub(crate) fn effective_radius<N: Number>(first: N, second: N) -> N {
+    first * second / (first + second)
 }
 
 /// Share of critical damping, in [0, 10], with which an impact that never attracts has the restitution `e`.

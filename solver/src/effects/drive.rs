@@ -24,7 +24,7 @@
 
 use super::catalogue::{Change, Effect};
 use super::vibration::{call_of_wall, stop};
-use crate::scene::{Motion, Wall};
+use crate::scene::Motion;
 use nalgebra::Vector3;
 
 /// Driven walls.
@@ -65,18 +65,18 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The drive of a wall that has one; `wall` is its number in the scene.
-    pub fn of(description: &Wall, wall: u32) -> Option<Drive> {
-        let (axis, pivot, effort, inertia, start) = match description.motion {
-            Motion::ForceDriven { axis, force, mass, start } => (axis, None, force, mass, start),
-            Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
-                (axis, Some(Vector3::from(point)), torque, moment_of_inertia, start)
-            }
-            _ => return None,
-        };
-        let axis = Vector3::from(axis).normalize();
+    /// A drive at rest: of a wall, by its number in the scene, along a unit axis, or about it if it goes through a `pivot` (m); its force
+    /// (N) or torque (N m), its mass (kg) or moment of inertia about the axis (kg m2), and the time at which it is let go, s.
+    pub(crate) fn new(
+        wall: u32,
+        axis: Vector3<f64>,
+        pivot: Option<Vector3<f64>>,
+        effort: f64,
+        inertia: f64,
+        start: f64,
+    ) -> Drive {
         let [displacement, rate, rate_before, inverse_inertia] = [0.0; 4];
-        Some(Drive { wall, axis, pivot, effort, inertia, start, displacement, rate, rate_before, inverse_inertia })
+        Drive { wall, axis, pivot, effort, inertia, start, displacement, rate, rate_before, inverse_inertia }
     }
 
     /// Begins a step of length `h` (s) at `time` (s): the force or torque acts, and gravity (m/s2).

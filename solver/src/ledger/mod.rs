@@ -36,7 +36,7 @@ use crate::Simulation;
 use crate::detect::Candidates;
 use crate::effects::cohesion::Pull;
 use crate::effects::compliance::{NormalContact, NormalScheme};
-use crate::energy::{Energy, pair_as_it_is, wall_as_it_is};
+use crate::energy::Energy;
 use crate::groups::ContactLanes;
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use crate::partition::TaskGroups;
@@ -138,7 +138,7 @@ impl Ledger {
                     let (first, second) = (self.passage(world, i, normal, 1.0), self.passage(world, j, normal, -1.0));
                     let before = minus(second.before, first.before);
                     let after = minus(second.after, first.after);
-                    let (contact, pull) = pair_as_it_is(world, &candidates.pairs[source]);
+                    let (contact, pull) = world.pair_contact(&candidates.pairs[source]);
                     let contact = NormalContact { velocity: dot(normal, before), ..contact };
                     let borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
                     self.expectations.pairs[source] = self.contact(&borne, contact, pull, [before, after], scheme);
@@ -150,10 +150,9 @@ impl Ledger {
             let normal = one.group.contacts.normal(one.lane);
             let grain = self.passage(world, place, normal, 1.0);
             let [before, after] = one.velocities;
-            let pose = &self.expectations.poses[candidate.surface as usize];
-            let approach = minus(minus(before, pose.gain().into()), grain.before);
-            let distance = pose.distance(&world.spheres[place].centre);
-            let (contact, pull) = wall_as_it_is(world, candidate, distance);
+            let face = world.walls.placed(&self.expectations.poses).face(candidate.surface);
+            let approach = minus(minus(before, face.gain().into()), grain.before);
+            let (contact, pull) = world.wall_contact(candidate, face.distance(&world.spheres[place].centre));
             let contact = NormalContact { velocity: dot(normal, approach), ..contact };
             let borne =
                 Borne { normal, along: one.along(), tangential: one.group.contacts.tangential_impulse(one.lane) };

@@ -3,8 +3,9 @@
 use crate::detect::Candidates;
 use crate::effects::cohesion::Pull;
 use crate::effects::compliance::{NormalContact, NormalLaw};
-use crate::energy::{ContactEnergy, pair_as_it_is, wall_as_it_is};
-use crate::world::{Pose, World};
+use crate::energy::ContactEnergy;
+use crate::wall::Pose;
+use crate::world::World;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -78,7 +79,7 @@ pub(super) struct Expectations {
     pub walls: Vec<Expected>,
     /// How far the walls should advance along the normals, m, by candidate.
     pub advances: Vec<[f64; 3]>,
-    /// Faces at the start of the step.
+    /// Walls at the start of the step.
     pub poses: Vec<Pose>,
 }
 
@@ -92,7 +93,7 @@ impl Expectations {
         self.advances.clear();
         self.advances.resize(candidates.walls.len(), [0.0; 3]);
         self.poses.clear();
-        self.poses.extend(world.surfaces.iter().map(|surface| surface.over(world.time, h)));
+        self.poses.extend(world.walls.poses_over(world.time, h));
     }
 
     /// Compares with the state that the step has led to; returns what is stored.
@@ -105,19 +106,20 @@ impl Expectations {
     ) -> Stored {
         let mut sum = Stored::default();
         for (pair, expected) in candidates.pairs.iter().zip(&self.pairs) {
-            let (contact, pull) = pair_as_it_is(world, pair);
+            let (contact, pull) = world.pair_contact(pair);
             let stored = Stored::of(&contact, &pull, law);
             differences.add_pair(stored.elastic, expected.elastic);
             differences.add_pair(stored.cohesive, expected.cohesive);
             sum = sum.plus(stored);
         }
-        let poses: Vec<_> = world.surfaces.iter().map(|surface| surface.at(world.time)).collect();
+        let poses: Vec<_> = world.walls.poses(world.time).collect();
+        let (before, after) = (world.walls.placed(&self.poses), world.walls.placed(&poses));
         for ((wall, expected), advance) in candidates.walls.iter().zip(&self.walls).zip(&self.advances) {
-            let (surface, centre) = (wall.surface as usize, &world.spheres[wall.body as usize].centre);
-            let distance = poses[surface].distance(centre);
-            let beside = self.poses[surface].distance(&(centre - Vector3::from(*advance)));
+            let centre = &world.spheres[wall.body as usize].centre;
+            let distance = after.face(wall.surface).distance(centre);
+            let beside = before.face(wall.surface).distance(&(centre - Vector3::from(*advance)));
             let at = |distance: f64| {
-                let (contact, pull) = wall_as_it_is(world, wall, distance);
+                let (contact, pull) = world.wall_contact(wall, distance);
                 Stored::of(&contact, &pull, law)
             };
             let stored = at(distance);

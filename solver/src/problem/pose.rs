@@ -2,6 +2,7 @@
 
 use super::{Body, Contact, ContactImpulse, ContactProblem, ContactState, tangents_of};
 use crate::Simulation;
+use crate::contact::lever_arms;
 use crate::effects::drive::Drive;
 use crate::groups::{ContactLanes, TorqueLanes};
 use crate::scene::Stop;
@@ -98,7 +99,7 @@ fn contacts(posed: &Simulation) -> Vec<Contact> {
                 let mut contact = read(&group.contacts, lane);
                 contact.first = number(first);
                 contact.second = Some(number(second));
-                contact.arms = [contact.normal * radius(first), contact.normal * -radius(second)];
+                contact.arms = lever_arms(&contact.normal, [radius(first), radius(second)]);
                 contact.pull = task.pair_pulls.get(index).map_or(0.0, |pulls| pulls.0[lane]);
                 if let Some(torques) = task.pair_torques.get(index) {
                     read_torques(torques, lane, &mut contact);
@@ -111,7 +112,7 @@ fn contacts(posed: &Simulation) -> Vec<Contact> {
                 let place = group.body[lane];
                 let mut contact = read(&group.contacts, lane);
                 contact.first = number(place);
-                contact.arms[0] = contact.normal * radius(place);
+                contact.arms[0] = lever_arms(&contact.normal, [radius(place), 0.0])[0];
                 contact.pull = task.wall_pulls.get(index).map_or(0.0, |pulls| pulls.0[lane]);
                 if let Some(lanes) = task.wall_torques.get(index) {
                     read_torques(&lanes.torques, lane, &mut contact);

@@ -2,7 +2,7 @@
 
 use super::error::{Fault, Step};
 use super::{NormalLaw, Scene};
-use crate::effects::compliance::{NormalContact, NormalScheme, damping_ratio};
+use crate::effects::compliance::{NormalContact, NormalScheme, damping_ratio, effective_radius};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -51,7 +51,7 @@ impl Scene {
             overlap: 0.0,
             velocity: -speed,
             effective_modulus: 1.0 / both,
-            effective_radius: other.map_or(radius, |other| radius * other / (radius + other)),
+            effective_radius: other.map_or(radius, |other| effective_radius(radius, other)),
             inverse_mass: inverse_mass(one.density, radius)
                 + other.map_or(0.0, |other| inverse_mass(two.density, other)),
             damping_ratio: damping_ratio(pair.restitution),

@@ -1,12 +1,8 @@
-//! What is simulated: bodies, surfaces and their motion, material pairs, the clock.
+//! What is simulated: bodies, walls and what drives them, material pairs, the clock.
 
-mod face;
 mod materials;
-mod surface;
 
-pub(crate) use face::Reached;
 pub use materials::{ContactMaterial, MaterialTable};
-pub use surface::{Pose, Surface};
 
 use crate::effects::compliance::NormalContact;
 use crate::effects::drive::Drive;
@@ -15,6 +11,7 @@ use crate::effects::period::Period;
 use crate::lanes::{LANES, Line, Quad};
 use crate::scene::{Grain, REACHES, Scene};
 use crate::schedule::{Phase, Runs, Team};
+use crate::wall::{Pose, Walls, drive_of};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -73,7 +70,7 @@ pub struct Sphere {
     pub radius: f64,
 }
 
-/// All bodies and surfaces, and the clock.
+/// All bodies and walls, and the clock.
 ///
 /// Grains lie in memory in the order of the boxes and cells that they were in when the candidate list was last built; a
 /// grain's index there is its place. `ids` tells who is who.
@@ -91,9 +88,9 @@ pub struct World {
     pub(crate) before: Vec<Quad>,
     /// Surface speed of every body at the start of the step, where friction goes by how contacts slide or the step may be abandoned.
     pub(crate) spins_before: Vec<Quad>,
-    /// Faces of the scene's walls.
-    pub surfaces: Vec<Surface>,
-    /// Walls among them that a force or a torque drives.
+    /// The scene's walls.
+    pub walls: Walls,
+    /// Those among them that a force or a torque drives.
     pub drives: Vec<Drive>,
     /// Pair properties.
     pub table: MaterialTable,
@@ -117,7 +114,7 @@ pub(crate) struct WorldBesideBodies<'a> {
     pub materials: &'a [u8],
     pub before: &'a [Quad],
     pub spins_before: &'a [Quad],
-    pub surfaces: &'a [Surface],
+    pub walls: &'a Walls,
     pub drives: &'a [Drive],
     pub table: &'a MaterialTable,
     pub gravity: &'a Vector3<f64>,
@@ -136,20 +133,19 @@ impl WorldBesideBodies<'_> {
         (self.grains + number * DUMMIES) as u32
     }
 
-    /// The vector from one sphere's centre to the nearest image of another's, m.
-    #[inline]
-    pub fn arm(&self, from: usize, to: usize) -> Vector3<f64> {
-        self.period.arm(&self.spheres[from].centre, &self.spheres[to].centre)
+    /// Number of the drive of the wall that a face belongs to, if it has one.
+    pub fn drive_of(&self, surface: u32) -> Option<usize> {
+        drive_of_wall(self.drives, self.walls.wall_of(surface))
     }
 
-    /// Number of the drive of a surface, if it has one.
-    pub fn drive_of(&self, surface: u32) -> Option<usize> {
-        drive_of(self.surfaces, self.drives, surface)
+    /// What contacts of a grain with a face have in common.
+    #[inline]
+    pub fn wall_material(&self, grain: usize, surface: u32) -> &ContactMaterial {
+        self.table.with_wall(self.materials[grain], self.walls.material_of(surface))
     }
 }
 
-fn drive_of(surfaces: &[Surface], drives: &[Drive], surface: u32) -> Option<usize> {
-    let wall = surfaces[surface as usize].wall;
+fn drive_of_wall(drives: &[Drive], wall: u32) -> Option<usize> {
     drives.iter().position(|drive| drive.wall == wall)
 }
 
@@ -174,15 +170,8 @@ impl World {
             ids: (0..grains.len() as u32).collect(),
             before: Vec::new(),
             spins_before: Vec::new(),
-            surfaces: scene
-                .wall
-                .iter()
-                .enumerate()
-                .flat_map(|(index, wall)| {
-                    Surface::of_wall(wall, &scene.domain, index as u32, table.number(&wall.material))
-                })
-                .collect(),
-            drives: (0..).zip(&scene.wall).filter_map(|(index, wall)| Drive::of(wall, index)).collect(),
+            walls: Walls::new(&scene.wall, &scene.domain, |name| table.number(name)),
+            drives: (0..).zip(&scene.wall).filter_map(|(index, wall)| drive_of(wall, index)).collect(),
             table,
             gravity: Vector3::from(scene.gravity),
             field: scene.gravity_field(),
@@ -218,7 +207,7 @@ impl World {
 
     /// The bodies, to be written, and all that contacts are made from beside them.
     pub(crate) fn split(&mut self) -> (&mut [Body], WorldBesideBodies<'_>) {
-        let World { bodies, spheres, materials, ids, before, spins_before, surfaces, drives, table, .. } = self;
+        let World { bodies, spheres, materials, ids, before, spins_before, walls, drives, table, .. } = self;
         let (grains, gravity, period) = (ids.len(), &self.gravity, &self.period);
         let beside = WorldBesideBodies {
             grains,
@@ -226,7 +215,7 @@ impl World {
             materials,
             before,
             spins_before,
-            surfaces,
+            walls,
             drives,
             table,
             gravity,
@@ -255,29 +244,31 @@ impl World {
         }
     }
 
-    /// Puts the faces of driven walls where their drives have moved them.
+    /// Puts driven walls where their drives have moved them.
     pub(crate) fn place_driven_walls(&mut self) {
-        for drive in &self.drives {
-            let faces = self.surfaces.iter_mut().filter(|surface| surface.wall == drive.wall);
-            faces.for_each(|surface| surface.put(drive.displacement, drive.rate));
-        }
+        let World { walls, drives, .. } = self;
+        drives.iter().for_each(|drive| walls.put(drive.wall, drive.displacement, drive.rate));
     }
 
-    /// Displacement of a driven wall when the candidate list was built, m or rad.
-    pub(crate) fn displacement_in_list(&self, drive: &Drive) -> f64 {
-        let face = self.surfaces.iter().find(|surface| surface.wall == drive.wall);
-        face.map_or(0.0, Surface::displacement_in_list)
-    }
-
-    /// Number of the drive of a surface, if it has one.
+    /// Number of the drive of the wall that a face belongs to, if it has one.
     pub(crate) fn drive_of(&self, surface: u32) -> Option<usize> {
-        drive_of(&self.surfaces, &self.drives, surface)
+        self.drive_of_wall(self.walls.wall_of(surface))
     }
 
-    /// A face at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end.
-    pub(crate) fn pose_through(&self, surface: usize, step: f64) -> Pose {
-        let rate = self.drive_of(surface as u32).map_or(0.0, |drive| self.drives[drive].rate);
-        self.surfaces[surface].through(self.time, step, rate)
+    fn drive_of_wall(&self, wall: u32) -> Option<usize> {
+        drive_of_wall(&self.drives, wall)
+    }
+
+    /// A wall at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end.
+    pub(crate) fn pose_through(&self, wall: u32, step: f64) -> Pose {
+        let rate = self.drive_of_wall(wall).map_or(0.0, |drive| self.drives[drive].rate);
+        self.walls.pose_through(wall, self.time, step, rate)
+    }
+
+    /// What contacts of a grain with a face have in common.
+    #[inline]
+    pub(crate) fn wall_material(&self, grain: usize, surface: u32) -> &ContactMaterial {
+        self.table.with_wall(self.materials[grain], self.walls.material_of(surface))
     }
 
     /// Number of grains.
@@ -313,6 +304,7 @@ impl World {
             + self.materials.capacity()
             + self.ids.capacity() * size_of::<u32>()
             + (self.before.capacity() + self.spins_before.capacity()) * size_of::<Quad>()
+            + self.walls.memory_bytes()
     }
 
     /// Largest and mean radius, m; (0, 0) in an empty world.

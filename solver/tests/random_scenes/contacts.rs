@@ -6,7 +6,7 @@ use makadam::effects::compliance::{NormalContact, NormalScheme, damping_ratio};
 use makadam::effects::restitution::with_restitution;
 use makadam::scene::Scene;
 use makadam::snapshot::{Partner, Snapshot};
-use makadam::world::{Pose, Surface};
+use makadam::wall::PlacedWalls;
 use makadam::{Simulation, SolutionError};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -138,7 +138,7 @@ impl Touch {
 pub struct Laws {
     drawn: Drawn,
     scheme: NormalScheme,
-    faces: Vec<Surface>,
+    scene: Scene,
     masses: Vec<f64>,
     damping_ratio: f64,
 }
@@ -154,9 +154,14 @@ impl Laws {
             restitution_threshold: settings.restitution_threshold,
             gravity: drawn.gravity.norm(),
         };
-        let faces = scene.wall.iter().flat_map(|wall| Surface::of_wall(wall, &scene.domain, 0, 0)).collect();
         let masses = (0..drawn.grains.len()).map(|grain| drawn.mass(grain)).collect();
-        Laws { drawn: drawn.clone(), scheme, faces, masses, damping_ratio: damping_ratio(drawn.restitution) }
+        Laws {
+            drawn: drawn.clone(),
+            scheme,
+            scene: scene.clone(),
+            masses,
+            damping_ratio: damping_ratio(drawn.restitution),
+        }
     }
 
     pub fn mass(&self, grain: usize) -> f64 {
@@ -247,15 +252,16 @@ impl Laws {
                 touches.push(Touch { first, second, normal, inverse_mass, law, before: own, after, along, tangential });
             }
         }
-        let poses: Vec<Pose> = self.faces.iter().map(|face| face.at(before.time)).collect();
+        let walls_placed = PlacedWalls::at(&self.scene.wall, &self.scene.domain, before.time, &before.driven_walls);
+        let faces: Vec<_> = walls_placed.faces().map(|(_, face)| face).collect();
         for (first, grain) in grains.iter().enumerate() {
             let centre = Vector::from(grain.position);
-            for pose in &poses {
-                let heading = || velocity(before, first) + self.drawn.gravity * h - pose.velocity_at(&centre);
-                let (gap, own_normal) = pose.nearest(&centre, heading);
+            for face in &faces {
+                let travel = || velocity(before, first) + self.drawn.gravity * h - face.velocity_at(&centre);
+                let (gap, own_normal) = face.nearest(&centre, travel);
                 let overlap = grain.radius - gap;
                 // The faces of a box lie across each other; of other walls there is one.
-                let parallel = |normal: &Vector| normal.dot(&own_normal) > 0.9 || poses.len() == 1;
+                let parallel = |normal: &Vector| normal.dot(&own_normal) > 0.9 || faces.len() == 1;
                 let borne = walls.iter().find(|(of, normal, ..)| *of == first && parallel(normal));
                 if borne.is_none() && overlap < 0.0 {
                     continue;
@@ -263,7 +269,7 @@ impl Laws {
                 let fast = velocity(before, first).norm() * h > grain.radius;
                 let (normal, along, tangential) =
                     borne.map_or((own_normal, 0.0, Vector::zeros()), |&(_, normal, along, by)| (normal, along, by));
-                let wall = pose.velocity_at(&(centre + normal * gap));
+                let wall = face.velocity_at(&(centre + normal * gap));
                 let relative =
                     |snapshot: &Snapshot| wall - velocity(snapshot, first) - surface(snapshot, first, &normal);
                 let (own, inverse_mass) = (relative(before), 1.0 / self.masses[first]);

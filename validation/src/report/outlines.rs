@@ -5,6 +5,7 @@ use crate::draw::svg::{Anchor, Drawing};
 use crate::draw::view::View;
 use crate::plan::Scene;
 use makadam::scene::{Motion, Shape};
+use makadam::wall::PlacedWalls;
 use nalgebra::Vector3;
 
 /// From metres on the picture's plane to the drawing.
@@ -12,9 +13,14 @@ pub(super) type Place<'a> = &'a dyn Fn([f64; 2]) -> [f64; 2];
 
 /// Draws all walls as they stand at a time, but those that a force or a torque drives: states do not tell where these are.
 pub(super) fn walls(drawing: &mut Drawing, scene: &Scene, view: &View, time: f64, scale: f64, place: Place<'_>) {
-    for wall in scene.wall.iter().filter(|wall| !wall.motion.is_driven()) {
-        let shift = displacement(&wall.motion, time);
-        let at = |point: &[f64; 3]| Vector3::from(*point) + shift;
+    let placed = PlacedWalls::at(&scene.wall, &scene.domain, time, &[]);
+    for (number, wall) in scene.wall.iter().enumerate().filter(|(_, wall)| !wall.motion.is_driven()) {
+        // What turns is drawn as the scene places it: turning mostly maps it onto itself.
+        let turns = matches!(wall.motion, Motion::Rotating { .. });
+        let at = |point: &[f64; 3]| match Vector3::from(*point) {
+            point if turns => point,
+            point => placed.point_of(number, &point),
+        };
         match &wall.shape {
             Shape::Plane { point, normal } => {
                 plane(drawing, view, at(point), Vector3::from(*normal).normalize(), place)
@@ -45,16 +51,6 @@ pub(super) fn walls(drawing: &mut Drawing, scene: &Scene, view: &View, time: f64
                 }
             }
         }
-    }
-}
-
-fn displacement(motion: &Motion, time: f64) -> Vector3<f64> {
-    match motion {
-        Motion::Translating { velocity, start, stop } => {
-            let end = stop.unwrap_or(f64::INFINITY).min(time);
-            Vector3::from(*velocity) * (end - start).max(0.0)
-        }
-        _ => motion.vibration().map_or_else(Vector3::zeros, |vibration| vibration.displacement(time).into()),
     }
 }
 

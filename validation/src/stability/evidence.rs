@@ -4,7 +4,7 @@ use crate::observables::close_pairs;
 use crate::plan::Scene;
 use makadam::scene::{Grain, Material, NormalLaw};
 use makadam::snapshot::{Particle, Partner, Snapshot};
-use makadam::world::{Pose, Surface};
+use makadam::wall::PlacedWalls;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -141,10 +141,11 @@ impl<'a> Evidence<'a> {
             let effective_radius = a * b / (a + b);
             stored(-pair.gap, effective_radius, [material(pair.first), material(pair.second)])
         });
-        let walls = self.surfaces(frame).into_iter().flat_map(|(wall, pose)| {
+        let placed = self.walls(frame);
+        let walls = placed.faces().flat_map(|(wall, face)| {
             let wall = &self.scene.material[&self.scene.wall[wall].material];
             grains.iter().enumerate().map(move |(id, grain)| {
-                stored(grain.radius - pose.distance(&grain.position.into()), grain.radius, [material(id), wall])
+                stored(grain.radius - face.distance(&grain.position.into()), grain.radius, [material(id), wall])
             })
         });
         pairs.sum::<f64>() + walls.sum::<f64>()
@@ -159,9 +160,9 @@ impl<'a> Evidence<'a> {
                 .into_iter()
                 .map(|pair| -pair.gap / grains[pair.first].radius.min(grains[pair.second].radius))
                 .fold(0.0, f64::max);
-            let surfaces = self.surfaces(frame);
-            let walls = surfaces.iter().flat_map(|(_, pose)| {
-                grains.iter().map(|grain| 1.0 - pose.distance(&grain.position.into()) / grain.radius)
+            let placed = self.walls(frame);
+            let walls = placed.faces().flat_map(|(_, face)| {
+                grains.iter().map(move |grain| 1.0 - face.distance(&grain.position.into()) / grain.radius)
             });
             walls.fold(pairs, f64::max)
         };
@@ -177,17 +178,9 @@ impl<'a> Evidence<'a> {
         self.last().particles.iter().filter(outside).count() as f64
     }
 
-    /// Faces of the walls in a frame, with the wall's place in the scene.
-    fn surfaces(&self, frame: &Snapshot) -> Vec<(usize, Pose)> {
-        let walls = self.scene.wall.iter().enumerate();
-        let faces = walls.flat_map(|(place, wall)| Surface::of_wall(wall, &self.scene.domain, place as u32, 0));
-        let placed = faces.map(|mut face| {
-            if let Some(driven) = frame.driven_walls.iter().find(|driven| driven.wall == face.wall) {
-                face.put(driven.displacement, driven.rate);
-            }
-            (face.wall as usize, face.at(frame.time))
-        });
-        placed.collect()
+    /// The walls where they stand in a frame.
+    fn walls(&self, frame: &Snapshot) -> PlacedWalls {
+        PlacedWalls::at(&self.scene.wall, &self.scene.domain, frame.time, &frame.driven_walls)
     }
 }
 

@@ -1,6 +1,16 @@
-//! The geometry of one face of a wall: the nearest point to a grain, and where a path first comes near it.
+//! The shape of a wall: its smooth faces, the point of each that is nearest to a grain, and where the path of a grain first touches it.
+//!
+//! A face stands for itself: it knows of no wall and of no motion. Time of impact is where the centre of a sphere on a straight path
+//! first comes within `level` of a face; at a level of the sphere's radius the two touch,
+//!
+//! ```text
+//! plane      n.(x + s d - p) = level                              x: start, d: path, 0 <= s <= 1
+//! cylinder   |across(x + s d - b)| = R -+ level                   from inside, from outside
+//! sphere     |x + s d - c| = R + level
+//! ```
 
 use crate::effects::period::Period;
+use crate::scene::{Domain, Shape};
 use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
@@ -10,7 +20,7 @@ const JOINT: f64 = 1e-9;
 
 /// Where a smooth surface lies, m.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Face {
+pub(crate) enum Face {
     Plane {
         point: Vector,
         normal: Vector,
@@ -45,7 +55,7 @@ pub(super) enum Face {
 
 /// Where the path of a grain's centre first comes within some distance of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Reached {
+pub(crate) struct Impact {
     /// Share of the path, 0 to 1.
     pub share: f64,
     /// Distance from the start of the path to the plane that touches the face there, m.
@@ -54,13 +64,95 @@ pub(crate) struct Reached {
     pub normal: Vector,
 }
 
-/// Rodrigues' rotation of a vector about a unit axis; sine and cosine from a portable library, for equal bits everywhere.
-pub(super) fn rotated(vector: Vector, axis: Vector, angle: f64) -> Vector {
-    let (sine, cosine) = libm::sincos(angle);
-    vector * cosine + axis.cross(&vector) * sine + axis * (axis.dot(&vector) * (1.0 - cosine))
+/// A rotation about a unit axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rotation {
+    axis: Vector,
+    sine: f64,
+    cosine: f64,
+}
+
+impl Rotation {
+    /// By an angle, rad; sine and cosine from a portable library, for equal bits everywhere.
+    pub fn new(axis: Vector, angle: f64) -> Rotation {
+        let (sine, cosine) = libm::sincos(angle);
+        Rotation { axis, sine, cosine }
+    }
+
+    /// A vector, turned by Rodrigues' formula.
+    #[inline]
+    pub fn turn(&self, vector: Vector) -> Vector {
+        let Rotation { axis, sine, cosine } = *self;
+        vector * cosine + axis.cross(&vector) * sine + axis * (axis.dot(&vector) * (1.0 - cosine))
+    }
+
+    /// The rotation back.
+    pub fn inverse(self) -> Rotation {
+        Rotation { sine: -self.sine, ..self }
+    }
 }
 
 impl Face {
+    /// The faces of a shape in a domain: along a periodic axis they repeat themselves or have no end.
+    pub(super) fn of_shape(shape: &Shape, domain: &Domain) -> Vec<Face> {
+        let period = domain.period();
+        match shape {
+            Shape::Plane { point, normal } => {
+                vec![Face::Plane { point: Vector::from(*point), normal: Vector::from(*normal).normalize() }]
+            }
+            Shape::Disc { centre, normal, radius, hole } => {
+                let (centre, normal) = (Vector::from(*centre), Vector::from(*normal).normalize());
+                vec![match *hole > 0.0 {
+                    true => Face::Ring { centre, normal, radius: *radius, hole: *hole },
+                    false => Face::Disc { centre, normal, radius: *radius },
+                }]
+            }
+            Shape::Cylinder { base, axis, radius, length } => vec![Face::Shell {
+                base: Vector::from(*base),
+                axis: Vector::from(*axis).normalize(),
+                radius: *radius,
+                ends: match (0..3).any(|along| period.is_periodic(along) && axis[along] != 0.0) {
+                    true => [f64::NEG_INFINITY, f64::INFINITY],
+                    false => [0.0, *length],
+                },
+            }],
+            Shape::Spheres { centres, radius } => (centres.iter())
+                .map(|centre| Face::Ball { centre: Vector::from(*centre), radius: *radius, period })
+                .collect(),
+            Shape::Box { min, max, open } => {
+                let (min, max) = (Vector::from(*min), Vector::from(*max));
+                ["-x", "+x", "-y", "+y", "-z", "+z"]
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, name)| !open.iter().any(|face| face == *name))
+                    .map(|(number, _)| {
+                        let inward = Vector::ith(number / 2, if number % 2 == 0 { 1.0 } else { -1.0 });
+                        Face::Plane { point: if number % 2 == 0 { min } else { max }, normal: inward }
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    /// Corners of a box that holds the face, m, but for its images; absent where a face has no end.
+    pub(super) fn bounds(&self) -> Option<[Vector; 2]> {
+        let around = |middle: Vector, half: Vector| Some([middle - half, middle + half]);
+        // A circle about a unit axis spans `R sqrt(1 - n_k^2)` along axis k.
+        let span = |normal: Vector, radius: f64| normal.map(|along| radius * (1.0 - along * along).max(0.0).sqrt());
+        match *self {
+            Face::Plane { .. } => None,
+            Face::Disc { centre, normal, radius } | Face::Ring { centre, normal, radius, .. } => {
+                around(centre, span(normal, radius))
+            }
+            Face::Shell { base, axis, radius, ends: [low, high] } if low.is_finite() && high.is_finite() => {
+                let half = span(axis, radius) + axis.abs() * (0.5 * (high - low));
+                around(base + axis * (0.5 * (low + high)), half)
+            }
+            Face::Shell { .. } => None,
+            Face::Ball { centre, radius, .. } => around(centre, Vector::repeat(radius)),
+        }
+    }
+
     /// The face, moved.
     pub(super) fn moved(self, by: Vector) -> Face {
         match self {
@@ -72,20 +164,19 @@ impl Face {
         }
     }
 
-    /// The face, turned about an axis through `centre` by an angle, rad.
-    pub(super) fn turned(self, centre: Vector, about: Vector, angle: f64) -> Face {
-        let place = |point: Vector| centre + rotated(point - centre, about, angle);
-        let turn = |direction: Vector| rotated(direction, about, angle);
+    /// The face, turned about an axis through `centre`.
+    pub(super) fn turned(self, centre: Vector, rotation: &Rotation) -> Face {
+        let place = |point: Vector| centre + rotation.turn(point - centre);
         match self {
-            Face::Plane { point, normal } => Face::Plane { point: place(point), normal: turn(normal) },
+            Face::Plane { point, normal } => Face::Plane { point: place(point), normal: rotation.turn(normal) },
             Face::Disc { centre: middle, normal, radius } => {
-                Face::Disc { centre: place(middle), normal: turn(normal), radius }
+                Face::Disc { centre: place(middle), normal: rotation.turn(normal), radius }
             }
             Face::Ring { centre: middle, normal, radius, hole } => {
-                Face::Ring { centre: place(middle), normal: turn(normal), radius, hole }
+                Face::Ring { centre: place(middle), normal: rotation.turn(normal), radius, hole }
             }
             Face::Shell { base, axis, radius, ends } => {
-                Face::Shell { base: place(base), axis: turn(axis), radius, ends }
+                Face::Shell { base: place(base), axis: rotation.turn(axis), radius, ends }
             }
             Face::Ball { centre: middle, radius, period } => Face::Ball { centre: place(middle), radius, period },
         }
@@ -103,9 +194,9 @@ impl Face {
         }
     }
 
-    /// Distance from a point to the face, and the unit normal towards it: see [`Pose::nearest`](super::Pose::nearest).
+    /// Distance from a point to the face, and the unit normal towards it: see [`PlacedFace::nearest`](super::PlacedFace::nearest).
     #[inline]
-    pub(super) fn nearest(&self, centre: &Vector, heading: impl FnOnce() -> Vector) -> (f64, Vector) {
+    pub(super) fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {
         match *self {
             Face::Plane { point, normal } => (normal.dot(&(centre - point)), -normal),
             Face::Disc { centre: middle, normal, radius } => {
@@ -127,7 +218,7 @@ impl Face {
                 let height = normal.dot(&arm);
                 let across = arm - normal * height;
                 let distance = across.norm();
-                let outward = if distance > 0.0 { across / distance } else { perpendicular(normal, heading()) };
+                let outward = if distance > 0.0 { across / distance } else { perpendicular(normal, travel()) };
                 let to_ring = outward * (distance.clamp(hole, radius) - distance) - normal * height;
                 let gap = to_ring.norm();
                 let side = if height >= 0.0 { -normal } else { normal };
@@ -138,7 +229,7 @@ impl Face {
                 let along = axis.dot(&arm);
                 let across = arm - axis * along;
                 let distance = across.norm();
-                let outward = if distance > 0.0 { across / distance } else { perpendicular(axis, heading()) };
+                let outward = if distance > 0.0 { across / distance } else { perpendicular(axis, travel()) };
                 let to_shell = outward * (radius - distance) + axis * (along.clamp(ends[0], ends[1]) - along);
                 let gap = to_shell.norm();
                 let side = if distance <= radius { outward } else { -outward };
@@ -151,21 +242,16 @@ impl Face {
                 let inward = if distance > 0.0 {
                     arm / distance
                 } else {
-                    -heading().try_normalize(0.0).unwrap_or_else(Vector::z)
+                    -travel().try_normalize(0.0).unwrap_or_else(Vector::z)
                 };
                 (distance - radius, inward)
             }
         }
     }
 
-    /// False if no point within `reach` (m) of `centre` can lie on the face or behind it.
-    pub(super) fn may_be_within(&self, centre: &Vector, reach: f64) -> bool {
-        self.nearest(centre, Vector::zeros).0 < reach
-    }
-
     /// Where a path from `centre` along `shift` (m), seen from the face, first comes within `level` (m) of it, having begun farther away;
     /// at level 0 where it crosses the face. Absent where it does not. Rims are left out: what passes beside a face does not cross it.
-    pub(super) fn reached(&self, centre: &Vector, shift: &Vector, level: f64) -> Option<Reached> {
+    pub(super) fn time_of_impact(&self, centre: &Vector, shift: &Vector, level: f64) -> Option<Impact> {
         match *self {
             Face::Plane { point, normal } => flat(normal, centre - point, shift, level, [0.0, f64::INFINITY]),
             Face::Disc { centre: middle, normal, radius } => {
@@ -193,7 +279,7 @@ impl Face {
                     return None;
                 }
                 let normal = (across + moved * share) * (side / touch);
-                Some(Reached { share, distance: side * radius - normal.dot(&across), normal })
+                Some(Impact { share, distance: side * radius - normal.dot(&across), normal })
             }
             Face::Ball { centre: middle, radius, period } => {
                 let (arm, touch) = (period.arm(&middle, centre), radius + level);
@@ -205,7 +291,7 @@ impl Face {
                 }
                 let share = -(root.sqrt() + half) / square;
                 let normal = -(arm + shift * share) / touch;
-                (share <= 1.0).then(|| Reached { share, distance: -normal.dot(&arm) - radius, normal })
+                (share <= 1.0).then(|| Impact { share, distance: -normal.dot(&arm) - radius, normal })
             }
         }
     }
@@ -216,21 +302,21 @@ fn facing(normal: Vector, arm: Vector) -> Vector {
     if normal.dot(&arm) < 0.0 { -normal } else { normal }
 }
 
-/// [`Face::reached`] for a part of a plane between two circles, given the `arm` from its middle to the start.
-fn flat(normal: Vector, arm: Vector, shift: &Vector, level: f64, [hole, radius]: [f64; 2]) -> Option<Reached> {
+/// [`Face::time_of_impact`] for a part of a plane between two circles, given the `arm` from its middle to the start.
+fn flat(normal: Vector, arm: Vector, shift: &Vector, level: f64, [hole, radius]: [f64; 2]) -> Option<Impact> {
     let (height, fall) = (normal.dot(&arm), -normal.dot(shift));
     let share = (height - level) / fall;
     // In front of the face now, at this level before the path ends.
-    let meets = height > level && (0.0..=1.0).contains(&share);
+    let nears = height > level && (0.0..=1.0).contains(&share);
     let across = (arm + shift * share - normal * level).norm();
     let beside = across > radius * (1.0 + JOINT) || across < hole * (1.0 - JOINT);
-    (meets && !beside).then_some(Reached { share, distance: height, normal: -normal })
+    (nears && !beside).then_some(Impact { share, distance: height, normal: -normal })
 }
 
-/// A unit vector across a unit vector: the way that `heading` leads across it, or any if it leads nowhere.
+/// A unit vector across a unit vector: the direction of `travel` across it, or any if it leads nowhere.
 #[cold]
-fn perpendicular(axis: Vector, heading: Vector) -> Vector {
-    let across = heading - axis * axis.dot(&heading);
+fn perpendicular(axis: Vector, travel: Vector) -> Vector {
+    let across = travel - axis * axis.dot(&travel);
     across.try_normalize(0.0).unwrap_or_else(|| {
         let other = if axis.x.abs() < 0.9 { Vector::x() } else { Vector::y() };
         axis.cross(&other).normalize()

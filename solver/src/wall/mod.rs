@@ -1,0 +1,386 @@
+//! Walls: shape x motion x index.
+//!
+//! ```text
+//! shape.rs    Face       where the surface lies, as the scene places it: nearest point, time of impact
+//! motion.rs   Pose       where the wall stands at a time, and its velocity field: one a wall and step
+//! index.rs    FaceIndex  which faces may be near a point: built once, in the wall's own frame
+//! mod.rs      Walls      all walls of a scene; their faces are numbered through, wall after wall
+//! ```
+//!
+//! Nobody goes through all faces at every step. Poses are worked out wall by wall, and a face is put where it stands when a grain asks for
+//! it ([`PlacedFace`]), which costs a sum or a rotation. Whoever looks for faces near a point asks [`WallsAt::for_each_near`], or of one wall
+//! [`WallsAt::for_each_near_of`]: walls of many faces answer from their index. What they find comes out as if all faces had been asked in
+//! the order of their numbers: whoever visits them puts what counts in that order, or takes the least.
+//!
+//! What is not here: friction and the rest of the contact, which are the materials' and the solve's; forces on driven walls
+//! ([`drive`](crate::effects::drive)).
+
+mod index;
+mod motion;
+mod shape;
+
+pub(crate) use motion::drive_of;
+pub use motion::{DrivenWall, Pose};
+pub(crate) use shape::Impact;
+
+use crate::scene::{self, Domain};
+use index::FaceIndex;
+use motion::{Movement, keeps_in_place};
+use nalgebra::Vector3;
+use shape::Face;
+use std::ops::Range;
+
+type Vector = Vector3<f64>;
+
+/// All walls of a scene, as they are placed, and how they move.
+#[derive(Clone, Debug)]
+pub struct Walls {
+    walls: Vec<Wall>,
+    faces: Vec<WallFace>,
+}
+
+#[derive(Clone, Debug)]
+struct Wall {
+    /// Number of its material.
+    material: u8,
+    /// Numbers of its faces.
+    faces: Range<u32>,
+    movement: Movement,
+    index: Option<FaceIndex>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct WallFace {
+    shape: Face,
+    /// Number of the wall in the scene.
+    wall: u32,
+    /// Whether the wall's motion maps it onto itself, so that only velocities change.
+    in_place: bool,
+}
+
+/// Walls and where they stand, a pose for each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallsAt<'a> {
+    walls: &'a Walls,
+    poses: &'a [Pose],
+}
+
+/// A face where it stands, with its velocity field.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedFace<'a> {
+    /// As the scene places it.
+    placed: &'a Face,
+    /// Where it stands, if that is elsewhere: most walls are at rest, and their faces are not copied.
+    moved: Option<Face>,
+    pose: &'a Pose,
+    in_place: bool,
+}
+
+impl Walls {
+    /// The walls that a scene lists, in its domain; `material` gives the number of a material's name.
+    pub fn new(walls: &[scene::Wall], domain: &Domain, material: impl Fn(&str) -> u8) -> Walls {
+        let mut faces: Vec<WallFace> = Vec::new();
+        let place = |(number, wall): (u32, &scene::Wall)| {
+            let (shapes, first) = (Face::of_shape(&wall.shape, domain), faces.len() as u32);
+            let in_place = |face: &Face| keeps_in_place(face, &wall.motion);
+            let face = |shape: &Face| WallFace { shape: *shape, wall: number, in_place: in_place(shape) };
+            faces.extend(shapes.iter().map(face));
+            Wall {
+                material: material(&wall.material),
+                faces: first..faces.len() as u32,
+                movement: Movement::new(&wall.motion, &shapes),
+                index: FaceIndex::new(&shapes, first, domain.period()),
+            }
+        };
+        let walls = (0..).zip(walls).map(place).collect();
+        Walls { walls, faces }
+    }
+
+    /// Number of faces.
+    pub fn faces(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Number in the scene of the wall that a face belongs to.
+    #[inline]
+    pub fn wall_of(&self, face: u32) -> u32 {
+        self.faces[face as usize].wall
+    }
+
+    /// Number of the material of a face.
+    #[inline]
+    pub fn material_of(&self, face: u32) -> u8 {
+        self.walls[self.wall_of(face) as usize].material
+    }
+
+    /// Whether any of them ever moves.
+    pub fn any_moves(&self) -> bool {
+        self.walls.iter().any(|wall| wall.movement.moves())
+    }
+
+    /// Numbers of the walls that ever move.
+    pub(crate) fn moving(&self) -> impl Iterator<Item = u32> + '_ {
+        let moves = |wall: &Wall| wall.movement.moves() && !wall.faces.is_empty();
+        (0..).zip(&self.walls).filter(move |(_, wall)| moves(wall)).map(|(number, _)| number)
+    }
+
+    /// Puts a wall where a drive has moved it, m or rad, at this rate, m/s or rad/s. One that nothing drives takes no notice.
+    pub fn put(&mut self, wall: u32, displacement: f64, rate: f64) {
+        self.walls[wall as usize].movement.put(displacement, rate);
+    }
+
+    /// Keeps in mind where drives have walls while the candidate list is built.
+    pub(crate) fn enter_list(&mut self) {
+        self.walls.iter_mut().for_each(|wall| wall.movement.enter_list());
+    }
+
+    /// Where a drive had a wall then, m or rad.
+    pub(crate) fn displacement_in_list(&self, wall: u32) -> f64 {
+        self.walls[wall as usize].movement.displacement_in_list()
+    }
+
+    /// Upper bound of how far a point of a wall within `radius` (m) of its motion's centre moves between two times (s), m; of driven
+    /// ones since they entered the list.
+    pub(crate) fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
+        let walls = self.walls.iter().filter(|wall| !wall.faces.is_empty());
+        walls.map(|wall| wall.movement.largest_shift(from, to, radius)).fold(0.0, f64::max)
+    }
+
+    /// Where the walls stand at a time (s), with their velocities there; driven ones as they were last put.
+    pub fn poses(&self, time: f64) -> impl Iterator<Item = Pose> + '_ {
+        self.walls.iter().map(move |wall| wall.movement.at(time))
+    }
+
+    /// The same at the start of a step of length `step` (s), with the velocities that count in it: where a wall vibrates, the mean one.
+    pub(crate) fn poses_over(&self, time: f64, step: f64) -> impl Iterator<Item = Pose> + '_ {
+        self.walls.iter().map(move |wall| wall.movement.over(time, step))
+    }
+
+    /// The pose of one wall as by [`Walls::poses_over`].
+    pub(crate) fn pose_over(&self, wall: u32, time: f64, step: f64) -> Pose {
+        self.walls[wall as usize].movement.over(time, step)
+    }
+
+    /// A wall at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end; a driven one
+    /// moves at `rate` (m/s or rad/s).
+    pub(crate) fn pose_through(&self, wall: u32, time: f64, step: f64, rate: f64) -> Pose {
+        self.walls[wall as usize].movement.through(time, step, rate)
+    }
+
+    /// The walls where these poses have them.
+    pub(crate) fn placed<'a>(&'a self, poses: &'a [Pose]) -> WallsAt<'a> {
+        WallsAt { walls: self, poses }
+    }
+
+    /// Number of walls.
+    pub(crate) fn count(&self) -> usize {
+        self.walls.len()
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        let indices = self.walls.iter().filter_map(|wall| wall.index.as_ref());
+        self.walls.capacity() * size_of::<Wall>()
+            + self.faces.capacity() * size_of::<WallFace>()
+            + indices.map(FaceIndex::memory_bytes).sum::<usize>()
+    }
+}
+
+impl<'a> WallsAt<'a> {
+    /// A face where it stands.
+    #[inline]
+    pub fn face(&self, number: u32) -> PlacedFace<'a> {
+        let WallFace { shape, wall, in_place } = &self.walls.faces[number as usize];
+        let pose = &self.poses[*wall as usize];
+        PlacedFace { placed: shape, moved: pose.moved(shape, *in_place), pose, in_place: *in_place }
+    }
+
+    /// The pose of each wall, with the numbers of its faces.
+    pub fn each_wall(&self) -> impl Iterator<Item = (u32, &'a Pose, Range<u32>)> + use<'a> {
+        let walls = (0..).zip(&self.walls.walls).zip(self.poses);
+        walls.map(|((number, wall), pose)| (number, pose, wall.faces.clone()))
+    }
+
+    /// Whether the faces of a wall are found by an index: they then come in no order, and perhaps more than once.
+    pub fn has_index(&self, wall: u32) -> bool {
+        self.walls.walls[wall as usize].index.is_some()
+    }
+
+    /// Visits every face of a wall that may be nearer to a point (m) than `radius` (m), and others.
+    pub fn for_each_near_of(
+        &self,
+        wall: u32,
+        point: &Vector,
+        radius: f64,
+        mut visit: impl FnMut(u32, &PlacedFace<'a>),
+    ) {
+        let Wall { faces, index, .. } = &self.walls.walls[wall as usize];
+        let mut visit = |face: u32| visit(face, &self.face(face));
+        match index {
+            Some(index) => index.for_each_near(&self.poses[wall as usize].in_wall(point), radius, visit),
+            None => faces.clone().for_each(&mut visit),
+        }
+    }
+
+    /// The same of all walls, given the radius for a wall with a pose.
+    pub fn for_each_near(
+        &self,
+        point: &Vector,
+        radius: impl Fn(&Pose) -> f64,
+        mut visit: impl FnMut(u32, &PlacedFace<'a>),
+    ) {
+        for (wall, pose, _) in self.each_wall() {
+            self.for_each_near_of(wall, point, radius(pose), &mut visit);
+        }
+    }
+}
+
+impl PlacedFace<'_> {
+    #[inline(always)]
+    fn shape(&self) -> &Face {
+        self.moved.as_ref().unwrap_or(self.placed)
+    }
+
+    /// Distance from a point to the face (m), negative behind a plane: see [`PlacedFace::nearest`].
+    #[inline]
+    pub fn distance(&self, point: &Vector) -> f64 {
+        self.nearest(point, Vector::zeros).0
+    }
+
+    /// Distance from a grain's centre to the face (m), and the unit normal from the centre to the nearest point. Where a whole circle or
+    /// sphere of points is nearest, as to the axis of a tube, it is the one in the grain's direction of `travel`, a vector of any length.
+    ///
+    /// Behind a plane the distance is negative, so that the grain is pushed back. Discs, with a hole or without, and shells are thin: they
+    /// have two sides, and rims that grains roll over.
+    #[inline]
+    pub fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {
+        self.shape().nearest(centre, travel)
+    }
+
+    /// The contact that a grain comes to within a step (s) in which it moves by more than its radius against the wall: the distance from
+    /// its centre to the plane that touches the face where they meet (m), and the unit normal towards it; nothing if it comes to none.
+    ///
+    /// Such a grain would otherwise be deep behind the face, or on the other side of a shell, before the two are seen to touch.
+    pub(crate) fn swept_contact(
+        &self,
+        centre: &Vector,
+        radius: f64,
+        velocity: &Vector,
+        step: f64,
+    ) -> Option<(f64, Vector)> {
+        let path = self.path(centre, velocity, step);
+        if path.norm_squared() <= radius * radius {
+            return None;
+        }
+        self.shape().time_of_impact(centre, &path, radius).map(|impact| (impact.distance, impact.normal))
+    }
+
+    /// The contact of a grain with the face in a step: the distance from its centre to the face, or to the plane that touches the face
+    /// where a grain too fast for the step meets it (m); the unit normal towards it; and whether it is a swept contact. `velocity` is
+    /// the grain's at the start of the step, m/s; for `travel` see [`PlacedFace::nearest`].
+    #[inline]
+    pub(crate) fn contact(
+        &self,
+        centre: &Vector,
+        radius: f64,
+        velocity: &Vector,
+        step: f64,
+        travel: impl FnOnce() -> Vector,
+    ) -> (f64, Vector, bool) {
+        match self.swept_contact(centre, radius, velocity, step) {
+            Some((distance, normal)) => (distance, normal, true),
+            None => {
+                let (distance, normal) = self.nearest(centre, travel);
+                (distance, normal, false)
+            }
+        }
+    }
+
+    /// The path of a point that moves at `velocity` (m/s) for a step (s), as seen from the face, m.
+    pub(crate) fn path(&self, from: &Vector, velocity: &Vector, step: f64) -> Vector {
+        self.pose.path(from, velocity, step, self.in_place)
+    }
+
+    /// Where a path from a point first comes within `level` (m) of the face, having begun farther away.
+    pub(crate) fn time_of_impact(&self, from: &Vector, path: &Vector, level: f64) -> Option<Impact> {
+        self.shape().time_of_impact(from, path, level)
+    }
+
+    /// The velocity that takes a point where the wall takes it within a step (s), m/s.
+    pub(crate) fn carries(&self, point: &Vector, step: f64) -> Vector {
+        self.pose.carries(point, step, self.in_place)
+    }
+
+    /// Largest speed of a point of the face within `radius` (m) of another (m), as far as the face moves, m/s.
+    pub(crate) fn largest_speed(&self, around: &Vector, radius: f64) -> f64 {
+        self.pose.largest_speed_of(around, radius, self.in_place)
+    }
+
+    /// Velocity of the wall at a point, m/s; in a step that of the step.
+    #[inline]
+    pub fn velocity_at(&self, point: &Vector) -> Vector {
+        self.pose.velocity_at(point, self.in_place)
+    }
+
+    /// What the wall's velocity has gained since the step before without a jump, m/s: no approach of what rests on it.
+    pub(crate) fn gain(&self) -> Vector {
+        self.pose.gain()
+    }
+
+    /// Angular velocity of the wall, rad/s.
+    pub fn spin(&self) -> Vector {
+        self.pose.spin(self.in_place)
+    }
+}
+
+/// The walls of a scene where they stand at a time.
+///
+/// ```
+/// use makadam::{Domain, Face, Shape, Wall, wall::PlacedWalls};
+///
+/// let domain = Domain { min: [-1.0; 3], max: [1.0; 3], periodic: Vec::new() };
+/// let walls = [Wall::new("box", "glass", Shape::cuboid([0.0; 3], [0.1; 3], &[Face::Top]))];
+/// let placed = PlacedWalls::at(&walls, &domain, 0.0, &[]);
+/// assert!((placed.distance(&[0.05, 0.05, 0.02].into()) - 0.02).abs() < 1e-12);
+/// assert!(placed.distance(&[0.05, 0.05, -0.02].into()) < 0.0, "behind the floor");
+/// ```
+#[derive(Clone, Debug)]
+pub struct PlacedWalls {
+    walls: Walls,
+    poses: Vec<Pose>,
+}
+
+impl PlacedWalls {
+    /// The walls at a time (s), in a domain; those that a force or a torque drives where `driven` says, and where the scene places them if
+    /// it says nothing.
+    pub fn at(walls: &[scene::Wall], domain: &Domain, time: f64, driven: &[DrivenWall]) -> PlacedWalls {
+        let mut placed = Walls::new(walls, domain, |_| 0);
+        for one in driven.iter().filter(|one| (one.wall as usize) < walls.len()) {
+            placed.put(one.wall, one.displacement, one.rate);
+        }
+        let poses = placed.poses(time).collect();
+        PlacedWalls { walls: placed, poses }
+    }
+
+    /// Faces, wall after wall, each with its wall's number in the scene.
+    pub fn faces(&self) -> impl Iterator<Item = (usize, PlacedFace<'_>)> {
+        let placed = self.walls.placed(&self.poses);
+        (0..self.walls.faces() as u32).map(move |face| (self.walls.wall_of(face) as usize, placed.face(face)))
+    }
+
+    /// Distance of a point from the nearest wall, m; infinite where there is no wall.
+    ///
+    /// It is negative behind a plane or a box's face. Thin shells and discs have no behind.
+    pub fn distance(&self, point: &Vector) -> f64 {
+        self.faces().map(|(_, face)| face.distance(point)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Number of faces nearer to a point than `radius` (m).
+    pub fn within(&self, point: &Vector, radius: f64) -> usize {
+        self.faces().filter(|(_, face)| face.distance(point) < radius).count()
+    }
+
+    /// Where a point (m) of a wall, as the scene places it, stands.
+    pub fn point_of(&self, wall: usize, point: &Vector) -> Vector {
+        self.poses[wall].in_world(point)
+    }
+}

@@ -1,0 +1,349 @@
+//! The motion of a wall: where its shape stands at a time, and how fast it moves there. One pose a wall, however many faces it has.
+//!
+//! A point X of the wall as the scene places it stands at
+//!
+//! ```text
+//! translation   x = X + d(t)                    v = d'(t)
+//! rotation      x = c + R(a, phi(t)) (X - c)    v = omega a x (x - c)
+//! ```
+//!
+//! with what the scene prescribes for d and phi, or with what a drive has made of them so far. Steps are long against some motions, so
+//! two other velocities go with the same place: the mean one of a step for what vibrates ([`Movement::over`]), and the one that leads
+//! to where the wall is at the end of the step ([`Movement::through`]).
+
+use super::shape::{Face, Rotation};
+use crate::effects::drive::Drive;
+use crate::scene::{Motion, Wall};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+type Vector = Vector3<f64>;
+
+/// How a wall moves: as the scene prescribes, or as a drive has moved it.
+#[derive(Clone, Debug)]
+pub(super) struct Movement {
+    motion: Motion,
+    /// Whether a rotation moves any of its faces, rather than mapping them onto themselves.
+    turns: bool,
+    /// How far a drive has moved it, m or rad, now and when the candidate list was built; zero where nothing drives it.
+    displacement: f64,
+    displacement_in_list: f64,
+    /// How fast a drive moves it, m/s or rad/s.
+    rate: f64,
+}
+
+/// A wall at a moment: where it stands and its velocity field.
+#[derive(Clone, Copy, Debug)]
+pub struct Pose {
+    displacement: Displacement,
+    velocity: Vector,
+    /// What it has gained since the step before, by speeding up.
+    gain: Vector,
+    /// Of faces that the rotation moves.
+    turning: Turning,
+    /// Of faces that it maps onto themselves.
+    in_place: Turning,
+    /// Whether there are faces that the rotation moves.
+    turns: bool,
+}
+
+/// State of a wall that a force or a torque drives.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DrivenWall {
+    /// Its place in the scene's list of walls.
+    pub wall: u32,
+    /// How far it is from where the scene placed it, along or about its axis, m or rad.
+    pub displacement: f64,
+    /// How fast it moves, m/s or rad/s.
+    pub rate: f64,
+}
+
+/// Where a wall stands, from where the scene places it.
+#[derive(Clone, Copy, Debug)]
+enum Displacement {
+    Nowhere,
+    By(Vector),
+    About(Vector, Rotation),
+}
+
+/// Angular velocity, rad/s, and the point that it is about, m.
+#[derive(Clone, Copy, Debug)]
+struct Turning {
+    spin: Vector,
+    centre: Vector,
+}
+
+impl Movement {
+    /// That of a wall at time zero, given its faces.
+    pub fn new(motion: &Motion, faces: &[Face]) -> Movement {
+        let turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(face, motion));
+        Movement { motion: motion.clone(), turns, displacement: 0.0, displacement_in_list: 0.0, rate: 0.0 }
+    }
+
+    /// Where a drive has moved it, m or rad, and how fast it moves it, m/s or rad/s. What nothing drives takes no notice.
+    pub fn put(&mut self, displacement: f64, rate: f64) {
+        (self.displacement, self.rate) = (displacement, rate);
+    }
+
+    /// Keeps in mind where a drive has it while the candidate list is built.
+    pub fn enter_list(&mut self) {
+        self.displacement_in_list = self.displacement;
+    }
+
+    /// Where a drive had it then, m or rad.
+    pub fn displacement_in_list(&self) -> f64 {
+        self.displacement_in_list
+    }
+
+    /// The wall at a time (s), with its velocity there; a driven one as it was last put.
+    pub fn at(&self, time: f64) -> Pose {
+        let zero = Vector::zeros();
+        let rest = Turning { spin: zero, centre: zero };
+        let displacement = Displacement::Nowhere;
+        let mut pose =
+            Pose { displacement, velocity: zero, gain: zero, turning: rest, in_place: rest, turns: self.turns };
+        match &self.motion {
+            Motion::Fixed => {}
+            Motion::Translating { velocity, start, stop } => {
+                let velocity = Vector::from(*velocity);
+                pose.displacement = Displacement::By(velocity * active_time(time, *start, *stop));
+                if is_active(time, *start, *stop) {
+                    pose.velocity = velocity;
+                }
+            }
+            Motion::Rotating { point, axis, rate, start, stop, reverse } => {
+                let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
+                let angle = rate * turning_time(time, *start, *stop, *reverse);
+                pose.displacement = self.turned(centre, axis, angle);
+                if is_active(time, *start, *stop) {
+                    let backwards = reverse.is_some_and(|reverse| time >= reverse);
+                    pose.in_place = Turning { spin: axis * if backwards { -*rate } else { *rate }, centre };
+                    pose.turning = pose.in_place;
+                }
+            }
+            Motion::Vibrating { .. } => {
+                if let Some(vibration) = self.motion.vibration() {
+                    pose.displacement = Displacement::By(vibration.displacement(time).into());
+                    pose.velocity = vibration.velocity(time).into();
+                }
+            }
+            Motion::ForceDriven { axis, .. } => {
+                let axis = Vector::from(*axis).normalize();
+                pose.displacement = Displacement::By(axis * self.displacement);
+                pose.velocity = axis * self.rate;
+            }
+            Motion::TorqueDriven { point, axis, .. } => {
+                let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
+                pose.displacement = self.turned(centre, axis, self.displacement);
+                pose.in_place = Turning { spin: axis * self.rate, centre };
+                pose.turning = pose.in_place;
+            }
+        }
+        pose
+    }
+
+    fn turned(&self, centre: Vector, axis: Vector, angle: f64) -> Displacement {
+        match self.turns {
+            true => Displacement::About(centre, Rotation::new(axis, angle)),
+            false => Displacement::Nowhere,
+        }
+    }
+
+    /// The wall at the start of a step of length `step` (s), with the velocity that counts in it: where it vibrates, the mean one.
+    pub fn over(&self, time: f64, step: f64) -> Pose {
+        let mut pose = self.at(time);
+        if let Some(vibration) = self.motion.vibration() {
+            pose.velocity = vibration.mean_velocity(time, time + step).into();
+            if vibration.is_smooth(time - step, time + step) {
+                pose.gain = pose.velocity - Vector::from(vibration.mean_velocity(time - step, time));
+            }
+        }
+        pose
+    }
+
+    /// The wall at the start of a step of length `step` (s), with the velocity that takes it to where it is at the end; a driven one
+    /// moves at `rate` (m/s or rad/s).
+    pub fn through(&self, time: f64, step: f64, rate: f64) -> Pose {
+        let mut pose = self.at(time);
+        match &self.motion {
+            Motion::Translating { velocity, start, stop } => {
+                let moves = active_time(time + step, *start, *stop) - active_time(time, *start, *stop);
+                pose.velocity = Vector::from(*velocity) * (moves / step);
+            }
+            Motion::Rotating { point, axis, rate, start, stop, reverse } => {
+                let turned = |time| turning_time(time, *start, *stop, *reverse);
+                let spin = Vector::from(*axis).normalize() * (rate * (turned(time + step) - turned(time)) / step);
+                pose.turning = Turning { spin, centre: Vector::from(*point) };
+            }
+            Motion::Vibrating { .. } => pose.velocity = self.over(time, step).velocity,
+            Motion::ForceDriven { axis, .. } => pose.velocity = Vector::from(*axis).normalize() * rate,
+            Motion::TorqueDriven { axis, .. } => {
+                pose.turning.spin = Vector::from(*axis).normalize() * rate;
+                pose.in_place = pose.turning;
+            }
+            Motion::Fixed => {}
+        }
+        pose
+    }
+
+    /// Whether it ever moves.
+    pub fn moves(&self) -> bool {
+        !matches!(self.motion, Motion::Fixed)
+    }
+
+    /// Upper bound of how far a point of the wall within `radius` (m) of the motion's centre moves between two times (s), m, if it is
+    /// not mapped onto itself; of a driven one since it entered the list.
+    pub fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
+        match &self.motion {
+            Motion::Fixed => 0.0,
+            Motion::Translating { velocity, start, stop } => {
+                Vector::from(*velocity).norm() * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
+            }
+            Motion::Vibrating { .. } => self.motion.vibration().map_or(0.0, |vibration| {
+                (Vector::from(vibration.displacement(to)) - Vector::from(vibration.displacement(from))).norm()
+            }),
+            Motion::ForceDriven { .. } => (self.displacement - self.displacement_in_list).abs(),
+            _ if !self.turns => 0.0,
+            Motion::Rotating { rate, start, stop, .. } => {
+                rate.abs() * radius * (active_time(to, *start, *stop) - active_time(from, *start, *stop))
+            }
+            Motion::TorqueDriven { .. } => (self.displacement - self.displacement_in_list).abs() * radius,
+        }
+    }
+}
+
+/// The drive of a wall that has one; `number` is the wall's in the scene.
+pub(crate) fn drive_of(wall: &Wall, number: u32) -> Option<Drive> {
+    match wall.motion {
+        Motion::ForceDriven { axis, force, mass, start } => {
+            Some(Drive::new(number, Vector::from(axis).normalize(), None, force, mass, start))
+        }
+        Motion::TorqueDriven { point, axis, torque, moment_of_inertia, start } => {
+            let (axis, pivot) = (Vector::from(axis).normalize(), Some(Vector::from(point)));
+            Some(Drive::new(number, axis, pivot, torque, moment_of_inertia, start))
+        }
+        _ => None,
+    }
+}
+
+/// Time spent in motion up to `time`, s.
+fn active_time(time: f64, start: f64, stop: Option<f64>) -> f64 {
+    (stop.map_or(time, |stop| time.min(stop)) - start).max(0.0)
+}
+
+/// Time spent in turning up to `time`, less that of turning the other way, s.
+fn turning_time(time: f64, start: f64, stop: Option<f64>, reverse: Option<f64>) -> f64 {
+    let back = reverse.map_or(0.0, |reverse| active_time(time, reverse, stop));
+    active_time(time, start, stop) - 2.0 * back
+}
+
+fn is_active(time: f64, start: f64, stop: Option<f64>) -> bool {
+    time >= start && stop.is_none_or(|stop| time < stop)
+}
+
+fn rotates(motion: &Motion) -> bool {
+    matches!(motion, Motion::Rotating { .. } | Motion::TorqueDriven { .. })
+}
+
+/// Whether a motion maps a face onto itself, so that only velocities change.
+pub(super) fn keeps_in_place(face: &Face, motion: &Motion) -> bool {
+    match motion {
+        Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => {
+            face.turns_in_place(Vector::from(*point), Vector::from(*axis).normalize())
+        }
+        _ => matches!(motion, Motion::Fixed),
+    }
+}
+
+impl Pose {
+    /// A face of the wall where it now stands, if that is not where the scene places it; `in_place` if the motion maps it onto itself.
+    #[inline]
+    pub(super) fn moved(&self, face: &Face, in_place: bool) -> Option<Face> {
+        match &self.displacement {
+            Displacement::Nowhere => None,
+            Displacement::By(shift) => Some(face.moved(*shift)),
+            Displacement::About(..) if in_place => None,
+            Displacement::About(centre, rotation) => Some(face.turned(*centre, rotation)),
+        }
+    }
+
+    /// A point (m) of the world in the wall's own frame, in which the wall stands as the scene places it.
+    pub(super) fn in_wall(&self, point: &Vector) -> Vector {
+        match &self.displacement {
+            Displacement::Nowhere => *point,
+            Displacement::By(shift) => point - shift,
+            Displacement::About(centre, rotation) => centre + rotation.inverse().turn(point - centre),
+        }
+    }
+
+    /// A point (m) of the wall as the scene places it: where it stands.
+    pub(super) fn in_world(&self, point: &Vector) -> Vector {
+        match &self.displacement {
+            Displacement::Nowhere => *point,
+            Displacement::By(shift) => point + shift,
+            Displacement::About(centre, rotation) => centre + rotation.turn(point - centre),
+        }
+    }
+
+    #[inline]
+    fn turning(&self, in_place: bool) -> &Turning {
+        if in_place { &self.in_place } else { &self.turning }
+    }
+
+    /// Velocity of the wall at a point (m), m/s; in a step that of the step.
+    #[inline]
+    pub(super) fn velocity_at(&self, point: &Vector, in_place: bool) -> Vector {
+        let Turning { spin, centre } = self.turning(in_place);
+        self.velocity + spin.cross(&(point - centre))
+    }
+
+    /// What the wall's velocity has gained since the step before without a jump, m/s: no approach of what rests on it.
+    pub(crate) fn gain(&self) -> Vector {
+        self.gain
+    }
+
+    /// Angular velocity, rad/s.
+    pub(super) fn spin(&self, in_place: bool) -> Vector {
+        self.turning(in_place).spin
+    }
+
+    /// The path of a point (m) that moves at `velocity` (m/s) for a step (s), as seen from a face, m.
+    pub(super) fn path(&self, from: &Vector, velocity: &Vector, step: f64, in_place: bool) -> Vector {
+        let Turning { spin, centre } = self.turning;
+        if !in_place && spin != Vector::zeros() {
+            let end = from + (velocity - self.velocity) * step;
+            let turn = spin.norm();
+            return centre + Rotation::new(spin / turn, -turn * step).turn(end - centre) - from;
+        }
+        (velocity - self.velocity) * step
+    }
+
+    /// The longest path that [`Pose::path`] gives, m, whichever face sees it.
+    pub(crate) fn longest_path(&self, from: &Vector, velocity: &Vector, step: f64) -> f64 {
+        let seen = |in_place| self.path(from, velocity, step, in_place).norm();
+        seen(true).max(if self.turns { seen(false) } else { 0.0 })
+    }
+
+    /// The velocity that takes a point (m) where the wall takes it within a step (s), m/s.
+    pub(super) fn carries(&self, point: &Vector, step: f64, in_place: bool) -> Vector {
+        let Turning { spin, centre } = self.turning;
+        if !in_place && spin != Vector::zeros() {
+            let turn = spin.norm();
+            return (centre + Rotation::new(spin / turn, turn * step).turn(point - centre) - point) / step;
+        }
+        self.velocity_at(point, in_place)
+    }
+
+    /// Largest speed of a point of the wall within `radius` (m) of another (m), m/s; of faces that a rotation maps onto themselves only as far
+    /// as other motion goes.
+    pub(crate) fn largest_speed(&self, around: &Vector, radius: f64) -> f64 {
+        if self.turns { self.largest_speed_of(around, radius, false) } else { self.velocity.norm() }
+    }
+
+    /// The same of one face.
+    pub(super) fn largest_speed_of(&self, around: &Vector, radius: f64, in_place: bool) -> f64 {
+        let Turning { spin, centre } = self.turning;
+        let turning = if in_place { 0.0 } else { spin.norm() * ((around - centre).norm() + radius) };
+        self.velocity.norm() + turning
+    }
+}
