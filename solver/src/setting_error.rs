@@ -64,26 +64,26 @@ impl Obstacle {
 pub(crate) fn method_goes_with(
     method: SolverMethod,
     precision: Precision,
-    of_scene: Option<Obstacle>,
+    of_scene: impl FnOnce() -> Option<Obstacle>,
 ) -> Result<(), SettingError> {
-    let single = (precision == Precision::Single).then_some(Obstacle::SinglePrecision);
-    match of_scene.or(single) {
-        Some(obstacle) if method != SolverMethod::GaussSeidel => Err(SettingError::Method { method, obstacle }),
-        _ => Ok(()),
+    if method == SolverMethod::GaussSeidel {
+        return Ok(());
     }
+    let single = (precision == Precision::Single).then_some(Obstacle::SinglePrecision);
+    of_scene().or(single).map_or(Ok(()), |obstacle| Err(SettingError::Method { method, obstacle }))
 }
 
 /// Whether a precision goes with a method and with what a scene has, by the same rule.
 pub(crate) fn precision_goes_with(
     precision: Precision,
     method: SolverMethod,
-    of_scene: Option<Obstacle>,
+    of_scene: impl FnOnce() -> Option<Obstacle>,
 ) -> Result<(), SettingError> {
-    let other = (method != SolverMethod::GaussSeidel).then_some(Obstacle::Method);
-    match of_scene.or(other) {
-        Some(obstacle) if precision == Precision::Single => Err(SettingError::SinglePrecision(obstacle)),
-        _ => Ok(()),
+    if precision == Precision::Double {
+        return Ok(());
     }
+    let other = (method != SolverMethod::GaussSeidel).then_some(Obstacle::Method);
+    of_scene().or(other).map_or(Ok(()), |obstacle| Err(SettingError::SinglePrecision(obstacle)))
 }
 
 fn names(sets: &[InstructionSet]) -> String {

@@ -360,7 +360,7 @@ impl Simulation {
     /// [`SettingError::SinglePrecision`] where contacts bear torques, walls are driven or the method is another than Gauss-Seidel:
     /// these go with double precision alone.
     pub fn use_precision(&mut self, precision: Precision) -> Result<(), SettingError> {
-        precision_goes_with(precision, self.settings.method, self.obstacle())?;
+        precision_goes_with(precision, self.settings.method, || self.obstacle())?;
         self.settings.precision = precision;
         Ok(())
     }
@@ -394,7 +394,7 @@ impl Simulation {
     /// # Errors
     /// As for [`use_method`](Simulation::use_method).
     pub fn goes_with(&self, method: SolverMethod) -> Result<(), SettingError> {
-        method_goes_with(method, self.settings.precision, self.obstacle())
+        method_goes_with(method, self.settings.precision, || self.obstacle())
     }
 
     /// Stops the solves to come by another rule.

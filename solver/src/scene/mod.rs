@@ -28,6 +28,7 @@ pub use crate::effects::cohesion::Cohesion;
 pub use crate::effects::compliance::NormalLaw;
 use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
+use crate::setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
 pub use accuracy::Accuracy;
 pub use bearable::{Beforehand, Finding, Severity};
 pub use builder::{Face, SceneBuilder};
@@ -44,7 +45,6 @@ pub use types::{
 };
 pub use watch::{Reaction, Watch};
 
-use crate::setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -122,9 +122,8 @@ impl Scene {
     /// # Errors
     /// [`SettingError::SinglePrecision`] or [`SettingError::Method`] with what it does not go with.
     pub fn goes_with(&self, method: SolverMethod, precision: Precision) -> Result<(), SettingError> {
-        let obstacle = self.obstacle();
-        precision_goes_with(precision, method, obstacle)?;
-        method_goes_with(method, precision, obstacle)
+        precision_goes_with(precision, method, || self.obstacle())?;
+        method_goes_with(method, precision, || self.obstacle())
     }
 
     /// What goes with Gauss-Seidel in double precision alone, if the scene has it.
