@@ -1,8 +1,8 @@
 //! All that can go wrong with the use of the library, as one type.
 
 use crate::SettingError;
-use crate::checkpoint::CheckpointError;
 use crate::scene::{SceneError, SceneFileError};
+use crate::simulation::checkpoint::CheckpointError;
 use crate::solve::NotConverged;
 
 /// Why something could not be done.

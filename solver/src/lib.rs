@@ -43,7 +43,6 @@
 //! set: boxes, stages and lane groups depend on the scene alone, the lane width of eight is a part of the algorithm, and
 //! every lane does the same IEEE operations, without fused multiply-add and without approximate division or roots.
 
-pub mod checkpoint;
 #[doc(hidden)]
 pub mod constrain;
 mod contact;
@@ -53,7 +52,6 @@ pub mod detect;
 #[doc(hidden)]
 pub mod direct;
 pub mod effects;
-mod energy;
 mod error;
 mod execution;
 mod frame;
@@ -62,7 +60,6 @@ pub mod groups;
 pub mod interrupt;
 #[doc(hidden)]
 pub mod lanes;
-mod ledger;
 pub mod methods;
 #[doc(hidden)]
 pub mod partition;
@@ -72,7 +69,6 @@ pub mod problem;
 pub mod scene;
 #[doc(hidden)]
 pub mod schedule;
-mod setting_error;
 mod simulation;
 pub mod snapshot;
 mod solution_error;
@@ -80,7 +76,6 @@ mod solution_error;
 pub mod solve;
 #[doc(hidden)]
 pub mod sweep;
-mod swept;
 pub mod wall;
 pub mod watch;
 #[doc(hidden)]
@@ -88,27 +83,27 @@ pub mod world;
 
 pub use convergence::ConvergencePoint;
 pub use effects::EffectSet;
-pub use energy::Energy;
 pub use error::Error;
 pub use execution::{Execution, SimulationBuilder};
 pub use frame::Frame;
 pub use interrupt::Interrupt;
 pub use lanes::InstructionSet;
-pub use ledger::Balance;
 pub use partition::Portion;
+pub use scene::setting_error::{Obstacle, SettingError};
 pub use scene::{
     Axis, Cohesion, Domain, Face, GrainEntry, Material, Motion, NormalLaw, PairRule, Population, Precision,
     RadiusDistribution, Region, Scene, SceneBuilder, SceneError, SceneFileError, Shape, SolverMethod, SolverSettings,
     Stop, Wall,
 };
 pub use schedule::{Scheduler, StepTrace};
-pub use setting_error::{Obstacle, SettingError};
-pub use simulation::{PhaseSeconds, Simulation, StepReport};
+pub use simulation::energy::Energy;
+pub use simulation::ledger::Balance;
+pub use simulation::swept::Crossing;
+pub use simulation::{PhaseSeconds, Simulation, StepReport, checkpoint};
 pub use snapshot::{Contact, Partner, Snapshot};
 pub use solution_error::SolutionError;
 pub use solve::{NotConverged, SolveReport, StopReason};
 pub use sweep::{Residual, Residuals};
-pub use swept::Crossing;
 
 /// What tells this build from every other one whose bits may be others: the version and, behind a dash, 16 hexadecimal digits of a
 /// hash over the sources of the solver and the packages that compute. Builds of the same sources have the same, wherever and

@@ -6,11 +6,24 @@
 use crate::Simulation;
 use crate::effects::EffectSet;
 use crate::lanes::{Available, Eight, InstructionSet, Kernel, Lanes};
+use crate::partition::TaskGroups;
 use crate::scene::Precision;
-use crate::sweep::{Gauge, SweepOperands, SweepPass, start_driven};
+use crate::sweep::{Gauge, SweepBytes, SweepOperands, SweepPass, start_driven};
+use crate::world::Body;
 use std::hint::black_box;
 
 impl Simulation {
+    /// Bytes of a sweep over the contacts of the last step.
+    pub fn sweep_bytes(&self) -> SweepBytes {
+        let effects = self.effects();
+        let bodies = self.world.grains() * size_of::<Body>();
+        let groups = |of: fn(&TaskGroups) -> usize| self.layout.tasks().map(|(_, task)| of(task)).sum();
+        let (pairs, walls): (usize, usize) = (groups(|task| task.pairs.len()), groups(|task| task.walls.len()));
+        let read = pairs * effects.bytes_of_pairs() + walls * effects.bytes_of_walls();
+        let written = (pairs + walls) * effects.bytes_written();
+        SweepBytes { touched: read + bodies, moved: read + written + 2 * bodies }
+    }
+
     /// Builds the candidate list anew, whether it is stale or not. What was laid out before is gone: [`Self::constrain_once`]
     /// comes before the next sweep.
     pub fn detect_once(&mut self) {

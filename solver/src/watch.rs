@@ -1,9 +1,9 @@
 //! Watchdogs: what goes wrong without a word elsewhere is named here, with the grain, the step and the time.
 
-use crate::energy::ContactEnergy;
-use crate::ledger::work_of_changing_gravity;
 use crate::scene::{Reaction, Watch};
 use crate::simulation::StepReport;
+use crate::simulation::energy::ContactEnergy;
+use crate::simulation::ledger::work_of_changing_gravity;
 use crate::solve::{StopReason, residual_unit};
 use crate::{Crossing, Simulation};
 use nalgebra::Vector3;

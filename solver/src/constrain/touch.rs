@@ -72,7 +72,7 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
 }
 
 /// Distance of a grain's centre to a wall, over its radius, below which a slow grain may cross it in a step.
-const DEEP: f64 = crate::swept::SHORT;
+const DEEP: f64 = crate::wall::SHORT_WAY;
 
 /// Blocks of candidates whose distances are computed before they are packed.
 const BATCH: usize = 64;

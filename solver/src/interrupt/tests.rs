@@ -1,4 +1,5 @@
 use super::*;
+use crate::Simulation;
 use crate::lanes::InstructionSet;
 use crate::scene::{Scene, SolverMethod};
 use crate::schedule::Scheduler;

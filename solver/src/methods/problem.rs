@@ -110,6 +110,11 @@ pub(crate) struct StepSums {
 }
 
 impl Problem<'_> {
+    /// Whether the solve has been asked to stop.
+    pub fn is_interrupted(&self) -> bool {
+        is_heeded(self.settings) && self.interrupt.is_requested()
+    }
+
     /// Numbers the lane groups, so that vectors over contacts can be made.
     pub fn number_groups(&mut self) {
         let starts = &mut self.workspace.starts;

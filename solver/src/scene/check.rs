@@ -9,7 +9,7 @@ use super::{
 };
 use crate::effects::catalogue::coefficients;
 use crate::effects::resistance::{ROLLING, TWISTING};
-use crate::setting_error::{Obstacle, SettingError};
+use crate::scene::setting_error::{Obstacle, SettingError};
 
 /// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
 const MOST_GRAINS: f64 = 1e8;

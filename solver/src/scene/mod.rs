@@ -28,7 +28,7 @@ pub use crate::effects::cohesion::Cohesion;
 pub use crate::effects::compliance::NormalLaw;
 use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
-use crate::setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
+use crate::scene::setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
 pub use accuracy::Accuracy;
 pub use bearable::{Beforehand, Finding, Severity};
 pub use builder::{Face, SceneBuilder};

@@ -1,10 +1,8 @@
 //! Bytes of sweeps: what a contact takes in its lane group, and what sweeps over a step's contacts move.
 
-use crate::Simulation;
 use crate::effects::{EffectSet, Effects, with_effects};
 use crate::groups::{PairGroup, TorqueLanes, WallGroup, WallTorqueLanes};
 use crate::lanes::{Eight, LANES};
-use crate::world::Body;
 
 /// Arrays of impulses that a sweep writes: one along the normal, and three components of each other kind.
 const NORMAL: usize = size_of::<Eight>();
@@ -28,32 +26,18 @@ impl EffectSet {
     }
 
     /// Bytes of the lane groups of eight contacts of two grains.
-    fn bytes_of_pairs(&self) -> usize {
+    pub(crate) fn bytes_of_pairs(&self) -> usize {
         let torques = if self.torques() { size_of::<TorqueLanes>() } else { 0 };
         with_effects!(*self, E => size_of::<PairGroup<<E as Effects>::Tangential>>()) + torques
     }
 
     /// Bytes of the lane groups of eight contacts with walls, which have room for friction in any case.
-    fn bytes_of_walls(&self) -> usize {
+    pub(crate) fn bytes_of_walls(&self) -> usize {
         size_of::<WallGroup>() + if self.torques() { size_of::<WallTorqueLanes>() } else { 0 }
     }
 
     /// Bytes of the impulses of eight contacts, which a sweep writes.
-    fn bytes_written(&self) -> usize {
+    pub(crate) fn bytes_written(&self) -> usize {
         NORMAL + usize::from(self.tangential()) * VECTOR + usize::from(self.torques()) * VECTOR
-    }
-}
-
-impl Simulation {
-    /// Bytes of a sweep over the contacts of the last step.
-    pub fn sweep_bytes(&self) -> SweepBytes {
-        let effects = self.effects();
-        let bodies = self.world.grains() * size_of::<Body>();
-        let groups =
-            |of: fn(&crate::partition::TaskGroups) -> usize| self.layout.tasks().map(|(_, task)| of(task)).sum();
-        let (pairs, walls): (usize, usize) = (groups(|task| task.pairs.len()), groups(|task| task.walls.len()));
-        let read = pairs * effects.bytes_of_pairs() + walls * effects.bytes_of_walls();
-        let written = (pairs + walls) * effects.bytes_written();
-        SweepBytes { touched: read + bodies, moved: read + written + 2 * bodies }
     }
 }

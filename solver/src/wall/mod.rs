@@ -32,6 +32,9 @@ use std::ops::Range;
 
 type Vector = Vector3<f64>;
 
+/// Share of its radius up to which a grain that moves no farther in a step, and is no nearer to a face, cannot cross it.
+pub(crate) const SHORT_WAY: f64 = 0.5;
+
 /// All walls of a scene, as they are placed, and how they move.
 #[derive(Clone, Debug)]
 pub struct Walls {

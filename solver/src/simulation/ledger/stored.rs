@@ -3,7 +3,7 @@
 use crate::detect::Candidates;
 use crate::effects::cohesion::Pull;
 use crate::effects::compliance::{NormalContact, NormalLaw};
-use crate::energy::ContactEnergy;
+use crate::simulation::energy::ContactEnergy;
 use crate::wall::Pose;
 use crate::world::World;
 use nalgebra::Vector3;

@@ -3,10 +3,10 @@
 use super::{MARK, open};
 use crate::Simulation;
 use crate::detect::{AngularImpulse, Impulse, PairCandidate, WallCandidate};
-use crate::ledger::Ledger;
 use crate::partition::Plan;
 use crate::scene::Scene;
 use crate::schedule::Team;
+use crate::simulation::ledger::Ledger;
 use crate::world::{Body, Sphere, World};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};

@@ -14,19 +14,16 @@
 //! face that it comes to first, in the one-contact solution, and its new path is looked at again. Prescribed walls take no notice;
 //! driven ones take the opposite impulse at once. No other grain feels it before the next step.
 
+use super::ledger::WallImpulse;
 use crate::Simulation;
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
-use crate::ledger::WallImpulse;
 use crate::schedule::{Each, Phase, Team};
-use crate::wall::{Impact, Pose, WallsAt};
+use crate::wall::{Impact, Pose, SHORT_WAY, WallsAt};
 use crate::world::{Body, Sphere, World, by_chunk, chunk, chunk_of, chunks};
 use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
-
-/// Share of its radius up to which a grain that moves no farther in a step, and is no nearer to a face, cannot cross this.
-pub(crate) const SHORT: f64 = 0.5;
 
 /// Level of a long path over the distance at the start, or over the radius.
 const LONG_LEVEL: f64 = 0.9;
@@ -120,7 +117,7 @@ impl Pace {
     #[inline(always)]
     fn is_swift(&self, sphere: &Sphere, body: &Body) -> bool {
         let [x, y, z] = body.velocity;
-        let limit = sphere.radius * (SHORT / self.step) - self.walls;
+        let limit = sphere.radius * (SHORT_WAY / self.step) - self.walls;
         limit <= 0.0 || x * x + y * y + z * z > limit * limit
     }
 
@@ -157,10 +154,10 @@ fn first_impact(world: &World, walls: &WallsAt<'_>, place: usize, step: f64) -> 
         if distance > length + sphere.radius || distance <= 0.0 {
             return;
         }
-        let long = length > SHORT * sphere.radius;
+        let long = length > SHORT_WAY * sphere.radius;
         let level = match long {
             true => LONG_LEVEL * distance.min(sphere.radius),
-            false if distance < SHORT * sphere.radius => SHORT_LEVEL * distance,
+            false if distance < SHORT_WAY * sphere.radius => SHORT_LEVEL * distance,
             false => return,
         };
         // Past a rim a path may come to a face that it did not come near before.

@@ -32,11 +32,11 @@ pub use balance::Balance;
 #[allow(unused_imports)] // For those who will book any.
 pub(crate) use walls::WallImpulse;
 
+use super::energy::Energy;
 use crate::Simulation;
 use crate::detect::Candidates;
 use crate::effects::cohesion::Pull;
 use crate::effects::compliance::{NormalContact, NormalScheme};
-use crate::energy::Energy;
 use crate::groups::ContactLanes;
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use crate::partition::TaskGroups;

@@ -1,7 +1,7 @@
 //! What a ledger says when it is asked.
 
 use crate::Simulation;
-use crate::energy::Energy;
+use crate::simulation::energy::Energy;
 use serde::{Deserialize, Serialize};
 
 /// Energy (J) and momentum (kg m/s) since the ledger was opened.

@@ -1,0 +1,241 @@
+//! A simulation as a caller sees it, and all that goes by its insides.
+//!
+//! ```text
+//! step.rs         the time step: detect, constrain, solve, move
+//! swept.rs        grains that would pass a wall within a step
+//! interrupted.rs  a step that is given up
+//! settings.rs     threads, instruction set, precision, method, stop
+//! energy.rs       mechanical energy of a state
+//! ledger/         where energy and momentum come from and where they go
+//! checkpoint/     a state written down, to go on from
+//! ```
+
+pub mod checkpoint;
+pub(crate) mod energy;
+mod interrupted;
+pub(crate) mod ledger;
+mod settings;
+mod step;
+pub(crate) mod swept;
+
+use crate::constrain::Constrainer;
+use crate::detect::Candidates;
+use crate::effects::EffectSet;
+use crate::interrupt::Interrupt;
+use crate::lanes::{Available, InstructionSet, PREFETCH};
+use crate::methods::Solver;
+use crate::partition::{BoxGrid, Layout};
+use crate::scene::{Scene, SceneError, SolverSettings, populate};
+use crate::schedule::Team;
+use crate::solve::SolveReport;
+use crate::sweep::Relaxation;
+use crate::world::{Body, Sphere, World};
+use checkpoint::checksum;
+use ledger::Ledger;
+use serde::{Deserialize, Serialize};
+use swept::Swept;
+
+/// A scene in motion.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    pub(crate) world: World,
+    pub(crate) settings: SolverSettings,
+    pub(crate) candidates: Candidates,
+    pub(crate) relaxation: Relaxation,
+    /// Lane groups ahead of a sweep to fetch, where that was said; elsewhere it goes by the size of the step.
+    prefetch: Option<usize>,
+    pub(crate) constrainer: Constrainer,
+    pub(crate) layout: Layout,
+    pub(crate) solver: Solver,
+    pub(crate) team: Team,
+    pub(crate) steps: u64,
+    pub(crate) contact_sweeps: u64,
+    pub(crate) ledger: Option<Ledger>,
+    pub(crate) swept: Swept,
+    pub(crate) interrupt: Interrupt,
+    /// Work that walls did on grains in the last step besides what the solve tells, J.
+    pub(crate) work_outside_of_the_solve: f64,
+    phases: PhaseSeconds,
+}
+
+/// Wall time spent in each phase of the steps so far, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PhaseSeconds {
+    /// Candidate list.
+    pub detect: f64,
+    /// Gaps, normals, constraint data, lane groups, warm start.
+    pub constrain: f64,
+    /// Sweeps.
+    pub sweep: f64,
+    /// Forces, motion, remembering impulses.
+    pub integrate: f64,
+}
+
+/// What a step did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepReport {
+    /// The solve.
+    pub solve: SolveReport,
+    /// Number of contacts.
+    pub contacts: usize,
+}
+
+impl Simulation {
+    /// Places the scene's grains and makes ready for the first step.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the scene breaks a rule that scenes from files have to keep ([`Scene::check`]), or if its grains do not fit their
+    /// container or overlap.
+    pub fn new(scene: &Scene, seed: u64) -> Result<Simulation, SceneError> {
+        scene.check()?;
+        let grains = populate(scene, seed)?;
+        Ok(Simulation::of_world(scene, World::new(scene, &grains)))
+    }
+
+    pub(crate) fn of_world(scene: &Scene, mut world: World) -> Simulation {
+        let (largest, mean) = world.largest_and_mean_radius();
+        let wanted = scene.solver.reach(mean, world.field.largest());
+        let skin = wanted.min(world.longest_reach()).max(scene.solver.skin * mean);
+        let reach = skin + world.range_of_cohesion();
+        let boxes = BoxGrid::new(&world.domain, &world.period, world.grains(), largest, reach);
+        world.add_dummies(boxes.boxes());
+        let effects = world.table.effects();
+        Simulation {
+            relaxation: Relaxation { instruction_set: Available::detect(), scalar: false, effects, prefetch: PREFETCH },
+            prefetch: None,
+            candidates: Candidates::new(&boxes, &world, skin, scene.solver.step, effects.torques()),
+            constrainer: Constrainer::new(&world, &scene.solver),
+            world,
+            settings: scene.solver.clone(),
+            layout: Layout::new(boxes.tasks()),
+            solver: Solver::new(scene.solver.method),
+            team: Team::default(),
+            steps: 0,
+            contact_sweeps: 0,
+            ledger: None,
+            swept: Swept::default(),
+            interrupt: Interrupt::new(),
+            work_outside_of_the_solve: 0.0,
+            phases: PhaseSeconds::default(),
+        }
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.world.time
+    }
+
+    /// Steps taken.
+    pub fn steps_taken(&self) -> u64 {
+        self.steps
+    }
+
+    /// Time step, s.
+    pub fn time_step(&self) -> f64 {
+        self.settings.step
+    }
+
+    /// The effects that the scene calls for, as far as the sweep kernel has to know them.
+    pub fn effects(&self) -> EffectSet {
+        self.relaxation.effects
+    }
+
+    /// Instruction set of the sweep kernel.
+    pub fn instruction_set(&self) -> InstructionSet {
+        self.relaxation.instruction_set.name()
+    }
+
+    /// Contacts times sweeps, summed over the steps taken.
+    pub fn contact_sweeps(&self) -> u64 {
+        self.contact_sweeps
+    }
+
+    /// Wall time of the phases, summed over the steps taken.
+    pub fn phase_seconds(&self) -> PhaseSeconds {
+        self.phases
+    }
+
+    /// The contacts of the last step as they were laid out.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Number of times that the candidate list was built.
+    pub fn rebuilds(&self) -> u64 {
+        self.candidates.rebuilds
+    }
+
+    /// Hash of the state (time, positions, velocities, spins, grain by grain, then driven walls): FNV-1a, 64 bits, over their bits.
+    pub fn state_hash(&self) -> u64 {
+        let mut bytes = self.world.time.to_bits().to_le_bytes().to_vec();
+        for place in self.places_by_id() {
+            let (sphere, body) = (&self.world.spheres[place as usize], &self.world.bodies[place as usize]);
+            let values = sphere.centre.iter().chain(&body.velocity).chain(&body.surface_speed);
+            bytes.extend(values.flat_map(|value| value.to_bits().to_le_bytes()));
+        }
+        let driven = self.world.drives.iter().flat_map(|drive| [drive.displacement, drive.rate]);
+        bytes.extend(driven.flat_map(|value| value.to_bits().to_le_bytes()));
+        checksum(&bytes)
+    }
+
+    /// Place of each grain, by id.
+    pub(crate) fn places_by_id(&self) -> Vec<u32> {
+        let mut places = vec![0; self.world.grains()];
+        for (place, &id) in self.world.ids.iter().enumerate() {
+            places[id as usize] = place as u32;
+        }
+        places
+    }
+
+    /// Id of the first grain whose state is not finite.
+    pub fn not_finite(&self) -> Option<u32> {
+        self.first_grain(|sphere, body| {
+            let values = sphere.centre.iter().chain(&body.velocity).chain(&body.surface_speed);
+            values.fold(0.0, |sum, value| sum + 0.0 * value) != 0.0
+        })
+    }
+
+    /// Smallest id of the grains of which something holds.
+    pub(crate) fn first_grain(&self, holds: impl Fn(&Sphere, &Body) -> bool) -> Option<u32> {
+        let World { spheres, bodies, ids, .. } = &self.world;
+        let grains = spheres.iter().zip(bodies).zip(ids);
+        grains.filter(|((sphere, body), _)| holds(sphere, body)).map(|(_, &id)| id).min()
+    }
+
+    /// Bytes that the simulation holds for its bodies, candidates and contacts.
+    pub fn memory_bytes(&self) -> usize {
+        self.world.memory_bytes()
+            + self.candidates.memory_bytes()
+            + self.layout.memory_bytes()
+            + self.constrainer.memory_bytes()
+            + self.solver.memory_bytes()
+    }
+
+    /// Threads and the way in which they share tasks.
+    pub fn team(&self) -> &Team {
+        &self.team
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn set_up_fetches_ahead_what_is_too_large_for_the_cache() {
+        let fetches = |count: usize| {
+            let text = format!(
+                "name = 'cloud'\ndescription = ''\nduration = 1\ngravity = [0, 0, 0]\n\
+                 domain = {{ min = [0, 0, 0], max = [1, 1, 1] }}\n\
+                 [material.grain]\ndensity = 2500\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nrestitution = 0.5\nfriction = 0\n\
+                 [[population]]\ncount = {count}\nmaterial = 'grain'\nradius = {{ kind = 'uniform', mean = 0.005, spread = 0 }}\n\
+                 region = {{ kind = 'box', min = [0, 0, 0], max = [1, 1, 1] }}\n"
+            );
+            let mut simulation = Simulation::new(&Scene::parse(&text).unwrap(), 1).unwrap();
+            assert_eq!(simulation.step().contacts, 0, "bodies alone count");
+            simulation.constrainer.fetches
+        };
+        assert!(!fetches(1_000), "64 KB of bodies");
+        assert!(fetches(20_000), "1.3 MB of bodies");
+    }
+}

@@ -1,0 +1,163 @@
+//! The time step.
+
+use super::{Simulation, StepReport};
+use crate::lanes::Quad;
+use crate::schedule::{Phase, StepTrace, Team};
+use crate::solve::{StopReason, solve};
+use crate::sweep::start_driven;
+use crate::world::{World, by_chunk, chunk, chunks};
+use std::time::Instant;
+
+impl Simulation {
+    /// Advances by one time step, unless it is [interrupted](crate::interrupt): then all is as before it, and the report says so.
+    pub fn step(&mut self) -> StepReport {
+        let team = self.team.clone();
+        team.enter(|| self.step_of(&team))
+    }
+
+    /// Advances by one time step and tells how long each task took.
+    pub fn trace_step(&mut self) -> (StepReport, StepTrace) {
+        let team = self.team.traced();
+        let report = team.enter(|| self.step_of(&team));
+        (report, team.take_trace())
+    }
+
+    fn step_of(&mut self, team: &Team) -> StepReport {
+        self.work_outside_of_the_solve = 0.0;
+        // The contact problem of the step.
+        self.pose_problem(team);
+        let clock = Clock::start();
+        // Iterations until the settings say stop.
+        let Simulation { world, settings, layout, relaxation, solver, interrupt, .. } = self;
+        let solve = solve(world, layout, relaxation, settings, team, solver, interrupt);
+        let clock = clock.lap(&mut self.phases.sweep);
+        if solve.reason == StopReason::Interrupted {
+            self.abandon_step();
+            return StepReport { solve, contacts: 0 };
+        }
+        if let Some(mut ledger) = self.ledger.take() {
+            ledger.note(self, self.constrainer.scheme());
+            self.ledger = Some(ledger);
+        }
+        // Walls that grains would pass within the step.
+        let stopped = self.stop_ahead(team);
+        // Motion with the new velocities.
+        self.remember_impulses(team);
+        self.move_bodies(stopped, team);
+        clock.lap(&mut self.phases.integrate);
+        let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.sweeps_per_iteration());
+        self.contact_sweeps += sweeps * self.layout.contacts as u64;
+        StepReport { solve, contacts: self.layout.contacts }
+    }
+
+    /// Poses the next step's contact problem: contacts laid out with the impulses that they start from, and bodies with the
+    /// velocities that go with these.
+    pub(crate) fn pose_problem(&mut self, team: &Team) {
+        let set = self.relaxation.instruction_set;
+        let clock = Clock::start();
+        // Which grains and walls may touch.
+        let unknown = self.may_be_swift() && self.candidates.miss_a_wall(&self.world, team);
+        if unknown || self.candidates.are_stale(&self.world, team) {
+            self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, team);
+        }
+        let clock = clock.lap(&mut self.phases.detect);
+        if let Some(ledger) = &mut self.ledger {
+            ledger.begin(&self.world, &self.candidates, self.constrainer.scheme());
+        }
+        // Forces.
+        self.apply_gravity(self.settings.step, team);
+        let clock = clock.lap(&mut self.phases.integrate);
+        // Which do, as constraints laid out in boxes, stages and lane groups; they start from their last impulses.
+        self.constrain(team);
+        start_driven(&self.layout, &mut self.world.drives);
+        clock.lap(&mut self.phases.constrain);
+    }
+
+    /// Keeps the velocities, and spins where they are asked for, at the start of a step of length `h` (s), then lets gravity
+    /// act on the grains, and on driven walls what drives them.
+    pub(crate) fn apply_gravity(&mut self, h: f64, team: &Team) {
+        let change = self.world.gravity * h;
+        let (time, gravity) = (self.world.time, self.world.gravity);
+        self.world.drives.iter_mut().for_each(|drive| drive.begin(time, h, &gravity));
+        let spins = self.keeps_spins();
+        let (grains, count) = (self.world.grains(), self.world.bodies.len());
+        let World { bodies, before, spins_before, .. } = &mut self.world;
+        before.resize(count, Quad::default());
+        spins_before.resize(if spins { count } else { 0 }, Quad::default());
+        let shares = (by_chunk(bodies), [by_chunk(before), by_chunk(spins_before)]);
+        team.each_with(Phase::Integrate, chunks(count), shares, |number, (bodies, [before, spins_before])| {
+            let places = chunk(number, count);
+            let falling = places.start..places.end.min(grains).max(places.start);
+            for (body, spin) in bodies.iter().zip(spins_before) {
+                let [x, y, z] = body.surface_speed;
+                *spin = Quad([x, y, z, 0.0]);
+            }
+            for (body, before) in bodies.iter().zip(before) {
+                let [x, y, z] = body.velocity;
+                *before = Quad([x, y, z, body.inverse_mass]);
+            }
+            for body in &mut bodies[..falling.len()] {
+                for axis in 0..3 {
+                    body.velocity[axis] += change[axis];
+                }
+            }
+        });
+    }
+
+    pub(crate) fn constrain(&mut self, team: &Team) {
+        self.layout.fit(self.candidates.tasks());
+        // Bodies, and contacts about as many as in the last step.
+        self.constrainer.fetches = self.layout.prefetch(self.world.bodies.len()) > 0;
+        let Simulation { world, candidates, relaxation, constrainer, layout, .. } = self;
+        constrainer.constrain(world, candidates, relaxation, team, layout);
+        self.choose_prefetch();
+    }
+
+    /// Fetches as far ahead as was said, or as pays for what is laid out.
+    pub(super) fn choose_prefetch(&mut self) {
+        let pays = self.layout.prefetch(self.world.bodies.len());
+        self.relaxation.prefetch = self.prefetch.unwrap_or(pays);
+    }
+
+    fn move_bodies(&mut self, stopped: bool, team: &Team) {
+        let h = self.settings.step;
+        self.move_grains(stopped, team);
+        self.world.drives.iter_mut().for_each(|drive| drive.advance(h));
+        self.world.place_driven_walls();
+        self.steps += 1;
+        let (time, gravity) = (self.world_time_after(self.steps), self.world.gravity);
+        self.world.set_time(time);
+        if let Some(ledger) = &mut self.ledger {
+            ledger.settle(&self.world, &self.candidates, self.constrainer.scheme());
+            ledger.change_gravity(&self.world, gravity, h);
+        }
+    }
+
+    /// Time after a number of steps: a product, so that it gathers no rounding error.
+    pub(crate) fn world_time_after(&self, steps: u64) -> f64 {
+        steps as f64 * self.settings.step
+    }
+
+    fn remember_impulses(&mut self, team: &Team) {
+        let (relaxation, layout) = (&self.relaxation, &self.layout);
+        let (impulses, _) = self.candidates.impulses.shares();
+        layout.plan.run_all(team, Phase::Integrate, impulses, |_, task, impulses| {
+            relaxation.remember(&layout.groups[task.number as usize], impulses.into());
+        });
+    }
+}
+
+/// Laps of wall time.
+struct Clock(Instant);
+
+impl Clock {
+    fn start() -> Clock {
+        Clock(Instant::now())
+    }
+
+    fn lap(self, sum: &mut f64) -> Clock {
+        let now = Instant::now();
+        *sum += (now - self.0).as_secs_f64();
+        Clock(now)
+    }
+}
