@@ -26,7 +26,7 @@
 //!
 //! A scene comes from code, as here, or from a file ([`Scene::load`]); [`Simulation`] steps it; [`Frame`] and
 //! [`Snapshot`](snapshot::Snapshot) are what leaves it; [`watch`] notices when its numbers are worthless; [`Error`] is all that can go
-//! wrong. The laws of contacts and walls stand in [`effects`], the methods of solution in [`methods`].
+//! wrong. The laws of contacts stand in [`effects`], walls in [`wall`], the methods of solution in [`methods`].
 //!
 //! ```text
 //! scene.toml, builder -- scene --> World --+
