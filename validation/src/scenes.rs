@@ -3,7 +3,6 @@
 //! A folder `reference-scenes` here or above goes before what the program holds. What it holds are the scenes and the references
 //! recorded on them, as they were when it was built; no path of the machine that built it is looked at.
 
-use crate::compare::{Reference, ReferenceError};
 use crate::observables::catalogue;
 use crate::plan::Scene;
 use makadam::scene::SceneFileError;
@@ -152,21 +151,10 @@ pub fn load(file: &Path) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-/// What is recorded on the scene of a file, if anything is.
-///
-/// # Errors
-/// [`ReferenceError`].
-pub fn reference(scene_file: &Path) -> Result<Option<Reference>, ReferenceError> {
-    let folder = Reference::folder(scene_file);
-    match is_built_in(scene_file) {
-        true => Reference::read(&folder, &read),
-        false => Reference::load(&folder),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::Reference;
 
     #[test]
     fn every_reference_scene_is_held_with_its_references() {
@@ -177,9 +165,9 @@ mod tests {
             assert!(is_built_in(&file), "{}", file.display());
             let on_disk = folder.join("reference-scenes").join(name).join("scene.toml");
             assert_eq!(load(&file).unwrap(), load(&on_disk).unwrap(), "{name}");
-            assert_eq!(reference(&file).unwrap(), reference(&on_disk).unwrap(), "{name}");
+            assert_eq!(Reference::of_scene(&file).unwrap(), Reference::of_scene(&on_disk).unwrap(), "{name}");
         }
-        assert!(reference(&find("packing", &[]).unwrap()).unwrap().is_some());
+        assert!(Reference::of_scene(&find("packing", &[]).unwrap()).unwrap().is_some());
     }
 
     #[test]

@@ -4,12 +4,12 @@ use super::error::{Fault, short};
 use super::names;
 use super::periodic;
 use super::place::{Checked, Place};
+use super::setting_error::{Obstacle, SettingError};
 use super::{
     ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop,
 };
 use crate::effects::catalogue::coefficients;
 use crate::effects::resistance::{ROLLING, TWISTING};
-use crate::scene::setting_error::{Obstacle, SettingError};
 
 /// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
 const MOST_GRAINS: f64 = 1e8;

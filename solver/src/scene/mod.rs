@@ -17,6 +17,7 @@ mod names;
 mod periodic;
 mod place;
 mod populate;
+pub(crate) mod setting_error;
 mod settings;
 mod types;
 mod unread;
@@ -28,7 +29,6 @@ pub use crate::effects::cohesion::Cohesion;
 pub use crate::effects::compliance::NormalLaw;
 use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
-use crate::scene::setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
 pub use accuracy::Accuracy;
 pub use bearable::{Beforehand, Finding, Severity};
 pub use builder::{Face, SceneBuilder};
@@ -38,6 +38,7 @@ pub use file::SceneFileError;
 pub(crate) use periodic::REACHES;
 pub use place::{Checked, Place};
 pub use populate::{Grain, populate};
+use setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
 pub use settings::{MOST_MEMORY, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
     Axis, ContactCoefficients, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region,

@@ -1,7 +1,7 @@
 //! Why a simulation cannot be carried out, or solved, as was asked.
 
-use crate::lanes::InstructionSet;
 use super::{Precision, SolverMethod};
+use crate::lanes::InstructionSet;
 
 /// Why a setting was refused; the simulation stays as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -5,7 +5,8 @@ mod one_scene;
 pub use one_scene::{JudgeError, Judged, OneScene};
 
 use crate::compare::{
-    Announce, CodeRuns, CodeSummary, Comparison, Harvest, ReferenceError, Runs, Timing, comparison, live_checks,
+    Announce, CodeRuns, CodeSummary, Comparison, Harvest, Reference, ReferenceError, Runs, Timing, comparison,
+    live_checks,
 };
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
 use crate::plan::Scene;
@@ -205,7 +206,7 @@ impl Case {
             let remedy = "give a margin under [[compare]]".into();
             return Err(SceneError::from(SceneFileError::Invalid { file, line: None, problem, remedy }).into());
         }
-        let reference = scenes::reference(&file)?.unwrap_or_default();
+        let reference = Reference::of_scene(&file)?.unwrap_or_default();
         let mut case = Case {
             name,
             seeds: reference.seeds().max(FEWEST_SEEDS),

@@ -5,7 +5,6 @@ use crate::peers::{Code, CodeError};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::Qualification;
-use crate::scenes;
 use rayon::prelude::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -77,7 +76,7 @@ impl OneScene<'_> {
             return Err(JudgeError::NothingToCompare { scene: scene.name.clone() });
         }
         let clock = Instant::now();
-        let reference = scenes::reference(self.scene_file)?;
+        let reference = Reference::of_scene(self.scene_file)?;
         let seeds = self.seeds.or_else(|| reference.as_ref().map(Reference::seeds)).unwrap_or(FEW_SEEDS);
         let runs = Runs {
             scene,

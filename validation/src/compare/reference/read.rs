@@ -6,6 +6,7 @@ use super::{
 };
 use crate::observables::Measurement;
 use crate::output::cells::as_meant;
+use crate::scenes;
 use makadam::snapshot::Particle;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
@@ -40,6 +41,18 @@ pub enum ReferenceError {
 }
 
 impl Reference {
+    /// What is recorded on the scene of a file, on a disk or in the program, if anything is.
+    ///
+    /// # Errors
+    /// As [`Reference::load`].
+    pub fn of_scene(scene_file: &Path) -> Result<Option<Reference>, ReferenceError> {
+        let folder = Reference::folder(scene_file);
+        match scenes::is_built_in(scene_file) {
+            true => Reference::read(&folder, &scenes::read),
+            false => Reference::load(&folder),
+        }
+    }
+
     /// Reads the references in a folder; `None` if there is no `runs.csv`.
     ///
     /// # Errors
