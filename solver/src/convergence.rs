@@ -2,7 +2,7 @@
 
 use crate::methods::{Problem, Solver};
 use crate::scene::SolverMethod;
-use crate::solve::{gauge, residual_unit};
+use crate::solve::{level, residual_unit};
 use crate::sweep::Residuals;
 use crate::world::World;
 use crate::{SettingError, Simulation};
@@ -49,7 +49,7 @@ impl Simulation {
                     problem.enter_precision();
                 }
                 // Over-relaxation needs to know whether the residual grows, as often as in a solve of many sweeps.
-                method.iterate(&mut problem, gauge(number, false));
+                method.iterate(&mut problem, level(number, false));
                 seconds += clock.elapsed().as_secs_f64();
                 // Sweeps in single precision work on a copy, and go on from it.
                 problem.leave_precision();

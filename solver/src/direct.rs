@@ -71,7 +71,7 @@ pub struct DirectSolution {
     /// Velocities at the end of the step, by grain id, m/s.
     pub velocities: Vec<[f64; 3]>,
     /// Surface speeds (radius times angular velocity) at the end of the step, by grain id, m/s.
-    pub surface_speeds: Vec<[f64; 3]>,
+    pub scaled_spins: Vec<[f64; 3]>,
     /// Rates of driven walls at the end of the step, in the order of the scene, m/s or rad/s.
     pub wall_rates: Vec<f64>,
     /// Impulses on the second body or wall of each contact that may bear one, N s.
@@ -97,7 +97,7 @@ impl Simulation {
         let impulses = problem.impulses_of(&local, &direct.impulses);
         let state = problem.state_of(&impulses);
         let (grains, drives) = (problem.grains, &self.world.drives);
-        let surface_speed =
+        let scaled_spin =
             |(place, spin): (u32, &Vector3<f64>)| (spin * self.world.spheres[place as usize].radius).into();
         let moving = state.velocities[grains..].iter().zip(&state.spins[grains..]);
         let rate =
@@ -105,7 +105,7 @@ impl Simulation {
         let vector = |&number: &usize| impulses[number].vector(&problem.contacts[number].normal).into();
         Ok(DirectSolution {
             velocities: state.velocities[..grains].iter().map(|&velocity| velocity.into()).collect(),
-            surface_speeds: self.places_by_id().into_iter().zip(&state.spins).map(surface_speed).collect(),
+            scaled_spins: self.places_by_id().into_iter().zip(&state.spins).map(scaled_spin).collect(),
             wall_rates: drives.iter().zip(moving).map(rate).collect(),
             impulses: local.contacts.iter().map(vector).collect(),
             residual: direct.residual,

@@ -8,7 +8,7 @@ use crate::effects::EffectSet;
 use crate::lanes::{Available, Eight, InstructionSet, Kernel, Lanes};
 use crate::partition::TaskGroups;
 use crate::scene::Precision;
-use crate::sweep::{Gauge, SweepBytes, SweepOperands, SweepPass, start_driven};
+use crate::sweep::{ResidualLevel, SweepBytes, SweepOperands, SweepPass, start_driven};
 use crate::world::Body;
 use std::hint::black_box;
 
@@ -87,10 +87,10 @@ impl Simulation {
                     }
                     Precision::Single => SweepOperands::Single(single),
                 };
-                let pass = SweepPass { factor: 1.0, inner: 1, stops: || false, gauge: Gauge::Off };
+                let pass = SweepPass { factor: 1.0, inner: 1, stops: || false, level: ResidualLevel::Off };
                 relaxation.sweep_all(&layout.plan, operands, &pass, &mut nowhere, &team);
                 if !world.drives.is_empty() {
-                    relaxation.sweep_driven(&mut world.bodies, layout, &mut world.drives, 1.0, Gauge::Off);
+                    relaxation.sweep_driven(&mut world.bodies, layout, &mut world.drives, 1.0, ResidualLevel::Off);
                 }
             }
         });

@@ -80,7 +80,7 @@ impl Simulation {
                 position: world.wrapped(&sphere.centre).into(),
                 radius: sphere.radius,
                 velocity: body.velocity,
-                spin: body.surface_speed.map(|component| component / sphere.radius),
+                spin: body.scaled_spin.map(|component| component / sphere.radius),
             }
         };
         let particles = self.places_by_id().into_iter().enumerate().map(particle).collect();

@@ -5,7 +5,7 @@ use crate::methods::{Problem, Solver};
 use crate::partition::Layout;
 use crate::scene::{SolverSettings, Stop};
 use crate::schedule::Team;
-use crate::sweep::{Gauge, Relaxation, Residuals, tell_driven};
+use crate::sweep::{Relaxation, ResidualLevel, Residuals, tell_driven};
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -106,8 +106,8 @@ pub(crate) fn solve(
     report.reason = loop {
         let sweep = report.sweeps + 1;
         let last = timed || sweep == limit;
-        let gauge = forecast.as_ref().map_or_else(|| gauge(sweep, last), |forecast| forecast.gauge(last));
-        let residuals = method.iterate(&mut problem, gauge);
+        let level = forecast.as_ref().map_or_else(|| level(sweep, last), |forecast| forecast.level(last));
+        let residuals = method.iterate(&mut problem, level);
         report.sweeps = sweep;
         // An iteration may have been cut short, be it the last one.
         if problem.is_interrupted() {
@@ -116,7 +116,7 @@ pub(crate) fn solve(
         if let Some(residuals) = residuals {
             report.residuals = residuals;
             report.fell_back = method.fell_back();
-            if forecast.as_mut().is_some_and(|forecast| forecast.is_met(residuals.rms(), gauge)) {
+            if forecast.as_mut().is_some_and(|forecast| forecast.is_met(residuals.rms(), level)) {
                 break StopReason::Residual;
             }
         }
@@ -155,27 +155,27 @@ impl Forecast {
     }
 
     /// How closely the next sweep is watched, which may have to be the last.
-    fn gauge(&self, last: bool) -> Gauge {
-        if last || self.next <= self.tolerance { Gauge::Directions } else { Gauge::Total }
+    fn level(&self, last: bool) -> ResidualLevel {
+        if last || self.next <= self.tolerance { ResidualLevel::Directions } else { ResidualLevel::Total }
     }
 
     /// Takes in the residual of a sweep, m/s; whether the solve is done. A sweep that met the bound when nobody expected it is
     /// followed by another.
-    fn is_met(&mut self, residual: f64, gauge: Gauge) -> bool {
+    fn is_met(&mut self, residual: f64, level: ResidualLevel) -> bool {
         // Convergence is about linear.
         let share = if self.last.is_finite() { (residual / self.last).min(1.0) } else { SECOND_OVER_FIRST };
         (self.last, self.next) = (residual, residual * share);
-        gauge == Gauge::Directions && residual <= self.tolerance
+        level == ResidualLevel::Directions && residual <= self.tolerance
     }
 }
 
 /// How closely an iteration is watched, counted from 1, which may be the last.
-pub(crate) fn gauge(iteration: u32, last: bool) -> Gauge {
+pub(crate) fn level(iteration: u32, last: bool) -> ResidualLevel {
     match iteration {
-        _ if last => Gauge::Directions,
-        1 => Gauge::Total,
-        _ if iteration.is_multiple_of(MEASURE_EVERY) => Gauge::Total,
-        _ => Gauge::Off,
+        _ if last => ResidualLevel::Directions,
+        1 => ResidualLevel::Total,
+        _ if iteration.is_multiple_of(MEASURE_EVERY) => ResidualLevel::Total,
+        _ => ResidualLevel::Off,
     }
 }
 

@@ -39,7 +39,7 @@ fn difference(simulation: &Simulation, direct: &makadam::direct::DirectSolution)
     let (mut worst, mut largest) = (0.0_f64, 9.81 * simulation.time_step());
     for (id, particle) in simulation.snapshot().particles.iter().enumerate() {
         for axis in 0..3 {
-            let (velocity, speed) = (direct.velocities[id][axis], direct.surface_speeds[id][axis]);
+            let (velocity, speed) = (direct.velocities[id][axis], direct.scaled_spins[id][axis]);
             let speed_found = particle.spin[axis] * particle.radius;
             worst = worst.max((particle.velocity[axis] - velocity).abs()).max((speed_found - speed).abs());
             largest = largest.max(velocity.abs()).max(speed.abs());

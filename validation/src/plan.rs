@@ -4,8 +4,8 @@
 //! and `compare`; here these are read, and written again with the rest, in the order that hashes of recorded results are taken in.
 
 use makadam::scene::{
-    Accuracy, Beforehand, Checked, Domain, Finding, GrainEntry, GravityChange, Material, PairRule, Place, Population,
-    SceneError, SceneFileError, SolverSettings, Wall, Watch,
+    Accuracy, Beforehand, Checked, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material, PairRule,
+    Population, SceneError, SceneFileError, SolverSettings, Wall, Watch,
 };
 use serde::{Deserialize, Serialize, Serializer};
 use std::collections::{BTreeMap, HashMap};
@@ -105,7 +105,7 @@ impl Scene {
     }
 
     fn check_tables(&self) -> Checked {
-        let root = Place::default();
+        let root = DocumentPath::default();
         if let Some(prepare) = &self.prepare {
             root.key("prepare").key("duration").range(prepare.duration, 0.0, 1e5, "s")?;
             root.key("prepare").key("step").range(prepare.step, 1e-9, 0.1, "s")?;
@@ -291,7 +291,7 @@ fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Stri
     Ok(String::deserialize(deserializer)?.replace('-', "_"))
 }
 
-/// A state that a run starts from, in place of the lattice gas: the scene simulated for a while beforehand.
+/// A state that a run starts from, in place of the jittered lattice: the scene simulated for a while beforehand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prepare {

@@ -1,4 +1,4 @@
-//! Where a run starts: at the lattice gas, or at a flowing state that was prepared once and is kept on the machine.
+//! Where a run starts: at the jittered lattice, or at a flowing state that was prepared once and is kept on the machine.
 
 use crate::execution::Execution;
 use crate::output::{WriteError, cache_folder, create_folder, file_stem};
@@ -39,7 +39,7 @@ pub enum StartError {
 /// How the start was obtained.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// From the lattice gas.
+    /// From the jittered lattice.
     Fresh,
     /// From a flowing state in this file.
     Prepared(PathBuf),

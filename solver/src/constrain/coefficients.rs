@@ -1,6 +1,6 @@
 //! Coefficients of eight contacts: those of their materials, and those that go by how fast the contacts close or slide.
 
-use super::{Given, StepConstants};
+use super::{StepConstants, StepContext};
 use crate::effects::friction::while_sliding;
 use crate::effects::restitution::at_speed;
 use crate::groups::{PairGroup, WallGroup};
@@ -18,16 +18,16 @@ pub(super) struct LaneMaterial<L> {
 /// Eight contacts whose materials can be looked up.
 pub(super) trait Contacts {
     /// A property of their materials.
-    fn property<L: Lanes>(&self, given: &Given<'_>, property: fn(&ContactMaterial) -> f64) -> L;
+    fn property<L: Lanes>(&self, context: &StepContext<'_>, property: fn(&ContactMaterial) -> f64) -> L;
 }
 
 impl<T> Contacts for PairGroup<T> {
     #[inline(always)]
-    fn property<L: Lanes>(&self, given: &Given<'_>, property: fn(&ContactMaterial) -> f64) -> L {
-        let world = given.world;
+    fn property<L: Lanes>(&self, context: &StepContext<'_>, property: fn(&ContactMaterial) -> f64) -> L {
+        let world = context.world;
         let number = |place: u32| world.materials[place as usize];
         let material = |lane: usize| {
-            given.material.unwrap_or(world.table.between_grains(number(self.first[lane]), number(self.second[lane])))
+            context.material.unwrap_or(world.table.between_grains(number(self.first[lane]), number(self.second[lane])))
         };
         L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
     }
@@ -38,9 +38,9 @@ pub(super) struct OnSurfaces<'a>(pub &'a WallGroup, pub &'a [u32; LANES]);
 
 impl Contacts for OnSurfaces<'_> {
     #[inline(always)]
-    fn property<L: Lanes>(&self, given: &Given<'_>, property: fn(&ContactMaterial) -> f64) -> L {
+    fn property<L: Lanes>(&self, context: &StepContext<'_>, property: fn(&ContactMaterial) -> f64) -> L {
         let OnSurfaces(group, surfaces) = *self;
-        let material = |lane: usize| given.world.wall_material(group.body[lane] as usize, surfaces[lane]);
+        let material = |lane: usize| context.world.wall_material(group.body[lane] as usize, surfaces[lane]);
         L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
     }
 }
@@ -71,8 +71,8 @@ impl<L: Lanes> LaneMaterial<L> {
 
     /// Restitution at the speed at which the contacts close.
     #[inline(always)]
-    pub fn at_speed(&mut self, given: &Given<'_>, contacts: &impl Contacts, velocity: L) {
-        let limit = contacts.property(given, |material| material.restitution_speed);
+    pub fn at_speed(&mut self, context: &StepContext<'_>, contacts: &impl Contacts, velocity: L) {
+        let limit = contacts.property(context, |material| material.restitution_speed);
         self.restitution = at_speed(self.restitution, limit, -velocity);
     }
 
@@ -81,22 +81,22 @@ impl<L: Lanes> LaneMaterial<L> {
     #[inline(always)]
     pub fn while_sliding(
         &mut self,
-        given: &Given<'_>,
+        context: &StepContext<'_>,
         contacts: &impl Contacts,
         normal: [L; 3],
         velocity: [L; 3],
         spin: [L; 3],
     ) {
-        let StepConstants { slip_speed, .. } = given.constants;
-        let kinetic = contacts.property(given, |material| material.kinetic_friction);
+        let StepConstants { slip_speed, .. } = context.constants;
+        let kinetic = contacts.property(context, |material| material.kinetic_friction);
         let velocity = minus(velocity, cross(spin, normal));
         let sliding = minus(velocity, times(normal, dot(normal, velocity)));
         self.friction = while_sliding(self.friction, kinetic, sliding, L::splat(slip_speed));
     }
 }
 
-impl Given<'_> {
-    /// Sum of the surface speeds that eight pairs had at the start of the step.
+impl StepContext<'_> {
+    /// Sum of the scaled spins that eight pairs had at the start of the step.
     #[inline(always)]
     pub(super) fn spins_of_pairs<L: Lanes, T>(&self, group: &PairGroup<T>) -> [L; 3] {
         let (a, b) = (self.spins_before.load_quads(&group.first), self.spins_before.load_quads(&group.second));

@@ -1,7 +1,7 @@
 //! Constraint data of eight contacts at a time.
 
 use super::coefficients::{LaneMaterial, OnSurfaces};
-use super::{Given, write_contacts};
+use super::{StepContext, write_contacts};
 use crate::contact::ContactGeometry;
 use crate::detect::Impulse;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 
 /// Fills the groups of pairs of a task.
 pub(super) struct FillPairs<'a, const PERIODIC: bool, T> {
-    pub given: &'a Given<'a>,
+    pub context: &'a StepContext<'a>,
     pub task: &'a PlannedTask,
     pub pairs: &'a mut [PairGroup<T>],
     pub sources: &'a [Sources],
@@ -26,14 +26,14 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Given { world, spheres, before, .. } = self.given;
+        let StepContext { world, spheres, before, .. } = self.context;
         let impulses = self.impulses;
-        let nothing = self.given.candidates.pairs.len() as u32;
+        let nothing = self.context.candidates.pairs.len() as u32;
         let (groups, sources) = (self.pairs, self.sources);
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
         let interior = self.task.is_interior();
-        if self.given.fetches && interior {
-            prefetch_range(&world.before[self.given.candidates.grains_of_box(self.task.home as usize)]);
+        if self.context.fetches && interior {
+            prefetch_range(&world.before[self.context.candidates.grains_of_box(self.task.home as usize)]);
         }
         let fetch = |groups: &[PairGroup<T>], number: usize| {
             if let (Some(group), Some(sources)) = (groups.get(number), sources.get(number)) {
@@ -45,11 +45,11 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 }
             }
         };
-        if self.given.fetches {
+        if self.context.fetches {
             (0..PREFETCH).for_each(|number| fetch(groups, number));
         }
         for (number, sources) in sources.iter().enumerate() {
-            if self.given.fetches {
+            if self.context.fetches {
                 fetch(groups, number + PREFETCH);
             }
             let group = &mut groups[number];
@@ -62,7 +62,7 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
             let arm = if PERIODIC { world.period.shortest(arm) } else { arm };
             let geometry = ContactGeometry::of_pair(arm, [radius, to_radius]);
             let normal = geometry.normal;
-            let mut material = match self.given.material {
+            let mut material = match self.context.material {
                 Some(material) => LaneMaterial::of_all(material),
                 None => LaneMaterial::of_each(|lane| {
                     let number = |place: u32| world.materials[place as usize];
@@ -70,22 +70,22 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 }),
             };
             let velocity = [u, v, w];
-            if self.given.effects.falling_restitution() {
-                material.at_speed(self.given, group, dot(normal, velocity));
+            if self.context.effects.falling_restitution() {
+                material.at_speed(self.context, group, dot(normal, velocity));
             }
-            if self.given.effects.kinetic_friction() {
-                let spin = self.given.spins_of_pairs(group);
-                material.while_sliding(self.given, group, normal, velocity, spin);
+            if self.context.effects.kinetic_friction() {
+                let spin = self.context.spins_of_pairs(group);
+                material.while_sliding(self.context, group, normal, velocity, spin);
             }
             let motion = [dot(normal, velocity), inverse_mass];
-            write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, &self.given.constants);
+            write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, &self.context.constants);
         }
     }
 }
 
 /// Fills the groups of wall contacts of a task.
 pub(super) struct FillWalls<'a> {
-    pub given: &'a Given<'a>,
+    pub context: &'a StepContext<'a>,
     pub groups: &'a mut TaskGroups,
     pub impulses: Slots<'a, Impulse>,
 }
@@ -95,7 +95,7 @@ impl Kernel for FillWalls<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Given { world, before, candidates, walls: placed, constants, .. } = self.given;
+        let StepContext { world, before, candidates, walls: placed, constants, .. } = self.context;
         let nothing = candidates.walls.len() as u32;
         // Padding lanes are far from everything.
         let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
@@ -110,7 +110,7 @@ impl Kernel for FillWalls<'_> {
                 let sphere = &world.spheres[wall.body as usize];
                 let face = placed.face(wall.surface);
                 let [u, v, w, _] = world.before[wall.body as usize].0;
-                let travel = || self.given.travel(&wall, &face);
+                let travel = || self.context.travel(&wall, &face);
                 let (velocity, step) = (Vector3::new(u, v, w), constants.scheme.step);
                 let (distance, normal, is_swept) = face.contact(&sphere.centre, sphere.radius, &velocity, step, travel);
                 swept |= u8::from(is_swept) << lane;
@@ -134,12 +134,12 @@ impl Kernel for FillWalls<'_> {
             let mut material =
                 LaneMaterial::of_each(|lane| world.wall_material(group.body[lane] as usize, surfaces[lane]));
             let velocity = minus(wall_before.each_ref().map(L::load), [body[0], body[1], body[2]]);
-            if self.given.effects.falling_restitution() {
-                material.at_speed(self.given, &OnSurfaces(group, &surfaces), dot(normal, velocity));
+            if self.context.effects.falling_restitution() {
+                material.at_speed(self.context, &OnSurfaces(group, &surfaces), dot(normal, velocity));
             }
-            if self.given.effects.kinetic_friction() {
-                let spin = self.given.spins_at_walls(group);
-                material.while_sliding(self.given, &OnSurfaces(group, &surfaces), normal, velocity, spin);
+            if self.context.effects.kinetic_friction() {
+                let spin = self.context.spins_at_walls(group);
+                material.while_sliding(self.context, &OnSurfaces(group, &surfaces), normal, velocity, spin);
             }
             let geometry = ContactGeometry::with_wall(distance, normal, radius);
             let motion = [dot(normal, velocity), body[3]];

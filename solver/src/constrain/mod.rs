@@ -18,7 +18,7 @@ use crate::effects::{EffectSet, with_effects};
 use crate::groups::{ContactLanes, Tangential, WallGroup, with_pairs};
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots};
 use crate::partition::{
-    ByBodies, ByNumber, DrivenContact, FindWaits, Layout, Packer, PlannedTask, Taken, TakenGroups, TaskGroups,
+    ByBodies, ByNumber, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups, TaskGroups,
 };
 use crate::scene::SolverSettings;
 use crate::schedule::{Phase, Team};
@@ -31,7 +31,7 @@ use nalgebra::Vector3;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 use torques::FillTorques;
-use touch::PackPairs;
+use touch::AssignPairs;
 
 /// Turns candidates into lane groups; keeps its buffers from step to step.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ struct StepConstants {
 }
 
 /// What the tasks of a step read.
-struct Given<'a> {
+struct StepContext<'a> {
     world: WorldBesideBodies<'a>,
     spheres: Slots<'a, Sphere>,
     /// Velocities and inverse masses at the start of the step.
@@ -126,7 +126,7 @@ impl Constrainer {
         let (candidates, impulses) = candidates.split();
         {
             let (bodies, world) = world.split();
-            let given = Given {
+            let context = StepContext {
                 world,
                 spheres: Slots::of(world.spheres),
                 before: Slots::of(world.before),
@@ -148,7 +148,7 @@ impl Constrainer {
                 let ((bodies, taken), groups, (impulses, borne)) = share;
                 let own = Own { task, impulses: impulses.into(), borne };
                 let first = (base.load(Ordering::Relaxed), taken);
-                end.fetch_max(given.lay_out(own, first, groups, set), Ordering::Relaxed);
+                end.fetch_max(context.lay_out(own, first, groups, set), Ordering::Relaxed);
                 relaxation.start(bodies, groups);
             });
             *next = end.into_inner();
@@ -202,7 +202,7 @@ impl Constrainer {
     }
 }
 
-impl Given<'_> {
+impl StepContext<'_> {
     /// The contact that the grain of a wall candidate comes to if it is too fast for the step: see [`PlacedFace::swept_contact`].
     #[inline(always)]
     fn swept_contact(&self, wall: &WallCandidate, face: &PlacedFace<'_>) -> Option<(f64, Vector3<f64>)> {
@@ -230,28 +230,28 @@ impl Given<'_> {
     ) -> u32 {
         let Own { task, impulses: remembered, borne } = own;
         let dummies = self.world.dummies_of(task.home as usize);
-        let (packer, periodic) = (Packer::new(taken, base, task.pairs.len()), self.world.period.any());
+        let (assigner, periodic) = (LaneAssigner::new(taken, base, task.pairs.len()), self.world.period.any());
         let impulses = remembered.pairs;
         let mut next = if periodic {
-            set.run(PackPairs::<true> { given: self, task, dummies, packer, groups, impulses, borne })
+            set.run(AssignPairs::<true> { context: self, task, dummies, assigner, groups, impulses, borne })
         } else {
-            set.run(PackPairs::<false> { given: self, task, dummies, packer, groups, impulses, borne })
+            set.run(AssignPairs::<false> { context: self, task, dummies, assigner, groups, impulses, borne })
         };
         groups.restart_walls(dummies);
-        next = self.pack_walls(task, false, Packer::new(taken, next, 0), groups, remembered.walls);
+        next = self.assign_walls(task, false, LaneAssigner::new(taken, next, 0), groups, remembered.walls);
         if !self.world.drives.is_empty() {
             let prescribed = groups.wall_groups();
-            next = self.pack_walls(task, true, Packer::new(taken, next, 0), groups, remembered.walls);
+            next = self.assign_walls(task, true, LaneAssigner::new(taken, next, 0), groups, remembered.walls);
             groups.driven_walls = groups.wall_groups() - prescribed;
         }
         groups.finish(self.effects);
         set.run(FindWaits { groups, effects: self.effects, grains: self.world.grains() as u32 });
         let sources = &*groups.pair_sources;
         with_pairs!(&mut groups.pairs, pairs => match periodic {
-            true => set.run(FillPairs::<true, _> { given: self, task, pairs, sources, impulses: impulses.to_read() }),
-            false => set.run(FillPairs::<false, _> { given: self, task, pairs, sources, impulses: impulses.to_read() }),
+            true => set.run(FillPairs::<true, _> { context: self, task, pairs, sources, impulses: impulses.to_read() }),
+            false => set.run(FillPairs::<false, _> { context: self, task, pairs, sources, impulses: impulses.to_read() }),
         });
-        set.run(FillWalls { given: self, groups, impulses: remembered.walls.to_read() });
+        set.run(FillWalls { context: self, groups, impulses: remembered.walls.to_read() });
         if self.effects.cohesion() {
             self.fill_pulls(groups);
         }
@@ -259,14 +259,14 @@ impl Given<'_> {
             let (pairs, walls) = (remembered.pair_torques.to_read(), remembered.wall_torques.to_read());
             with_effects!(self.effects, E => {
                 let effects = PhantomData::<E>;
-                set.run(FillTorques { given: self, groups, pairs, walls, effects })
+                set.run(FillTorques { context: self, groups, pairs, walls, effects })
             });
         }
         next
     }
 }
 
-/// Constraint data and starting impulses of eight contacts, given their velocities along the normals (m/s) and the sums of their
+/// Constraint data and starting impulses of eight contacts, context their velocities along the normals (m/s) and the sums of their
 /// inverse masses (1/kg).
 ///
 /// The remembered tangential impulse is projected onto the new tangent plane.

@@ -1,16 +1,16 @@
 //! Impulses with which cohesion pulls at contacts in a step, in scenes that call for it.
 
-use super::Given;
+use super::StepContext;
 use crate::contact::ContactGeometry;
 use crate::groups::with_pairs;
 use crate::lanes::Eight;
 use crate::partition::TaskGroups;
 use nalgebra::Vector3;
 
-impl Given<'_> {
+impl StepContext<'_> {
     /// Fills the pulls of a task whose contacts are laid out.
     pub(super) fn fill_pulls(&self, groups: &mut TaskGroups) {
-        let Given { world, candidates, walls: placed, constants, .. } = self;
+        let StepContext { world, candidates, walls: placed, constants, .. } = self;
         let h = constants.scheme.step;
         let TaskGroups { pairs, pair_sources, pair_pulls, walls, wall_sources, wall_pulls, .. } = groups;
         with_pairs!(pairs, pairs => for ((group, sources), pulls) in pairs.iter().zip(pair_sources).zip(pair_pulls) {

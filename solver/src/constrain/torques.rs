@@ -1,18 +1,18 @@
 //! Levers and starting impulses of the torques that contacts bear, in scenes that call for them.
 
-use super::Given;
+use super::StepContext;
 use crate::detect::AngularImpulse;
 use crate::effects::Effects;
 use crate::effects::compliance::effective_radius;
 use crate::effects::resistance::bearable;
-use crate::groups::{ContactLanes, Kind, TorqueLanes};
+use crate::groups::{ContactLanes, ContactLayout, TorqueLanes};
 use crate::lanes::{Eight, Kernel, Lanes, Number, Slots};
 use crate::partition::TaskGroups;
 use std::marker::PhantomData;
 
 /// Fills the torques of a task whose contacts are filled.
 pub(super) struct FillTorques<'a, E: Effects> {
-    pub given: &'a Given<'a>,
+    pub context: &'a StepContext<'a>,
     pub groups: &'a mut TaskGroups,
     pub pairs: Slots<'a, AngularImpulse>,
     pub walls: Slots<'a, AngularImpulse>,
@@ -24,7 +24,7 @@ impl<E: Effects> Kernel for FillTorques<'_, E> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Given { world, candidates, walls: placed, constants, .. } = self.given;
+        let StepContext { world, candidates, walls: placed, constants, .. } = self.context;
         let share = constants.warm_start;
         let TaskGroups { pairs, pair_sources, pair_torques, walls, wall_sources, wall_torques, .. } = self.groups;
         for ((group, sources), torques) in E::Tangential::of(pairs).iter().zip(pair_sources).zip(pair_torques) {

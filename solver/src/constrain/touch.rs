@@ -1,53 +1,53 @@
 //! Which candidates touch, and the lane that each gets.
 
-use super::Given;
+use super::StepContext;
 use crate::detect::{Impulse, PairCandidate};
 use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Slots, TaskSlots, dot, lanes_of, prefetch_places, prefetch_range};
-use crate::partition::{Packer, PlannedTask, TaskGroups};
+use crate::partition::{LaneAssigner, PlannedTask, TaskGroups};
 
 /// Packs the pairs of a task that touch.
-pub(super) struct PackPairs<'a, const PERIODIC: bool> {
-    pub given: &'a Given<'a>,
+pub(super) struct AssignPairs<'a, const PERIODIC: bool> {
+    pub context: &'a StepContext<'a>,
     pub task: &'a PlannedTask,
     pub dummies: u32,
-    pub packer: Packer<'a>,
+    pub assigner: LaneAssigner<'a>,
     pub groups: &'a mut TaskGroups,
     pub impulses: TaskSlots<'a, Impulse>,
     /// Which of the task's pairs bore an impulse, as bits: a byte a block.
     pub borne: &'a mut [u8],
 }
 
-impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
+impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
     /// The number from which groups may begin that come after these.
     type Output = u32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
-        let PackPairs { given, task, dummies, mut packer, groups, impulses, borne } = self;
+        let AssignPairs { context, task, dummies, mut assigner, groups, impulses, borne } = self;
         let start = task.pairs.start;
-        let candidates = &given.candidates.pairs[start as usize..task.pairs.end as usize];
+        let candidates = &context.candidates.pairs[start as usize..task.pairs.end as usize];
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
         let interior = task.is_interior();
-        if given.fetches && interior {
-            let grains = given.candidates.grains_of_box(task.home as usize);
-            prefetch_range(&given.world.spheres[grains.clone()]);
-            packer.fetch(grains);
-        } else if given.fetches {
-            (0..PREFETCH).for_each(|block| fetch(given, &packer, candidates, block));
+        if context.fetches && interior {
+            let grains = context.candidates.grains_of_box(task.home as usize);
+            prefetch_range(&context.world.spheres[grains.clone()]);
+            assigner.fetch(grains);
+        } else if context.fetches {
+            (0..PREFETCH).for_each(|block| fetch(context, &assigner, candidates, block));
         }
         // First the arithmetic, which the processor can run ahead with; then what depends on its outcome.
         let mut touching = std::mem::take(&mut groups.touching);
         touching.clear();
         for (block, eight) in candidates.chunks(LANES).enumerate() {
-            if given.fetches && !interior {
-                fetch(given, &packer, candidates, block + PREFETCH);
+            if context.fetches && !interior {
+                fetch(context, &assigner, candidates, block + PREFETCH);
             }
-            touching.push(touching_of::<L, PERIODIC>(given, eight));
+            touching.push(touching_of::<L, PERIODIC>(context, eight));
         }
-        let list = given.candidates.rebuilds;
+        let list = context.candidates.rebuilds;
         // Where the same pairs touch as in the last step, they are packed already, as they would be again.
-        if !groups.are_packed_from(list) || *touching != *borne {
-            groups.restart_pairs(list, dummies, given.effects);
+        if !groups.are_assigned_from(list) || *touching != *borne {
+            groups.restart_pairs(list, dummies, context.effects);
             let candidates = Slots::of(candidates);
             for (batch, (touching, borne)) in touching.chunks(BATCH).zip(borne.chunks_mut(BATCH)).enumerate() {
                 let mut listed = Listed::default();
@@ -61,13 +61,13 @@ impl<const PERIODIC: bool> Kernel for PackPairs<'_, PERIODIC> {
                     // Numbers below that of the candidates were listed.
                     let pair = candidates.get_trusted(number);
                     let bodies = [pair.first, pair.second];
-                    groups.put_pair(packer.place(bodies), bodies, start + number, dummies);
+                    groups.put_pair(assigner.place(bodies), bodies, start + number, dummies);
                 }
                 groups.pair_contacts += listed.length;
             }
         }
         groups.touching = touching;
-        packer.next()
+        assigner.next()
     }
 }
 
@@ -137,33 +137,33 @@ impl Listed {
 
 /// Asks for what is known of the bodies of a block of candidates.
 #[inline(always)]
-fn fetch(given: &Given<'_>, packer: &Packer<'_>, candidates: &[PairCandidate], block: usize) {
+fn fetch(context: &StepContext<'_>, assigner: &LaneAssigner<'_>, candidates: &[PairCandidate], block: usize) {
     for pair in candidates.iter().skip(block * LANES).take(LANES) {
         let bodies = [pair.first, pair.second];
-        prefetch_places(given.spheres.as_ptr(), &bodies);
-        packer.fetch_each(&bodies);
+        prefetch_places(context.spheres.as_ptr(), &bodies);
+        assigner.fetch_each(&bodies);
     }
 }
 
 /// Which of up to eight candidates touch, as bits.
 #[inline(always)]
-fn touching_of<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCandidate]) -> u8 {
+fn touching_of<L: Lanes, const PERIODIC: bool>(context: &StepContext<'_>, block: &[PairCandidate]) -> u8 {
     match block.try_into() {
-        Ok(block) => touching::<L, PERIODIC>(given, block),
+        Ok(block) => touching::<L, PERIODIC>(context, block),
         Err(_) => {
             let padded = std::array::from_fn(|lane| block[lane.min(block.len() - 1)]);
-            touching::<L, PERIODIC>(given, &padded) & ((1 << block.len()) - 1)
+            touching::<L, PERIODIC>(context, &padded) & ((1 << block.len()) - 1)
         }
     }
 }
 
 /// Which of eight candidates touch, as bits.
 #[inline(always)]
-fn touching<L: Lanes, const PERIODIC: bool>(given: &Given<'_>, block: &[PairCandidate; LANES]) -> u8 {
+fn touching<L: Lanes, const PERIODIC: bool>(context: &StepContext<'_>, block: &[PairCandidate; LANES]) -> u8 {
     let (first, second) = (block.map(|pair| pair.first), block.map(|pair| pair.second));
-    let [x, y, z, radii]: [L; 4] = given.spheres.load_differences(&first, &second);
-    let arm = if PERIODIC { given.world.period.shortest([x, y, z]) } else { [x, y, z] };
-    let touch = radii + L::splat(given.constants.contact_margin);
+    let [x, y, z, radii]: [L; 4] = context.spheres.load_differences(&first, &second);
+    let arm = if PERIODIC { context.world.period.shortest([x, y, z]) } else { [x, y, z] };
+    let touch = radii + L::splat(context.constants.contact_margin);
     L::bits(dot(arm, arm).below(touch * touch)) as u8
 }
 
@@ -176,14 +176,14 @@ fn forget(impulses: TaskSlots<'_, Impulse>, first: usize, closing: u8) {
     }
 }
 
-impl Given<'_> {
+impl StepContext<'_> {
     /// Packs the contacts of a task that touch walls, those with driven walls or those with the others, behind the groups that are
     /// there. The number from which groups may begin that come after these.
-    pub(super) fn pack_walls(
+    pub(super) fn assign_walls(
         &self,
         task: &PlannedTask,
         driven: bool,
-        mut packer: Packer<'_>,
+        mut assigner: LaneAssigner<'_>,
         groups: &mut TaskGroups,
         impulses: TaskSlots<'_, Impulse>,
     ) -> u32 {
@@ -199,7 +199,7 @@ impl Given<'_> {
             let distance = face.distance(&sphere.centre);
             let touches = distance < sphere.radius + self.constants.contact_margin;
             if touches || self.swept_contact(&wall, &face).is_some() {
-                let (group, lane) = packer.place([wall.body]);
+                let (group, lane) = assigner.place([wall.body]);
                 groups.put_wall((before + group, lane), wall.body, candidate as u32, dummies);
                 groups.wall_contacts += 1;
                 groups.deep_walls |= distance < DEEP * sphere.radius;
@@ -207,6 +207,6 @@ impl Given<'_> {
                 impulses.set(candidate as u32, Impulse::default());
             }
         }
-        packer.next()
+        assigner.next()
     }
 }

@@ -15,7 +15,7 @@ pub use super::resistance::{ROLLING, TWISTING};
 pub use super::restitution::{FALLING_RESTITUTION, RESTITUTION};
 pub use super::size_spread::SIZE_SPREAD;
 pub use super::vibration::WALL_MOTION;
-use crate::scene::{Checked, ContactCoefficients, Material, PairRule, Place, Scene};
+use crate::scene::{Checked, ContactCoefficients, DocumentPath, Material, PairRule, Scene};
 
 /// All effects, in the order in which a step meets them. A coefficient stands behind those that bound it.
 pub static CATALOGUE: [&Effect; 16] = [
@@ -146,7 +146,7 @@ pub struct Call {
     /// What it says.
     pub why: String,
     /// Where it says so.
-    pub place: Place,
+    pub place: DocumentPath,
 }
 
 /// A change of a scene.
@@ -186,7 +186,7 @@ impl Effect {
 
     /// The material, or else the rule, whose contacts have the effect.
     fn first_that_says_so(&self, scene: &Scene, acts: fn(&ContactCoefficients) -> bool) -> Call {
-        let root = Place::default();
+        let root = DocumentPath::default();
         let alone = |one| Meeting { first: one, second: one, rule: None, wall: true };
         let material = scene.material.iter().find(|(_, one)| acts(&alone(one).coefficients()));
         let of_material = material.map(|(name, one)| {
@@ -206,7 +206,7 @@ impl Effect {
     }
 
     /// The coefficients that a table gives in words, and the place of the first.
-    fn given(&self, at: &Place, of: impl Fn(&Coefficient) -> Option<f64>) -> Option<(String, Place)> {
+    fn given(&self, at: &DocumentPath, of: impl Fn(&Coefficient) -> Option<f64>) -> Option<(String, DocumentPath)> {
         let given = || self.coefficients.iter().filter_map(|one| Some((one, of(one)?)));
         let words: Vec<String> = given().map(|(one, value)| format!("{} = {value}", one.key)).collect();
         given().next().map(|(first, _)| (words.join(", "), first.place(at)))
@@ -215,7 +215,7 @@ impl Effect {
 
 impl Coefficient {
     /// Its place in the table of a material or a rule.
-    pub(crate) fn place(&self, table: &Place) -> Place {
+    pub(crate) fn place(&self, table: &DocumentPath) -> DocumentPath {
         self.key.split('.').fold(table.clone(), |place, key| place.key(key))
     }
 
@@ -223,7 +223,7 @@ impl Coefficient {
     ///
     /// # Errors
     /// [`Fault`](crate::scene::Fault).
-    pub(crate) fn check(&self, table: &Place, value: Option<f64>, ceiling: impl Fn(&Ceiling) -> f64) -> Checked {
+    pub(crate) fn check(&self, table: &DocumentPath, value: Option<f64>, ceiling: impl Fn(&Ceiling) -> f64) -> Checked {
         let ([least, most], Some(value)) = (self.range, value) else { return Ok(()) };
         let place = self.place(table);
         match &self.ceiling {

@@ -10,7 +10,7 @@
 
 use super::catalogue::{Call, Change, Effect};
 use crate::lanes::Number;
-use crate::scene::Place;
+use crate::scene::DocumentPath;
 use serde::{Deserialize, Serialize};
 
 /// Law of the normal contact.
@@ -40,7 +40,7 @@ pub static COMPLIANCE: Effect = Effect {
                 format!("Hertz, stiffest material {modulus:e} Pa")
             }
         };
-        Ok(Call { why, place: Place::default().key("solver").key("normal_law") })
+        Ok(Call { why, place: DocumentPath::default().key("solver").key("normal_law") })
     })
 };
 
@@ -52,7 +52,7 @@ pub static VISCOSITY: Effect = Effect::of_scene("contact viscosity", |scene| {
     let damped = scene.material.iter().find(|(_, one)| one.restitution < 1.0);
     let (name, one) = damped.ok_or("every restitution is 1")?;
     let why = format!("damps impacts that the step resolves to the restitution {} of '{name}'", one.restitution);
-    Ok(Call { why, place: Place::default().key("material").name(name).key("restitution") })
+    Ok(Call { why, place: DocumentPath::default().key("material").name(name).key("restitution") })
 });
 
 /// Overlaps below this share of the effective radius are as stiff as it: the first touch of a Hertzian contact would

@@ -12,7 +12,7 @@
 //! the ledger enters by itself; x is the place half a step earlier there, as in all its potential energies.
 
 use super::catalogue::{Call, Change, Effect};
-use crate::scene::Place;
+use crate::scene::DocumentPath;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub static GRAVITY: Effect = Effect::of_scene("gravity", |scene| {
     let [x, y, z] = scene.gravity;
     match scene.gravity == [0.0; 3] {
         true => Err("gravity = [0, 0, 0]"),
-        false => Ok(Call { why: format!("gravity = [{x}, {y}, {z}]"), place: Place::default().key("gravity") }),
+        false => Ok(Call { why: format!("gravity = [{x}, {y}, {z}]"), place: DocumentPath::default().key("gravity") }),
     }
 });
 
@@ -32,7 +32,7 @@ pub static CHANGING_GRAVITY: Effect = Effect {
         let last = scene.gravity_changes.last().ok_or("gravity is constant")?;
         let [x, y, z] = last.gravity;
         let why = format!("gravity = [{x}, {y}, {z}] from {} s on", last.time);
-        Ok(Call { why, place: Place::default().key("gravity_changes") })
+        Ok(Call { why, place: DocumentPath::default().key("gravity_changes") })
     })
 };
 

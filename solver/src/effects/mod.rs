@@ -15,7 +15,7 @@ pub mod restitution;
 pub mod size_spread;
 pub mod vibration;
 
-use crate::groups::{FrictionLanes, Kind};
+use crate::groups::{ContactLayout, FrictionLanes};
 use crate::scene::ContactCoefficients;
 use catalogue::Trigger;
 pub use catalogue::{CATALOGUE, Effect};
@@ -31,7 +31,7 @@ pub(crate) trait Effects {
     /// Whether contacts bear torques.
     const TORQUES: bool = Self::ROLLING || Self::TWISTING;
     /// What lane groups hold for friction.
-    type Tangential: Kind;
+    type Tangential: ContactLayout;
 }
 
 /// One choice of effects.

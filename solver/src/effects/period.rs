@@ -5,7 +5,7 @@
 
 use super::catalogue::{Call, Change, Effect};
 use crate::lanes::Number;
-use crate::scene::Place;
+use crate::scene::DocumentPath;
 use nalgebra::Vector3;
 
 /// Periodic axes.
@@ -16,7 +16,7 @@ pub static PERIODIC_AXES: Effect = Effect {
         match axes.is_empty() {
             true => Err("the domain ends on all sides"),
             false => {
-                let place = Place::default().key("domain").key("periodic");
+                let place = DocumentPath::default().key("domain").key("periodic");
                 Ok(Call { why: format!("domain.periodic = {}", axes.join(", ")), place })
             }
         }

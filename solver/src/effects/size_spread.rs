@@ -1,7 +1,7 @@
 //! Size spread: grains of more than one radius.
 
 use super::catalogue::{Call, Change, Effect};
-use crate::scene::{Place, Population, RadiusDistribution, Scene};
+use crate::scene::{DocumentPath, Population, RadiusDistribution, Scene};
 
 /// Size spread.
 pub static SIZE_SPREAD: Effect = Effect {
@@ -30,7 +30,7 @@ fn call(scene: &Scene) -> Result<Call, &'static str> {
         Some(grain) => ("grain", grain),
         None => ("population", index),
     };
-    let place = Place::default().key(table).index(entry).key("radius");
+    let place = DocumentPath::default().key(table).index(entry).key("radius");
     Ok(Call { why: format!("radii from {smallest} to {largest} m"), place })
 }
 

@@ -13,7 +13,7 @@
 //! or a stop is a jump, as of any other motion.
 
 use super::catalogue::{Call, Change, Effect};
-use crate::scene::{Motion, Place, Scene};
+use crate::scene::{DocumentPath, Motion, Scene};
 
 /// Prescribed motion of walls, of which vibration is one kind.
 pub static WALL_MOTION: Effect = Effect {
@@ -33,7 +33,7 @@ pub static WALL_MOTION: Effect = Effect {
 pub(super) fn call_of_wall(scene: &Scene, words: fn(&str, &Motion) -> Option<String>) -> Option<Call> {
     scene.wall.iter().enumerate().find_map(|(index, wall)| {
         let why = words(&wall.name, &wall.motion)?;
-        Some(Call { why, place: Place::default().key("wall").index(index).key("motion") })
+        Some(Call { why, place: DocumentPath::default().key("wall").index(index).key("motion") })
     })
 }
 

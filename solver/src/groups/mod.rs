@@ -2,8 +2,8 @@
 
 mod tangential;
 
+pub(crate) use tangential::{ContactLayout, with_pairs};
 pub use tangential::{FrictionLanes, PairGroups, Tangential};
-pub(crate) use tangential::{Kind, with_pairs};
 
 use crate::lanes::{Eight, LANES};
 

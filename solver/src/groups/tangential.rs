@@ -32,7 +32,7 @@ pub enum PairGroups {
 }
 
 /// A kind of lane groups that [`PairGroups`] can hold.
-pub(crate) trait Kind: Tangential + Send + Sync {
+pub(crate) trait ContactLayout: Tangential + Send + Sync {
     /// The groups, which are of this kind.
     fn of(groups: &PairGroups) -> &[PairGroup<Self>];
 
@@ -79,7 +79,7 @@ impl<Several> Tangential<Several> for () {
 /// Whoever lays groups out and whoever sweeps them go by the same effects.
 const LAID_OUT: &str = "lane groups were laid out for the effects of the sweep";
 
-impl Kind for FrictionLanes {
+impl ContactLayout for FrictionLanes {
     #[inline(always)]
     fn of(groups: &PairGroups) -> &[PairGroup] {
         match groups {
@@ -97,7 +97,7 @@ impl Kind for FrictionLanes {
     }
 }
 
-impl Kind for () {
+impl ContactLayout for () {
     #[inline(always)]
     fn of(groups: &PairGroups) -> &[PairGroup<()>] {
         match groups {

@@ -20,7 +20,7 @@
 
 use super::problem::State;
 use super::{Method, Problem};
-use crate::sweep::{Gauge, Residuals};
+use crate::sweep::{ResidualLevel, Residuals};
 
 /// The operator scaled by its diagonal has a trace of one a row, so its largest eigenvalue is no smaller.
 const SMALLEST_CURVATURE: f64 = 1.0;
@@ -56,7 +56,7 @@ impl Method for AcceleratedProjectedGradients {
         problem.keep(&mut self.last);
     }
 
-    fn iterate(&mut self, problem: &mut Problem<'_>, _: Gauge) -> Option<Residuals> {
+    fn iterate(&mut self, problem: &mut Problem<'_>, _: ResidualLevel) -> Option<Residuals> {
         // y = x + momentum (x - last), last = x.
         let here = [1.0, 0.0, 0.0];
         let coefficients = [here, here, [1.0 + self.momentum, -self.momentum, 0.0]];

@@ -19,7 +19,7 @@ use super::gauss_seidel::OverRelaxation;
 use super::problem::State;
 use super::velocities::MOST;
 use super::{Method, Problem};
-use crate::sweep::{Gauge, Residuals};
+use crate::sweep::{ResidualLevel, Residuals};
 use crate::world::Body;
 
 /// A sweep's residual over the last one's from which an extrapolation is taken back.
@@ -66,7 +66,7 @@ impl Anderson {
     /// Sweeps from the present state and remembers what that did.
     fn sweep(&mut self, problem: &mut Problem<'_>) -> Option<Residuals> {
         self.before.copy_from_slice(problem.bodies);
-        problem.sweep(self.factor.value, Gauge::Directions)
+        problem.sweep(self.factor.value, ResidualLevel::Directions)
     }
 
     fn remember(&mut self, problem: &mut Problem<'_>) {
@@ -152,7 +152,7 @@ impl Method for Anderson {
         (self.newest, self.remembered, self.last) = (0, 0, f64::INFINITY);
     }
 
-    fn iterate(&mut self, problem: &mut Problem<'_>, _: Gauge) -> Option<Residuals> {
+    fn iterate(&mut self, problem: &mut Problem<'_>, _: ResidualLevel) -> Option<Residuals> {
         let extrapolated = self.extrapolate(problem);
         let mut residuals = self.sweep(problem)?;
         if extrapolated && residuals.rms() > SAFEGUARD * self.last {

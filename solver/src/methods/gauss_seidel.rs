@@ -3,7 +3,7 @@
 //! Boxes and lane groups make it parallel without changing what it is: see [`partition`](crate::partition).
 
 use super::{Method, Problem};
-use crate::sweep::{Gauge, Residuals};
+use crate::sweep::{ResidualLevel, Residuals};
 
 /// Sweeps, over-relaxed as long as that helps.
 #[derive(Clone, Debug, Default)]
@@ -16,8 +16,8 @@ impl Method for GaussSeidel {
         self.factor.begin(problem.settings.over_relaxation);
     }
 
-    fn iterate(&mut self, problem: &mut Problem<'_>, gauge: Gauge) -> Option<Residuals> {
-        let residuals = problem.sweep(self.factor.value, gauge);
+    fn iterate(&mut self, problem: &mut Problem<'_>, level: ResidualLevel) -> Option<Residuals> {
+        let residuals = problem.sweep(self.factor.value, level);
         if let Some(residuals) = &residuals {
             self.factor.watch(residuals.rms());
         }

@@ -2,7 +2,7 @@
 
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
-use crate::groups::{Kind, PairGroup, WallGroup};
+use crate::groups::{ContactLayout, PairGroup, WallGroup};
 use crate::lanes::{Eight, Kernel, Lanes, PREFETCH, Slots, TaskSlots, cross, dot, minus, prefetch_places, times};
 use crate::partition::TaskGroups;
 use crate::sweep::kernel::{Bodies, Contact, Pair};
@@ -112,7 +112,7 @@ impl<E: Effects> Group<E> for WallGroup {
 }
 
 /// What is done to one lane group after another.
-pub(crate) trait Visit {
+pub(crate) trait ContactPass {
     /// Bodies that are worth fetching ahead, if any.
     #[inline(always)]
     fn bodies(&self) -> Option<Slots<'_, Body>> {
@@ -124,13 +124,13 @@ pub(crate) trait Visit {
 }
 
 /// A visit to every group of a task.
-pub(crate) struct Visiting<'a, V, E: Effects> {
+pub(crate) struct PassOverTask<'a, V, E: Effects> {
     pub groups: &'a mut TaskGroups,
     pub visit: V,
     pub effects: PhantomData<E>,
 }
 
-impl<V: Visit, E: Effects> Kernel for Visiting<'_, V, E> {
+impl<V: ContactPass, E: Effects> Kernel for PassOverTask<'_, V, E> {
     type Output = ();
 
     #[inline(always)]

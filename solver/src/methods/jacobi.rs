@@ -6,7 +6,7 @@
 
 use super::problem::State;
 use super::{Method, Problem};
-use crate::sweep::{Gauge, Residuals};
+use crate::sweep::{ResidualLevel, Residuals};
 
 /// Damped Jacobi.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ impl Method for Jacobi {
         self.last.fit(problem);
     }
 
-    fn iterate(&mut self, problem: &mut Problem<'_>, _: Gauge) -> Option<Residuals> {
+    fn iterate(&mut self, problem: &mut Problem<'_>, _: ResidualLevel) -> Option<Residuals> {
         problem.keep(&mut self.last);
         Some(problem.projected_step(&self.last, &self.last.impulses, self.damping).residuals)
     }

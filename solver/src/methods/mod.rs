@@ -43,7 +43,7 @@ mod visits;
 pub(crate) use problem::{Problem, Workspace};
 
 use crate::scene::{SolverMethod, SolverSettings};
-use crate::sweep::{Gauge, Residuals};
+use crate::sweep::{ResidualLevel, Residuals};
 use accelerated_projected_gradients::AcceleratedProjectedGradients;
 use anderson::Anderson;
 use gauss_seidel::GaussSeidel;
@@ -59,8 +59,8 @@ pub(crate) trait Method {
     /// Goes from a state to a better one whose impulses lie in their cones.
     ///
     /// Residuals (m/s) are those that come free on the way: a sweep's |delta lambda| S, the natural map where a gradient was
-    /// taken. A method that can do without leaves out what the gauge does not ask for.
-    fn iterate(&mut self, problem: &mut Problem<'_>, gauge: Gauge) -> Option<Residuals>;
+    /// taken. A method that can do without leaves out what the level does not ask for.
+    fn iterate(&mut self, problem: &mut Problem<'_>, level: ResidualLevel) -> Option<Residuals>;
 
     /// Whether over-relaxation fell back to 1 in this solve.
     fn fell_back(&self) -> bool {

@@ -16,7 +16,7 @@
 use super::gauss_seidel::OverRelaxation;
 use super::problem::State;
 use super::{Method, Problem};
-use crate::sweep::{Gauge, Residuals};
+use crate::sweep::{ResidualLevel, Residuals};
 
 /// Nonlinear conjugate gradients.
 #[derive(Clone, Debug, Default)]
@@ -41,7 +41,7 @@ impl Method for NonlinearConjugateGradients {
         (self.beta, self.last) = (None, f64::INFINITY);
     }
 
-    fn iterate(&mut self, problem: &mut Problem<'_>, _: Gauge) -> Option<Residuals> {
+    fn iterate(&mut self, problem: &mut Problem<'_>, _: ResidualLevel) -> Option<Residuals> {
         match self.beta {
             None => {
                 // The first direction is the first sweep's change, which the next transform makes of it.
@@ -59,7 +59,7 @@ impl Method for NonlinearConjugateGradients {
                 problem.transform(&coefficients, &mut self.point, &mut self.direction);
             }
         }
-        let residuals = problem.sweep(self.factor.value, Gauge::Directions)?;
+        let residuals = problem.sweep(self.factor.value, ResidualLevel::Directions)?;
         let square = residuals.rms() * residuals.rms();
         self.beta = Some(if square > 0.0 { square / self.last } else { 0.0 });
         self.last = square;

@@ -4,7 +4,7 @@
 //! bodies: `v = v_free + M^-1 G^T lambda`. Velocities are affine in the impulses, so states whose coefficients sum to one
 //! combine alike on both sides; where a projection bends an impulse, the difference is given to the bodies.
 
-use super::group::{Block, Visit, Visiting};
+use super::group::{Block, ContactPass, PassOverTask};
 use super::torques::MeasureTorques;
 use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
@@ -15,7 +15,9 @@ use crate::lanes::{Eight, LANES, Slots};
 use crate::partition::{ByBodies, ByNumber, ByPlace, ByStarts, Layout, PlannedTask, SingleCopy, TaskShares};
 use crate::scene::{Precision, SolverSettings};
 use crate::schedule::{Phase, Team};
-use crate::sweep::{Gauge, Relaxation, Residual, Residuals, SweepOperands, SweepPass, TaskResidual, tell_driven};
+use crate::sweep::{
+    Relaxation, Residual, ResidualLevel, Residuals, SweepOperands, SweepPass, TaskResidual, tell_driven,
+};
 use crate::world::Body;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -129,10 +131,10 @@ impl Problem<'_> {
     }
 
     /// One Gauss-Seidel sweep; its residuals |delta lambda| S, m/s, as far as they are asked for.
-    pub fn sweep(&mut self, factor: f64, gauge: Gauge) -> Option<Residuals> {
+    pub fn sweep(&mut self, factor: f64, level: ResidualLevel) -> Option<Residuals> {
         let (inner, precision) = (self.settings.inner_sweeps.max(1), self.settings.precision);
         let (heeds, interrupt) = (is_heeded(self.settings), self.interrupt);
-        let pass = SweepPass { factor, inner, stops: || heeds && interrupt.is_requested(), gauge };
+        let pass = SweepPass { factor, inner, stops: || heeds && interrupt.is_requested(), level };
         let Workspace { single, residuals, .. } = &mut *self.workspace;
         let operands = match precision {
             Precision::Double => SweepOperands::Double { bodies: self.bodies, groups: &mut self.layout.groups },
@@ -141,10 +143,10 @@ impl Problem<'_> {
         let mut sums = self.relaxation.sweep_all(&self.layout.plan, operands, &pass, residuals, self.team);
         if !self.drives.is_empty() {
             let Problem { bodies, drives, layout, relaxation, team, .. } = self;
-            let driven = || relaxation.sweep_driven(bodies, layout, drives, factor, gauge);
+            let driven = || relaxation.sweep_driven(bodies, layout, drives, factor, level);
             sums.merge(&team.alone(Phase::Sweep, driven));
         }
-        (gauge != Gauge::Off).then(|| sums.finish(self.layout.contacts))
+        (level != ResidualLevel::Off).then(|| sums.finish(self.layout.contacts))
     }
 
     /// Makes the copy that sweeps in single precision work on.
@@ -258,7 +260,7 @@ impl Problem<'_> {
 
 /// Visits the lane groups of every task, stage after stage where bodies are written: `make` makes the visit to the task at a place
 /// from its share.
-pub(crate) fn visit<V: Visit, S: TaskShares>(
+pub(crate) fn visit<V: ContactPass, S: TaskShares>(
     layout: &mut Layout,
     relaxation: &Relaxation,
     team: &Team,
@@ -271,7 +273,7 @@ pub(crate) fn visit<V: Visit, S: TaskShares>(
         // Torques are no part of a state that is put aside or combined: scenes that have any are refused methods other than
         // Gauss-Seidel.
         with_tangential!(relaxation.effects, E => {
-            set.run(Visiting::<V, E> { groups, visit: make(place, share), effects: PhantomData })
+            set.run(PassOverTask::<V, E> { groups, visit: make(place, share), effects: PhantomData })
         });
     };
     match S::IN_STAGES {

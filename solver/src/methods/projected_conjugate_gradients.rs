@@ -15,7 +15,7 @@
 //! Where the set of sliding and open contacts keeps changing, directions are not conjugate and nothing ensures progress: it
 //! may stall or run in circles.
 
-use super::group::{Block, Group, Visit, add, load, store};
+use super::group::{Block, ContactPass, Group, add, load, store};
 use super::problem::{Tally, fit, part, visit};
 use super::visits::{TANGENTIAL, natural_map};
 use super::{Method, Problem};
@@ -23,7 +23,7 @@ use crate::effects::Effects;
 use crate::lanes::{Lanes, Slots, TaskSlots, dot, minus, plus, times};
 use crate::partition::{ByBodies, ByStarts};
 use crate::sweep::kernel::Contact;
-use crate::sweep::{Gauge, Residuals};
+use crate::sweep::{ResidualLevel, Residuals};
 use crate::world::Body;
 
 /// Share of the Coulomb disc's radius from which a contact counts as sliding.
@@ -71,7 +71,7 @@ impl ProjectedConjugateGradients {
     /// p = w + beta z, and the velocities that go with it; returns p.S p.
     fn aim(&mut self, problem: &mut Problem<'_>) -> f64 {
         for body in &mut self.velocities {
-            (body.velocity, body.surface_speed) = ([0.0; 3], [0.0; 3]);
+            (body.velocity, body.scaled_spin) = ([0.0; 3], [0.0; 3]);
         }
         let workspace = &mut *problem.workspace;
         let (gradient, starts, beta) = (&self.gradient, &workspace.starts, self.beta);
@@ -110,7 +110,7 @@ impl Method for ProjectedConjugateGradients {
         self.turn(problem, 0.0);
     }
 
-    fn iterate(&mut self, problem: &mut Problem<'_>, _: Gauge) -> Option<Residuals> {
+    fn iterate(&mut self, problem: &mut Problem<'_>, _: ResidualLevel) -> Option<Residuals> {
         let curvature = self.aim(problem);
         if curvature > 0.0 {
             self.advance(problem, self.descent / curvature);
@@ -133,7 +133,7 @@ struct Turn<'a> {
     tally: &'a mut Tally,
 }
 
-impl Visit for Turn<'_> {
+impl ContactPass for Turn<'_> {
     #[inline(always)]
     fn bodies(&self) -> Option<Slots<'_, Body>> {
         Some(self.bodies)
@@ -207,7 +207,7 @@ struct Aim<'a> {
     tally: &'a mut Tally,
 }
 
-impl Visit for Aim<'_> {
+impl ContactPass for Aim<'_> {
     #[inline(always)]
     fn bodies(&self) -> Option<Slots<'_, Body>> {
         Some(self.velocities.to_read())
@@ -231,7 +231,7 @@ struct Advance<'a> {
     alpha: f64,
 }
 
-impl Visit for Advance<'_> {
+impl ContactPass for Advance<'_> {
     #[inline(always)]
     fn bodies(&self) -> Option<Slots<'_, Body>> {
         Some(self.bodies.to_read())

@@ -3,7 +3,7 @@
 use super::group::Group;
 use super::problem::Tally;
 use crate::effects::Effects;
-use crate::groups::{Kind, WallTorqueLanes};
+use crate::groups::{ContactLayout, WallTorqueLanes};
 use crate::lanes::{Kernel, Lanes, Slots};
 use crate::partition::TaskGroups;
 use crate::sweep::kernel::{Bodies, Contact};

@@ -10,10 +10,10 @@ pub(crate) const MOST: usize = crate::scene::MOST_MEMORY + 1;
 /// Coefficients of new states (rows) by old ones.
 pub(crate) type Coefficients = [[f64; 3]; 3];
 
-/// `m v^2 + 0.4 m s^2` is twice the kinetic energy of a solid sphere with surface speed s.
+/// `m v^2 + 0.4 m s^2` is twice the kinetic energy of a solid sphere with scaled spin s.
 const KINETIC: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.4, 0.4, 0.4, 0.0]);
 
-/// A body as eight numbers: velocity, inverse mass, surface speed, inverse radius.
+/// A body as eight numbers: velocity, inverse mass, scaled spin, inverse radius.
 #[inline(always)]
 fn numbers(body: &Body) -> &Eight {
     bytemuck::must_cast_ref(body)

@@ -1,6 +1,6 @@
 //! The kernels that several methods share, each as what it does to one lane group.
 
-use super::group::{Block, Group, Visit, add, load, store};
+use super::group::{Block, ContactPass, Group, add, load, store};
 use super::problem::Tally;
 use super::velocities::{Coefficients, MOST, combined};
 use crate::effects::Effects;
@@ -17,7 +17,7 @@ pub(crate) struct Keep<'a> {
     pub to: &'a mut [Block],
 }
 
-impl Visit for Keep<'_> {
+impl ContactPass for Keep<'_> {
     #[inline(always)]
     fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         store(group.read::<L>().impulse(), &mut self.to[number]);
@@ -31,7 +31,7 @@ pub(crate) struct Combine<'a> {
     pub count: usize,
 }
 
-impl Visit for Combine<'_> {
+impl ContactPass for Combine<'_> {
     #[inline(always)]
     fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let mut sum = [L::zero(); 3];
@@ -60,7 +60,7 @@ pub(crate) struct Transform<'a> {
     pub third: &'a mut [Block],
 }
 
-impl Visit for Transform<'_> {
+impl ContactPass for Transform<'_> {
     #[inline(always)]
     fn visit<L: Lanes, G: Group<E>, E: Effects>(&mut self, number: usize, group: &mut G) {
         let [to_first, to_second, to_third] = self.coefficients;
@@ -91,7 +91,7 @@ pub(crate) struct Step<'a> {
     pub tally: &'a mut Tally,
 }
 
-impl Visit for Step<'_> {
+impl ContactPass for Step<'_> {
     #[inline(always)]
     fn bodies(&self) -> Option<Slots<'_, Body>> {
         Some(self.ahead)
@@ -151,7 +151,7 @@ pub(crate) struct Measure<'a> {
     pub tally: &'a mut Tally,
 }
 
-impl Visit for Measure<'_> {
+impl ContactPass for Measure<'_> {
     #[inline(always)]
     fn bodies(&self) -> Option<Slots<'_, Body>> {
         Some(self.bodies)

@@ -12,17 +12,17 @@
 //! contacts come behind all stages, one by one. Inside a task contacts are packed into
 //! lane groups of eight that share no body. All of this depends on the scene alone, never on threads or machine.
 
+mod assignment;
 mod boxes;
 mod occupied;
-mod packing;
 mod plan;
 mod shares;
 mod single;
 mod waits;
 
+pub(crate) use assignment::{LaneAssigner, Taken, TakenGroups};
 pub use boxes::{BoxGrid, STAGES};
 pub(crate) use occupied::{DIRECTIONS, SAME_BOX};
-pub(crate) use packing::{Packer, Taken, TakenGroups};
 pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use shares::{ByBlocks, ByBodies, ByCandidates, ByNumber, ByPlace, ByStarts, TaskShares};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
@@ -62,7 +62,7 @@ pub struct TaskGroups {
     pub(crate) pair_contacts: usize,
     pub(crate) wall_contacts: usize,
     /// Number of the candidate list that the pairs were packed from; 0 if they were not.
-    packed_from: u64,
+    assigned_from: u64,
     pairs_used: usize,
     walls_used: usize,
 }

@@ -18,7 +18,7 @@ use bytemuck::{Pod, Zeroable};
 pub(crate) struct SingleBody {
     velocity: [f32; 3],
     inverse_mass: f32,
-    surface_speed: [f32; 3],
+    scaled_spin: [f32; 3],
     inverse_radius: f32,
 }
 
@@ -69,7 +69,7 @@ impl SingleBody {
         SingleBody {
             velocity: body.velocity.map(|component| component as f32),
             inverse_mass: body.inverse_mass as f32,
-            surface_speed: body.surface_speed.map(|component| component as f32),
+            scaled_spin: body.scaled_spin.map(|component| component as f32),
             inverse_radius: body.inverse_radius as f32,
         }
     }
@@ -79,7 +79,7 @@ impl SingleBody {
         let before = SingleBody::of(body);
         for axis in 0..3 {
             body.velocity[axis] += f64::from(self.velocity[axis]) - f64::from(before.velocity[axis]);
-            body.surface_speed[axis] += f64::from(self.surface_speed[axis]) - f64::from(before.surface_speed[axis]);
+            body.scaled_spin[axis] += f64::from(self.scaled_spin[axis]) - f64::from(before.scaled_spin[axis]);
         }
     }
 }

@@ -68,7 +68,7 @@ fn grain(body: &world::Body, falls: &Vector3<f64>) -> Body {
         inverse_mass: Matrix3::from_diagonal_element(body.inverse_mass),
         inverse_inertia: Matrix3::from_diagonal_element(inverse_inertia),
         velocity: Vector3::from(body.velocity) + falls,
-        spin: Vector3::from(body.surface_speed) * body.inverse_radius,
+        spin: Vector3::from(body.scaled_spin) * body.inverse_radius,
     }
 }
 

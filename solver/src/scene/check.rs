@@ -1,9 +1,9 @@
 //! Range checks of a scene, before anything is simulated.
 
+use super::document_path::{Checked, DocumentPath};
 use super::error::{Fault, short};
 use super::names;
 use super::periodic;
-use super::place::{Checked, Place};
 use super::setting_error::{Obstacle, SettingError};
 use super::{
     ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop,
@@ -25,7 +25,7 @@ const MOST_DEVIATIONS: f64 = 100.0;
 /// Checks every value of a scene against the range in which it has a meaning.
 pub(super) fn check(scene: &Scene) -> Checked {
     names::check(scene)?;
-    let root = Place::default();
+    let root = DocumentPath::default();
     root.key("duration").range(scene.duration, 0.0, 1e5, "s")?;
     gravity(scene)?;
     extent(&root.key("domain"), &scene.domain.min, &scene.domain.max)?;
@@ -40,7 +40,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
 }
 
 fn gravity(scene: &Scene) -> Checked {
-    let root = Place::default();
+    let root = DocumentPath::default();
     root.key("gravity").finite(&scene.gravity)?;
     let mut before = 0.0;
     for (index, change) in scene.gravity_changes.iter().enumerate() {
@@ -59,7 +59,7 @@ fn gravity(scene: &Scene) -> Checked {
 }
 
 fn watch(scene: &Scene) -> Checked {
-    let (at, watch) = (Place::default().key("watch"), &scene.watch);
+    let (at, watch) = (DocumentPath::default().key("watch"), &scene.watch);
     at.key("overlap").range(watch.overlap, 1e-9, 2.0, "(over the smaller radius)")?;
     at.key("energy").range(watch.energy, 1e-9, 1e6, "(no unit)")?;
     at.key("residual").range(watch.residual, 1e-12, 1e12, "(in units of g h)")
@@ -68,10 +68,12 @@ fn watch(scene: &Scene) -> Checked {
 fn materials(scene: &Scene) -> Checked {
     if scene.material.len() > MOST_MATERIALS {
         let problem = format!("{} materials", scene.material.len());
-        return Err(Place::default().key("material").fault(problem, &format!("define at most {MOST_MATERIALS}")));
+        return Err(DocumentPath::default()
+            .key("material")
+            .fault(problem, &format!("define at most {MOST_MATERIALS}")));
     }
     for (name, material) in &scene.material {
-        let at = Place::default().key("material").name(name);
+        let at = DocumentPath::default().key("material").name(name);
         at.key("density").range(material.density, 1.0, 30_000.0, "kg/m3")?;
         at.key("youngs_modulus").range(material.youngs_modulus, 1e2, 1e13, "Pa")?;
         at.key("poisson_ratio").range(material.poisson_ratio, 0.0, 0.4999, "(no unit)")?;
@@ -80,7 +82,7 @@ fn materials(scene: &Scene) -> Checked {
         }
     }
     for (index, rule) in scene.pair.iter().enumerate() {
-        let at = Place::default().key("pair").index(index);
+        let at = DocumentPath::default().key("pair").index(index);
         for name in &rule.between {
             known_material(scene, &at.key("between"), name)?;
         }
@@ -105,7 +107,7 @@ fn least(scene: &Scene, [first, second]: [&str; 2], of: fn(&ContactCoefficients)
 
 fn walls(scene: &Scene) -> Checked {
     for (index, wall) in scene.wall.iter().enumerate() {
-        let at = Place::default().key("wall").index(index);
+        let at = DocumentPath::default().key("wall").index(index);
         known_material(scene, &at.key("material"), &wall.material)?;
         let shape = at.key("shape");
         match &wall.shape {
@@ -182,7 +184,7 @@ fn walls(scene: &Scene) -> Checked {
 fn grains(scene: &Scene) -> Checked {
     let mut count = scene.grain.len() as f64;
     for (index, population) in scene.population.iter().enumerate() {
-        let at = Place::default().key("population").index(index);
+        let at = DocumentPath::default().key("population").index(index);
         known_material(scene, &at.key("material"), &population.material)?;
         count += population.count as f64;
         at.key("count").range(count, 0.0, MOST_GRAINS, "grains, with those before it")?;
@@ -201,7 +203,7 @@ fn grains(scene: &Scene) -> Checked {
         }
     }
     for (index, grain) in scene.grain.iter().enumerate() {
-        let at = Place::default().key("grain").index(index);
+        let at = DocumentPath::default().key("grain").index(index);
         known_material(scene, &at.key("material"), &grain.material)?;
         at.key("radius").range(grain.radius, 1e-9, 100.0, "m")?;
         at.key("position").finite(&grain.position)?;
@@ -216,7 +218,7 @@ pub(super) fn chosen_twice(text: &str) -> Checked {
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let solver = table.get("solver").and_then(toml::Value::as_table);
     match ["step", "stop"].into_iter().find(|key| solver.is_some_and(|solver| solver.contains_key(*key))) {
-        Some(key) => Err(Place::default()
+        Some(key) => Err(DocumentPath::default()
             .key("solver")
             .key(key)
             .fault("given beside accuracy, which chooses it".into(), "leave this key or accuracy out")),
@@ -226,7 +228,7 @@ pub(super) fn chosen_twice(text: &str) -> Checked {
 
 fn accuracy(scene: &Scene) -> Checked {
     let Some(accuracy) = &scene.accuracy else { return Ok(()) };
-    let at = Place::default().key("accuracy");
+    let at = DocumentPath::default().key("accuracy");
     if accuracy.is_empty() {
         return Err(at.fault("asks for nothing".into(), "give one of angle, packing_fraction, overlap, relative"));
     }
@@ -244,7 +246,7 @@ fn accuracy(scene: &Scene) -> Checked {
     Ok(())
 }
 
-fn radii(at: &Place, distribution: &RadiusDistribution) -> Checked {
+fn radii(at: &DocumentPath, distribution: &RadiusDistribution) -> Checked {
     match distribution {
         RadiusDistribution::Fixed { value } => at.key("value").range(*value, 1e-9, 100.0, "m"),
         RadiusDistribution::Uniform { mean, spread } => {
@@ -288,7 +290,7 @@ fn radii(at: &Place, distribution: &RadiusDistribution) -> Checked {
 }
 
 pub(super) fn solver(scene: &Scene) -> Checked {
-    let at = Place::default().key("solver");
+    let at = DocumentPath::default().key("solver");
     let settings = &scene.solver;
     at.key("step").range(settings.step, 1e-9, 0.1, "s")?;
     at.key("over_relaxation").range(settings.over_relaxation, 0.1, 1.9, "(no unit)")?;
@@ -337,7 +339,7 @@ pub(super) fn solver(scene: &Scene) -> Checked {
 
 /// What a method or a precision does not go with, in the words of the scene.
 fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
-    let at = Place::default().key("solver");
+    let at = DocumentPath::default().key("solver");
     let (key, asked, obstacle) = match error {
         SettingError::SinglePrecision(obstacle) => ("precision", "single", obstacle),
         SettingError::Method { method, obstacle } => ("method", method.name(), obstacle),
@@ -361,12 +363,12 @@ fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
     at.key(key).fault(format!("{asked}, {beside}"), &remedy)
 }
 
-fn interval(at: &Place, start: f64, stop: Option<f64>) -> Checked {
+fn interval(at: &DocumentPath, start: f64, stop: Option<f64>) -> Checked {
     at.key("start").range(start, 0.0, 1e6, "s")?;
     at.key("stop").range(stop.unwrap_or(start), start, 1e6, "s")
 }
 
-fn extent(at: &Place, min: &[f64; 3], max: &[f64; 3]) -> Checked {
+fn extent(at: &DocumentPath, min: &[f64; 3], max: &[f64; 3]) -> Checked {
     at.key("min").finite(min)?;
     at.key("max").finite(max)?;
     match (0..3).all(|i| min[i] < max[i]) {
@@ -378,7 +380,7 @@ fn extent(at: &Place, min: &[f64; 3], max: &[f64; 3]) -> Checked {
     }
 }
 
-fn known_material(scene: &Scene, at: &Place, name: &str) -> Checked {
+fn known_material(scene: &Scene, at: &DocumentPath, name: &str) -> Checked {
     match scene.material.contains_key(name) {
         true => Ok(()),
         false => Err(at.fault(

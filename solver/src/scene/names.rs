@@ -1,8 +1,8 @@
 //! Names of scenes, walls and materials: they stand in messages, tables and names of files, so that they have to be fit for these.
 
 use super::Scene;
+use super::document_path::{Checked, DocumentPath};
 use super::error::is_printable;
-use super::place::{Checked, Place};
 use std::collections::HashMap;
 
 /// Longest name, bytes: names of files have 255, and more is put beside a scene's name in them.
@@ -13,7 +13,7 @@ const TAKEN: &str = "driven_wall";
 
 /// Checks the scene's names, and that no two things have one name.
 pub(super) fn check(scene: &Scene) -> Checked {
-    let root = Place::default();
+    let root = DocumentPath::default();
     let at = root.key("name");
     fit(&at, "the scene's name", &scene.name)?;
     if scene.name.contains(['/', '\\']) || scene.name == "." || scene.name == ".." {
@@ -54,7 +54,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
 }
 
 /// Whether a name can be shown, put into a table and made a file's.
-fn fit(at: &Place, whose: &str, name: &str) -> Checked {
+fn fit(at: &DocumentPath, whose: &str, name: &str) -> Checked {
     let refuse = |what: String, remedy: &str| Err(at.fault(format!("{whose} {what}"), remedy));
     if name.trim().is_empty() {
         return refuse("is empty".into(), "give a name");

@@ -1,7 +1,7 @@
 //! Whether a scene can repeat itself along the axes that its domain says.
 
+use super::document_path::{Checked, DocumentPath};
 use super::error::short;
-use super::place::{Checked, Place};
 use super::{Axis, Motion, Scene, Shape, Wall};
 use nalgebra::Vector3;
 
@@ -14,7 +14,7 @@ const PARALLEL: f64 = 1e-9;
 
 /// Checks the period against the grains, and every wall.
 pub(super) fn check(scene: &Scene) -> Checked {
-    let (domain, at) = (&scene.domain, Place::default().key("domain"));
+    let (domain, at) = (&scene.domain, DocumentPath::default().key("domain"));
     let of_populations = scene.population.iter().map(|population| population.radius.bounds().1);
     let largest = of_populations.chain(scene.grain.iter().map(|grain| grain.radius)).fold(0.0, f64::max);
     for axis in &domain.periodic {
@@ -27,7 +27,7 @@ pub(super) fn check(scene: &Scene) -> Checked {
         }
         for (index, wall) in scene.wall.iter().enumerate() {
             if let Some(why) = breaks(wall, *axis, [domain.min[number], domain.max[number]]) {
-                let at = Place::default().key("wall").index(index);
+                let at = DocumentPath::default().key("wall").index(index);
                 let problem = format!(
                     "wall '{}' does not repeat itself along the periodic axis {}: {why}",
                     wall.name,

@@ -60,7 +60,7 @@ pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
         spin: entry.spin,
     }));
     for (index, population) in scene.population.iter().enumerate() {
-        lattice_gas(scene, population, &mut random, &mut grains)
+        jittered_lattice(scene, population, &mut random, &mut grains)
             .map_err(|misfit| misfit.unplaced(index, population))?;
     }
     Ok(grains)
@@ -164,7 +164,7 @@ fn draw_radius(distribution: &RadiusDistribution, random: &mut ChaCha8Rng) -> f6
 }
 
 /// Fills the lowest lattice sites of the region.
-fn lattice_gas(
+fn jittered_lattice(
     scene: &Scene,
     population: &Population,
     random: &mut ChaCha8Rng,

@@ -52,7 +52,7 @@ impl Simulation {
         for (sphere, body) in self.world.spheres[..self.world.grains()].iter().zip(&self.world.bodies) {
             let mass = 1.0 / body.inverse_mass;
             let square = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>();
-            energy.kinetic += 0.5 * mass * (square(&body.velocity) + 0.4 * square(&body.surface_speed));
+            energy.kinetic += 0.5 * mass * (square(&body.velocity) + 0.4 * square(&body.scaled_spin));
             energy.potential -= mass * self.world.gravity.dot(&sphere.centre);
         }
         energy

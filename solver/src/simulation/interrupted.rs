@@ -31,7 +31,7 @@ impl Simulation {
         }
         for (body, before) in bodies.iter_mut().zip(spins_before) {
             let [x, y, z, _] = before.0;
-            body.surface_speed = [x, y, z];
+            body.scaled_spin = [x, y, z];
         }
         drives.iter_mut().for_each(|drive| drive.rate = drive.rate_before);
         self.layout.contacts = 0;

@@ -170,7 +170,7 @@ impl Simulation {
         let mut bytes = self.world.time.to_bits().to_le_bytes().to_vec();
         for place in self.places_by_id() {
             let (sphere, body) = (&self.world.spheres[place as usize], &self.world.bodies[place as usize]);
-            let values = sphere.centre.iter().chain(&body.velocity).chain(&body.surface_speed);
+            let values = sphere.centre.iter().chain(&body.velocity).chain(&body.scaled_spin);
             bytes.extend(values.flat_map(|value| value.to_bits().to_le_bytes()));
         }
         let driven = self.world.drives.iter().flat_map(|drive| [drive.displacement, drive.rate]);
@@ -190,7 +190,7 @@ impl Simulation {
     /// Id of the first grain whose state is not finite.
     pub fn not_finite(&self) -> Option<u32> {
         self.first_grain(|sphere, body| {
-            let values = sphere.centre.iter().chain(&body.velocity).chain(&body.surface_speed);
+            let values = sphere.centre.iter().chain(&body.velocity).chain(&body.scaled_spin);
             values.fold(0.0, |sum, value| sum + 0.0 * value) != 0.0
         })
     }

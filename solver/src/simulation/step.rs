@@ -89,7 +89,7 @@ impl Simulation {
             let places = chunk(number, count);
             let falling = places.start..places.end.min(grains).max(places.start);
             for (body, spin) in bodies.iter().zip(spins_before) {
-                let [x, y, z] = body.surface_speed;
+                let [x, y, z] = body.scaled_spin;
                 *spin = Quad([x, y, z, 0.0]);
             }
             for (body, before) in bodies.iter().zip(before) {

@@ -315,7 +315,7 @@ impl Simulation {
         let (h, normal) = (self.settings.step, met.at.normal);
         let world = &mut self.world;
         let (sphere, body) = (world.spheres[place], world.bodies[place]);
-        let (velocity, spin) = (Vector::from(body.velocity), Vector::from(body.surface_speed));
+        let (velocity, spin) = (Vector::from(body.velocity), Vector::from(body.scaled_spin));
         let face = world.walls.placed(&self.swept.poses).face(met.surface);
         let point = sphere.centre + velocity * (met.at.share * h) + normal * sphere.radius;
         let wall_velocity = face.velocity_at(&point);
@@ -359,14 +359,14 @@ impl Simulation {
         let before = wall_velocity - velocity - spin.cross(&normal);
         let body = &mut world.bodies[place];
         body.velocity = (velocity + impulse * body.inverse_mass).into();
-        body.surface_speed = (spin + normal.cross(&tangential) * (INVERSE_INERTIA * body.inverse_mass)).into();
+        body.scaled_spin = (spin + normal.cross(&tangential) * (INVERSE_INERTIA * body.inverse_mass)).into();
         if let Some(drive) = drive {
             world.drives[drive].push(-jacobian.dot(&impulse));
             let wall = world.drives[drive].wall;
             self.swept.poses[wall as usize] = world.pose_through(wall, h);
         }
         let body = self.world.bodies[place];
-        let after = wall_velocity - Vector::from(body.velocity) - Vector::from(body.surface_speed).cross(&normal);
+        let after = wall_velocity - Vector::from(body.velocity) - Vector::from(body.scaled_spin).cross(&normal);
         self.note_strike(place, met.surface, normal, (borne, -tangential), wall_velocity, [before, after]);
         Some(drive.is_some())
     }

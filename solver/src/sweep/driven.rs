@@ -2,7 +2,7 @@
 
 use super::Relaxation;
 use super::kernel::{Bodies, Contact, INVERSE_INERTIA};
-use super::residual::{Gauge, Gauged, LaneResidual, TaskResidual, with_gauge};
+use super::residual::{LaneResidual, MeasuredLevel, ResidualLevel, TaskResidual, with_level};
 use super::torques::Torque;
 use crate::effects::drive::Drive;
 use crate::effects::friction::disc_shrinkage;
@@ -13,20 +13,20 @@ use crate::partition::{DrivenContact, Layout, TaskGroups};
 use crate::world::Body;
 
 impl Relaxation {
-    /// Relaxes every contact with a driven wall once; its residuals count as the gauge says.
+    /// Relaxes every contact with a driven wall once; its residuals count as the level says.
     pub(crate) fn sweep_driven(
         &self,
         bodies: &mut [Body],
         layout: &mut Layout,
         drives: &mut [Drive],
         factor: f64,
-        gauge: Gauge,
+        level: ResidualLevel,
     ) -> TaskResidual {
-        with_effects!(self.effects, E => with_gauge!(gauge, G => sweep::<E, G>(bodies, layout, drives, factor)))
+        with_effects!(self.effects, E => with_level!(level, G => sweep::<E, G>(bodies, layout, drives, factor)))
     }
 }
 
-fn sweep<E: Effects, G: Gauged>(
+fn sweep<E: Effects, G: MeasuredLevel>(
     bodies: &mut [Body],
     layout: &mut Layout,
     drives: &mut [Drive],
@@ -45,7 +45,7 @@ fn sweep<E: Effects, G: Gauged>(
 
 /// The one-contact solution, the wall's inertia included.
 #[inline(always)]
-fn relax<E: Effects, G: Gauged>(
+fn relax<E: Effects, G: MeasuredLevel>(
     one: &DrivenContact,
     task: &mut TaskGroups,
     bodies: &mut [Body],

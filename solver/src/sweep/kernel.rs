@@ -1,6 +1,6 @@
 //! One relaxation of one lane group: eight contacts that share no body.
 //!
-//! For a contact with unit normal n from a to b, relative velocity u at the contact and surface speeds s = r omega,
+//! For a contact with unit normal n from a to b, relative velocity u at the contact and scaled spins s = r omega,
 //!
 //! ```text
 //! u        = v_b - v_a - (s_a + s_b) x n
@@ -14,7 +14,7 @@
 //! change is computed, at least -lambda_n: then all but one product and one comparison is ready before u is. Where grains resist rolling
 //! or twisting, the contact's angular impulse follows (`torques`).
 
-use super::residual::{Gauged, LaneResidual};
+use super::residual::{LaneResidual, MeasuredLevel};
 use crate::effects::Effects;
 use crate::effects::friction::disc_shrinkage;
 use crate::groups::{ContactLanes, PairGroup, Tangential};
@@ -30,7 +30,7 @@ pub(crate) const INVERSE_INERTIA: f64 = 2.5;
 pub(crate) struct Bodies<N> {
     pub velocity: [N; 3],
     pub inverse_mass: N,
-    pub surface_speed: [N; 3],
+    pub scaled_spin: [N; 3],
     pub inverse_radius: N,
 }
 
@@ -41,13 +41,13 @@ impl<L: Lanes> Bodies<L> {
         let [x, y, z, inverse_mass] = bodies.load_halves::<L, 0>(places);
         let [along_x, along_y, along_z, inverse_radius] =
             if E::FRICTION { bodies.load_halves::<L, 1>(places) } else { [L::zero(); 4] };
-        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], inverse_radius }
+        Self { velocity: [x, y, z], inverse_mass, scaled_spin: [along_x, along_y, along_z], inverse_radius }
     }
 
     /// Stores eight bodies of a task.
     #[inline(always)]
     pub fn store<E: Effects>(self, bodies: TaskSlots<'_, Body>, places: &[u32; LANES]) {
-        let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.surface_speed);
+        let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.scaled_spin);
         bodies.store_halves::<L, 0>(places, [x, y, z, self.inverse_mass]);
         if E::FRICTION {
             bodies.store_halves::<L, 1>(places, [along_x, along_y, along_z, self.inverse_radius]);
@@ -60,13 +60,13 @@ impl<S: SingleLanes> Bodies<S> {
     #[inline(always)]
     pub fn load_single(bodies: Slots<'_, SingleBody>, places: &[u32; SINGLE_LANES]) -> Self {
         let [x, y, z, inverse_mass, along_x, along_y, along_z, inverse_radius] = bodies.load_octets(places);
-        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z], inverse_radius }
+        Self { velocity: [x, y, z], inverse_mass, scaled_spin: [along_x, along_y, along_z], inverse_radius }
     }
 
     /// Stores sixteen bodies in single precision.
     #[inline(always)]
     pub fn store_single(self, bodies: TaskSlots<'_, SingleBody>, places: &[u32; SINGLE_LANES]) {
-        let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.surface_speed);
+        let ([x, y, z], [along_x, along_y, along_z]) = (self.velocity, self.scaled_spin);
         bodies.store_octets(places, [x, y, z, self.inverse_mass, along_x, along_y, along_z, self.inverse_radius]);
     }
 }
@@ -74,8 +74,8 @@ impl<S: SingleLanes> Bodies<S> {
 impl Bodies<f64> {
     /// One body.
     pub fn of(body: &Body) -> Self {
-        let Body { velocity, inverse_mass, surface_speed, inverse_radius } = *body;
-        Self { velocity, inverse_mass, surface_speed, inverse_radius }
+        let Body { velocity, inverse_mass, scaled_spin, inverse_radius } = *body;
+        Self { velocity, inverse_mass, scaled_spin, inverse_radius }
     }
 
     /// Loads one body of a task.
@@ -95,7 +95,7 @@ impl Bodies<f64> {
     pub fn put<E: Effects>(&self, body: &mut Body) {
         body.velocity = self.velocity;
         if E::FRICTION {
-            body.surface_speed = self.surface_speed;
+            body.scaled_spin = self.scaled_spin;
         }
     }
 }
@@ -104,7 +104,7 @@ impl<N: Number> Bodies<N> {
     /// A body at rest that no impulse moves.
     pub fn at_rest() -> Self {
         let zero = N::zero();
-        Self { velocity: [zero; 3], inverse_mass: zero, surface_speed: [zero; 3], inverse_radius: zero }
+        Self { velocity: [zero; 3], inverse_mass: zero, scaled_spin: [zero; 3], inverse_radius: zero }
     }
 
     /// Adds `sign` times an impulse; `lever` is n x P.
@@ -113,7 +113,7 @@ impl<N: Number> Bodies<N> {
         self.velocity = plus(self.velocity, times(impulse, self.inverse_mass * N::splat(sign)));
         if E::FRICTION {
             let factor = self.inverse_mass * N::splat(-INVERSE_INERTIA);
-            self.surface_speed = plus(self.surface_speed, times(lever, factor));
+            self.scaled_spin = plus(self.scaled_spin, times(lever, factor));
         }
     }
 }
@@ -125,8 +125,8 @@ pub(crate) struct Pair<N> {
     pub velocity: [N; 3],
     /// Sum of their inverse masses, 1/kg.
     pub inverse_mass: N,
-    /// Sum of their surface speeds, m/s.
-    pub surface_speed: [N; 3],
+    /// Sum of their scaled spins, m/s.
+    pub scaled_spin: [N; 3],
 }
 
 impl<N: Number> Pair<N> {
@@ -136,7 +136,7 @@ impl<N: Number> Pair<N> {
         Self {
             velocity: minus(second.velocity, first.velocity),
             inverse_mass: first.inverse_mass + second.inverse_mass,
-            surface_speed: plus(first.surface_speed, second.surface_speed),
+            scaled_spin: plus(first.scaled_spin, second.scaled_spin),
         }
     }
 }
@@ -150,14 +150,14 @@ impl<L: Lanes> Pair<L> {
             true => bodies.load_pairs(first, second),
             false => [bodies.load_differences_of_halves(first, second), [L::zero(); 4]],
         };
-        Self { velocity: [x, y, z], inverse_mass, surface_speed: [along_x, along_y, along_z] }
+        Self { velocity: [x, y, z], inverse_mass, scaled_spin: [along_x, along_y, along_z] }
     }
 
     /// The same without spin, with the bodies kept.
     #[inline(always)]
     pub fn load_keeping<T>(bodies: Slots<'_, Body>, group: &PairGroup<T>) -> (Self, [L::Kept; 2]) {
         let ([x, y, z, inverse_mass], kept) = bodies.load_keeping::<L>(&group.first, &group.second);
-        (Self { velocity: [x, y, z], inverse_mass, surface_speed: [L::zero(); 3] }, kept)
+        (Self { velocity: [x, y, z], inverse_mass, scaled_spin: [L::zero(); 3] }, kept)
     }
 
     /// Gives bodies that were kept, and have not changed since, an impulse without spin.
@@ -244,7 +244,7 @@ impl<N: Number> Contact<N> {
 
     /// The one-contact solution: updates the impulses and returns the change.
     #[inline(always)]
-    pub fn relax<E: Effects, G: Gauged>(
+    pub fn relax<E: Effects, G: MeasuredLevel>(
         &mut self,
         velocity: [N; 3],
         inverse_mass: N,
@@ -286,7 +286,7 @@ impl<N: Number> Contact<N> {
         if !E::FRICTION {
             return pair.velocity;
         }
-        minus(pair.velocity, cross(pair.surface_speed, self.normal))
+        minus(pair.velocity, cross(pair.scaled_spin, self.normal))
     }
 
     /// Relative velocity of a grain and a wall that moves with `wall_velocity` at their contact.
@@ -296,12 +296,12 @@ impl<N: Number> Contact<N> {
         if !E::FRICTION {
             return velocity;
         }
-        minus(velocity, cross(grain.surface_speed, self.normal))
+        minus(velocity, cross(grain.scaled_spin, self.normal))
     }
 
     /// Relaxes a contact of two grains: the impulse P for the second one, and its lever n x P.
     #[inline(always)]
-    pub fn relax_pair<E: Effects, G: Gauged>(
+    pub fn relax_pair<E: Effects, G: MeasuredLevel>(
         &mut self,
         pair: &Pair<N>,
         relaxation: N,
@@ -314,7 +314,7 @@ impl<N: Number> Contact<N> {
 
     /// Relaxes a contact of a grain with a wall that moves with `wall_velocity` there: the impulse P for the wall, and n x P.
     #[inline(always)]
-    pub fn relax_wall<E: Effects, G: Gauged>(
+    pub fn relax_wall<E: Effects, G: MeasuredLevel>(
         &mut self,
         grain: &Bodies<N>,
         wall_velocity: [N; 3],

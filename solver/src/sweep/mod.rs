@@ -14,14 +14,14 @@ mod torques;
 pub use bytes::SweepBytes;
 pub use count::Operations;
 pub(crate) use driven::{start_driven, tell_driven};
-pub(crate) use residual::{Directions, Gauge, LaneResidual, Off, TaskResidual};
-use residual::{Gauged, with_gauge};
+pub(crate) use residual::{Directions, LaneResidual, Off, ResidualLevel, TaskResidual};
+use residual::{MeasuredLevel, with_level};
 pub use residual::{Residual, Residuals};
 pub(crate) use stages::{SweepOperands, SweepPass};
 
 use crate::detect::{AngularImpulse, Impulse, ImpulsesOfTask};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
-use crate::groups::{ContactLanes, Kind, Sources, Tangential, WallTorqueLanes, with_pairs};
+use crate::groups::{ContactLanes, ContactLayout, Sources, Tangential, WallTorqueLanes, with_pairs};
 use crate::lanes::{Available, Eight, Kernel, Lanes, PREFETCH, TaskSlots, cross, prefetch_places, times};
 use crate::partition::{TaskGroups, overlapped};
 use crate::world::Body;
@@ -44,7 +44,7 @@ pub struct Relaxation {
 }
 
 /// One sweep over a task.
-struct Sweep<'a, E: Effects, G: Gauged> {
+struct Sweep<'a, E: Effects, G: MeasuredLevel> {
     bodies: TaskSlots<'a, Body>,
     groups: &'a mut TaskGroups,
     factor: f64,
@@ -73,21 +73,21 @@ struct Remember<'a> {
 }
 
 impl Relaxation {
-    /// Relaxes every group of a task once, pairs first; adds to `residual` what the gauge says.
+    /// Relaxes every group of a task once, pairs first; adds to `residual` what the level says.
     pub(crate) fn sweep(
         &self,
         bodies: TaskSlots<'_, Body>,
         groups: &mut TaskGroups,
         factor: f64,
-        gauge: Gauge,
+        level: ResidualLevel,
         residual: &mut TaskResidual,
     ) {
         with_effects!(self.effects, E => {
-            with_gauge!(gauge, G => self.dispatch::<E, G>(bodies, groups, factor, residual))
+            with_level!(level, G => self.dispatch::<E, G>(bodies, groups, factor, residual))
         })
     }
 
-    fn dispatch<E: Effects, G: Gauged>(
+    fn dispatch<E: Effects, G: MeasuredLevel>(
         &self,
         bodies: TaskSlots<'_, Body>,
         groups: &mut TaskGroups,
@@ -122,7 +122,7 @@ impl Relaxation {
     }
 }
 
-impl<E: Effects, G: Gauged> Kernel for Sweep<'_, E, G> {
+impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
     type Output = ();
 
     #[inline(always)]

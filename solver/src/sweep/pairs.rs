@@ -2,14 +2,14 @@
 
 use super::Sweep;
 use super::kernel::{Bodies, Contact, Pair};
-use super::residual::{Gauged, LaneResidual};
+use super::residual::{LaneResidual, MeasuredLevel};
 use super::torques::Torque;
 use crate::effects::Effects;
-use crate::groups::{Kind, PairGroup};
+use crate::groups::{ContactLayout, PairGroup};
 use crate::lanes::{Lanes, prefetch_lines, prefetch_places};
 use crate::partition::TaskGroups;
 
-impl<E: Effects, G: Gauged> Sweep<'_, E, G> {
+impl<E: Effects, G: MeasuredLevel> Sweep<'_, E, G> {
     /// Relaxes the pairs, one group after another.
     #[inline(always)]
     pub(super) fn relax_in_turn<L: Lanes>(&mut self, factor: L, residual: &mut LaneResidual<L>) {

@@ -40,7 +40,7 @@ impl Residuals {
 
 /// What a sweep tells of its residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Gauge {
+pub(crate) enum ResidualLevel {
     /// Nothing.
     Off,
     /// Root mean squares along the normal and across it; the latter stands in the first tangential direction. Nearly free.
@@ -49,57 +49,57 @@ pub(crate) enum Gauge {
     Directions,
 }
 
-/// A gauge that kernels are compiled with.
-pub(crate) trait Gauged {
+/// A level that kernels are compiled with.
+pub(crate) trait MeasuredLevel {
     /// Whether it tells anything.
     const ANY: bool;
     /// Whether it tells directions apart, and maxima.
     const DIRECTIONS: bool;
 }
 
-/// [`Gauge::Off`].
+/// [`ResidualLevel::Off`].
 pub(crate) struct Off;
-/// [`Gauge::Total`].
+/// [`ResidualLevel::Total`].
 pub(crate) struct Total;
-/// [`Gauge::Directions`].
+/// [`ResidualLevel::Directions`].
 pub(crate) struct Directions;
 
-impl Gauged for Off {
+impl MeasuredLevel for Off {
     const ANY: bool = false;
     const DIRECTIONS: bool = false;
 }
 
-impl Gauged for Total {
+impl MeasuredLevel for Total {
     const ANY: bool = true;
     const DIRECTIONS: bool = false;
 }
 
-impl Gauged for Directions {
+impl MeasuredLevel for Directions {
     const ANY: bool = true;
     const DIRECTIONS: bool = true;
 }
 
-/// Evaluates an expression for the gauge that a value names.
-macro_rules! with_gauge {
-    ($gauge:expr, $compiled:ident => $body:expr) => {{
-        use $crate::sweep::residual::{Directions, Gauge, Off, Total};
-        match $gauge {
-            Gauge::Off => {
+/// Evaluates an expression for the level that a value names.
+macro_rules! with_level {
+    ($level:expr, $compiled:ident => $body:expr) => {{
+        use $crate::sweep::residual::{Directions, Off, ResidualLevel, Total};
+        match $level {
+            ResidualLevel::Off => {
                 type $compiled = Off;
                 $body
             }
-            Gauge::Total => {
+            ResidualLevel::Total => {
                 type $compiled = Total;
                 $body
             }
-            Gauge::Directions => {
+            ResidualLevel::Directions => {
                 type $compiled = Directions;
                 $body
             }
         }
     }};
 }
-pub(super) use with_gauge;
+pub(super) use with_level;
 
 /// Sums over lane groups while they are relaxed, still lane by lane, so that their order is fixed.
 #[derive(Clone, Copy)]
@@ -130,7 +130,7 @@ impl<N: Number> LaneResidual<N> {
 
     /// Adds the normal residuals of a group.
     #[inline(always)]
-    pub fn add_normal<G: Gauged>(&mut self, value: N) {
+    pub fn add_normal<G: MeasuredLevel>(&mut self, value: N) {
         if G::DIRECTIONS {
             self.add(0, value);
         } else {
@@ -143,7 +143,7 @@ impl<N: Number> LaneResidual<N> {
     ///
     /// The basis needs no branch and is continuous but for one seam (Duff et al., J. Comput. Graph. Tech. 6(1), 2017).
     #[inline(always)]
-    pub fn add_tangential<G: Gauged>(&mut self, normal: [N; 3], value: [N; 3]) {
+    pub fn add_tangential<G: MeasuredLevel>(&mut self, normal: [N; 3], value: [N; 3]) {
         if !G::DIRECTIONS {
             return self.add_square(1, dot(value, value));
         }
@@ -159,7 +159,7 @@ impl<N: Number> LaneResidual<N> {
 
     /// Adds the surface velocities by which torques still turned a group.
     #[inline(always)]
-    pub fn add_turning<G: Gauged>(&mut self, value: [N; 3]) {
+    pub fn add_turning<G: MeasuredLevel>(&mut self, value: [N; 3]) {
         let square = dot(value, value);
         if G::DIRECTIONS {
             self.add(3, square.sqrt());

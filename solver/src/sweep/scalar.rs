@@ -1,16 +1,16 @@
 //! The same relaxation one contact at a time: the baseline of the benches, and a witness for the lanes.
 
 use super::kernel::{Bodies, Contact, Pair};
-use super::residual::{Gauged, LaneResidual, TaskResidual};
+use super::residual::{LaneResidual, MeasuredLevel, TaskResidual};
 use super::torques::Torque;
 use crate::effects::Effects;
-use crate::groups::{Kind, WallTorqueLanes};
+use crate::groups::{ContactLayout, WallTorqueLanes};
 use crate::lanes::{Eight, LANES, TaskSlots};
 use crate::partition::TaskGroups;
 use crate::world::Body;
 
 /// Relaxes a task's contacts once, lane after lane.
-pub(super) fn sweep<E: Effects, G: Gauged>(
+pub(super) fn sweep<E: Effects, G: MeasuredLevel>(
     bodies: TaskSlots<'_, Body>,
     groups: &mut TaskGroups,
     relaxation: f64,

@@ -2,14 +2,14 @@
 
 use super::Relaxation;
 use super::kernel::{Bodies, Contact, Pair};
-use super::residual::{Gauge, Gauged, LaneResidual, TaskResidual, with_gauge};
+use super::residual::{LaneResidual, MeasuredLevel, ResidualLevel, TaskResidual, with_level};
 use crate::effects::{Effects, with_tangential};
 use crate::lanes::{Kernel, Lanes, Number, SingleLanes, TaskSlots, prefetch_lines, prefetch_places};
 use crate::partition::{SingleBody, SingleGroups, SinglePairGroup};
 use std::marker::PhantomData;
 
 /// One sweep over a task.
-pub(super) struct SingleSweep<'a, E: Effects, G: Gauged> {
+pub(super) struct SingleSweep<'a, E: Effects, G: MeasuredLevel> {
     bodies: TaskSlots<'a, SingleBody>,
     groups: &'a mut SingleGroups,
     factor: f64,
@@ -25,16 +25,16 @@ impl Relaxation {
         bodies: TaskSlots<'_, SingleBody>,
         groups: &mut SingleGroups,
         factor: f64,
-        gauge: Gauge,
+        level: ResidualLevel,
         residual: &mut TaskResidual,
     ) {
         // Scenes with torques are refused single precision when they are read.
-        with_gauge!(gauge, G => with_tangential!(self.effects, E => {
+        with_level!(level, G => with_tangential!(self.effects, E => {
             self.run_single::<E, G>(bodies, groups, factor, residual)
         }));
     }
 
-    fn run_single<E: Effects, G: Gauged>(
+    fn run_single<E: Effects, G: MeasuredLevel>(
         &self,
         bodies: TaskSlots<'_, SingleBody>,
         groups: &mut SingleGroups,
@@ -47,7 +47,7 @@ impl Relaxation {
     }
 }
 
-impl<E: Effects, G: Gauged> Kernel for SingleSweep<'_, E, G> {
+impl<E: Effects, G: MeasuredLevel> Kernel for SingleSweep<'_, E, G> {
     type Output = ();
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Sweeps over all tasks, stage after stage.
 
-use super::{Gauge, Relaxation, TaskResidual};
+use super::{Relaxation, ResidualLevel, TaskResidual};
 use crate::partition::{ByBodies, ByNumber, ByPlace, Plan, SingleCopy, TaskGroups, TaskShares};
 use crate::schedule::{Phase, Team};
 use crate::world::Body;
@@ -20,7 +20,7 @@ pub(crate) struct SweepPass<F> {
     /// Whether to leave out the times that are left; asked where there are several.
     pub stops: F,
     /// What is measured the last time.
-    pub gauge: Gauge,
+    pub level: ResidualLevel,
 }
 
 impl Relaxation {
@@ -37,14 +37,14 @@ impl Relaxation {
         match operands {
             SweepOperands::Double { bodies, groups } => {
                 let shares = (ByBodies::of(bodies), ByNumber::of(groups));
-                pass.run(plan, shares, residuals, team, |(bodies, groups), gauge, residual| {
-                    self.sweep(*bodies, groups, factor, gauge, residual);
+                pass.run(plan, shares, residuals, team, |(bodies, groups), level, residual| {
+                    self.sweep(*bodies, groups, factor, level, residual);
                 })
             }
             SweepOperands::Single(copy) => {
                 let shares = (ByBodies::of(&mut copy.bodies), ByNumber::of(&mut copy.groups));
-                pass.run(plan, shares, residuals, team, |(bodies, groups), gauge, residual| {
-                    self.sweep_single(*bodies, groups, factor, gauge, residual);
+                pass.run(plan, shares, residuals, team, |(bodies, groups), level, residual| {
+                    self.sweep_single(*bodies, groups, factor, level, residual);
                 })
             }
         }
@@ -58,9 +58,9 @@ impl<F: Fn() -> bool + Sync> SweepPass<F> {
         shares: S,
         residuals: &mut Vec<TaskResidual>,
         team: &Team,
-        sweep: impl Fn(&mut S::Share, Gauge, &mut TaskResidual) + Sync,
+        sweep: impl Fn(&mut S::Share, ResidualLevel, &mut TaskResidual) + Sync,
     ) -> TaskResidual {
-        let measured = self.gauge != Gauge::Off;
+        let measured = self.level != ResidualLevel::Off;
         residuals.clear();
         residuals.resize(if measured { plan.tasks().len() } else { 0 }, TaskResidual::default());
         let shares = (shares, measured.then(|| ByPlace::of(residuals)));
@@ -76,8 +76,8 @@ impl<F: Fn() -> bool + Sync> SweepPass<F> {
                         break;
                     }
                     match &mut residual {
-                        Some(residual) if time == self.inner => sweep(&mut own, self.gauge, residual),
-                        _ => sweep(&mut own, Gauge::Off, &mut unused),
+                        Some(residual) if time == self.inner => sweep(&mut own, self.level, residual),
+                        _ => sweep(&mut own, ResidualLevel::Off, &mut unused),
                     }
                 }
             },

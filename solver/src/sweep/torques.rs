@@ -1,7 +1,7 @@
 //! Relaxation of the angular impulse of a contact: see [`resistance`](crate::effects::resistance).
 
 use super::kernel::{Bodies, INVERSE_INERTIA};
-use super::residual::{Gauged, LaneResidual};
+use super::residual::{LaneResidual, MeasuredLevel};
 use crate::effects::Effects;
 use crate::effects::resistance::bearable;
 use crate::groups::TorqueLanes;
@@ -22,14 +22,14 @@ impl<N: Number> Bodies<N> {
     /// Angular velocity, rad/s.
     #[inline(always)]
     pub(super) fn spin(&self) -> [N; 3] {
-        times(self.surface_speed, self.inverse_radius)
+        times(self.scaled_spin, self.inverse_radius)
     }
 
     /// Adds `sign` times an angular impulse, N m s.
     #[inline(always)]
     pub fn turn(&mut self, sign: f64, impulse: [N; 3]) {
         let factor = self.inverse_mass * self.inverse_radius * N::splat(sign * INVERSE_INERTIA);
-        self.surface_speed = plus(self.surface_speed, times(impulse, factor));
+        self.scaled_spin = plus(self.scaled_spin, times(impulse, factor));
     }
 
     /// One over the moment of inertia, 1/(kg m2).
@@ -60,7 +60,7 @@ impl<N: Number> Torque<N> {
 
     /// The one-contact solution: updates the impulse and returns the change. Residuals are surface velocities, m/s.
     #[inline(always)]
-    pub(super) fn relax<E: Effects, G: Gauged>(
+    pub(super) fn relax<E: Effects, G: MeasuredLevel>(
         &mut self,
         (normal, normal_impulse): ([N; 3], N),
         spin: [N; 3],
@@ -82,7 +82,7 @@ impl<N: Number> Torque<N> {
 
     /// Relaxes the torque of a contact of two grains; `contact` is its normal and normal impulse.
     #[inline(always)]
-    pub fn relax_pair<E: Effects, G: Gauged>(
+    pub fn relax_pair<E: Effects, G: MeasuredLevel>(
         &mut self,
         contact: ([N; 3], N),
         first: &mut Bodies<N>,
@@ -100,7 +100,7 @@ impl<N: Number> Torque<N> {
 
     /// Relaxes the torque of a contact of a grain with a wall that turns with `wall_spin` (rad/s).
     #[inline(always)]
-    pub fn relax_wall<E: Effects, G: Gauged>(
+    pub fn relax_wall<E: Effects, G: MeasuredLevel>(
         &mut self,
         contact: ([N; 3], N),
         grain: &mut Bodies<N>,

@@ -45,7 +45,7 @@ pub(crate) fn chunk_of(place: usize) -> usize {
 
 /// Dynamic state of a grain: one cache line of two quads.
 ///
-/// The spin is kept as the surface speed `radius * angular velocity` (m/s), which takes the lever arm out of the
+/// The spin is kept as the scaled spin `radius * angular velocity` (m/s), which takes the lever arm out of the
 /// contact: for solid spheres (I = 0.4 m r^2) an impulse P changes it by 2.5/m times the cross product of P and the normal.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
@@ -55,7 +55,7 @@ pub struct Body {
     /// One over the mass, 1/kg.
     pub inverse_mass: f64,
     /// Radius times angular velocity, m/s.
-    pub surface_speed: [f64; 3],
+    pub scaled_spin: [f64; 3],
     /// One over the radius, 1/m.
     pub(crate) inverse_radius: f64,
 }
@@ -158,7 +158,7 @@ impl World {
             Body {
                 velocity: grain.velocity,
                 inverse_mass: 1.0 / (scene.material[&grain.material].density * volume),
-                surface_speed: grain.spin.map(|component| component * grain.radius),
+                scaled_spin: grain.spin.map(|component| component * grain.radius),
                 inverse_radius: 1.0 / grain.radius,
             }
         };
@@ -192,7 +192,7 @@ impl World {
         self.bodies.truncate(grains);
         self.spheres.truncate(grains);
         self.materials.truncate(grains);
-        let body = Body { velocity: [0.0; 3], inverse_mass: 1.0, surface_speed: [0.0; 3], inverse_radius: 1.0 };
+        let body = Body { velocity: [0.0; 3], inverse_mass: 1.0, scaled_spin: [0.0; 3], inverse_radius: 1.0 };
         let (far, radius) = match self.period.length(0) {
             length if length > 0.0 => (0.5 * length, 0.01 * length),
             _ => (1e6, 1.0),

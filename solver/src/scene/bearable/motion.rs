@@ -1,8 +1,8 @@
 //! Prescribed motions against the step: one that changes within a step is not what is simulated.
 
 use super::Beforehand;
+use crate::scene::document_path::DocumentPath;
 use crate::scene::error::{Fault, short};
-use crate::scene::place::Place;
 use crate::scene::{Motion, Scene};
 use std::f64::consts::TAU;
 
@@ -22,15 +22,15 @@ const PULSE: f64 = 1e-3;
 struct Stepping {
     step: f64,
     until: f64,
-    at: Place,
+    at: DocumentPath,
 }
 
 /// What moves faster than the steps of the scene can tell.
 pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault> {
-    let solver = Place::default().key("solver").key("step");
+    let solver = DocumentPath::default().key("solver").key("step");
     let mut all = vec![Stepping { step: scene.solver.step, until: scene.duration, at: solver }];
     if let Some(prepare) = beforehand {
-        let at = Place::default().key("prepare").key("step");
+        let at = DocumentPath::default().key("prepare").key("step");
         all.push(Stepping { step: prepare.step, until: prepare.duration, at });
     }
     let of_each = |stepping: &Stepping| {
@@ -53,7 +53,7 @@ pub(in crate::scene) fn longest_step(scene: &Scene) -> f64 {
 fn walls<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item = Fault> + 's {
     let step = || short(stepping.step);
     scene.wall.iter().enumerate().flat_map(move |(index, wall)| {
-        let at = Place::default().key("wall").index(index).key("motion");
+        let at = DocumentPath::default().key("wall").index(index).key("motion");
         let period = period(&wall.motion, stepping.until).filter(|period| stepping.misses(*period / STEPS_A_PERIOD));
         let too_fast = period.map(|period| {
             let (what, turns) = match wall.motion {
@@ -69,7 +69,7 @@ fn walls<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item = F
             );
             stepping.fault(&at, problem, period / STEPS_A_PERIOD, "")
         });
-        let at = Place::default().key("wall").index(index).key("motion");
+        let at = DocumentPath::default().key("wall").index(index).key("motion");
         let too_short = intervals(&wall.motion).into_iter().filter_map(move |(key, start, end)| {
             let lasts = end - start;
             let missed = lasts > 0.0 && stepping.misses(lasts) && start < stepping.until;
@@ -86,7 +86,7 @@ fn walls<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item = F
 fn gravity<'s>(scene: &'s Scene, stepping: &'s Stepping) -> impl Iterator<Item = Fault> + 's {
     let missed = |pulse: &Pulse| stepping.misses(0.5 * pulse.lasts) && pulse.start < stepping.until;
     pulses(scene).into_iter().filter(missed).map(|pulse| {
-        let at = Place::default().key("gravity_changes").index(pulse.index);
+        let at = DocumentPath::default().key("gravity_changes").index(pulse.index);
         let (lasts, step) = (short(pulse.lasts), short(stepping.step));
         let problem = format!("gravity changes and goes back within {lasts} s, less than two steps of {step} s");
         stepping.fault(&at, problem, 0.5 * pulse.lasts, ", or let the change last longer")
@@ -106,7 +106,7 @@ impl Stepping {
         (self.until > 0.0 && !taken).then(|| self.fault(&self.at, problem, self.until, ", or simulate longer"))
     }
 
-    fn fault(&self, at: &Place, problem: String, largest: f64, or_else: &str) -> Fault {
+    fn fault(&self, at: &DocumentPath, problem: String, largest: f64, or_else: &str) -> Fault {
         let key = crate::scene::error::label(&self.at.path());
         // Rounded downwards, so that what is named does.
         let digits = 10_f64.powf(largest.log10().floor() - 2.0);

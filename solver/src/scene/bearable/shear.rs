@@ -2,8 +2,8 @@
 
 use super::impact::{BED, floor, tolerated};
 use super::ray::stays;
+use crate::scene::document_path::DocumentPath;
 use crate::scene::error::{Fault, short};
-use crate::scene::place::Place;
 use crate::scene::{Grain, Motion, Scene, Shape, Wall};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
@@ -23,7 +23,7 @@ pub(super) fn faults(scene: &Scene, grains: &[Grain]) -> Vec<Fault> {
         let overlap = OF_THE_WAY * speed * step / smallest;
         let too_fast = (thin || grains.len() >= BED) && overlap > bound;
         too_fast.then(|| {
-            let at = Place::default().key("wall").index(index).key("motion");
+            let at = DocumentPath::default().key("wall").index(index).key("motion");
             let problem = format!(
                 "wall '{}' moves at up to {} m/s, {} of the smallest radius in a step of {} s",
                 wall.name,

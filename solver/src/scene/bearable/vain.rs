@@ -1,7 +1,7 @@
 //! Settings that have no effect beside the others.
 
+use crate::scene::document_path::DocumentPath;
 use crate::scene::error::{Fault, short};
-use crate::scene::place::Place;
 use crate::scene::{Motion, Scene, SolverMethod, SolverSettings};
 
 /// Share of the duration by which the nearest whole number of steps may differ from it without a word.
@@ -9,7 +9,7 @@ const UNEVEN: f64 = 0.01;
 
 /// What the scene says in vain.
 pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
-    let root = Place::default();
+    let root = DocumentPath::default();
     let mut faults = Vec::new();
     let (settings, usual) = (&scene.solver, SolverSettings::default());
     let sweeps = match settings.method {

@@ -63,7 +63,7 @@ impl Simulation {
         State::read(bytes).and_then(|state| state.resume(scene)).map_err(refuse)
     }
 
-    /// Starts a scene at time zero from the grains of a checkpoint in place of its lattice gas, with the impulses of their
+    /// Starts a scene at time zero from the grains of a checkpoint in place of its jittered lattice, with the impulses of their
     /// contacts scaled to the scene's time step.
     ///
     /// # Errors

@@ -55,7 +55,7 @@ struct GrainState {
     id: u32,
     position: [f64; 3],
     velocity: [f64; 3],
-    surface_speed: [f64; 3],
+    scaled_spin: [f64; 3],
     radius: f64,
     inverse_mass: f64,
     material: u8,
@@ -127,7 +127,7 @@ impl State {
             id,
             position: world.spheres[place].centre.into(),
             velocity: world.bodies[place].velocity,
-            surface_speed: world.bodies[place].surface_speed,
+            scaled_spin: world.bodies[place].scaled_spin,
             radius: world.spheres[place].radius,
             inverse_mass: world.bodies[place].inverse_mass,
             material: world.materials[place],
@@ -265,8 +265,8 @@ impl State {
         scene.check().map_err(|error| format!("cannot go on with the scene: {error}"))?;
         let mut world = World::new(scene, &[]);
         for (id, grain) in by_id.into_iter().enumerate() {
-            let GrainState { position, velocity, surface_speed, radius, inverse_mass, .. } = grain;
-            let numbers = position.iter().chain(velocity).chain(surface_speed);
+            let GrainState { position, velocity, scaled_spin, radius, inverse_mass, .. } = grain;
+            let numbers = position.iter().chain(velocity).chain(scaled_spin);
             let sound = [radius, inverse_mass].into_iter().all(|&value| value > 1.0 / LARGEST && value < LARGEST);
             if !sound || !numbers.into_iter().all(|value| value.abs() < LARGEST) {
                 return Err(format!("gives grain {id} no finite state"));
@@ -283,7 +283,7 @@ impl State {
             world.bodies.push(Body {
                 velocity: *velocity,
                 inverse_mass: *inverse_mass,
-                surface_speed: *surface_speed,
+                scaled_spin: *scaled_spin,
                 inverse_radius: 1.0 / radius,
             });
         }

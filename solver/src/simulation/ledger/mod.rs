@@ -63,7 +63,7 @@ pub(crate) struct Ledger {
     expectations: Expectations,
     /// Surface speeds at the start of the step, by place.
     #[serde(skip)]
-    surface_speeds: Vec<[f64; 3]>,
+    scaled_spins: Vec<[f64; 3]>,
 }
 
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -99,8 +99,8 @@ impl Ledger {
 
     /// Notes the state at the start of a step, after grains were put in order and before anything acts on them.
     pub fn begin(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
-        self.surface_speeds.clear();
-        self.surface_speeds.extend(world.bodies.iter().map(|body| body.surface_speed));
+        self.scaled_spins.clear();
+        self.scaled_spins.extend(world.bodies.iter().map(|body| body.scaled_spin));
         if self.list == candidates.rebuilds && !self.unlisted {
             return;
         }
@@ -180,8 +180,8 @@ impl Ledger {
 
     /// Mean angular velocity of a grain over the step, rad/s.
     fn mean_spin(&self, world: &World, place: usize) -> [f64; 3] {
-        let (before, body) = (self.surface_speeds[place], &world.bodies[place]);
-        times(plus(before, body.surface_speed), 0.5 * body.inverse_radius)
+        let (before, body) = (self.scaled_spins[place], &world.bodies[place]);
+        times(plus(before, body.scaled_spin), 0.5 * body.inverse_radius)
     }
 
     /// Enters the work of the torques of a task's pairs.
@@ -201,8 +201,8 @@ impl Ledger {
         let [x, y, z, _] = world.before[place].0;
         let surface = |speed: [f64; 3]| times(cross(speed, normal), side);
         Passage {
-            before: plus([x, y, z], surface(self.surface_speeds[place])),
-            after: plus(body.velocity, surface(body.surface_speed)),
+            before: plus([x, y, z], surface(self.scaled_spins[place])),
+            after: plus(body.velocity, surface(body.scaled_spin)),
         }
     }
 

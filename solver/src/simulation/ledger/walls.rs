@@ -155,10 +155,9 @@ mod tests {
         let (old, mass) = (*body, 1.0 / body.inverse_mass);
         body.velocity = plus(body.velocity, times(impulse, body.inverse_mass));
         let turned = times(crate::lanes::cross(normal, impulse), 2.5 * body.inverse_mass);
-        body.surface_speed = plus(body.surface_speed, turned);
-        let relative = |body: &crate::world::Body| {
-            minus(wall, plus(body.velocity, crate::lanes::cross(body.surface_speed, normal)))
-        };
+        body.scaled_spin = plus(body.scaled_spin, turned);
+        let relative =
+            |body: &crate::world::Body| minus(wall, plus(body.velocity, crate::lanes::cross(body.scaled_spin, normal)));
         let booked = WallImpulse {
             mass,
             normal,

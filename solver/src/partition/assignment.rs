@@ -51,7 +51,7 @@ impl TakenGroups {
         self.of_body.resize(bodies, Taken::default());
     }
 
-    /// Where bodies are, and the number of the first group of tasks that share no body; what [`Packer::next`] tells of each of
+    /// Where bodies are, and the number of the first group of tasks that share no body; what [`LaneAssigner::next`] tells of each of
     /// these is left in `next`.
     pub fn stage(&mut self) -> (ByBodies<'_, Taken>, u32, &mut u32) {
         (ByBodies::of(&mut self.of_body), self.next, &mut self.next)
@@ -67,7 +67,7 @@ impl TakenGroups {
 /// A group that follows another one and shares a body with it must wait until the other has written it. First-fit alone
 /// puts the contacts of a grain, which come one after another, into adjacent groups; so groups next to one that holds
 /// the body are passed over too.
-pub(crate) struct Packer<'a> {
+pub(crate) struct LaneAssigner<'a> {
     taken: TaskSlots<'a, Taken>,
     window: Window,
     /// Number of the task's first group.
@@ -87,11 +87,11 @@ struct Window {
     open: u64,
 }
 
-impl<'a> Packer<'a> {
-    /// A packer for one task. `base` must be larger by at least the window than the number of any group that earlier
+impl<'a> LaneAssigner<'a> {
+    /// A assigner for one task. `base` must be larger by at least the window than the number of any group that earlier
     /// tasks put the same bodies into.
-    pub fn new(taken: TaskSlots<'a, Taken>, base: u32, candidates: usize) -> Packer<'a> {
-        Packer {
+    pub fn new(taken: TaskSlots<'a, Taken>, base: u32, candidates: usize) -> LaneAssigner<'a> {
+        LaneAssigner {
             taken,
             window: Window { start: base, open: u64::MAX },
             base,
@@ -112,7 +112,7 @@ impl<'a> Packer<'a> {
         prefetch_places(self.taken.as_ptr(), bodies);
     }
 
-    /// The number from which a packer may begin that comes after this one.
+    /// The number from which a assigner may begin that comes after this one.
     pub fn next(&self) -> u32 {
         self.window.start + 2 * WINDOW
     }
@@ -168,7 +168,7 @@ impl Window {
 }
 
 impl TaskGroups {
-    /// Puts a contact of two bodies into a lane that a packer found; groups are opened up to its own.
+    /// Puts a contact of two bodies into a lane that a assigner found; groups are opened up to its own.
     #[inline(always)]
     pub(crate) fn put_pair(&mut self, at: (usize, usize), [first, second]: [u32; 2], candidate: u32, dummies: u32) {
         let (group, lane) = at;
@@ -177,7 +177,7 @@ impl TaskGroups {
         }
         self.pairs_used = self.pairs_used.max(group + 1);
         debug_assert!(lane < LANES && self.pair_sources.len() == self.pairs.len());
-        // SAFETY: groups were opened up to this one, and their sources with them; a packer's lanes are below the number of lanes.
+        // SAFETY: groups were opened up to this one, and their sources with them; a assigner's lanes are below the number of lanes.
         unsafe {
             with_pairs!(&mut self.pairs, pairs => {
                 let group = pairs.get_unchecked_mut(group);
@@ -217,13 +217,13 @@ impl TaskGroups {
     }
 
     /// Whether the pairs are those that a candidate list of this number had packed.
-    pub(crate) fn are_packed_from(&self, list: u64) -> bool {
-        self.packed_from == list
+    pub(crate) fn are_assigned_from(&self, list: u64) -> bool {
+        self.assigned_from == list
     }
 
     /// Starts to pack pairs of a candidate list of this number, above 0, with the groups that there are, all of them empty.
     pub(crate) fn restart_pairs(&mut self, list: u64, dummies: u32, effects: EffectSet) {
-        (self.pairs_used, self.pair_contacts, self.packed_from) = (0, 0, list);
+        (self.pairs_used, self.pair_contacts, self.assigned_from) = (0, 0, list);
         self.pair_waits.clear();
         self.pairs.suit(effects.tangential());
         self.pair_sources.truncate(self.pairs.len());
@@ -244,7 +244,7 @@ impl TaskGroups {
     pub(crate) fn empty(&mut self, effects: EffectSet) {
         self.pairs.suit(effects.tangential());
         (self.pairs_used, self.walls_used, self.driven_walls) = (0, 0, 0);
-        (self.pair_contacts, self.wall_contacts, self.packed_from) = (0, 0, 0);
+        (self.pair_contacts, self.wall_contacts, self.assigned_from) = (0, 0, 0);
         self.pair_waits.clear();
         self.finish(effects);
     }
@@ -297,12 +297,12 @@ mod tests {
             let alone = PlannedTask { number: 0, home: 0, pairs: 0..0, first_block: 0, walls: 0..0 };
             // SAFETY: there is no other task.
             let bodies = unsafe { bodies.share(0, &alone) };
-            let mut packer = Packer::new(bodies, base, pairs.len());
+            let mut assigner = LaneAssigner::new(bodies, base, pairs.len());
             for &pair in pairs {
-                let (group, lane) = packer.place(pair);
+                let (group, lane) = assigner.place(pair);
                 places.push((task, group, lane));
             }
-            *next = packer.next();
+            *next = assigner.next();
         }
         places
     }

@@ -7,28 +7,28 @@ pub type Checked = Result<(), Fault>;
 
 /// A place in the document, built up as the check goes down into it.
 #[derive(Clone, Default)]
-pub struct Place(Vec<Step>);
+pub struct DocumentPath(Vec<Step>);
 
-impl Place {
+impl DocumentPath {
     /// The value of a key of the table here.
-    pub fn key(&self, key: &'static str) -> Place {
+    pub fn key(&self, key: &'static str) -> DocumentPath {
         self.with(Step::Key(key))
     }
 
     /// The value of a name that the document itself gives.
-    pub fn name(&self, name: &str) -> Place {
+    pub fn name(&self, name: &str) -> DocumentPath {
         self.with(Step::Name(name.to_string()))
     }
 
     /// An entry of the list here, from 0.
-    pub fn index(&self, index: usize) -> Place {
+    pub fn index(&self, index: usize) -> DocumentPath {
         self.with(Step::Index(index))
     }
 
-    fn with(&self, step: Step) -> Place {
+    fn with(&self, step: Step) -> DocumentPath {
         let mut path = self.0.clone();
         path.push(step);
-        Place(path)
+        DocumentPath(path)
     }
 
     /// Line (from 1) on which the text of a scene's document says what stands here; `None` where it says nothing of it.
