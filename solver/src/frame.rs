@@ -1,4 +1,21 @@
 //! A frame as arrays: what programs that compute with grains want of a simulation.
+//!
+//! ```
+//! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
+//! # let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
+//! # let scene = Scene::builder()
+//! #     .material("glass", Material::default())
+//! #     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
+//! #     .population(Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
+//! #     .build()?;
+//! let mut simulation = Simulation::builder(&scene).time_step(5e-4).build()?;
+//! simulation.step();
+//! let frame = simulation.frame();
+//! let fastest = frame.velocities().iter().map(|[x, y, z]| x * x + y * y + z * z).fold(0.0, f64::max).sqrt();
+//! println!("{} grains, the fastest at {fastest:.3} m/s", frame.grains());
+//! # assert_eq!((frame.grains(), frame.positions().len(), frame.radii().len()), (40, 40, 40));
+//! # Ok::<(), makadam::Error>(())
+//! ```
 
 use crate::Simulation;
 use crate::snapshot::{Contact, Particle};

@@ -1,4 +1,24 @@
 //! What leaves a simulation: two tables, particles and contacts. Every code delivers the same two.
+//!
+//! ```
+//! use makadam::Partner;
+//! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
+//! # let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
+//! # let scene = Scene::builder()
+//! #     .material("glass", Material::default())
+//! #     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
+//! #     .population(Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
+//! #     .build()?;
+//! let mut simulation = Simulation::builder(&scene).time_step(5e-4).build()?;
+//! for _ in 0..600 {
+//!     simulation.step();
+//! }
+//! let snapshot = simulation.snapshot();
+//! let on_walls = snapshot.contacts.iter().filter(|contact| !contact.second.is_grain());
+//! println!("{} grains, {} contacts with walls", snapshot.particles.len(), on_walls.count());
+//! # assert!(snapshot.contacts.iter().any(|contact| contact.second == Partner::Wall(0)));
+//! # Ok::<(), makadam::Error>(())
+//! ```
 
 use crate::Simulation;
 use crate::effects::drive::Drive;

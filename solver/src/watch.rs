@@ -1,4 +1,24 @@
 //! Watchdogs: what goes wrong without a word elsewhere is named here, with the grain, the step and the time.
+//!
+//! ```
+//! use makadam::watch::Watchdog;
+//! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
+//! # let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
+//! # let scene = Scene::builder()
+//! #     .material("glass", Material::default())
+//! #     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
+//! #     .population(Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
+//! #     .build()?;
+//! let mut simulation = Simulation::builder(&scene).time_step(5e-4).build()?;
+//! let mut watchdog = Watchdog::new(&scene.watch, &simulation);
+//! for _ in 0..200 {
+//!     let report = simulation.step();
+//!     for alarm in watchdog.observe(&simulation, &report) {
+//!         println!("{alarm}");
+//!     }
+//! }
+//! # Ok::<(), makadam::Error>(())
+//! ```
 
 use crate::scene::{Reaction, Watch};
 use crate::simulation::StepReport;

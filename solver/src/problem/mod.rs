@@ -25,6 +25,30 @@
 //!
 //! Driven walls are bodies too. Along an axis a with mass M a wall has `M^-1 = a a^T / M` and no inertia that could turn;
 //! about an axis with the moment of inertia I it has `I^-1 = a a^T / I` and no mass that could move.
+//!
+//! The problem of a simulation's next step, and its solution by the scalar reference:
+//!
+//! ```
+//! use makadam::problem::Reference;
+//! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
+//! # let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
+//! # let scene = Scene::builder()
+//! #     .material("glass", Material::default())
+//! #     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
+//! #     .population(Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
+//! #     .build()?;
+//! let mut simulation = Simulation::builder(&scene).time_step(5e-4).build()?;
+//! for _ in 0..600 {
+//!     simulation.step();
+//! }
+//! let problem = simulation.contact_problem();
+//! let mut state = problem.start(); // impulses of the last step
+//! let ending = problem.solve(&mut state, &Reference { relaxation: 1.0, tolerance: 1e-9, most_sweeps: 100_000 });
+//! assert!(ending.converged, "{ending:?}");
+//! println!("{} contacts, residual {:.1e} m/s", problem.contacts.len(), problem.residuals(&state).rms());
+//! # assert!(problem.contacts.len() > 40 && problem.residuals(&state).rms() < 1e-8);
+//! # Ok::<(), makadam::Error>(())
+//! ```
 
 mod local;
 mod pose;

@@ -4,6 +4,43 @@
 //! line, what is wrong and what would be right; a text or a scene made in code yields a [`SceneError`] that names
 //! the value by its path. [`populate`](populate()) turns a scene and a seed into the grains
 //! that every code starts from; [`Scene::findings`] tells what its settings are not expected to bear.
+//!
+//! ```
+//! use makadam::{Scene, Simulation};
+//!
+//! let text = r#"
+//!     name = "marble"
+//!     description = "one grain that rolls down an incline"
+//!     duration = 0.5
+//!     domain = { min = [-1.0, -0.1, -1.0], max = [1.0, 0.1, 0.1] }
+//!     [material.glass]
+//!     density = 2500.0           # kg/m3
+//!     youngs_modulus = 1e7       # Pa
+//!     poisson_ratio = 0.3
+//!     friction = 0.5
+//!     restitution = 0.3
+//!     [[wall]]
+//!     name = "incline"
+//!     material = "glass"
+//!     shape = { kind = "plane", point = [0.0, 0.0, 0.0], normal = [0.5, 0.0, 1.0] }
+//!     [[grain]]
+//!     material = "glass"
+//!     radius = 0.005             # m
+//!     position = [0.0, 0.0, 0.0056]
+//! "#;
+//! let scene = Scene::parse(text)?;
+//! let mut simulation = Simulation::new(&scene, 1)?;
+//! while simulation.time() < scene.duration {
+//!     simulation.step();
+//! }
+//! let [x, _, z] = simulation.frame().positions()[0];
+//! assert!(x > 0.0 && z < 0.0, "it is at {x}, {z}");
+//!
+//! let wrong = text.replace("friction = 0.5", "friction = -0.5");
+//! let error = Scene::parse(&wrong).unwrap_err();
+//! assert!(error.to_string().contains("friction"), "{error}");
+//! # Ok::<(), makadam::Error>(())
+//! ```
 
 mod accuracy;
 mod bearable;

@@ -26,6 +26,22 @@
 //! | `shell_layer_speed_ratio`, `wall_torque`, ... | [`drum_flow`] |
 //! | `size_mixing_index`, `population_mixing_index`, ... | [`mixing`] |
 //! | `driven_wall_displacement` | [`driven_wall`] |
+//!
+//! ```
+//! use makadam_validation::{observables, plan::Scene, scenes};
+//!
+//! let mut scene: Scene = scenes::load(&scenes::find("packing", &[])?)?;
+//! scene.population[0].count = 100;
+//! let mut simulation = makadam::Simulation::new(&scene, 1)?;
+//! for _ in 0..400 {
+//!     simulation.step();
+//! }
+//! let frame = simulation.snapshot();
+//! for measured in observables::measure_frames(&scene, &[&frame][..])?.unwrap_or_default() {
+//!     println!("{} = {:.3} {}", measured.observable, measured.value, measured.unit);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod balances;
 pub mod bed_surface;

@@ -3,6 +3,14 @@
 //! The seed is the unit of replication. Frames of one run are put into blocks first ([`blocks`]); runs of one code
 //! form an [`Ensemble`]; two ensembles are judged by [`equivalence`](equivalence()); a live run is held against recorded ones by a
 //! [`prediction`].
+//!
+//! ```
+//! use makadam_validation::statistics::{Ensemble, Outcome, equivalence};
+//!
+//! let [makadam, yade] = [[0.596, 0.598, 0.595, 0.597], [0.597, 0.598, 0.596, 0.599]].map(|seeds| Ensemble::of(&seeds).unwrap());
+//! let verdict = equivalence(&makadam, &yade, Some(0.006), 2);
+//! assert_eq!(verdict.outcome, Some(Outcome::Agree));
+//! ```
 
 pub mod blocks;
 pub mod distances;

@@ -3,6 +3,28 @@
 //! What the next step depends on is the state of the grains, the impulses that contacts bore, and the candidate list: the order
 //! of its pairs is the order in which contacts are relaxed. The list itself is not written. It follows from where the grains
 //! were when it was built, so these places are, and reading builds it again.
+//!
+//! ```
+//! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
+//! # let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
+//! # let scene = Scene::builder()
+//! #     .material("glass", Material::default())
+//! #     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
+//! #     .population(Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
+//! #     .build()?;
+//! let mut simulation = Simulation::builder(&scene).time_step(5e-4).build()?;
+//! for _ in 0..100 {
+//!     simulation.step();
+//! }
+//! let bytes = simulation.checkpoint(); // `save` writes them to a file
+//! let mut resumed = Simulation::resume(&scene, &bytes)?;
+//! for _ in 0..100 {
+//!     simulation.step();
+//!     resumed.step();
+//! }
+//! assert_eq!(resumed.state_hash(), simulation.state_hash());
+//! # Ok::<(), makadam::Error>(())
+//! ```
 
 mod draft;
 mod envelope;
