@@ -25,19 +25,22 @@
 //! ```
 //!
 //! A scene comes from code, as here, or from a file ([`Scene::load`]); [`Simulation`] steps it; [`Frame`] and
-//! [`Snapshot`](snapshot::Snapshot) are what leaves it; [`watch`] notices when its numbers are worthless; [`Error`] is all that can go
+//! [`Snapshot`] are what leaves it; [`watch`] notices when its numbers are worthless; [`Error`] is all that can go
 //! wrong. The laws of contacts stand in [`effects`], walls in [`wall`], the methods of solution in [`methods`].
 //!
 //! ```text
-//! scene.toml, builder -- scene --> World --+
-//!                                          v
-//!        +---------------------- step ----------------------+
-//!        | detect ---> constrain ---> solve ---> move       | --> Frame, Snapshot, StepReport
-//!        |    |            |            |                   |
-//!        |    +---- partition ----------+--- sweep          |      who may write what, and in which order
-//!        |          schedule                                |      who does it when
-//!        +--------------------------------------------------+
+//! scene.toml, builder -- scene --> world (grains, walls, materials, clock)
+//!                                    v
+//!    +------------------- step (simulation) --------------------+
+//!    | detect ----> constrain ----> solve ----> move            | --> Frame, Snapshot, StepReport
+//!    |    \            /               \                        |
+//!    |     partition                    methods, sweep          |      in which order, and who may write what
+//!    |     schedule                                             |      who does it when
+//!    +----------------------------------------------------------+
 //! ```
+//!
+//! Each room imports from those to its left and below it alone; `ARCHITECTURE.md` lists them all, and [`docs/method.md`](method) is the
+//! page of the method: equations, stages, who writes what.
 //!
 //! **Same bits.** A scene and a seed give the same bits on any number of threads, with any scheduler and on any instruction
 //! set: boxes, stages and lane groups depend on the scene alone, the lane width of eight is a part of the algorithm, and
@@ -60,6 +63,9 @@ pub mod groups;
 pub mod interrupt;
 #[doc(hidden)]
 pub mod lanes;
+#[cfg(doc)]
+#[doc = include_str!("../docs/method.md")]
+pub mod method {}
 pub mod methods;
 #[doc(hidden)]
 pub mod partition;

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Nobody goes through all faces at every step. Poses are worked out wall by wall, and a face is put where it stands when a grain asks for
-//! it ([`PlacedFace`]), which costs a sum or a rotation. Whoever looks for faces near a point asks [`WallsAt::for_each_near`], or of one wall
-//! [`WallsAt::for_each_near_of`]: walls of many faces answer from their index. What they find comes out as if all faces had been asked in
+//! it ([`PlacedFace`]), which costs a sum or a rotation. Whoever looks for faces near a point asks `WallsAt::for_each_near`, or of one wall
+//! `WallsAt::for_each_near_of`: walls of many faces answer from their index. What they find comes out as if all faces had been asked in
 //! the order of their numbers: whoever visits them puts what counts in that order, or takes the least.
 //!
 //! What is not here: friction and the rest of the contact, which are the materials' and the solve's; forces on driven walls
