@@ -49,7 +49,7 @@ fn hash_after(mut simulation: Simulation) -> u64 {
 
 /// A lid that a force drives, on top of the grains.
 const LID: &str = "[[wall]]\nname = 'lid'\nmaterial = 'stone'\n\
-                   shape = { kind = 'plane', point = [0, 0, 0.0199], normal = [0, 0, -1] }\n\
+                   shape = { kind = 'plane', point = [0, 0, 0.01993], normal = [0, 0, -1] }\n\
                    motion = { kind = 'force-driven', axis = [0, 0, 1], force = -1.0, mass = 0.1 }\n";
 
 #[test]
