@@ -58,9 +58,9 @@ impl<L: Lanes> LaneMaterial<L> {
 
     #[inline(always)]
     pub fn of_each<'a>(material: impl Fn(usize) -> &'a ContactMaterial) -> Self {
-        let lanes = |property: fn(&ContactMaterial) -> f64| {
-            L::load(&Eight(std::array::from_fn::<f64, LANES, _>(|lane| property(material(lane)))))
-        };
+        // Looked up once a lane: four of their properties are read.
+        let materials: [_; LANES] = std::array::from_fn(material);
+        let lanes = |property: fn(&ContactMaterial) -> f64| L::load(&Eight(materials.map(property)));
         Self {
             effective_modulus: lanes(|material| material.effective_modulus),
             damping_ratio: lanes(|material| material.damping_ratio),

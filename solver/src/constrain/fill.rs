@@ -97,6 +97,7 @@ impl Kernel for FillWalls<'_> {
     fn run<L: Lanes>(self) {
         let StepContext { world, before, candidates, walls: placed, constants, .. } = self.context;
         let nothing = candidates.walls.len() as u32;
+        let falling = world.gravity * constants.scheme.step;
         // Padding lanes are far from everything.
         let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
         for (group, sources) in self.groups.walls.iter_mut().zip(&self.groups.wall_sources) {
@@ -108,14 +109,12 @@ impl Kernel for FillWalls<'_> {
             for (lane, candidate) in sources.occupied() {
                 let wall = candidates.walls[candidate];
                 let sphere = &world.spheres[wall.body as usize];
-                let face = placed.face(wall.surface);
                 let [u, v, w, _] = world.before[wall.body as usize].0;
-                let travel = || self.context.travel(&wall, &face);
-                let (velocity, step) = (Vector3::new(u, v, w), constants.scheme.step);
-                let (distance, normal, is_swept) = face.contact(&sphere.centre, sphere.radius, &velocity, step, travel);
+                let (state, step) = ([&sphere.centre, &Vector3::new(u, v, w)], constants.scheme.step);
+                let (distance, normal, is_swept, [velocity, gain]) =
+                    placed.contact(wall.surface, state, sphere.radius, step, &falling);
                 swept |= u8::from(is_swept) << lane;
-                let velocity = face.velocity_at(&(sphere.centre + normal * distance));
-                let velocity_before = velocity - face.gain();
+                let velocity_before = velocity - gain;
                 distances.0[lane] = distance;
                 radii.0[lane] = sphere.radius;
                 (normal_x.0[lane], normal_y.0[lane], normal_z.0[lane]) = (normal.x, normal.y, normal.z);

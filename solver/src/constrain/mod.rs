@@ -23,7 +23,7 @@ use crate::partition::{
 use crate::scene::SolverSettings;
 use crate::schedule::{Phase, Team};
 use crate::sweep::Relaxation;
-use crate::wall::{PlacedFace, Pose, WallsAt};
+use crate::wall::{Pose, WallsAt};
 use crate::world::{ContactMaterial, Sphere, World, WorldBesideBodies};
 use coefficients::LaneMaterial;
 use fill::{FillPairs, FillWalls};
@@ -171,9 +171,9 @@ impl Constrainer {
                     let WallGroup { body, contacts, .. } = &groups.walls[group];
                     let (sphere, [u, v, w, _]) =
                         (&world.spheres[body[lane] as usize], world.before[body[lane] as usize].0);
-                    let (face, step) = (world.walls.placed(&self.poses).face(surface), self.constants.scheme.step);
-                    let velocity = Vector3::new(u, v, w);
-                    let (distance, ..) = face.contact(&sphere.centre, sphere.radius, &velocity, step, Vector3::zeros);
+                    let (placed, step) = (world.walls.placed(&self.poses), self.constants.scheme.step);
+                    let state = [&sphere.centre, &Vector3::new(u, v, w)];
+                    let (distance, ..) = placed.contact(surface, state, sphere.radius, step, &Vector3::zeros());
                     let point = sphere.centre + Vector3::from(contacts.normal(lane)) * distance;
                     layout.driven.push(DrivenContact {
                         task: task.number,
@@ -203,21 +203,12 @@ impl Constrainer {
 }
 
 impl StepContext<'_> {
-    /// The contact that the grain of a wall candidate comes to if it is too fast for the step: see [`PlacedFace::swept_contact`].
+    /// Whether the grain of a wall candidate is too fast for the step, and comes to a contact on its way.
     #[inline(always)]
-    fn swept_contact(&self, wall: &WallCandidate, face: &PlacedFace<'_>) -> Option<(f64, Vector3<f64>)> {
+    fn is_swept(&self, wall: &WallCandidate) -> bool {
         let [u, v, w, _] = self.world.before[wall.body as usize].0;
-        let sphere = &self.world.spheres[wall.body as usize];
-        face.swept_contact(&sphere.centre, sphere.radius, &Vector3::new(u, v, w), self.constants.scheme.step)
-    }
-
-    /// Where the grain of a wall candidate would go without contacts, seen from the wall, m/s.
-    #[inline(always)]
-    fn travel(&self, wall: &WallCandidate, face: &PlacedFace<'_>) -> Vector3<f64> {
-        let [u, v, w, _] = self.world.before[wall.body as usize].0;
-        let falling = self.world.gravity * self.constants.scheme.step;
-        let centre = &self.world.spheres[wall.body as usize].centre;
-        Vector3::new(u, v, w) + falling - face.velocity_at(centre)
+        let (sphere, step) = (&self.world.spheres[wall.body as usize], self.constants.scheme.step);
+        self.walls.is_swept(wall.surface, &sphere.centre, sphere.radius, &Vector3::new(u, v, w), step)
     }
 
     /// Lays out one task, its groups numbered from `base` on; the number from which those may begin that come after it.

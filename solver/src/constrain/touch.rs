@@ -195,10 +195,8 @@ impl StepContext<'_> {
                 continue;
             }
             let sphere = &self.world.spheres[wall.body as usize];
-            let face = self.walls.face(wall.surface);
-            let distance = face.distance(&sphere.centre);
-            let touches = distance < sphere.radius + self.constants.contact_margin;
-            if touches || self.swept_contact(&wall, &face).is_some() {
+            let distance = self.walls.distance(wall.surface, &sphere.centre);
+            if distance < sphere.radius + self.constants.contact_margin || self.is_swept(&wall) {
                 let (group, lane) = assigner.place([wall.body]);
                 groups.put_wall((before + group, lane), wall.body, candidate as u32, dummies);
                 groups.wall_contacts += 1;

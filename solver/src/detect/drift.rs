@@ -67,6 +67,38 @@ impl Bounds {
     }
 }
 
+/// Bounds the displacements of a box's grains, patch by patch.
+fn bound_box(grid: &CellGrid, number: usize, spheres: &[Sphere], reference: &[Vector3<f64>], patches: &mut [Bounds]) {
+    grid.for_each_cell(number, |patch, places| {
+        let mut own = patches[patch];
+        for (sphere, then) in spheres[places.clone()].iter().zip(&reference[places]) {
+            own.add(sphere.centre - then);
+        }
+        patches[patch] = own;
+    });
+}
+
+/// Squares of how far grains of a box have moved, and how far towards each other and grains of patches beside theirs.
+fn squares_of_box(grid: &CellGrid, number: usize, patches: &[Bounds]) -> Moved {
+    let (per_box, around) = (grid.patches_of_box(), grid.boxes().around(number));
+    let mut squares = Moved::default();
+    for (patch, own) in patches[per_box * number..per_box * (number + 1)].iter().enumerate() {
+        if own.is_empty() {
+            continue;
+        }
+        squares.shift = squares.shift.larger(own.largest_squared());
+        for step in std::iter::once([0; 3]).chain(FORWARD) {
+            let (direction, place) = grid.patch_beside(patch, step);
+            let Some(neighbour) = around[direction] else { continue };
+            let other = &patches[per_box * neighbour + place];
+            if !other.is_empty() {
+                squares.approach = squares.approach.larger(own.largest_distance_squared(other));
+            }
+        }
+    }
+    squares
+}
+
 impl Drift {
     /// Bounds the displacements from `reference` to `spheres`, both in the order of the grid.
     pub fn measure(&mut self, grid: &CellGrid, spheres: &[Sphere], reference: &[Vector3<f64>], team: &Team) -> Moved {
@@ -75,38 +107,15 @@ impl Drift {
         self.patches.resize(per_box * boxes.boxes(), Bounds::EMPTY);
         let patches_of_boxes = Runs::of(&mut self.patches, per_box);
         team.each_with(Phase::Detect, boxes.boxes(), patches_of_boxes, |number, patches| {
-            grid.for_each_cell(number, |patch, places| {
-                let mut own = patches[patch];
-                for (sphere, then) in spheres[places.clone()].iter().zip(&reference[places]) {
-                    own.add(sphere.centre - then);
-                }
-                patches[patch] = own;
-            });
+            bound_box(grid, number, spheres, reference, patches);
         });
         self.moved.clear();
         self.moved.resize(boxes.boxes(), Moved::default());
         let patches = &self.patches;
         team.each_with(Phase::Detect, boxes.boxes(), Each::of(&mut self.moved), |number, moved| {
-            if grid.grains_of_box(number).is_empty() {
-                return;
+            if !grid.grains_of_box(number).is_empty() {
+                *moved = squares_of_box(grid, number, patches);
             }
-            let around = boxes.around(number);
-            let mut squares = Moved::default();
-            for (patch, own) in patches[per_box * number..per_box * (number + 1)].iter().enumerate() {
-                if own.is_empty() {
-                    continue;
-                }
-                squares.shift = squares.shift.larger(own.largest_squared());
-                for step in std::iter::once([0; 3]).chain(FORWARD) {
-                    let (direction, place) = grid.patch_beside(patch, step);
-                    let Some(neighbour) = around[direction] else { continue };
-                    let other = &patches[per_box * neighbour + place];
-                    if !other.is_empty() {
-                        squares.approach = squares.approach.larger(own.largest_distance_squared(other));
-                    }
-                }
-            }
-            *moved = squares;
         });
         let largest = |value: fn(&Moved) -> f64| self.moved.iter().map(value).fold(0.0, f64::max).sqrt();
         Moved { shift: largest(|moved| moved.shift), approach: largest(|moved| moved.approach) }

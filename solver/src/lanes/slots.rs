@@ -196,12 +196,13 @@ impl<'a, T: Copy> TaskSlots<'a, T> {
         unsafe { *self.base.add(slot as usize) = record };
     }
 
-    /// The same, checked where debug assertions are.
+    /// Looks at the record in a slot, or writes what it holds, field by field: a record that is read at once just after its fields were
+    /// written has to wait for them. Checked where debug assertions are.
     #[inline(always)]
-    pub fn set_trusted(self, slot: u32, record: T) {
+    pub fn with_trusted<R>(self, slot: u32, work: impl FnOnce(&mut T) -> R) -> R {
         self.to_read().check(&[slot]);
         // SAFETY: lane groups and candidates name slots of their task.
-        unsafe { *self.base.add(slot as usize) = record };
+        work(unsafe { &mut *self.base.add(slot as usize) })
     }
 }
 

@@ -27,7 +27,7 @@ impl Taken {
     /// The same groups as a mask that counts from group `start`. Whether a body was met lately follows no pattern, so this must
     /// not branch.
     #[inline(always)]
-    fn seen_from(self, start: u32) -> u64 {
+    fn seen_from(&self, start: u32) -> u64 {
         let (mask, age) = (u64::from(self.mask[0]) | u64::from(self.mask[1]) << 32, start.wrapping_sub(self.since));
         (mask >> (age % WINDOW)) & u64::from(age < WINDOW).wrapping_neg()
     }
@@ -121,7 +121,7 @@ impl<'a> LaneAssigner<'a> {
     #[inline(always)]
     pub fn place<const N: usize>(&mut self, bodies: [u32; N]) -> (usize, usize) {
         let (mut window, taken) = (self.window, self.taken);
-        let taken_from = |start| bodies.map(|body| taken.to_read().get_trusted(body).seen_from(start));
+        let taken_from = |start| bodies.map(|body| taken.with_trusted(body, |taken| taken.seen_from(start)));
         let mut masks = taken_from(window.start);
         let mut free = window.open & !shared(masks, self.spaced);
         while free == 0 {
@@ -132,8 +132,10 @@ impl<'a> LaneAssigner<'a> {
         let place = free.trailing_zeros();
         for (body, mask) in bodies.into_iter().zip(masks) {
             let mask = mask | 1 << place;
-            let taken = Taken { mask: [mask as u32, (mask >> 32) as u32], since: window.start };
-            self.taken.set_trusted(body, taken);
+            self.taken.with_trusted(body, |taken| {
+                taken.mask = [mask as u32, (mask >> 32) as u32];
+                taken.since = window.start;
+            });
         }
         let filled = &mut self.filled[((window.start + place) % WINDOW) as usize];
         let lane = *filled as usize;

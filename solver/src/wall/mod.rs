@@ -197,6 +197,58 @@ impl<'a> WallsAt<'a> {
         PlacedFace { placed: shape, moved: pose.moved(shape, *in_place), pose, in_place: *in_place }
     }
 
+    /// Asks a face where it stands, and its wall; a face at rest is not copied.
+    #[inline(always)]
+    fn ask<R>(&self, number: u32, question: impl FnOnce(&Face, &Pose, bool) -> R) -> R {
+        let WallFace { shape, wall, in_place } = &self.walls.faces[number as usize];
+        let pose = &self.poses[*wall as usize];
+        match pose.moved(shape, *in_place) {
+            None => question(shape, pose, *in_place),
+            Some(moved) => question(&moved, pose, *in_place),
+        }
+    }
+
+    /// As [`PlacedFace::distance`], of the face of a number.
+    #[inline]
+    pub fn distance(&self, number: u32, point: &Vector) -> f64 {
+        self.ask(number, |face, _, _| face.nearest(point, Vector::zeros).0)
+    }
+
+    /// Whether a grain comes to a swept contact with the face of a number: see [`PlacedFace::swept_contact`].
+    #[inline]
+    pub fn is_swept(&self, number: u32, centre: &Vector, radius: f64, velocity: &Vector, step: f64) -> bool {
+        let WallFace { wall, in_place, .. } = &self.walls.faces[number as usize];
+        let path = self.poses[*wall as usize].path(centre, velocity, step, *in_place);
+        path.norm_squared() > radius * radius
+            && self.face(number).swept_contact(centre, radius, velocity, step).is_some()
+    }
+
+    /// The contact of a grain with the face of a number in a step (s), given its centre (m) and velocity at the start (m/s), its radius
+    /// (m) and what gravity adds to its velocity (m/s): the distance from its centre to the face, or to the plane that touches the face
+    /// where a grain too fast for the step meets it (m); the unit normal towards it; whether it is a swept contact; and the wall's
+    /// velocity there and what that has gained without a jump, m/s.
+    #[inline]
+    pub fn contact(
+        &self,
+        number: u32,
+        [centre, velocity]: [&Vector; 2],
+        radius: f64,
+        step: f64,
+        falling: &Vector,
+    ) -> (f64, Vector, bool, [Vector; 2]) {
+        self.ask(number, |face, pose, in_place| {
+            let path = pose.path(centre, velocity, step, in_place);
+            let fast = path.norm_squared() > radius * radius;
+            let impact = if fast { face.time_of_impact(centre, &path, radius) } else { None };
+            let (distance, normal) = match &impact {
+                Some(impact) => (impact.distance, impact.normal),
+                None => face.nearest(centre, || velocity + falling - pose.velocity_at(centre, in_place)),
+            };
+            let wall_velocity = pose.velocity_at(&(centre + normal * distance), in_place);
+            (distance, normal, impact.is_some(), [wall_velocity, pose.gain()])
+        })
+    }
+
     /// The pose of each wall, with the numbers of its faces.
     pub fn each_wall(&self) -> impl Iterator<Item = (u32, &'a Pose, Range<u32>)> + use<'a> {
         let walls = (0..).zip(&self.walls.walls).zip(self.poses);
@@ -275,27 +327,6 @@ impl PlacedFace<'_> {
             return None;
         }
         self.shape().time_of_impact(centre, &path, radius).map(|impact| (impact.distance, impact.normal))
-    }
-
-    /// The contact of a grain with the face in a step: the distance from its centre to the face, or to the plane that touches the face
-    /// where a grain too fast for the step meets it (m); the unit normal towards it; and whether it is a swept contact. `velocity` is
-    /// the grain's at the start of the step, m/s; for `travel` see [`PlacedFace::nearest`].
-    #[inline]
-    pub(crate) fn contact(
-        &self,
-        centre: &Vector,
-        radius: f64,
-        velocity: &Vector,
-        step: f64,
-        travel: impl FnOnce() -> Vector,
-    ) -> (f64, Vector, bool) {
-        match self.swept_contact(centre, radius, velocity, step) {
-            Some((distance, normal)) => (distance, normal, true),
-            None => {
-                let (distance, normal) = self.nearest(centre, travel);
-                (distance, normal, false)
-            }
-        }
     }
 
     /// The path of a point that moves at `velocity` (m/s) for a step (s), as seen from the face, m.
