@@ -286,11 +286,13 @@ impl Pose {
     }
 
     #[inline]
+    #[inline]
     fn turning(&self, in_place: bool) -> &Turning {
         if in_place { &self.in_place } else { &self.turning }
     }
 
     /// Velocity of the wall at a point (m), m/s; in a step that of the step.
+    #[inline]
     #[inline]
     pub(super) fn velocity_at(&self, point: &Vector, in_place: bool) -> Vector {
         let Turning { spin, centre } = self.turning(in_place);
@@ -298,16 +300,19 @@ impl Pose {
     }
 
     /// What the wall's velocity has gained since the step before without a jump, m/s: no approach of what rests on it.
+    #[inline]
     pub(crate) fn gain(&self) -> Vector {
         self.gain
     }
 
     /// Angular velocity, rad/s.
+    #[inline]
     pub(super) fn spin(&self, in_place: bool) -> Vector {
         self.turning(in_place).spin
     }
 
     /// The path of a point (m) that moves at `velocity` (m/s) for a step (s), as seen from a face, m.
+    #[inline]
     pub(super) fn path(&self, from: &Vector, velocity: &Vector, step: f64, in_place: bool) -> Vector {
         let Turning { spin, centre } = self.turning;
         if !in_place && spin != Vector::zeros() {
