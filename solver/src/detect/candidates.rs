@@ -172,7 +172,7 @@ impl Candidates {
                     centre,
                     |pose| path(pose) + radius,
                     |surface, face| {
-                        if face.swept_contact(centre, radius, &velocity, self.step).is_some() {
+                        if face.is_swept(centre, radius, &velocity, self.step) {
                             own.push((place as u32, surface));
                         }
                     },

@@ -148,7 +148,7 @@ impl WallSearch<'_> {
     }
 
     fn is_swept(&self, face: &PlacedFace<'_>, sphere: &Sphere, body: &Body) -> bool {
-        face.swept_contact(&sphere.centre, sphere.radius, &body.velocity.into(), self.step).is_some()
+        face.is_swept(&sphere.centre, sphere.radius, &body.velocity.into(), self.step)
     }
 }
 

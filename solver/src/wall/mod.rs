@@ -214,13 +214,15 @@ impl<'a> WallsAt<'a> {
         self.ask(number, |face, _, _| face.nearest(point, Vector::zeros).0)
     }
 
-    /// Whether a grain comes to a swept contact with the face of a number: see [`PlacedFace::swept_contact`].
+    /// Whether a grain comes to a swept contact with the face of a number within a step (s) in which it moves by more than its radius
+    /// (m) against the wall, given its centre (m) and its velocity (m/s). Such a grain would otherwise be deep behind the face, or on the
+    /// other side of a shell, before the two are seen to touch.
     #[inline]
     pub fn is_swept(&self, number: u32, centre: &Vector, radius: f64, velocity: &Vector, step: f64) -> bool {
         let WallFace { wall, in_place, .. } = &self.walls.faces[number as usize];
         let path = self.poses[*wall as usize].path(centre, velocity, step, *in_place);
         path.norm_squared() > radius * radius
-            && self.face(number).swept_contact(centre, radius, velocity, step).is_some()
+            && self.ask(number, |face, _, _| face.time_of_impact(centre, &path, radius).is_some())
     }
 
     /// The contact of a grain with the face of a number in a step (s), given its centre (m) and velocity at the start (m/s), its radius
@@ -311,22 +313,10 @@ impl PlacedFace<'_> {
         self.shape().nearest(centre, travel)
     }
 
-    /// The contact that a grain comes to within a step (s) in which it moves by more than its radius against the wall: the distance from
-    /// its centre to the plane that touches the face where they meet (m), and the unit normal towards it; nothing if it comes to none.
-    ///
-    /// Such a grain would otherwise be deep behind the face, or on the other side of a shell, before the two are seen to touch.
-    pub(crate) fn swept_contact(
-        &self,
-        centre: &Vector,
-        radius: f64,
-        velocity: &Vector,
-        step: f64,
-    ) -> Option<(f64, Vector)> {
+    /// As [`WallsAt::is_swept`].
+    pub(crate) fn is_swept(&self, centre: &Vector, radius: f64, velocity: &Vector, step: f64) -> bool {
         let path = self.path(centre, velocity, step);
-        if path.norm_squared() <= radius * radius {
-            return None;
-        }
-        self.shape().time_of_impact(centre, &path, radius).map(|impact| (impact.distance, impact.normal))
+        path.norm_squared() > radius * radius && self.shape().time_of_impact(centre, &path, radius).is_some()
     }
 
     /// The path of a point that moves at `velocity` (m/s) for a step (s), as seen from the face, m.

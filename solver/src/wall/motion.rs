@@ -286,13 +286,11 @@ impl Pose {
     }
 
     #[inline]
-    #[inline]
     fn turning(&self, in_place: bool) -> &Turning {
         if in_place { &self.in_place } else { &self.turning }
     }
 
     /// Velocity of the wall at a point (m), m/s; in a step that of the step.
-    #[inline]
     #[inline]
     pub(super) fn velocity_at(&self, point: &Vector, in_place: bool) -> Vector {
         let Turning { spin, centre } = self.turning(in_place);
