@@ -112,6 +112,9 @@ pub(super) fn task(output: &Path, scene: &Scene, seed: u64, wish: Wish) -> Resul
                     wish.steps
                 ));
             }
+            // A kill between the last word of the summary and the end of the program leaves them.
+            place.clear();
+            let _ = std::fs::remove_file(output.join("measured-frames"));
             Ok(Task::Ended(record))
         }
         Some(Record { steps, scene: name, .. }) if ended => {
