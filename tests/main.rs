@@ -10,6 +10,7 @@ mod defect_scenes;
 mod effects_command;
 mod faults;
 mod laws_command;
+mod learn_commands;
 mod output_folder;
 mod problem_command;
 mod reference_scenes;

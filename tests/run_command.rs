@@ -224,7 +224,7 @@ fn a_scene_is_found_by_name_and_described_for_people() {
     let output = makadam(folder.path()).args(["run", "packing", "--steps", "20", "--output", "out"]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
-    for word in ["state hash", "time by phase", "bytes a particle", "2000 grains"] {
+    for word in ["state hash", "time by phase", "bytes per grain", "2000 grains"] {
         assert!(text.contains(word), "no '{word}' in\n{text}");
     }
     // Nothing but results on standard output, no progress off a terminal, no colours in a pipe.

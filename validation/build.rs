@@ -33,7 +33,7 @@ fn main() {
 /// Writes `scenes.rs`: every reference scene and every table recorded on it, by its path under `reference-scenes`.
 fn hold_scenes() {
     let manifest = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo says it"));
-    let root = manifest.join("../reference-scenes");
+    let root = manifest.join("reference-scenes");
     println!("cargo::rerun-if-changed={}", root.display());
     let mut files = Vec::new();
     for scene in entries(&root) {

@@ -7,6 +7,7 @@ use makadam::scene::{
     Accuracy, Beforehand, Checked, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material, PairRule,
     Population, SceneError, SceneFileError, SolverSettings, Wall, Watch,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::{Deref, DerefMut};
@@ -44,12 +45,15 @@ impl DerefMut for Scene {
 }
 
 /// The judge's tables of a document.
-#[derive(Deserialize)]
-struct Tables {
+#[derive(Deserialize, JsonSchema)]
+pub(crate) struct Tables {
+    /// What is simulated before the run begins, where a run starts from a flowing state.
     #[serde(default)]
     prepare: Option<Prepare>,
+    /// What is measured and when.
     #[serde(default)]
     measure: Measure,
+    /// Observables that are compared between codes, with their margins of equivalence.
     #[serde(default)]
     compare: Vec<Expectation>,
 }
@@ -226,7 +230,7 @@ impl Serialize for Scene {
 }
 
 /// When frames are taken and over which of them observables are averaged.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Measure {
     /// Time between frames, s.
@@ -244,7 +248,7 @@ impl Default for Measure {
 }
 
 /// A group of quantities that the measurement code can take from frames; underscores are read as hyphens.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Observable {
     /// Angle of the flowing surface in a rotating drum.
@@ -273,10 +277,12 @@ pub enum Observable {
     /// How far the first driven wall has moved.
     #[serde(alias = "driven_wall")]
     DrivenWall,
+    /// Mass that passes through the hole of a disc, such as the floor of a silo.
+    Discharge,
 }
 
 /// An observable that is compared, and how far two codes may differ.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Expectation {
     /// Name of the measured quantity, for example `packing_fraction`; hyphens are read as underscores.
@@ -292,7 +298,7 @@ fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Stri
 }
 
 /// A state that a run starts from, in place of the jittered lattice: the scene simulated for a while beforehand.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Prepare {
     /// Time simulated beforehand, s.

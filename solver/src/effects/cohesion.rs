@@ -97,6 +97,7 @@ const TOUCH: f64 = 1e-6;
 
 /// Cohesion of two materials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Cohesion {
     /// The same pull for all sizes.

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 /// Law of the normal contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum NormalLaw {
     /// No compliance.

@@ -38,6 +38,7 @@ pub static CHANGING_GRAVITY: Effect = Effect {
 
 /// A moment of gravity that changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GravityChange {
     /// Time, s.

@@ -20,6 +20,7 @@ use std::f64::consts::PI;
 
 /// Largest deviations from the converged solution that are tolerated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Accuracy {
     /// Of an angle of repose, degrees.

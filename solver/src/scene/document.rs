@@ -13,9 +13,11 @@ pub const TABLES_OF_WHO_MEASURES: [&str; 3] = ["prepare", "measure", "compare"];
 
 /// All keys, in the order in which messages list them.
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Document {
     name: String,
+    #[serde(default)]
     description: String,
     duration: f64,
     #[serde(default = "earth_gravity")]
@@ -37,6 +39,7 @@ pub(super) struct Document {
     #[serde(default)]
     grain: Vec<GrainEntry>,
     #[serde(default, rename = "prepare")]
+    #[cfg_attr(feature = "schema", schemars(skip))]
     _prepare: IgnoredAny,
     #[serde(default)]
     accuracy: Option<Accuracy>,
@@ -45,8 +48,10 @@ pub(super) struct Document {
     #[serde(default)]
     watch: Watch,
     #[serde(default, rename = "measure")]
+    #[cfg_attr(feature = "schema", schemars(skip))]
     _measure: IgnoredAny,
     #[serde(default, rename = "compare")]
+    #[cfg_attr(feature = "schema", schemars(skip))]
     _compare: IgnoredAny,
 }
 

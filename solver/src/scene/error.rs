@@ -4,6 +4,7 @@
 
 use super::Scene;
 use super::file::SceneFileError;
+use super::nearest::nearest;
 use std::fmt;
 use std::path::Path;
 
@@ -40,7 +41,7 @@ impl SceneError {
         let problem = error.message().replace('\n', " ");
         let kinds = || error.span().and_then(|span| kinds_at(text, span.start));
         let remedy = if problem.starts_with("unknown field") || problem.starts_with("unknown variant") {
-            "use one of the names listed".into()
+            meant(&problem).map_or("use one of the names listed".into(), |name| format!("did you mean `{name}`?"))
         } else if let Some(kinds) = problem.starts_with("missing field `kind`").then(kinds).flatten() {
             format!("add that key to the table: {kinds}")
         } else if problem.starts_with("missing field") {
@@ -52,6 +53,13 @@ impl SceneError {
         };
         SceneError::Invalid(Fault { line: Some(line), ..Fault::new(Vec::new(), problem, remedy) })
     }
+}
+
+/// The name that was meant, of those that a reader of TOML lists behind one that it does not know.
+fn meant(problem: &str) -> Option<&str> {
+    let mut quoted = problem.split('`').skip(1).step_by(2);
+    let unknown = quoted.next()?;
+    nearest(unknown, quoted, 1).first().copied()
 }
 
 /// Text without characters that steer a terminal: they are shown as escapes.

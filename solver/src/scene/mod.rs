@@ -52,8 +52,11 @@ mod error;
 mod file;
 mod impacts;
 mod names;
+mod nearest;
 mod periodic;
 mod populate;
+#[cfg(feature = "schema")]
+mod schema;
 pub(crate) mod setting_error;
 mod settings;
 mod types;
@@ -73,8 +76,11 @@ pub use document::TABLES_OF_WHO_MEASURES;
 pub use document_path::{Checked, DocumentPath};
 pub use error::{Fault, SceneError, line_of};
 pub use file::SceneFileError;
+pub use nearest::nearest;
 pub(crate) use periodic::REACHES;
 pub use populate::{Grain, populate};
+#[cfg(feature = "schema")]
+pub use schema::schema;
 use setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
 pub use settings::{MOST_MEMORY, Precision, SolverMethod, SolverSettings, Stop};
 pub use types::{
@@ -90,11 +96,12 @@ use std::collections::BTreeMap;
 ///
 /// The tables `measure`, `compare` and `prepare` of a scene's file are for who measures it: they are passed over here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(!from))]
 #[serde(from = "document::Document")]
 pub struct Scene {
     /// Short name, used in tables and file names.
     pub name: String,
-    /// One sentence that says what the scene tests.
+    /// One sentence that says what the scene is; empty, if absent.
     pub description: String,
     /// Simulated time, seconds.
     pub duration: f64,

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Settings of the time step and of the contact solver.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverSettings {
     /// Time step, s.
@@ -81,6 +82,7 @@ pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 
 /// Precision of the sweeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Precision {
     /// `f64`, eight contacts at a time.
@@ -92,6 +94,7 @@ pub enum Precision {
 
 /// How the contact problem of a step is solved: see [`methods`](crate::methods).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum SolverMethod {
     /// Projected Gauss-Seidel.
@@ -157,6 +160,7 @@ impl SolverMethod {
 
 /// When a solve stops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Stop {
     /// After a fixed number of sweeps.

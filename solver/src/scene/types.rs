@@ -31,6 +31,7 @@ pub(super) fn is_zero(value: &f64) -> bool {
 
 /// An axis-aligned box that no grain may leave, metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Domain {
     /// Lower corner.
@@ -52,6 +53,7 @@ impl Domain {
 
 /// An axis of the frame of reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// The first one.
@@ -76,6 +78,7 @@ impl Axis {
 
 /// A material of grains or walls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Material {
     /// Mass density, kg/m3.
@@ -128,6 +131,7 @@ impl Default for Material {
 
 /// Coefficients of one pair of materials, where they differ from the rule.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PairRule {
     /// Names of the two materials, in any order.
@@ -174,6 +178,7 @@ pub struct ContactCoefficients {
 
 /// A rigid wall with a material and a prescribed motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Name, used in tables and errors.
@@ -189,6 +194,7 @@ pub struct Wall {
 
 /// Surface of a wall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Shape {
     /// An infinite plane; grains live on the side that the normal points to.
@@ -243,6 +249,7 @@ pub enum Shape {
 
 /// Motion of a wall: prescribed, or driven by a force or a torque.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Motion {
     /// At rest.
@@ -335,6 +342,7 @@ impl Motion {
 
 /// A group of grains placed on the sites of a jittered lattice, the lowest sites first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Population {
     /// Number of grains.
@@ -359,6 +367,7 @@ fn default_spacing() -> f64 {
 
 /// Distribution of grain radii, metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RadiusDistribution {
     /// All equal.
@@ -409,6 +418,7 @@ impl RadiusDistribution {
 
 /// Where a population is placed; grains lie inside it whole.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Region {
     /// An axis-aligned box.
@@ -433,6 +443,7 @@ pub enum Region {
 
 /// One grain, placed by hand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GrainEntry {
     /// Name of its material.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What happens when something is noticed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Reaction {
     /// The run ends; a checkpoint from before is left.
@@ -23,6 +24,7 @@ impl Reaction {
 /// What is watched for. What makes the numbers of a run worthless ends it unless the scene says otherwise; a state that
 /// is not finite, or a grain that has crossed a wall, always does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Watch {
     /// Steps from one look to the next; 0 looks never.

@@ -1,7 +1,7 @@
 """Runs one job in Siconos: reads a JSON job, steps, and writes frames as rows of doubles.
 
 Started by `makadam-siconos` as `python3 driver.py job.json` in the folder of the job. Frames are those of
-`scripts/yade_driver.py`: time, number of grains, number of contacts; then for each grain x y z vx vy vz wx wy wz; then for
+`validation/src/peers/yade_driver.py`: time, number of grains, number of contacts; then for each grain x y z vx vy vz wx wy wz; then for
 each contact: id of the first grain, 0 or 1 for a grain or a wall, id of the partner, point (3), normal from the first grain to
 the partner (3), force on the first grain (3). Little-endian.
 """

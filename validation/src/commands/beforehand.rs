@@ -2,12 +2,13 @@
 
 use super::{Console, Failure};
 use crate::plan::Scene;
+use crate::scenes;
 use makadam::scene::Finding;
 use std::path::{Path, PathBuf};
 
 /// Tells what a scene is not expected to bear, on standard error; the findings go to `run.json` as well.
 pub(super) fn tell_findings(scene: &Scene, file: &Path, console: &Console) -> Vec<Finding> {
-    let text = std::fs::read_to_string(file).ok();
+    let text = scenes::text(file).ok();
     let findings = scene.findings(text.as_deref());
     for finding in &findings {
         let line = finding.line.map(|line| format!(":{line}")).unwrap_or_default();

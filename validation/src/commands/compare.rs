@@ -2,7 +2,7 @@
 
 use super::arguments::CompareArguments;
 use super::record::record;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes, json, load};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes, json};
 use crate::compare::{CodeSummary, Comparison, Row};
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
@@ -31,7 +31,7 @@ struct CompareDocument<'a> {
 /// Compares codes on a scene, or records references.
 pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result<ExitCode, Failure> {
     arguments.side_by_side.apply()?;
-    let (file, scene) = load(&arguments.scene)?;
+    let (file, scene) = arguments.source.load()?;
     match arguments.record {
         true => record(arguments, &scene, &file, console),
         false => judge(arguments, &scene, &file, console),

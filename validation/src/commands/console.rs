@@ -78,7 +78,7 @@ impl Console {
 
     /// A progress bar over a share of work, 0 to 1.
     pub fn bar(&self, label: &str) -> Bar {
-        let style = ProgressStyle::with_template("{prefix:<24} [{bar:30}] {percent:>3}% {msg} {eta} left")
+        let style = ProgressStyle::with_template("{prefix:<24} [{wide_bar}] {percent:>3}% {msg} {eta} left")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = self.bars.add(ProgressBar::new(Bar::TICKS));
         bar.set_style(style.progress_chars("=> "));

@@ -4,6 +4,7 @@ use crate::compare::{RecordError, ReferenceError};
 use crate::effects::AblationError;
 use crate::execution::MeasureError;
 use crate::output::WriteError;
+use crate::parameter_study::ParameterError;
 use crate::peers::CodeError;
 use crate::prepared::StartError;
 use crate::problem::{ProblemFileError, SiconosError};
@@ -31,6 +32,9 @@ pub enum Failure {
     /// A file holds no contact problem that could be solved.
     #[error(transparent)]
     Problem(#[from] ProblemFileError),
+    /// What is wrong with one combination of values.
+    #[error("{0}: {1}")]
+    Combination(String, Box<Failure>),
     /// A reference code, or what was recorded of it, is missing.
     #[error("{0}")]
     MissingCode(String),
@@ -52,9 +56,10 @@ impl Failure {
             Failure::Running(_) | Failure::Interrupted(_) | Failure::ClosedOutput => 1,
             // The scene is sound, and runs where there is more.
             Failure::Scene(SceneError::File(SceneFileError::Memory { .. })) => 1,
-            Failure::Usage(_) => 2,
+            Failure::Usage(_) | Failure::Scene(SceneError::Change(_)) => 2,
             Failure::Scene(_) | Failure::Problem(_) => 3,
             Failure::MissingCode(_) => 5,
+            Failure::Combination(_, failure) => failure.exit_code(),
         }
     }
 }
@@ -62,6 +67,22 @@ impl Failure {
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Failure {
         Failure::Running(error.to_string())
+    }
+}
+
+impl From<ParameterError> for Failure {
+    fn from(error: ParameterError) -> Failure {
+        match error {
+            ParameterError::Change(_) | ParameterError::TooMany(_) => Failure::Usage(error.to_string()),
+            ParameterError::Scene { error: scene, values } => Failure::Combination(values, Box::new(scene.into())),
+            ParameterError::Run { error: run, values, seed } => {
+                Failure::Combination(format!("{values}, seed {seed}"), Box::new(run.into()))
+            }
+            ParameterError::Write(error) => error.into(),
+            ParameterError::Interrupted => {
+                Failure::Interrupted("kept, run by run: the same command goes on from there".into())
+            }
+        }
     }
 }
 

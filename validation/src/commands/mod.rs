@@ -2,19 +2,26 @@
 
 mod arguments;
 mod beforehand;
+mod check;
 mod compare;
 mod console;
 mod convergence;
 mod effects;
 mod failure;
 mod laws;
+mod manual;
+mod new;
+mod observables;
 mod problem;
 mod qualify;
 mod record;
 mod roofline;
 mod run;
 mod scaling;
+mod scene_list;
+mod schema;
 mod stability;
+mod sweep;
 mod tradeoff;
 
 pub use console::Console;
@@ -45,6 +52,14 @@ pub fn main() -> ExitCode {
     let console = Console::new(arguments.quiet, arguments.verbose);
     crate::interrupt::listen();
     let done = match &arguments.command {
+        Command::New(new) => new::new(new, &console),
+        Command::Scenes(list) => scene_list::list(list, &console),
+        Command::Check(check) => check::check(check, &console),
+        Command::Observables(observables) => observables::observables(observables, &console),
+        Command::Schema(schema) => schema::schema(schema, &console),
+        Command::Completions(completions) => manual::completions(completions, &console),
+        Command::Manual(manual) => manual::manual(manual, &console),
+        Command::Sweep(sweep) => sweep::sweep(sweep, &console),
         Command::Run(run) => run::run(run, &console),
         Command::Compare(compare) => compare::compare(compare, &console),
         Command::Convergence(convergence) => convergence::convergence(convergence, &console),
@@ -87,14 +102,15 @@ fn tell(words: &clap::Error) -> ExitCode {
 
 /// Refuses to record beside a scene that lies in no folder.
 fn can_record(file: &Path) -> Result<(), Failure> {
-    match scenes::is_built_in(file) {
-        false => Ok(()),
-        true => Err(Failure::Usage(format!(
-            "{} is a scene that the program itself holds, so there is no folder to record into; run where there is a folder \
-             reference-scenes with it, or give the path to a file",
-            file.display()
-        ))),
-    }
+    let what = match (scenes::is_built_in(file), scenes::is_given(file)) {
+        (_, true) => "was given on the command line or on standard input",
+        (true, false) => "is a scene that the program itself holds",
+        (false, false) => return Ok(()),
+    };
+    Err(Failure::Usage(format!(
+        "{} {what}, so there is no folder to record into; run where there is a folder reference-scenes with it, or give the path to a file",
+        file.display()
+    )))
 }
 
 /// The simulation at the start of its run, with a progress bar while a flowing state is prepared.

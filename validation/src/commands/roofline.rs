@@ -21,7 +21,7 @@ pub(super) fn roofline(arguments: &RooflineArguments, console: &Console) -> Resu
     let mut scenes: Vec<(PathBuf, Scene)> = Vec::new();
     if arguments.scenes.is_empty() {
         for name in SCENES {
-            let (file, scene) = load(name)?;
+            let (file, scene) = load(name, &arguments.changes)?;
             match is_ready(&scene, scene.seed) {
                 true => scenes.push((file, scene)),
                 false => console.note(&format!("{name} is left out: name it to have its flowing state prepared")),
@@ -29,7 +29,7 @@ pub(super) fn roofline(arguments: &RooflineArguments, console: &Console) -> Resu
         }
     }
     for name in &arguments.scenes {
-        scenes.push(load(name)?);
+        scenes.push(load(name, &arguments.changes)?);
     }
     let mut counts = vec![1, cores()];
     counts.dedup();

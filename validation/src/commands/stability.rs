@@ -2,8 +2,8 @@
 
 use super::arguments::StabilityArguments;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, installed, json};
-use crate::nearest::nearest;
 use crate::stability::{Campaign, Case, catalogue, table};
+use makadam::scene::nearest;
 use std::process::ExitCode;
 
 /// Wall time after which a run is stopped where none is given, s: of the quick catalogue, and of all cases.

@@ -1,7 +1,7 @@
 //! `makadam tradeoff`: what accuracy costs in time.
 
 use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, codes, installed, load, publish, refuse_time_budget};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, codes, installed, publish, refuse_time_budget};
 use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
 use crate::plan::Scene;
@@ -22,7 +22,7 @@ const BOUNDS: [(&str, f64); 3] =
 
 /// Runs what is missing, then writes and says what all runs tell.
 pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let (file, scene) = load(&arguments.scene)?;
+    let (file, scene) = arguments.source.load()?;
     refuse_time_budget(&scene)?;
     refuse_unmeasured(&scene, &arguments.bound)?;
     let wanted = installed(&arguments.codes)?;

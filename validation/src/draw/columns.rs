@@ -1,5 +1,7 @@
 //! Rows as columns of plain text.
 
+use comfy_table::{ContentArrangement, Table, presets};
+
 /// Rows of equal length as lines, cells padded to the width of their column: words to the left, numbers to the right. Widths
 /// are counted in characters, so it wants a terminal that knows UTF-8.
 pub(crate) fn columns<R: AsRef<[String]>>(rows: &[R], is_words: impl Fn(usize) -> bool) -> String {
@@ -16,4 +18,18 @@ pub(crate) fn columns<R: AsRef<[String]>>(rows: &[R], is_words: impl Fn(usize) -
         text.push('\n');
     }
     text
+}
+
+/// Rows of words as columns of plain text; on a terminal, long cells go on in further lines of its width.
+pub(crate) fn wrapped(rows: &[Vec<String>]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic);
+    rows.iter().for_each(|row| {
+        table.add_row(row);
+    });
+    for column in table.column_iter_mut() {
+        column.set_padding((0, 2));
+    }
+    let lines = table.to_string();
+    lines.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
 }

@@ -15,4 +15,4 @@ pub(crate) mod plot;
 pub(crate) mod svg;
 pub(crate) mod view;
 
-pub(crate) use columns::columns;
+pub(crate) use columns::{columns, wrapped};

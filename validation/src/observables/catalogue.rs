@@ -1,66 +1,25 @@
 //! Which quantities there are, and what a scene must measure to get them.
 
-use crate::nearest::nearest;
+pub use super::definitions::Definition;
+use super::definitions::GROUPS;
 use crate::plan::{Observable, Scene};
+use makadam::scene::nearest;
 use makadam::scene::{SceneFileError, line_of};
 use std::path::Path;
 
-/// The groups of quantities, as `measure.observables` names them, with their quantities, as `[[compare]]` names them.
-const GROUPS: [(Observable, &str, &[&str]); 9] = [
-    (Observable::DynamicAngleOfRepose, "dynamic-angle-of-repose", &["dynamic_angle_of_repose", "surface_line_angle"]),
-    (Observable::StaticAngleOfRepose, "static-angle-of-repose", &["static_angle_of_repose", "heap_height"]),
-    (Observable::PackingFraction, "packing-fraction", &["packing_fraction"]),
-    (
-        Observable::CoordinationNumber,
-        "coordination-number",
-        &[
-            "coordination_number",
-            "coordination_number_without_rattlers",
-            "rattler_share",
-            "mechanical_coordination_number",
-            "bulk_grains",
-        ],
-    ),
-    (
-        Observable::ContactForces,
-        "contact-forces",
-        &[
-            "share_below_mean",
-            "gini",
-            "force_second_moment",
-            "weak_load_share",
-            "friction_mobilisation",
-            "sliding_share",
-            "fabric_anisotropy",
-            "mean_normal_force",
-        ],
-    ),
-    (
-        Observable::Balances,
-        "balances",
-        &["wall_force_over_weight", "largest_overlap", "mean_overlap", "coulomb_excess", "kinetic_energy"],
-    ),
-    (
-        Observable::DrumFlow,
-        "drum-flow",
-        &["shell_layer_speed_ratio", "wall_torque", "flowing_layer_thickness", "surface_speed", "lacey_mixing_index"],
-    ),
-    (
-        Observable::SizeMixing,
-        "size-mixing",
-        &["size_mixing_index", "small_over_large_distance", "population_mixing_index", "first_over_other_distance"],
-    ),
-    (Observable::DrivenWall, "driven-wall", &["driven_wall_displacement"]),
-];
-
 /// Names of all quantities that can be measured.
 pub fn known() -> impl Iterator<Item = &'static str> {
-    GROUPS.iter().flat_map(|(_, _, quantities)| quantities.iter().copied())
+    definitions().map(|(_, definition)| definition.name)
+}
+
+/// All quantities, each with the name of its group in `measure.observables`.
+pub fn definitions() -> impl Iterator<Item = (&'static str, &'static Definition)> {
+    GROUPS.iter().flat_map(|(_, group, quantities)| quantities.iter().map(|quantity| (*group, quantity)))
 }
 
 /// The group that a quantity belongs to, and the group's name in `measure.observables`; `None` if nothing measures it.
 pub fn group_of(quantity: &str) -> Option<(Observable, &'static str)> {
-    let found = GROUPS.iter().find(|(_, _, quantities)| quantities.contains(&quantity));
+    let found = GROUPS.iter().find(|(_, _, quantities)| quantities.iter().any(|known| known.name == quantity));
     found.map(|&(group, name, _)| (group, name))
 }
 
@@ -119,7 +78,7 @@ mod tests {
                 _ => name.replace('-', "_"),
             };
             let source = std::fs::read_to_string(folder.join(format!("{file}.rs"))).unwrap();
-            assert_eq!(names_in(&source), quantities.iter().copied().collect(), "{name}");
+            assert_eq!(names_in(&source), quantities.iter().map(|quantity| quantity.name).collect(), "{name}");
             seen.insert(format!("{file}.rs"));
         }
         for entry in std::fs::read_dir(folder).unwrap() {

@@ -26,6 +26,9 @@
 //! | `shell_layer_speed_ratio`, `wall_torque`, ... | [`drum_flow`] |
 //! | `size_mixing_index`, `population_mixing_index`, ... | [`mixing`] |
 //! | `driven_wall_displacement` | [`driven_wall`] |
+//! | `mass_flow_rate`, `discharged_mass` | [`discharge`] |
+//!
+//! [`catalogue::definitions`] says of each what it is; `makadam observables` prints it.
 //!
 //! ```
 //! use makadam_validation::{observables, plan::Scene, scenes};
@@ -50,6 +53,8 @@ pub mod catalogue;
 pub mod contact_forces;
 pub mod contour;
 pub mod coordination;
+mod definitions;
+pub mod discharge;
 pub mod driven_wall;
 pub mod drum;
 pub mod drum_flow;
@@ -121,6 +126,9 @@ pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<O
         if asks(Observable::DrumFlow) {
             measurements.extend(drum_flow::measure_span(&setting, bed, frames)?);
         }
+    }
+    if asks(Observable::Discharge) {
+        measurements.extend(discharge::measure(&setting, frames)?);
     }
     let heap = heap_of(&setting, frames)?;
     measurements.extend(heap.iter().flat_map(|heap| static_angle::measure(&setting, heap)));

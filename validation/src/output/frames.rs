@@ -104,6 +104,22 @@ impl FrameWriter {
         Ok(())
     }
 
+    /// Writes the files of the next frame that is not safely on the disk there, so that a later [`FrameWriter::sync`] has less to
+    /// do. Gives whether there was one.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses.
+    pub fn sync_next(&mut self) -> Result<bool, WriteError> {
+        if self.synced == self.count {
+            return Ok(false);
+        }
+        for path in KINDS.map(|kind| self.output.join(file_name(kind, self.synced))) {
+            sync_file(&path).map_err(|source| WriteError::new(&path, source))?;
+        }
+        self.synced += 1;
+        Ok(true)
+    }
+
     /// Number of frames on disk.
     pub fn count(&self) -> usize {
         self.count

@@ -1,4 +1,4 @@
-//! YADE: a job file for `scripts/yade_driver.py`, which runs inside it, and the frames that come back.
+//! YADE: a job file for `yade_driver.py`, which runs inside it, and the frames that come back.
 
 use super::assemble::{contact_from_force, measurable, merge_wall_contacts};
 use super::mesh::{Triangle, wall_mesh};
@@ -22,7 +22,7 @@ use std::path::Path;
 const NAME: &str = "YADE";
 /// Effects that it has not, or that are left out of the comparison.
 const LACKS: [&Effect; 5] = [&CHANGING_GRAVITY, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &TWISTING];
-const DRIVER: &str = include_str!("../../../scripts/yade_driver.py");
+const DRIVER: &str = include_str!("yade_driver.py");
 
 /// Reach of YADE's candidate list over the smallest radius; a matter of speed alone.
 const VERLET_DISTANCE: f64 = 0.2;

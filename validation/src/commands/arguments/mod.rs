@@ -1,11 +1,16 @@
 //! The command line: every command's arguments, and the words that they take.
 
+mod learn;
 mod problem;
 mod runs;
 mod shared;
 mod studies;
 mod values;
 
+pub use learn::{
+    CheckArguments, CompletionsArguments, ManualArguments, NewArguments, ObservablesArguments, SceneListArguments,
+    SchemaArguments, SweepArguments,
+};
 pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
@@ -40,8 +45,20 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a commented scene to begin with into a file.
+    New(NewArguments),
+    /// List the scenes that can be named.
+    Scenes(SceneListArguments),
+    /// Say what will run: grains, scales, settings and why, memory, time.
+    Check(CheckArguments),
+    /// Define the numbers that can be measured.
+    Observables(ObservablesArguments),
+    /// Print the language of scenes, as a JSON Schema or as a page.
+    Schema(SchemaArguments),
     /// Simulate a scene; frames for ParaView, observables as CSV, provenance as JSON.
     Run(RunArguments),
+    /// Run a scene over values of some of its keys, several seeds each, and put the means into one table.
+    Sweep(SweepArguments),
     /// Compare Makadam with YADE and LIGGGHTS on one scene.
     Compare(CompareArguments),
     /// Judge Makadam on the reference scenes and write one report.
@@ -62,4 +79,8 @@ pub enum Command {
     Laws(LawsArguments),
     /// Keep the contact problem of one step in a file, and solve it by every solver that there is.
     Problem(ProblemArguments),
+    /// Print a script that completes the command in a shell.
+    Completions(CompletionsArguments),
+    /// Write manual pages.
+    Manual(ManualArguments),
 }

@@ -1,6 +1,6 @@
 //! Arguments of the commands that run scenes and judge them.
 
-use super::shared::{OutputArguments, SceneArguments, ThreadArguments};
+use super::shared::{OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
 use super::values::{
     CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, positive, rayleigh_fraction, seconds,
     time_limit,
@@ -15,7 +15,8 @@ pub struct RunArguments {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Threads that share the work; as many as there are cores, if absent. The result does not depend on it.
+    /// Threads that share the work; as many as there are cores, but one per 1,000 grains at most, if absent. The result does not
+    /// depend on it.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// How threads share the work. The result does not depend on it.
@@ -62,8 +63,9 @@ pub struct RunArguments {
 /// Arguments of `makadam compare`.
 #[derive(Debug, Args)]
 pub struct CompareArguments {
-    /// A folder under reference-scenes/, or a path to a TOML file.
-    pub scene: String,
+    /// The scene.
+    #[command(flatten)]
+    pub source: SourceArguments,
     /// Number of seeds, counted from 1; as many as are recorded, or 3, if absent.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,

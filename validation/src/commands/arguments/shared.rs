@@ -3,33 +3,51 @@
 use crate::commands::{Failure, beforehand};
 use crate::output::file_stem;
 use crate::plan::Scene;
-use crate::scenes;
+use crate::scenes::{self, Change};
 use clap::Args;
 use std::path::PathBuf;
+
+/// The scene of a command.
+#[derive(Debug, Args)]
+pub struct SourceArguments {
+    /// A path to a TOML file, a name that `makadam scenes` lists, or - for a scene on standard input.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// A value in place of the scene's, such as material.grain.friction=0.3 or wall.shell.motion.rate=2; can be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub changes: Vec<Change>,
+}
+
+impl SourceArguments {
+    /// File and scene: found, read and checked; the scene has to find room in memory.
+    pub fn load(&self) -> Result<(PathBuf, Scene), Failure> {
+        load(&self.scene, &self.changes)
+    }
+}
 
 /// The scene of a command, and its initial positions.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
-    /// A folder under reference-scenes/, or a path to a TOML file.
-    #[arg(value_name = "SCENE")]
-    pub scene: String,
+    /// The scene.
+    #[command(flatten)]
+    pub source: SourceArguments,
     /// Seed of the initial positions, the first one if there are several; the scene's, if absent.
     #[arg(long)]
     pub seed: Option<u64>,
 }
 
 impl SceneArguments {
-    /// File, scene and seed; see [`load`].
+    /// File, scene and seed; see [`SourceArguments::load`].
     pub fn load(&self) -> Result<(PathBuf, Scene, u64), Failure> {
-        let (file, scene) = load(&self.scene)?;
+        let (file, scene) = self.source.load()?;
         let seed = self.seed.unwrap_or(scene.seed);
         Ok((file, scene, seed))
     }
 }
 
-/// Finds, reads and checks a scene, which has to find room in memory.
-pub fn load(name: &str) -> Result<(PathBuf, Scene), Failure> {
-    let file = scenes::find(name, &scenes::roots())?;
+/// Finds, reads and checks a scene with changes made, which has to find room in memory.
+pub fn load(name: &str, changes: &[Change]) -> Result<(PathBuf, Scene), Failure> {
+    let file = scenes::take(name, &scenes::roots(), changes)?;
     let scene = scenes::load(&file)?;
     beforehand::refuse_beyond_memory(&scene, &file)?;
     Ok((file, scene))

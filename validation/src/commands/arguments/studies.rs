@@ -1,7 +1,8 @@
 //! Arguments of the commands that study the solver.
 
-use super::shared::{OutputArguments, SceneArguments, ThreadArguments};
+use super::shared::{OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
 use super::values::{BoundArgument, CodeName, InstructionSetName, bound, method, positive, time_limit};
+use crate::scenes::Change;
 use clap::Args;
 
 /// Arguments of `makadam scaling`.
@@ -73,8 +74,9 @@ pub struct ConvergenceArguments {
 /// Arguments of `makadam tradeoff`.
 #[derive(Debug, Args)]
 pub struct TradeoffArguments {
-    /// A folder under reference-scenes/, or a path to a TOML file.
-    pub scene: String,
+    /// The scene.
+    #[command(flatten)]
+    pub source: SourceArguments,
     /// Few configurations, at the scene's stiffness alone: an answer in about ten minutes for drum or packing.
     #[arg(long)]
     pub quick: bool,
@@ -105,8 +107,11 @@ pub struct TradeoffArguments {
 /// Arguments of `makadam roofline`.
 #[derive(Debug, Args)]
 pub struct RooflineArguments {
-    /// Folders under reference-scenes/, or paths to TOML files; the drums whose flowing states are prepared, if absent.
+    /// Paths to TOML files, or names that `makadam scenes` lists; the drums whose flowing states are prepared, if absent.
     pub scenes: Vec<String>,
+    /// A value in place of that of each scene, such as solver.step=1e-3; can be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub changes: Vec<Change>,
     /// Instruction set of the kernels; the widest that this processor has, if absent.
     #[arg(long, value_enum)]
     pub isa: Option<InstructionSetName>,

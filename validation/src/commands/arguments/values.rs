@@ -1,10 +1,10 @@
 //! What arguments can be: names of things, and numbers in their ranges.
 
-use crate::nearest::nearest;
 use crate::observables::catalogue;
 use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use makadam::lanes::InstructionSet;
+use makadam::scene::nearest;
 use makadam::scene::{Accuracy, Precision, SolverMethod};
 use makadam::schedule::Scheduler;
 
@@ -154,14 +154,20 @@ pub(super) fn rayleigh_fraction(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn bound(text: &str) -> Result<BoundArgument, String> {
-    let (observable, value) =
-        text.split_once('=').ok_or("give an observable and a value, such as packing_fraction=0.002")?;
-    let observable = observable.trim().replace('-', "_");
-    if catalogue::group_of(&observable).is_none() {
-        let near = nearest(&observable, catalogue::known(), 3).join(", ");
-        return Err(format!("nothing measures '{observable}'; the nearest names are: {near}"));
+    let (name, value) = text.split_once('=').ok_or("give an observable and a value, such as packing_fraction=0.002")?;
+    Ok(BoundArgument { observable: observable(name)?, value: positive(value.trim())? })
+}
+
+/// Reads the name of a number that can be measured.
+pub(super) fn observable(text: &str) -> Result<String, String> {
+    let name = text.trim().replace('-', "_");
+    match catalogue::group_of(&name) {
+        Some(_) => Ok(name),
+        None => {
+            let near = nearest(&name, catalogue::known(), 3).join(", ");
+            Err(format!("nothing measures '{name}'; the nearest names are: {near}"))
+        }
     }
-    Ok(BoundArgument { observable, value: positive(value.trim())? })
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! A run's summary for people.
 
+use crate::draw::numbers::two_digits;
 use crate::output::RunSummary;
 use makadam::Balance;
 
@@ -26,7 +27,7 @@ pub(super) fn describe(summary: &RunSummary) -> String {
     text += &format!("state hash       {}\n", summary.state_hash);
     if let (Some(rate), Some(cost)) = (summary.contact_sweeps_per_second, summary.nanoseconds_per_contact_sweep) {
         text += &format!(
-            "contact sweeps   {} ({:.1} million a second, {cost:.1} ns each)\n",
+            "contact sweeps   {} ({:.1} million per second, {cost:.1} ns each)\n",
             summary.contact_sweeps,
             rate / 1e6
         );
@@ -43,7 +44,7 @@ pub(super) fn describe(summary: &RunSummary) -> String {
     let shares = shares.map(|(name, seconds)| format!("{name} {:.1}%", 100.0 * seconds / total.max(1e-300)));
     text += &format!("time by phase    {}\n", shares.join(", "));
     text += &format!(
-        "memory           {:.0} bytes a particle in the simulation, {:.1} MB at the peak of the process\n",
+        "memory           {:.0} bytes per grain in the simulation, {:.1} MB at the peak of the process\n",
         summary.bytes_per_particle,
         summary.peak_bytes as f64 / 1e6
     );
@@ -69,7 +70,7 @@ pub(super) fn describe(summary: &RunSummary) -> String {
         text += &format!("observables      not measured: {why}\n");
     }
     for (name, measured) in &summary.observables {
-        let error = measured.standard_error.map_or(String::new(), |error| format!(" +- {error:.2}"));
+        let error = measured.standard_error.map_or(String::new(), |error| format!(" ± {}", two_digits(error)));
         text += &format!("{name:<36} {}{error} {}\n", significant(measured.value), measured.unit);
     }
     text + &format!("frames, observables.csv and run.json: {}", summary.output)

@@ -10,11 +10,12 @@ mod measuring;
 mod plan;
 mod progress;
 mod session;
+mod writer;
 
 use super::arguments::RunArguments;
 use super::beforehand::tell_findings;
 use super::{Console, Failure, begin, json};
-use crate::execution::{Execution, cores};
+use crate::execution::{Execution, threads_for};
 use crate::output::file_stem;
 use crate::output::{FolderLock, LockError, RunFiles, RunSummary, create_folder};
 use crate::plan::Scene;
@@ -55,7 +56,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let output = arguments.output.folder(&file_stem(&scene.name));
     let execution = Execution {
         scheduler: arguments.scheduler.into(),
-        threads: arguments.threads.map_or_else(cores, usize::from),
+        threads: arguments.threads.map_or_else(|| threads_for(grains_of(&scene)), usize::from),
         instruction_set: arguments.isa.map_or_else(InstructionSet::detect, InstructionSet::from),
         prefetch: arguments.prefetch.map(usize::from),
         ..Execution::serial()
@@ -106,6 +107,11 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     console.result(&if arguments.output.json { json(&summary) } else { describe(&summary) })?;
     ended?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Number of grains that a scene begins with.
+fn grains_of(scene: &Scene) -> usize {
+    scene.population.iter().fold(scene.grain.len(), |all, population| all.saturating_add(population.count))
 }
 
 /// What was asked for.

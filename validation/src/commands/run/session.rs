@@ -7,14 +7,14 @@
 use super::account::Account;
 use super::kept::{Kept, Place};
 use super::measured::MeasuredFrames;
-use super::measuring::{instant, measure};
+use super::measuring::measure;
 use super::plan::Plan;
 use super::progress::Progress;
+use super::writer::{FrameToWrite, Marks, MarksToCome, Outputs, Writer};
 use crate::commands::{Console, Failure, json};
 use crate::output::{FrameWriter, RunFiles, RunSummary, TimeTable, WriteError, write_durably};
 use crate::stepping::frame_is_due;
 use makadam::Simulation;
-use makadam::checkpoint::sync_folder;
 use makadam::scene::Reaction;
 use makadam::solve::StopReason;
 use makadam::watch::{Alarm, Watchdog};
@@ -38,12 +38,11 @@ const HELD_EVERY: u64 = 512;
 /// What `run.json` says from the beginning of a run to its end.
 const UNDER_WAY: &str = "the run is under way, or was killed: then --resume goes on from its last checkpoint";
 
-/// What a run writes to.
-struct Outputs {
-    frames: FrameWriter,
-    table: TimeTable,
-    measured: MeasuredFrames,
-    place: Place,
+/// A state that is held ready, from before anything was noticed.
+struct Held {
+    simulation: Vec<u8>,
+    progress: Progress,
+    marks: MarksToCome,
 }
 
 /// A run under way.
@@ -51,13 +50,10 @@ pub(super) struct Session<'a> {
     plan: Plan<'a>,
     simulation: Simulation,
     progress: Progress,
-    frames: FrameWriter,
-    table: TimeTable,
-    measured: MeasuredFrames,
+    writer: Writer,
     watchdog: Watchdog,
     place: Place,
-    /// A sealed checkpoint from before anything was noticed; empty before there is one.
-    held: Vec<u8>,
+    held: Option<Held>,
     phases_before: [f64; 4],
 }
 
@@ -77,7 +73,8 @@ impl<'a> Session<'a> {
         let frames = FrameWriter::create(&plan.output)?;
         let table = TimeTable::create(&plan.output.join(RunFiles::TABLE), &COLUMNS)?;
         let measured = MeasuredFrames::begin(&plan.output);
-        Ok(Session::new(plan, simulation, progress, Outputs { frames, table, measured, place }))
+        let outputs = Outputs { folder: plan.output.clone(), frames, table, measured };
+        Ok(Session::new(plan, simulation, progress, place, outputs))
     }
 
     /// A run that goes on.
@@ -89,21 +86,19 @@ impl<'a> Session<'a> {
         RunFiles::inside(&plan.output).remove_frames_from(frames.count())?;
         progress.continued_at.push(progress.steps);
         announce(&plan, &simulation, &progress)?;
-        Ok(Session::new(plan, simulation, progress, Outputs { frames, table, measured, place }))
+        let outputs = Outputs { folder: plan.output.clone(), frames, table, measured };
+        Ok(Session::new(plan, simulation, progress, place, outputs))
     }
 
-    fn new(plan: Plan<'a>, simulation: Simulation, progress: Progress, outputs: Outputs) -> Session<'a> {
-        let Outputs { frames, table, measured, place } = outputs;
+    fn new(plan: Plan<'a>, simulation: Simulation, progress: Progress, place: Place, outputs: Outputs) -> Session<'a> {
         Session {
             watchdog: Watchdog::new(&plan.scene.watch, &simulation),
             phases_before: phases(&simulation),
-            held: Vec::new(),
+            held: None,
+            writer: Writer::start(plan.scene.clone(), outputs),
             plan,
             simulation,
             progress,
-            frames,
-            table,
-            measured,
             place,
         }
     }
@@ -171,9 +166,10 @@ impl<'a> Session<'a> {
         }
         if let Some(alarm) = alarms.iter().find(|alarm| alarm.reaction == Reaction::Stop) {
             let mut left = String::new();
-            if self.plan.go_on_with.is_some() && !self.held.is_empty() {
-                self.sync()?;
-                self.place.write(&self.held)?;
+            if let Some(held) = self.held.take().filter(|_| self.plan.go_on_with.is_some()) {
+                self.writer.sync()?;
+                let marks = held.marks.wait().expect("all before the marks is written");
+                self.place.write(&self.seal(held.simulation, held.progress, marks))?;
                 left = format!(
                     "; the state before is in {}: --resume goes on from there with another [watch], but what else the scene says \
                      must stay, and a change of it wants --restart",
@@ -185,20 +181,21 @@ impl<'a> Session<'a> {
         let every = u64::from(self.plan.scene.watch.every);
         // A look has just found nothing wrong.
         if alarms.is_empty() && every > 0 && self.progress.steps.is_multiple_of(every * HELD_EVERY.div_ceil(every)) {
-            self.held = self.checkpoint();
+            self.held = Some(Held {
+                simulation: self.simulation.checkpoint(),
+                progress: self.progress_now(),
+                marks: self.writer.ask_for_marks()?,
+            });
         }
         Ok(())
     }
 
-    fn checkpoint(&self) -> Vec<u8> {
-        let progress = Progress {
-            frames: self.frames.written(),
-            table: self.table.written().clone(),
-            measured: self.measured.mark(),
-            phases: self.phases(),
-            ..self.progress.clone()
-        };
-        Kept::seal(self.plan.scene, self.plan.seed, self.simulation.checkpoint(), progress)
+    fn progress_now(&self) -> Progress {
+        Progress { phases: self.phases(), ..self.progress.clone() }
+    }
+
+    fn seal(&self, simulation: Vec<u8>, progress: Progress, marks: Marks) -> Vec<u8> {
+        Kept::seal(self.plan.scene, self.plan.seed, simulation, marks.put_into(progress))
     }
 
     fn write_checkpoint(&mut self) -> Result<(), Failure> {
@@ -206,18 +203,10 @@ impl<'a> Session<'a> {
             return Ok(());
         }
         let clock = Instant::now();
-        self.sync()?;
-        self.place.write(&self.checkpoint())?;
+        let marks = self.writer.sync()?;
+        self.place.write(&self.seal(self.simulation.checkpoint(), self.progress_now(), marks))?;
         self.progress.output_time += clock.elapsed();
         Ok(())
-    }
-
-    /// Writes frames, collections and table to the disk.
-    fn sync(&mut self) -> Result<(), WriteError> {
-        self.frames.sync()?;
-        self.table.sync()?;
-        self.measured.sync()?;
-        sync_folder(&self.plan.output).map_err(|source| WriteError::new(&self.plan.output, source))
     }
 
     /// Wall time of the phases over the whole run, s.
@@ -226,10 +215,10 @@ impl<'a> Session<'a> {
         std::array::from_fn(|phase| self.progress.phases[phase] + now[phase] - self.phases_before[phase])
     }
 
-    /// Writes a frame and a row of the table.
+    /// Makes a frame and a row of the table, and hands them over to be measured and written.
     fn frame(&mut self) -> Result<(), Failure> {
         let clock = Instant::now();
-        let scene = self.plan.scene;
+        self.writer.wait_for_room()?;
         let frame = self.simulation.snapshot();
         if let Some(grain) = self.simulation.not_finite() {
             return Err(Failure::Running(format!(
@@ -237,7 +226,6 @@ impl<'a> Session<'a> {
                 self.progress.steps
             )));
         }
-        self.frames.write(&frame)?;
         let energy = self.simulation.energy();
         let (sweeps, residual) = self
             .progress
@@ -253,55 +241,49 @@ impl<'a> Session<'a> {
             sweeps,
             residual,
         ];
-        let known = COLUMNS.iter().map(ToString::to_string).zip(values).filter(|(_, value)| value.is_finite());
-        let measured = instant(scene, &frame).into_iter().filter(|(name, _)| !COLUMNS.contains(&name.as_str()));
-        let driven = frame.driven_walls.iter().flat_map(|driven| {
-            let name = &scene.wall[driven.wall as usize].name;
-            [(format!("{name}_displacement"), driven.displacement), (format!("{name}_rate"), driven.rate)]
-        });
-        let row: Vec<(String, f64)> = known.chain(measured).chain(driven).collect();
-        self.table.push(row)?;
+        let row = COLUMNS.iter().map(ToString::to_string).zip(values).collect();
         (self.progress.particles, self.progress.contacts) = (frame.particles.len(), frame.contacts.len());
         self.progress.framed_at = Some(self.progress.steps);
-        self.measured.push(scene, frame)?;
+        self.writer.write(FrameToWrite { frame, row })?;
         self.progress.output_time += clock.elapsed();
         Ok(())
     }
 
     /// Ends the run: writes all that waits and the summary to the disk, and removes the checkpoint of a run that reached its last
     /// step.
-    pub fn finish(mut self, played: Result<(), Failure>) -> (RunSummary, Result<(), Failure>) {
-        let ended = played.and_then(|()| Ok(self.sync()?));
-        let took = self.simulation.time() - self.progress.started;
-        let measured = measure(self.plan.scene, &self.measured, ended.is_ok(), took);
+    pub fn finish(self, played: Result<(), Failure>) -> (RunSummary, Result<(), Failure>) {
+        let clock = Instant::now();
+        let phases = self.phases();
+        let Session { plan, simulation, mut progress, writer, place, .. } = self;
+        let (mut outputs, written) = writer.end();
+        let ended = played.and(written).and_then(|()| Ok(outputs.sync()?));
+        let took = simulation.time() - progress.started;
+        let measured = measure(plan.scene, &outputs.measured, ended.is_ok(), took);
         let (measured, ended) = match measured {
             Ok(measured) => (Some(measured), ended),
             // What failed before is told first.
             Err(failure) => (None, ended.and(Err(failure))),
         };
-        let mut summary = self.account().summary(ended.as_ref().err().map(ToString::to_string));
+        progress.output_time += clock.elapsed();
+        let mut account = Account::new(&plan, &simulation, &progress);
+        (account.phases, account.frames) = (phases, outputs.frames.count());
+        let mut summary = account.summary(ended.as_ref().err().map(ToString::to_string));
         if let Some(measured) = measured {
             (summary.observables, summary.not_measured) = (measured.observables, measured.not_measured);
         }
-        let file = self.plan.output.join(RunFiles::SUMMARY);
+        let file = plan.output.join(RunFiles::SUMMARY);
         let written = write_durably(&file, json(&summary).as_bytes());
         let ended = ended.and_then(|()| {
             written?;
             // What cannot be removed is found out of date by the summary beside it.
-            self.place.clear();
-            self.measured.clear();
+            place.clear();
+            outputs.measured.clear();
             Ok(())
         });
         if let Err(failure) = &ended {
             (summary.complete, summary.failure) = (false, Some(failure.to_string()));
         }
         (summary, ended)
-    }
-
-    fn account(&self) -> Account<'_> {
-        let mut account = Account::new(&self.plan, &self.simulation, &self.progress);
-        (account.phases, account.frames) = (self.phases(), self.frames.count());
-        account
     }
 }
 

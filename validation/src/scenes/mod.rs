@@ -3,20 +3,32 @@
 //! A folder `reference-scenes` here or above goes before what the program holds. What it holds are the scenes and the references
 //! recorded on them, as they were when it was built; no path of the machine that built it is looked at.
 
+mod change;
+mod held;
+mod schema;
+
 use crate::observables::catalogue;
 use crate::plan::Scene;
+pub use change::{Change, ChangeError, changed, key_of};
+use held::bytes_of;
+pub use held::{BUILT_IN, is_built_in, is_given, names, read};
 use makadam::scene::SceneFileError;
-use std::io::{Error, ErrorKind};
+use makadam::scene::nearest;
+pub use schema::{page, schema};
+use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-/// The first part of the paths of what the program holds; what follows is as under `reference-scenes`.
-pub const BUILT_IN: &str = "<built-in>";
+/// What stands for the scene on standard input.
+pub const STANDARD_INPUT: &str = "-";
 
 /// Why there is no scene to run.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The name is neither a file nor a known scene.
-    #[error("no scene '{name}': give a path to a TOML file or one of: {}", known.join(", "))]
+    #[error(
+        "no scene '{name}': did you mean {}? Give a path to a TOML file, - for standard input, or a name that `makadam scenes` lists",
+        nearest(name, known.iter().map(String::as_str), 3).join(", ")
+    )]
     Unknown {
         /// What was asked for.
         name: String,
@@ -26,6 +38,9 @@ pub enum SceneError {
     /// The file cannot be read, or what it says is refused.
     #[error(transparent)]
     File(#[from] SceneFileError),
+    /// A value cannot be put in place of what the scene says.
+    #[error("--set {0}")]
+    Change(#[from] ChangeError),
 }
 
 /// Turns what is wrong with the scene of a file into an error that names the file and, where it can be read, the line.
@@ -37,11 +52,6 @@ pub fn in_file(file: &Path) -> impl Fn(makadam::scene::SceneError) -> SceneError
 pub fn named(name: &str) -> impl Fn(makadam::scene::SceneError) -> SceneError + '_ {
     move |error| error.in_file(Path::new(name), None).into()
 }
-
-/// A file under `reference-scenes`: its path there, and what it holds.
-type Held = (&'static str, &'static [u8]);
-
-include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
 
 /// Folders in which `reference-scenes` is looked for: the current one and those above it.
 pub fn roots() -> Vec<PathBuf> {
@@ -104,32 +114,6 @@ fn known_scenes(roots: &[PathBuf]) -> Vec<String> {
     names
 }
 
-/// Names of the scenes that the program holds.
-pub fn names() -> impl Iterator<Item = &'static str> {
-    HELD.iter().filter_map(|(path, _)| path.strip_suffix("/scene.toml"))
-}
-
-/// Whether a path is that of something that the program holds.
-pub fn is_built_in(path: &Path) -> bool {
-    path.starts_with(BUILT_IN)
-}
-
-fn bytes_of(path: &Path) -> Option<&'static [u8]> {
-    let path = path.strip_prefix(BUILT_IN).ok()?.to_str()?;
-    HELD.iter().find(|(held, _)| *held == path).map(|(_, bytes)| *bytes)
-}
-
-/// Reads a file, whether it lies on a disk or in the program.
-///
-/// # Errors
-/// What the system says; [`ErrorKind::NotFound`] for what the program does not hold.
-pub fn read(path: &Path) -> std::io::Result<Vec<u8>> {
-    match is_built_in(path) {
-        true => bytes_of(path).map(<[u8]>::to_vec).ok_or_else(|| ErrorKind::NotFound.into()),
-        false => std::fs::read(path),
-    }
-}
-
 /// Reads a scene's file as text.
 ///
 /// # Errors
@@ -140,14 +124,51 @@ pub fn text(file: &Path) -> Result<String, SceneError> {
     String::from_utf8(bytes).map_err(|error| missing(Error::new(ErrorKind::InvalidData, error)).into())
 }
 
+/// Finds the text of a scene by its name, by a path, or on standard input, makes changes, and gives the path under which it is read
+/// from then on.
+///
+/// # Errors
+/// [`SceneError`] if there is none, or a change cannot be made.
+pub fn take(name: &str, roots: &[PathBuf], changes: &[Change]) -> Result<PathBuf, SceneError> {
+    let (mut path, mut given) = match name {
+        STANDARD_INPUT => (PathBuf::from("<standard input>"), Some(standard_input()?)),
+        name => (find(name, roots)?, None),
+    };
+    if !changes.is_empty() {
+        let text = given.map_or_else(|| text(&path), Ok)?;
+        given = Some(changed(&text, changes)?);
+        let written: Vec<String> = changes.iter().map(|change| format!("--set {change}")).collect();
+        path = format!("{} with {}", path.display(), written.join(" ")).into();
+    }
+    if let Some(text) = given {
+        held::give(path.clone(), text);
+    }
+    Ok(path)
+}
+
+fn standard_input() -> Result<String, SceneError> {
+    let mut text = String::new();
+    let read = std::io::stdin().lock().read_to_string(&mut text);
+    let missing = |source| SceneFileError::Missing { file: "<standard input>".into(), source };
+    read.map_err(missing)?;
+    Ok(text)
+}
+
 /// Reads and checks a scene: also that what it compares is what it measures.
 ///
 /// # Errors
 /// [`SceneError`].
 pub fn load(file: &Path) -> Result<Scene, SceneError> {
-    let text = text(file)?;
-    let scene = Scene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))?;
-    catalogue::check(&scene, &text, file)?;
+    parse(&text(file)?, file)
+}
+
+/// Reads and checks the text of a scene that is said to be in a file.
+///
+/// # Errors
+/// [`SceneError`].
+pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
+    let scene = Scene::parse(text).map_err(|error| error.in_file(file, Some(text)))?;
+    catalogue::check(&scene, text, file)?;
     Ok(scene)
 }
 

@@ -4,7 +4,7 @@
 ///
 /// Hyphens and underscores, and capitals and small letters, count as the same; a name that contains the word comes before those that
 /// are merely spelt alike.
-pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
     let word = plain(word);
     let mut ranked: Vec<(usize, &str)> =
         known.into_iter().map(|name| (distance_from(&word, &plain(name)), name)).collect();

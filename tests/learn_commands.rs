@@ -1,0 +1,157 @@
+//! The commands by which the program is learnt, and what a scene can be given by: `new`, `scenes`, `check`, `observables`, `schema`,
+//! `sweep`, `--set`, standard input.
+
+use crate::support::makadam;
+use crate::support::small_scene::smoke;
+use serde_json::Value;
+use std::path::Path;
+
+/// Exit code, standard output and standard error.
+fn outcome(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let output = makadam(folder).args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+/// Standard output of a command that succeeds.
+fn said(folder: &Path, arguments: &[&str]) -> String {
+    let (code, output, errors) = outcome(folder, arguments);
+    assert_eq!(code, 0, "{arguments:?}: {errors}");
+    output
+}
+
+#[test]
+fn in_an_empty_folder_a_new_scene_is_checked_and_run() {
+    let folder = tempfile::tempdir().unwrap();
+    said(folder.path(), &["new", "drum"]);
+    let text = said(folder.path(), &["check", "drum.toml"]);
+    for words in ["1 600", "Froude number", "Rayleigh step", "solver.step", "no objection"] {
+        assert!(text.contains(words), "no '{words}' in {text}");
+    }
+    said(folder.path(), &["run", "drum.toml", "--steps", "20", "--quiet"]);
+    let summary = std::fs::read(folder.path().join("results/drum/run.json")).unwrap();
+    let summary: Value = serde_json::from_slice(&summary).unwrap();
+    assert_eq!((&summary["complete"], &summary["steps"]), (&true.into(), &20.into()));
+    let (code, _, errors) = outcome(folder.path(), &["new", "drum"]);
+    assert!(code == 2 && errors.contains("drum.toml is there already"), "{code}: {errors}");
+    let (code, _, errors) = outcome(folder.path(), &["new", "durm"]);
+    assert!(code == 2 && errors.contains("'drum'"), "{code}: {errors}");
+}
+
+#[test]
+fn check_is_a_document_too_and_says_what_accuracy_decides() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = said(folder.path(), &["check", "packing", "--accuracy", "packing_fraction=0.002", "--json"]);
+    let document: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["grains"], 2000);
+    assert_eq!(document["settings"][0]["why"], "follows from accuracy");
+    assert!(document["bytes"].as_u64().unwrap() > 1_000_000 && document["wall_seconds"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn scenes_and_observables_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let list: Value = serde_json::from_str(&said(folder.path(), &["scenes", "--json"])).unwrap();
+    let drum = list.as_array().unwrap().iter().find(|scene| scene["name"] == "drum").unwrap();
+    assert!(drum["description"].as_str().unwrap().contains("turning drum") && drum["grains"] == 1600);
+    let text = said(folder.path(), &["observables", "discharge", "gini"]);
+    assert!(text.contains("mass_flow_rate (W) [kg/s]") && text.contains("Gini coefficient"), "{text}");
+    let all: Value = serde_json::from_str(&said(folder.path(), &["observables", "--json"])).unwrap();
+    for entry in all.as_array().unwrap() {
+        let words = ["name", "symbol", "formula", "group"].map(|key| entry[key].as_str().unwrap());
+        assert!(words.iter().all(|word| !word.is_empty()), "{entry}");
+    }
+    let (code, _, errors) = outcome(folder.path(), &["observables", "pakcing_fraction"]);
+    assert!(code == 2 && errors.contains("packing_fraction"), "{errors}");
+}
+
+#[test]
+fn the_schema_takes_every_template_and_has_every_key_of_theirs() {
+    let folder = tempfile::tempdir().unwrap();
+    let schema: Value = serde_json::from_str(&said(folder.path(), &["schema"])).unwrap();
+    assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
+    let step = &schema["$defs"]["SolverSettings"]["properties"]["step"];
+    assert!(step["description"].as_str().unwrap().contains("Time step") && step["default"] == 5e-4, "{step}");
+    let page = said(folder.path(), &["schema", "--markdown"]);
+    for key in ["`spacing`", "`agitation`", "`over_relaxation`", "`packing-fraction`", "`rate`"] {
+        assert!(page.contains(key), "{key} stands in no table");
+    }
+}
+
+#[test]
+fn a_scene_is_changed_by_set_and_read_from_standard_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let smoke = smoke().display().to_string();
+    let hash = |arguments: &[&str], input: Option<&str>| {
+        let mut command = makadam(folder.path());
+        command.arg("run").args(arguments).args(["--steps", "40", "--json", "--quiet", "--restart", "--output", "out"]);
+        if let Some(input) = input {
+            command.write_stdin(input);
+        }
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (summary["state_hash"].to_string(), summary["provenance"]["scene_file"].as_str().unwrap().to_string())
+    };
+    let text = std::fs::read_to_string(&smoke).unwrap();
+    let (plain, file) = hash(&[&smoke], None);
+    let (piped, place) = hash(&["-"], Some(&text));
+    assert!(plain == piped && file == smoke && place == "<standard input>", "{place}");
+    let (changed, place) = hash(&[&smoke, "--set", "population.spacing=1.3"], None);
+    assert!(changed != plain && place.ends_with("with --set population.spacing=1.3"), "{place}");
+    assert_eq!(hash(&["-", "--set", "population.spacing=1.3"], Some(&text)).0, changed);
+}
+
+#[test]
+fn changes_that_lead_nowhere_are_refused_with_what_was_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    for (change, code, words) in [
+        ("material.grain.frction=0.3", 3, "did you mean `friction`?"),
+        ("materail.grain.friction=0.3", 2, "nearest names are: material"),
+        ("wall.material=shell", 2, "say which, such as wall.shell"),
+        ("duration", 2, "KEY=VALUE"),
+        ("material.grain.friction=-1", 3, "friction"),
+        ("duration=long", 3, "with --set duration=long"),
+    ] {
+        let (found, _, errors) = outcome(folder.path(), &["run", "drum", "--set", change]);
+        assert!(found == code && errors.contains(words), "{change}: {found}: {errors}");
+        assert!(!folder.path().join("results").exists(), "{change} has left something");
+    }
+    let (code, _, errors) = outcome(folder.path(), &["compare", "drum", "--record", "--set", "duration=1"]);
+    assert!(code == 2 && errors.contains("no folder to record into"), "{code}: {errors}");
+    let (code, _, errors) = outcome(folder.path(), &["run", "dram"]);
+    assert!(code == 3 && errors.contains("did you mean drum"), "{code}: {errors}");
+}
+
+#[test]
+fn a_sweep_runs_every_combination_and_goes_on_from_what_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let smoke = smoke().display().to_string();
+    let sweep = ["sweep", &smoke, "--over", "material.grain.friction=0.1,0.6", "--seeds", "2", "--set", "duration=0.1"];
+    let more = ["--set", "measure.from=0.05", "--output", "out", "--quiet"];
+    let arguments: Vec<&str> = sweep.into_iter().chain(more).collect();
+    let text = said(folder.path(), &arguments);
+    assert!(text.contains("material.grain.friction") && text.contains(" ± "), "{text}");
+    let points = std::fs::read_to_string(folder.path().join("out/points.csv")).unwrap();
+    assert_eq!(points.lines().count(), 3, "{points}");
+    let runs = std::fs::read_to_string(folder.path().join("out/runs.csv")).unwrap();
+    assert_eq!(runs.lines().count(), 5, "{runs}");
+    assert_eq!(said(folder.path(), &arguments), text, "the same from what is kept");
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("out/runs.csv")).unwrap(),
+        runs,
+        "wall times too: nothing ran"
+    );
+    let (code, _, errors) = outcome(folder.path(), &["sweep", &smoke, "--over", "material.grain.friction=0.1,-1"]);
+    assert!(code == 3 && errors.contains("friction=-1"), "{code}: {errors}");
+}
+
+#[test]
+fn shells_and_man_get_what_they_want() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish"] {
+        assert!(said(folder.path(), &["completions", shell]).contains("makadam"), "{shell}");
+    }
+    said(folder.path(), &["manual", "--output", "man"]);
+    assert!(folder.path().join("man/makadam-run.1").is_file());
+}

@@ -1,0 +1,103 @@
+//! Arguments of the commands by which the program is learnt, and of the study of parameters.
+
+use super::shared::{OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
+use super::values::{accuracy, observable};
+use crate::parameter_study::Range;
+use crate::templates::TEMPLATES;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use clap_complete::Shell;
+use makadam::scene::Accuracy;
+use std::path::PathBuf;
+
+/// Arguments of `makadam new`.
+#[derive(Debug, Args)]
+pub struct NewArguments {
+    /// What to begin with.
+    #[arg(value_parser = PossibleValuesParser::new(TEMPLATES.iter().map(|template| template.name)))]
+    pub kind: String,
+    /// File to write; KIND.toml, if absent. A file that is there stays.
+    pub file: Option<PathBuf>,
+}
+
+/// Arguments of `makadam scenes`.
+#[derive(Debug, Args)]
+pub struct SceneListArguments {
+    /// Print the list as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam check`.
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Accuracy in place of the scene's step and sweeps, as `makadam run` takes it.
+    #[arg(long, value_parser = accuracy)]
+    pub accuracy: Option<Accuracy>,
+    /// Print it as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam observables`.
+#[derive(Debug, Args)]
+pub struct ObservablesArguments {
+    /// Names of numbers or groups; all, if absent.
+    pub names: Vec<String>,
+    /// Print them as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArguments {
+    /// A page to read, in place of the JSON Schema.
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+/// Arguments of `makadam completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArguments {
+    /// The shell.
+    #[arg(value_enum)]
+    pub shell: Shell,
+}
+
+/// Arguments of `makadam manual`.
+#[derive(Debug, Args)]
+pub struct ManualArguments {
+    /// Folder to write a page of each command into; the page of the program goes to standard output, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+}
+
+/// Arguments of `makadam sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArguments {
+    /// The scene.
+    #[command(flatten)]
+    pub source: SourceArguments,
+    /// A key and its values, such as material.grain.friction=0.1,0.3,0.5; of several, every combination is run.
+    #[arg(long, value_name = "KEY=VALUES", required = true)]
+    pub over: Vec<Range>,
+    /// Number of seeds of each combination, counted from the scene's own.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: u64,
+    /// Numbers to print; those that the scene compares, or all that it measures, if absent. The tables hold all.
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = observable)]
+    pub observables: Vec<String>,
+    /// Make runs again that are kept.
+    #[arg(long)]
+    pub again: bool,
+    /// How many threads.
+    #[command(flatten)]
+    pub side_by_side: ThreadArguments,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputArguments,
+}

@@ -1,0 +1,226 @@
+//! The thread that measures and writes what a run leaves: frames, the table over time, the frames that are measured at the end.
+//!
+//! The run makes a frame, hands it over and steps on. One frame is under way at a time, so that memory holds one and no more; a run
+//! that has the next one ready before waits for it. What fails here is told when the run next comes by.
+
+use super::measured::{Mark, MeasuredFrames};
+use super::measuring::instant;
+use super::progress::Progress;
+use crate::commands::Failure;
+use crate::output::{FrameWriter, FramesWritten, TableWritten, TimeTable, WriteError};
+use crate::plan::Scene;
+use makadam::checkpoint::sync_folder;
+use makadam::snapshot::Snapshot;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, TryRecvError, channel, sync_channel};
+use std::thread::JoinHandle;
+
+/// What a run writes to, in its output folder.
+pub(super) struct Outputs {
+    pub folder: PathBuf,
+    pub frames: FrameWriter,
+    pub table: TimeTable,
+    pub measured: MeasuredFrames,
+}
+
+/// How far all that is written has come.
+#[derive(Clone)]
+pub(super) struct Marks {
+    frames: FramesWritten,
+    table: TableWritten,
+    measured: Mark,
+}
+
+impl Marks {
+    /// The run's account of itself with these marks.
+    pub fn put_into(self, progress: Progress) -> Progress {
+        Progress { frames: self.frames, table: self.table, measured: self.measured, ..progress }
+    }
+}
+
+impl Outputs {
+    /// Writes a frame and a row of the table: the given cells, then what is measured of the frame.
+    fn take(&mut self, scene: &Scene, FrameToWrite { frame, row: mut cells }: FrameToWrite) -> Result<(), Failure> {
+        self.frames.write(&frame)?;
+        let known = cells.len();
+        let measured = instant(scene, &frame).into_iter();
+        let unknown: Vec<_> =
+            measured.filter(|(name, _)| cells[..known].iter().all(|(cell, _)| cell != name)).collect();
+        cells.extend(unknown);
+        cells.retain(|(_, value)| value.is_finite());
+        for driven in &frame.driven_walls {
+            let name = &scene.wall[driven.wall as usize].name;
+            cells.push((format!("{name}_displacement"), driven.displacement));
+            cells.push((format!("{name}_rate"), driven.rate));
+        }
+        self.table.push(cells)?;
+        Ok(self.measured.push(scene, frame)?)
+    }
+
+    fn marks(&self) -> Marks {
+        let Outputs { frames, table, measured, .. } = self;
+        Marks { frames: frames.written(), table: table.written().clone(), measured: measured.mark() }
+    }
+
+    /// Writes frames, collections and table to the disk.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses.
+    pub fn sync(&mut self) -> Result<(), WriteError> {
+        self.frames.sync()?;
+        self.table.sync()?;
+        self.measured.sync()?;
+        sync_folder(&self.folder).map_err(|source| WriteError::new(&self.folder, source))
+    }
+}
+
+/// A frame on its way to the disk.
+pub(super) struct FrameToWrite {
+    pub frame: Snapshot,
+    /// First cells of its row; those that are not finite are left empty.
+    pub row: Vec<(String, f64)>,
+}
+
+enum Order {
+    Frame(Box<FrameToWrite>),
+    /// Answered once all frames before it are written, and on the disk if asked for.
+    Marks {
+        on_disk: bool,
+        answer: Sender<Marks>,
+    },
+}
+
+/// Marks that come once all frames before them are written.
+pub(super) struct MarksToCome(Receiver<Marks>);
+
+impl MarksToCome {
+    /// Waits for them; `None` where writing has failed, which the writer tells.
+    pub fn wait(self) -> Option<Marks> {
+        self.0.recv().ok()
+    }
+}
+
+/// The thread, as the run sees it.
+pub(super) struct Writer {
+    orders: Option<Sender<Order>>,
+    /// Takes one token: that of the frame that is under way.
+    under_way: Option<SyncSender<()>>,
+    thread: Option<JoinHandle<(Outputs, Result<(), Failure>)>>,
+    /// What the thread has given back.
+    ended: Option<Outputs>,
+}
+
+impl Writer {
+    /// Starts it.
+    pub fn start(scene: Scene, outputs: Outputs) -> Writer {
+        let (orders, taken) = channel();
+        let (under_way, done) = sync_channel(1);
+        let thread = std::thread::spawn(move || work(&scene, outputs, &taken, &done));
+        Writer { orders: Some(orders), under_way: Some(under_way), thread: Some(thread), ended: None }
+    }
+
+    /// Waits until the frame before is written; the next one may be made then.
+    ///
+    /// # Errors
+    /// What failed since the run last came by.
+    pub fn wait_for_room(&mut self) -> Result<(), Failure> {
+        match self.under_way.as_ref().is_some_and(|under_way| under_way.send(()).is_ok()) {
+            true => Ok(()),
+            false => Err(self.failure()),
+        }
+    }
+
+    /// Hands a frame over, after [`Writer::wait_for_room`].
+    ///
+    /// # Errors
+    /// What failed since the run last came by.
+    pub fn write(&mut self, frame: FrameToWrite) -> Result<(), Failure> {
+        self.order(Order::Frame(Box::new(frame)))
+    }
+
+    /// Asks how far all has come once the frames so far are written, and does not wait for it.
+    ///
+    /// # Errors
+    /// What failed since the run last came by.
+    pub fn ask_for_marks(&mut self) -> Result<MarksToCome, Failure> {
+        let (answer, marks) = channel();
+        self.order(Order::Marks { on_disk: false, answer })?;
+        Ok(MarksToCome(marks))
+    }
+
+    /// Waits until all is written and on the disk.
+    ///
+    /// # Errors
+    /// What failed.
+    pub fn sync(&mut self) -> Result<Marks, Failure> {
+        let (answer, marks) = channel();
+        self.order(Order::Marks { on_disk: true, answer })?;
+        MarksToCome(marks).wait().ok_or_else(|| self.failure())
+    }
+
+    /// Ends it: what it wrote to, and what failed since the run last came by.
+    pub fn end(mut self) -> (Outputs, Result<(), Failure>) {
+        let ended = self.join();
+        (self.ended.take().expect("it has been joined"), ended)
+    }
+
+    fn order(&mut self, order: Order) -> Result<(), Failure> {
+        match self.orders.as_ref().is_some_and(|orders| orders.send(order).is_ok()) {
+            true => Ok(()),
+            false => Err(self.failure()),
+        }
+    }
+
+    /// Why it no longer takes orders.
+    fn failure(&mut self) -> Failure {
+        let unnamed = || Failure::Running("what the run leaves is no longer written".into());
+        self.join().err().unwrap_or_else(unnamed)
+    }
+
+    fn join(&mut self) -> Result<(), Failure> {
+        (self.orders, self.under_way) = (None, None);
+        let Some(thread) = self.thread.take() else { return Ok(()) };
+        let (outputs, ended) = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        self.ended = Some(outputs);
+        ended
+    }
+}
+
+/// What the thread does until there are no more orders, or one fails.
+fn work(
+    scene: &Scene,
+    mut outputs: Outputs,
+    orders: &Receiver<Order>,
+    under_way: &Receiver<()>,
+) -> (Outputs, Result<(), Failure>) {
+    loop {
+        // While nothing else is to be done, frames go to the disk, where a checkpoint and the end would have to wait for them.
+        let order = match orders.try_recv() {
+            Ok(order) => order,
+            Err(TryRecvError::Disconnected) => return (outputs, Ok(())),
+            Err(TryRecvError::Empty) => match outputs.frames.sync_next() {
+                Ok(true) => continue,
+                Ok(false) => match orders.recv() {
+                    Ok(order) => order,
+                    Err(_) => return (outputs, Ok(())),
+                },
+                Err(error) => return (outputs, Err(error.into())),
+            },
+        };
+        let done = match order {
+            Order::Frame(frame) => outputs.take(scene, *frame).inspect(|()| {
+                let _ = under_way.try_recv();
+            }),
+            Order::Marks { on_disk, answer } => {
+                let synced = if on_disk { outputs.sync() } else { Ok(()) };
+                synced.map_err(Failure::from).inspect(|()| {
+                    // Who no longer wants them has stopped.
+                    let _ = answer.send(outputs.marks());
+                })
+            }
+        };
+        if done.is_err() {
+            return (outputs, done);
+        }
+    }
+}

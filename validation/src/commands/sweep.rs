@@ -1,0 +1,58 @@
+//! `makadam sweep`: a scene over values of some of its keys.
+
+use super::arguments::SweepArguments;
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, refuse_time_budget};
+use crate::observables::catalogue::group_of;
+use crate::output::write_whole;
+use crate::parameter_study::{Plan, Study};
+use crate::provenance::account;
+use std::process::ExitCode;
+
+/// Runs what is not kept yet, then writes and prints the table.
+pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let (file, scene) = arguments.source.load()?;
+    refuse_time_budget(&scene)?;
+    if scene.measure.observables.is_empty() {
+        return Err(Failure::Usage(format!(
+            "{} measures nothing, so there is nothing to put into a table; name observables under [measure], or with \
+             --set 'measure.observables=[\"packing-fraction\"]'",
+            scene.name
+        )));
+    }
+    let measured = |name: &&String| group_of(name).is_some_and(|(group, _)| scene.measure.observables.contains(&group));
+    if let Some(name) = arguments.observables.iter().find(|name| !measured(name)) {
+        return Err(Failure::Usage(format!(
+            "{} does not measure '{name}'; name its group under measure.observables (`makadam observables` lists them)",
+            scene.name
+        )));
+    }
+    arguments.side_by_side.apply()?;
+    let folder = arguments.output.folder_of("sweep", &scene);
+    let seeds: Vec<u64> = (scene.seed..scene.seed.saturating_add(arguments.seeds)).collect();
+    let announce = announce(console);
+    let plan = Plan {
+        file: &file,
+        ranges: &arguments.over,
+        seeds: &seeds,
+        folder: &folder,
+        again: arguments.again,
+        announce: &announce,
+    };
+    let study = Study::make(&plan, &scene, account(1, &[&scene]))?;
+    write_whole(&folder.join("points.csv"), &study.points_csv())?;
+    write_whole(&folder.join("runs.csv"), &study.runs_csv())?;
+    write_whole(&folder.join("sweep.json"), json(&study).as_bytes())?;
+    let compared = || scene.compare.iter().map(|expectation| expectation.observable.clone()).collect();
+    let shown = if arguments.observables.is_empty() { compared() } else { arguments.observables.clone() };
+    console.result(&match arguments.output.json {
+        true => json(&study),
+        false => {
+            format!("{}\nmeans and standard deviations over seeds; tables: {}", study.text(&shown), folder.display())
+        }
+    })?;
+    if study.points.iter().any(|point| point.observables.is_empty()) {
+        console.warn("some combinations have no value of any observable: see runs.csv");
+        return Ok(ExitCode::from(OUTSIDE_TOLERANCE));
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,212 @@
+//! What will run, told before it does: grains, scales, settings with the reason for each, memory and time.
+//!
+//! ```text
+//! scene ─> grains placed ─> scales (bed, walls, contacts) ─┐
+//!      └─> settings, each with why ────────────────────────┴─> forecast ─> words, JSON
+//! ```
+
+mod scales;
+mod words;
+
+use crate::effects::{Called, called};
+use crate::plan::Scene;
+use crate::stepping::steps_in;
+use makadam::scene::{Finding, NormalLaw, Stop, line_of, populate};
+use scales::Bed;
+use serde::Serialize;
+
+/// Wall time of a step per grain on one core, s: of all that is done once, and of each sweep. Measured on an AMD EPYC with AVX-512, for
+/// beds that fit into its cache and for larger ones.
+const IN_CACHE: [f64; 2] = [1.0e-7, 1.1e-8];
+const BEYOND_CACHE: [f64; 2] = [1.3e-7, 2.0e-8];
+/// Grains from which on a bed does not fit into the cache.
+const LARGE: usize = 10_000;
+/// Sweeps that a solve takes where a residual stops it: what drum and packing take at a tolerance of some percent.
+const TYPICAL_SWEEPS: f64 = 30.0;
+
+/// What will run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Forecast {
+    /// Name of the scene.
+    pub scene: String,
+    /// Its description.
+    pub description: String,
+    /// Number of grains.
+    pub grains: usize,
+    /// Smallest, mean and largest radius, m; absent without grains.
+    pub radii: Option<[f64; 3]>,
+    /// Mass of all grains, kg.
+    pub mass: f64,
+    /// Names of the walls that move, with how.
+    pub moving_walls: Vec<String>,
+    /// Number of walls.
+    pub walls: usize,
+    /// Names of the active physical effects.
+    pub effects: Vec<&'static str>,
+    /// Simulated time, s.
+    pub seconds: f64,
+    /// Steps.
+    pub steps: u64,
+    /// Frames.
+    pub frames: u64,
+    /// Settings with the reason for each.
+    pub settings: Vec<Setting>,
+    /// Numbers that characterise the flow and the contacts; those that do not exist are left out.
+    pub scales: Vec<Scale>,
+    /// Memory, bytes.
+    pub bytes: u64,
+    /// Wall time on one core, s: a rule, good to a factor of two or so.
+    pub wall_seconds: f64,
+    /// What the settings are not expected to bear.
+    pub findings: Vec<Finding>,
+}
+
+/// A setting and why it is so.
+#[derive(Clone, Debug, Serialize)]
+pub struct Setting {
+    /// The key.
+    pub key: &'static str,
+    /// Its value, in words.
+    pub value: String,
+    /// Who says so.
+    pub why: String,
+}
+
+/// A number that characterises the flow or the contacts.
+#[derive(Clone, Debug, Serialize)]
+pub struct Scale {
+    /// Its name.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Its unit; empty where it has none.
+    pub unit: &'static str,
+    /// How it is computed.
+    pub formula: String,
+}
+
+impl Forecast {
+    /// What will run of a scene whose file says `text`.
+    ///
+    /// # Errors
+    /// [`makadam::scene::SceneError`] if its grains cannot be placed.
+    pub fn of(scene: &Scene, text: &str) -> Result<Forecast, makadam::scene::SceneError> {
+        let grains = populate(scene, scene.seed)?;
+        let bed = Bed::of(scene, &grains);
+        let steps = steps_in(scene.duration, scene.solver.step);
+        let moving =
+            scene.wall.iter().filter_map(|wall| Some(format!("{} {}", wall.name, scales::motion(&wall.motion)?)));
+        let active = called(scene, text).into_iter().filter(|called: &Called| called.on);
+        let radii = || grains.iter().map(|grain| grain.radius);
+        let mean = radii().sum::<f64>() / grains.len().max(1) as f64;
+        let range = [radii().fold(f64::INFINITY, f64::min), mean, radii().fold(0.0, f64::max)];
+        Ok(Forecast {
+            scene: scene.name.clone(),
+            description: scene.description.clone(),
+            grains: grains.len(),
+            radii: (!grains.is_empty()).then_some(range),
+            mass: bed.mass,
+            moving_walls: moving.collect(),
+            walls: scene.wall.len(),
+            effects: active.map(|called| called.effect).collect(),
+            seconds: scene.duration,
+            steps,
+            frames: 1 + (scene.duration / scene.measure.interval).ceil() as u64,
+            settings: settings(scene, text),
+            scales: bed.scales(scene, &grains),
+            bytes: scene.memory(),
+            wall_seconds: wall_seconds(scene, grains.len(), steps),
+            findings: scene.findings(Some(text)),
+        })
+    }
+}
+
+fn wall_seconds(scene: &Scene, grains: usize, steps: u64) -> f64 {
+    let [once, sweep] = if grains < LARGE { IN_CACHE } else { BEYOND_CACHE };
+    let sweeps = match scene.solver.stop {
+        Stop::Sweeps { sweeps } => f64::from(sweeps),
+        Stop::Residual { max_sweeps, .. } => f64::from(max_sweeps).min(TYPICAL_SWEEPS),
+        Stop::TimeBudget { seconds, .. } => return steps as f64 * (seconds + once * grains as f64),
+    };
+    let prepared = scene.prepare.as_ref().map_or(0, |prepare| steps_in(prepare.duration, prepare.step));
+    (steps + prepared) as f64 * grains as f64 * (once + sweep * sweeps)
+}
+
+/// The settings that decide on accuracy and cost, with the reason for each.
+fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
+    let solver = &scene.solver;
+    let why = |path: &[&str]| {
+        let said = line_of(text, path).filter(|line| {
+            let last = path.last().expect("a path has an end");
+            text.lines().nth(line - 1).is_some_and(|line| line.contains(last))
+        });
+        match said {
+            Some(line) => format!("line {line}"),
+            None => "default".into(),
+        }
+    };
+    let by_accuracy = |path: &[&str]| match scene.accuracy {
+        Some(_) => "follows from accuracy".into(),
+        None => why(path),
+    };
+    let stop = match solver.stop {
+        Stop::Sweeps { sweeps } => format!("{sweeps} sweeps"),
+        Stop::Residual { tolerance, max_sweeps } => {
+            format!("residual below {tolerance:.1e} g h, at most {max_sweeps} sweeps")
+        }
+        Stop::TimeBudget { seconds, max_sweeps } => {
+            format!("{seconds} s of wall time, at most {max_sweeps} sweeps: not reproducible")
+        }
+    };
+    let law = match solver.normal_law {
+        NormalLaw::Rigid => "rigid".into(),
+        NormalLaw::Linear { stiffness } => format!("linear, {stiffness:e} N/m"),
+        NormalLaw::Hertz => "Hertz".to_string(),
+    };
+    let setting = |key, value: String, why: String| Setting { key, value, why };
+    vec![
+        setting("solver.step", format!("{:e} s", solver.step), by_accuracy(&["solver", "step"])),
+        setting("solver.stop", stop, by_accuracy(&["solver", "stop"])),
+        setting("solver.method", solver.method.name().into(), why(&["solver", "method"])),
+        setting("solver.normal_law", law, why(&["solver", "normal_law"])),
+        setting("measure.interval", format!("{} s", scene.measure.interval), why(&["measure", "interval"])),
+        match scene.measure.from {
+            Some(from) => setting("measure.from", format!("{from} s"), why(&["measure", "from"])),
+            None => setting("measure.from", "the last frame alone is measured".into(), "default".into()),
+        },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn forecast(name: &str) -> Forecast {
+        let text = crate::scenes::text(&crate::scenes::find(name, &[]).unwrap()).unwrap();
+        Forecast::of(&Scene::parse(&text).unwrap(), &text).unwrap()
+    }
+
+    #[test]
+    fn a_drum_is_told_with_its_scales() {
+        let forecast = forecast("drum");
+        let scale = |name: &str| forecast.scales.iter().find(|scale| scale.name == name).unwrap().value;
+        assert_eq!((forecast.grains, forecast.steps, forecast.walls), (1600, 16_000, 3));
+        approx::assert_relative_eq!(scale("Froude number"), 0.1 / 9.81, max_relative = 1e-12);
+        // pi r sqrt(rho/G)/(0.1631 nu + 0.8766), of grains of 4.75 mm and G of 3.85 MPa.
+        assert!((scale("Rayleigh step") - 4.1e-4).abs() < 0.2e-4, "{}", scale("Rayleigh step"));
+        assert!((1e-3..5e-2).contains(&scale("expected overlap")), "{}", scale("expected overlap"));
+        assert!((0.5..60.0).contains(&forecast.wall_seconds));
+        assert_eq!(forecast.settings[0].why, "default");
+        assert!(forecast.moving_walls[0].contains("shell") && forecast.effects.contains(&"friction"));
+    }
+
+    #[test]
+    fn every_setting_has_its_reason() {
+        let text = crate::templates::template("box").unwrap().text;
+        let forecast = Forecast::of(&Scene::parse(text).unwrap(), text).unwrap();
+        assert_eq!(forecast.settings[0].why, "follows from accuracy");
+        assert!(forecast.settings[4].why.starts_with("line "), "{:?}", forecast.settings[4]);
+        assert!(forecast.scales.iter().all(|scale| scale.name != "Froude number"), "nothing turns");
+        assert!(forecast.text().contains("follows from accuracy"));
+    }
+}

@@ -1,0 +1,238 @@
+//! What each measured number is: its symbol, its unit, how it is computed, and where the definition comes from.
+
+use crate::plan::Observable;
+use serde::Serialize;
+
+/// A number that can be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Definition {
+    /// Its name, as `[[compare]]`, tables and documents spell it.
+    pub name: &'static str,
+    /// Its symbol in formulas.
+    pub symbol: &'static str,
+    /// Its unit; empty where it has none.
+    pub unit: &'static str,
+    /// How it is computed.
+    pub formula: &'static str,
+    /// Where the definition comes from; empty where it is this program's own or follows from its words.
+    pub source: &'static str,
+}
+
+const fn define(
+    name: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    formula: &'static str,
+    source: &'static str,
+) -> Definition {
+    Definition { name, symbol, unit, formula, source }
+}
+
+/// A group of numbers: what measures them, its name in `measure.observables`, and the numbers.
+pub(super) type Group = (Observable, &'static str, &'static [Definition]);
+
+/// All groups.
+pub(super) const GROUPS: [Group; 10] = [
+    (Observable::DynamicAngleOfRepose, "dynamic-angle-of-repose", &DYNAMIC_ANGLE),
+    (Observable::StaticAngleOfRepose, "static-angle-of-repose", &STATIC_ANGLE),
+    (Observable::PackingFraction, "packing-fraction", &PACKING_FRACTION),
+    (Observable::CoordinationNumber, "coordination-number", &COORDINATION),
+    (Observable::ContactForces, "contact-forces", &CONTACT_FORCES),
+    (Observable::Balances, "balances", &BALANCES),
+    (Observable::DrumFlow, "drum-flow", &DRUM_FLOW),
+    (Observable::SizeMixing, "size-mixing", &SIZE_MIXING),
+    (Observable::DrivenWall, "driven-wall", &DRIVEN_WALL),
+    (Observable::Discharge, "discharge", &DISCHARGE),
+];
+
+const DYNAMIC_ANGLE: [Definition; 2] = [
+    define(
+        "dynamic_angle_of_repose",
+        "θ",
+        "degree",
+        "inclination of the line through the two points at which the outline of the bed (half of the largest time-averaged solid \
+         fraction) crosses a circle of a fifth of the drum's diameter about the middle of the surface; positive in the sense of rotation",
+        "",
+    ),
+    define(
+        "surface_line_angle",
+        "θ_l",
+        "degree",
+        "inclination of the total-least-squares line through the middle half of the surface of the bed",
+        "",
+    ),
+];
+
+const STATIC_ANGLE: [Definition; 2] = [
+    define(
+        "static_angle_of_repose",
+        "α",
+        "degree",
+        "inclination of the total-least-squares line through the outline of the heap, averaged over azimuth, between 20% and 80% of its \
+         height; standard error over six sectors",
+        "",
+    ),
+    define("heap_height", "H", "m", "height of the outline of the heap above its foot", ""),
+];
+
+const PACKING_FRACTION: [Definition; 1] = [define(
+    "packing_fraction",
+    "φ",
+    "",
+    "volume of the grains inside the bulk region over the volume of the region, spheres cut exactly by its border",
+    "",
+)];
+
+const SILBERT: &str = "Silbert, Soft Matter 6, 2918 (2010); Shundyak et al., Phys. Rev. E 75, 010301 (2007)";
+
+const COORDINATION: [Definition; 5] = [
+    define(
+        "coordination_number",
+        "Z",
+        "",
+        "neighbours per grain of the bulk whose gap is below 1% of the mean diameter",
+        "",
+    ),
+    define(
+        "coordination_number_without_rattlers",
+        "Z_nr",
+        "",
+        "the same among grains that are left when rattlers (fewer than 2 supports with friction, 4 without) are removed repeatedly",
+        SILBERT,
+    ),
+    define("rattler_share", "χ_r", "", "share of the grains of the bulk that are rattlers", SILBERT),
+    define(
+        "mechanical_coordination_number",
+        "Z_m",
+        "",
+        "contacts with f_n > 0 per grain of the bulk, with grains and walls",
+        "",
+    ),
+    define("bulk_grains", "N_b", "", "grains in the bulk: two mean diameters from walls and free surface", ""),
+];
+
+const CONTACT_FORCES: [Definition; 8] = [
+    define("share_below_mean", "s", "", "share of contacts between grains of the bulk with f_n < ⟨f_n⟩", ""),
+    define("gini", "G", "", "Gini coefficient of f_n: Σ_ij |f_i − f_j| / (2 N² ⟨f⟩); 0 where all are equal", ""),
+    define("force_second_moment", "M_2", "", "⟨f_n²⟩ / ⟨f_n⟩²", ""),
+    define(
+        "weak_load_share",
+        "w",
+        "",
+        "Σ f_n over contacts below the mean, over Σ f_n of all: the load on the weak network",
+        "Radjai et al., Phys. Rev. Lett. 77, 274 (1996)",
+    ),
+    define("friction_mobilisation", "I_m", "", "⟨f_t / (μ f_n)⟩", ""),
+    define("sliding_share", "χ_s", "", "share of contacts with f_t ≥ 0.99 μ f_n", ""),
+    define(
+        "fabric_anisotropy",
+        "a_c",
+        "",
+        "√(3/2 a:a) with a = 15/2 (⟨n nᵀ⟩ − 1/3) over contact normals n",
+        "Guo & Zhao, J. Mech. Phys. Solids 61, 1 (2013)",
+    ),
+    define("mean_normal_force", "⟨f_n⟩", "N", "mean normal force of contacts between grains of the bulk", ""),
+];
+
+const BALANCES: [Definition; 5] = [
+    define(
+        "wall_force_over_weight",
+        "F_w/W",
+        "",
+        "force of the grains on all walls along gravity over the weight of the grains; 1 in balance",
+        "",
+    ),
+    define("largest_overlap", "δ_max", "radius", "largest overlap of two grains over the smaller radius", ""),
+    define("mean_overlap", "⟨δ⟩", "radius", "mean overlap of pairs that overlap, over the smaller radius", ""),
+    define(
+        "coulomb_excess",
+        "ε_C",
+        "",
+        "largest f_t / (μ f_n) − 1 over contacts with friction; at most 0 where Coulomb's law holds",
+        "",
+    ),
+    define("kinetic_energy", "E_k", "J", "Σ ½ m v² + ½ (2/5 m r²) ω²", ""),
+];
+
+const DRUM_FLOW: [Definition; 5] = [
+    define(
+        "shell_layer_speed_ratio",
+        "ω_s/Ω",
+        "",
+        "angular speed of the grains at the shell over the drum's; 1 where they turn with it",
+        "",
+    ),
+    define(
+        "wall_torque",
+        "T",
+        "N m",
+        "torque of the turning walls on the grains about the axis, positive in the sense of rotation",
+        "",
+    ),
+    define(
+        "flowing_layer_thickness",
+        "h_f",
+        "diameter",
+        "depth below the middle of the surface at which the velocity along the surface changes sign",
+        "",
+    ),
+    define("surface_speed", "v_s", "m/s", "velocity down the slope in the uppermost half diameter there", ""),
+    define(
+        "lacey_mixing_index",
+        "M",
+        "",
+        "(s₀² − s²)/(s₀² − s_r²) of grains marked by the side of the drum on which they were at the first measured frame",
+        "Lacey, J. Appl. Chem. 4, 257 (1954)",
+    ),
+];
+
+const SIZE_MIXING: [Definition; 4] = [
+    define(
+        "size_mixing_index",
+        "M_d",
+        "",
+        "Lacey's index of the small grains in cells of three mean diameters: 0 apart, 1 mixed at random",
+        "Lacey, J. Appl. Chem. 4, 257 (1954)",
+    ),
+    define(
+        "small_over_large_distance",
+        "R_d",
+        "",
+        "root mean square distance of small grains from the middle of the bed over that of large ones; below 1 where they form a core",
+        "",
+    ),
+    define(
+        "population_mixing_index",
+        "M_p",
+        "",
+        "Lacey's index of the first population",
+        "Lacey, J. Appl. Chem. 4, 257 (1954)",
+    ),
+    define(
+        "first_over_other_distance",
+        "R_p",
+        "",
+        "root mean square distance of the first population from the middle of the bed over that of the others",
+        "",
+    ),
+];
+
+const DRIVEN_WALL: [Definition; 1] = [define(
+    "driven_wall_displacement",
+    "x_w",
+    "m or rad",
+    "how far a force or a torque has moved the first driven wall, along or about its axis",
+    "",
+)];
+
+const DISCHARGE: [Definition; 2] = [
+    define(
+        "mass_flow_rate",
+        "W",
+        "kg/s",
+        "(m(t_n) − m(t_1)) / (t_n − t_1) of the mass m beyond the first disc with a hole, over the measured frames; standard error over \
+         blocks of time",
+        "",
+    ),
+    define("discharged_mass", "m", "kg", "mass beyond the first disc with a hole at the last measured frame", ""),
+];

@@ -1,0 +1,300 @@
+//! What is varied, the runs, and their means.
+
+use crate::compare::Announce;
+use crate::observables::{Measurement, measure};
+use crate::output::{WriteError, file_stem};
+use crate::peers::{Code, CodeError, Job, Makadam};
+use crate::plan::Scene;
+use crate::provenance::scene_hash;
+use crate::scenes::{self, Change, ChangeError, SceneError};
+use crate::statistics::Ensemble;
+use crate::study::{Key, RunCache};
+use makadam::BUILD;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::str::FromStr;
+use std::time::Duration;
+use toml_edit::Value;
+
+/// Most combinations of one study.
+const MOST_POINTS: usize = 10_000;
+
+/// A key and the values that it takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Range {
+    /// The key, such as `material.grain.friction`.
+    pub key: String,
+    /// Its values, in the notation of TOML.
+    pub values: Vec<String>,
+}
+
+impl FromStr for Range {
+    type Err = String;
+
+    /// Reads `KEY=a,b,c`; values may be lists or tables of their own.
+    fn from_str(text: &str) -> Result<Range, String> {
+        let form = "give KEY=a,b,c, such as material.grain.friction=0.1,0.3,0.5";
+        let (key, values) = text.split_once('=').ok_or(form)?;
+        let (key, values) = (key.trim(), values.trim());
+        if key.is_empty() || values.is_empty() {
+            return Err(form.into());
+        }
+        let values: Vec<String> = match format!("[{values}]").parse::<Value>() {
+            Ok(Value::Array(list)) => list.iter().map(|value| value.to_string().trim().to_string()).collect(),
+            // Words without quotes.
+            _ => values.split(',').map(|value| value.trim().to_string()).collect(),
+        };
+        if let Some(place) = (1..values.len()).find(|&place| values[..place].contains(&values[place])) {
+            return Err(format!("{key}: {} is given twice", values[place]));
+        }
+        Ok(Range { key: key.into(), values })
+    }
+}
+
+/// Why a study was not made.
+#[derive(Debug, thiserror::Error)]
+pub enum ParameterError {
+    /// A key leads nowhere.
+    #[error("--over {0}")]
+    Change(#[from] ChangeError),
+    /// A scene with these values is refused.
+    #[error("{values}: {error}")]
+    Scene {
+        /// The values.
+        values: String,
+        /// Why.
+        error: SceneError,
+    },
+    /// There are too many combinations.
+    #[error("{0} combinations are too many; the most are {MOST_POINTS}")]
+    TooMany(usize),
+    /// A run failed.
+    #[error("{values}, seed {seed}: {error}")]
+    Run {
+        /// The values.
+        values: String,
+        /// The seed.
+        seed: u64,
+        /// Why.
+        error: CodeError,
+    },
+    /// A run cannot be kept.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// What is to be run.
+pub struct Plan<'a> {
+    /// The scene's file; what it says is read once.
+    pub file: &'a Path,
+    /// Keys with their values; every combination is run.
+    pub ranges: &'a [Range],
+    /// Seeds of each combination.
+    pub seeds: &'a [u64],
+    /// Folder that finished runs are kept in.
+    pub folder: &'a Path,
+    /// Whether runs that are kept are made again.
+    pub again: bool,
+    /// Opens progress displays.
+    pub announce: Announce<'a>,
+}
+
+/// One run, measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// Seed of the initial positions.
+    pub seed: u64,
+    /// Wall time of the stepping, s.
+    pub wall_seconds: f64,
+    /// What was measured.
+    pub measurements: Vec<Measurement>,
+}
+
+/// A combination of values, over its seeds.
+#[derive(Clone, Debug, Serialize)]
+pub struct Point {
+    /// Values, in the order of the keys.
+    pub values: Vec<String>,
+    /// Mean and standard deviation over seeds, by observable; what some seeds have no value of is over the others.
+    pub observables: BTreeMap<String, Ensemble>,
+    /// The runs.
+    pub runs: Vec<Run>,
+}
+
+/// All combinations.
+#[derive(Clone, Debug, Serialize)]
+pub struct Study {
+    /// Version of this document.
+    pub version: u32,
+    /// Always "sweep".
+    pub command: &'static str,
+    /// Name of the scene.
+    pub scene: String,
+    /// The keys.
+    pub keys: Vec<String>,
+    /// Units, by observable.
+    pub units: BTreeMap<String, String>,
+    /// One a combination.
+    pub points: Vec<Point>,
+    /// Where the numbers came from, by name.
+    pub provenance: BTreeMap<String, String>,
+}
+
+/// A scene with its values, ready to run.
+struct Prepared {
+    values: Vec<String>,
+    label: String,
+    scene: Scene,
+}
+
+impl Study {
+    /// Runs what is not kept yet, as many runs at a time as the thread pool has threads.
+    ///
+    /// # Errors
+    /// [`ParameterError`]: before anything runs if a combination is refused; afterwards what ran is kept.
+    pub fn make(plan: &Plan<'_>, scene: &Scene, provenance: BTreeMap<String, String>) -> Result<Study, ParameterError> {
+        let points = prepare(plan)?;
+        let cache = RunCache::open(&plan.folder.join("runs"))?;
+        let jobs: Vec<(&Prepared, u64)> =
+            points.iter().flat_map(|point| plan.seeds.iter().map(move |&seed| (point, seed))).collect();
+        let runs: Result<Vec<Run>, ParameterError> =
+            jobs.par_iter().map(|(point, seed)| run(plan, &cache, point, *seed)).collect();
+        let runs = runs?;
+        let mut units = BTreeMap::new();
+        for measurement in runs.iter().flat_map(|run| &run.measurements) {
+            units.insert(measurement.observable.clone(), measurement.unit.clone());
+        }
+        let mut runs = runs.into_iter();
+        let points = points.into_iter().map(|point| {
+            let own: Vec<Run> = runs.by_ref().take(plan.seeds.len()).collect();
+            Point { values: point.values, observables: means(&own), runs: own }
+        });
+        Ok(Study {
+            version: 1,
+            command: "sweep",
+            scene: scene.name.clone(),
+            keys: plan.ranges.iter().map(|range| range.key.clone()).collect(),
+            units,
+            points: points.collect(),
+            provenance,
+        })
+    }
+}
+
+/// Every combination, read and checked.
+fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
+    let number: usize = plan.ranges.iter().map(|range| range.values.len()).product();
+    if number > MOST_POINTS {
+        return Err(ParameterError::TooMany(number));
+    }
+    let refused = |values: &str, error| ParameterError::Scene { values: values.into(), error };
+    let text = scenes::text(plan.file).map_err(|error| refused("the scene", error))?;
+    let mut points = Vec::with_capacity(number);
+    for mut place in 0..number {
+        // The last key varies fastest.
+        let mut values = vec![String::new(); plan.ranges.len()];
+        for (range, value) in plan.ranges.iter().zip(&mut values).rev() {
+            *value = range.values[place % range.values.len()].clone();
+            place /= range.values.len();
+        }
+        let pairs = plan.ranges.iter().zip(&values);
+        let changes: Vec<Change> =
+            pairs.map(|(range, value)| Change::new(&scenes::key_of(&range.key), value)).collect();
+        let label = changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+        let changed = scenes::changed(&text, &changes)?;
+        let scene = scenes::parse(&changed, plan.file).map_err(|error| refused(&label, error))?;
+        points.push(Prepared { values, label, scene });
+    }
+    Ok(points)
+}
+
+fn run(plan: &Plan<'_>, cache: &RunCache, point: &Prepared, seed: u64) -> Result<Run, ParameterError> {
+    let hash = format!("{:016x}", scene_hash(&point.scene));
+    let key = Key::new(format!("{}-s{seed}", file_stem(&point.scene.name)), &[&hash, &seed.to_string(), BUILD]).apart();
+    cache.take(&key, plan.again, || {
+        if crate::interrupt::requested() {
+            return Err(ParameterError::Interrupted);
+        }
+        let progress = (plan.announce)(&format!("{}, seed {seed}", point.label));
+        let recorded = Makadam.simulate(&Job {
+            scene: &point.scene,
+            scene_file: plan.file,
+            seed,
+            stiffness_factor: 1.0,
+            rayleigh_fraction: 1.0,
+            work_folder: plan.folder,
+            time_limit: Duration::MAX,
+            progress: &*progress,
+        });
+        let recording = recorded.map_err(|error| match error {
+            CodeError::Interrupted { .. } => ParameterError::Interrupted,
+            error => ParameterError::Run { values: point.label.clone(), seed, error },
+        })?;
+        Ok(Run { seed, wall_seconds: recording.wall_seconds, measurements: measure(&point.scene, &recording) })
+    })
+}
+
+/// Mean and spread over runs, by observable.
+fn means(runs: &[Run]) -> BTreeMap<String, Ensemble> {
+    let mut values: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for measurement in runs.iter().flat_map(|run| &run.measurements).filter(|one| one.value.is_finite()) {
+        values.entry(&measurement.observable).or_default().push(measurement.value);
+    }
+    let named = values.into_iter().filter_map(|(name, values)| Some((name.to_string(), Ensemble::of(&values)?)));
+    named.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn smoke() -> std::path::PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml")
+    }
+
+    fn study(ranges: &[&str], seeds: &[u64], folder: &Path) -> Result<Study, ParameterError> {
+        let ranges: Vec<Range> = ranges.iter().map(|range| range.parse().unwrap()).collect();
+        let announce = |_: &str| -> crate::compare::Share { Box::new(|_| {}) };
+        let file = smoke();
+        let scene = scenes::load(&file).unwrap();
+        let plan = Plan { file: &file, ranges: &ranges, seeds, folder, again: false, announce: &announce };
+        Study::make(&plan, &scene, BTreeMap::new())
+    }
+
+    #[test]
+    fn values_are_split_as_toml_does_and_words_as_they_stand() {
+        let values = |text: &str| text.parse::<Range>().unwrap().values;
+        assert_eq!(values("friction=0.1, 0.3"), ["0.1", "0.3"]);
+        assert_eq!(values("gravity=[0,0,-9.81],[0,0,-1.62]").len(), 2);
+        assert_eq!(values("wall.box.material=glass,steel"), ["glass", "steel"]);
+        for wrong in ["friction", "=1,2", "friction=", "friction=1,1"] {
+            assert!(wrong.parse::<Range>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn every_combination_is_run_over_its_seeds_and_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let ranges = ["duration=0.02,0.03", "solver.step=1e-3,5e-4"];
+        let study = study(&ranges, &[1, 2], folder.path()).unwrap();
+        let values: Vec<String> = study.points.iter().map(|point| point.values.join(" ")).collect();
+        assert_eq!(values, ["0.02 1e-3", "0.02 5e-4", "0.03 1e-3", "0.03 5e-4"]);
+        assert!(study.points.iter().all(|point| point.runs.iter().map(|run| run.seed).eq([1, 2])));
+        assert_eq!(std::fs::read_dir(folder.path().join("runs")).unwrap().count(), 8);
+        let csv = String::from_utf8(study.points_csv()).unwrap();
+        assert!(csv.starts_with("duration,solver.step,seeds,") && csv.lines().count() == 5, "{csv}");
+    }
+
+    #[test]
+    fn a_combination_that_is_no_scene_is_refused_before_anything_runs() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = study(&["duration=0.02,-1"], &[1], folder.path()).unwrap_err().to_string();
+        assert!(error.contains("duration=-1"), "{error}");
+        assert!(!folder.path().join("runs").exists());
+    }
+}

@@ -1,0 +1,259 @@
+//! Values in place of those that a scene's text says: `--set material.grain.friction=0.3`.
+//!
+//! The text is changed where the value stands, so that every other line keeps its number, and read as if it had been written so.
+
+use crate::plan::Scene;
+use makadam::scene::nearest;
+use std::fmt;
+use std::str::FromStr;
+use toml_edit::{DocumentMut, Item, Key, Table, Value};
+
+/// A value for one key.
+#[derive(Clone, Debug)]
+pub struct Change {
+    key: Vec<String>,
+    value: Value,
+    /// As it was written.
+    written: String,
+}
+
+/// Why a change cannot be made.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{change}: {problem}")]
+pub struct ChangeError {
+    /// The change, as it was written.
+    pub change: String,
+    /// What is wrong, and what would be right.
+    pub problem: String,
+}
+
+impl FromStr for Change {
+    type Err = ChangeError;
+
+    /// Reads `KEY=VALUE`. A value that is no TOML is a text.
+    fn from_str(written: &str) -> Result<Change, ChangeError> {
+        let refuse = |problem: &str| ChangeError { change: written.into(), problem: problem.into() };
+        let form = "give KEY=VALUE, such as material.grain.friction=0.3";
+        let (key, value) = written.split_once('=').ok_or_else(|| refuse(form))?;
+        let key = key_of(key.trim());
+        if key.iter().any(String::is_empty) || value.trim().is_empty() {
+            return Err(refuse(form));
+        }
+        let value = value.trim().parse::<Value>().unwrap_or_else(|_| Value::from(value.trim()));
+        Ok(Change { key, value, written: written.into() })
+    }
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.written)
+    }
+}
+
+/// The steps of a dotted key; quotes hold what has dots or blanks of its own.
+pub fn key_of(key: &str) -> Vec<String> {
+    match Key::parse(key) {
+        Ok(steps) => steps.iter().map(|step| step.get().to_string()).collect(),
+        Err(_) => key.split('.').map(|step| step.trim().to_string()).collect(),
+    }
+}
+
+impl Change {
+    /// A value, in TOML or as a plain text, for a key.
+    pub fn new(key: &[String], value: &str) -> Change {
+        let parsed = value.trim().parse::<Value>().unwrap_or_else(|_| Value::from(value.trim()));
+        Change { key: key.to_vec(), value: parsed, written: format!("{}={}", key.join("."), value.trim()) }
+    }
+
+    fn refuse(&self, problem: String) -> ChangeError {
+        ChangeError { change: self.written.clone(), problem }
+    }
+}
+
+/// The text of a scene with changes made, one after the other.
+///
+/// # Errors
+/// [`ChangeError`] if the text is no TOML, or a key leads to nothing that could be set. Whether the scene takes the value is told when
+/// it is read.
+pub fn changed(text: &str, changes: &[Change]) -> Result<String, ChangeError> {
+    let mut text = text.to_string();
+    for change in changes {
+        let mut document: DocumentMut =
+            text.parse().map_err(|error| change.refuse(format!("the scene is no TOML: {error}")))?;
+        set(document.as_item_mut(), change, &change.key, &mut defaults(&text))?;
+        text = document.to_string();
+    }
+    Ok(text)
+}
+
+/// All that the scene says, defaults included: what stands for a table that the text leaves out.
+fn defaults(text: &str) -> Option<Item> {
+    let scene = Scene::parse(text).ok()?;
+    let written = toml::to_string(&scene).ok()?;
+    Some(written.parse::<DocumentMut>().ok()?.as_item().clone())
+}
+
+fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) -> Result<(), ChangeError> {
+    let [step, rest @ ..] = key else {
+        let decor = at.as_value().map(|value| value.decor().clone());
+        let mut value = change.value.clone();
+        if let Some(decor) = decor {
+            *value.decor_mut() = decor;
+        }
+        *at = Item::Value(value);
+        return Ok(());
+    };
+    if let Some(length) = length_of(at) {
+        let place = place_in(at, step, length);
+        let (place, rest) = match place {
+            Some(place) => (place, rest),
+            // The only one need not be told from others.
+            None if length == 1 => (0, key),
+            None => {
+                let names: Vec<String> =
+                    (0..length).map(|place| name_of(at, place).unwrap_or(place.to_string())).collect();
+                let before = change.key[..change.key.len() - key.len()].join(".");
+                let problem =
+                    format!("{before} has {length} entries: say which, such as {before}.{}", names.join(", "));
+                return Err(change.refuse(problem));
+            }
+        };
+        let mut inner = full.take().and_then(|mut full| full.get_mut(place).map(std::mem::take));
+        return match at {
+            Item::ArrayOfTables(tables) => {
+                let mut table = Item::Table(std::mem::take(tables.get_mut(place).expect("it is one of them")));
+                let done = set(&mut table, change, rest, &mut inner);
+                if let Item::Table(table) = table {
+                    *tables.get_mut(place).expect("it is one of them") = table;
+                }
+                done
+            }
+            _ => match at.get_mut(place) {
+                Some(entry) => set(entry, change, rest, &mut inner),
+                None => in_array(at, place, change, rest, &mut inner),
+            },
+        };
+    }
+    if at.as_table_like().is_none() {
+        let known = change.key[..change.key.len() - key.len()].join(".");
+        return Err(change.refuse(format!("{known} is a value, which has no '{step}' of its own")));
+    }
+    let mut inner = full.take().and_then(|mut full| full.get_mut(step.as_str()).map(std::mem::take));
+    let table = at.as_table_like_mut().expect("it is one");
+    if !table.contains_key(step) && !rest.is_empty() {
+        let entry = match &inner {
+            // What the text leaves out is spelt out, so that one of its values can be another.
+            Some(item) if item.is_table_like() => item.clone(),
+            None if key.len() == change.key.len() => {
+                let names: Vec<String> = table.iter().map(|(name, _)| name.to_string()).collect();
+                let near = nearest(step, names.iter().map(String::as_str), 3).join(", ");
+                return Err(change.refuse(format!("the scene has no '{step}'; the nearest names are: {near}")));
+            }
+            _ => Item::Table(Table::new()),
+        };
+        table.insert(step, entry);
+    }
+    match table.get_mut(step) {
+        Some(entry) => set(entry, change, rest, &mut inner),
+        None => {
+            table.insert(step, Item::Value(change.value.clone()));
+            Ok(())
+        }
+    }
+}
+
+/// Sets a value within an entry of an array in one line, which has no items of its own.
+fn in_array(
+    at: &mut Item,
+    place: usize,
+    change: &Change,
+    rest: &[String],
+    full: &mut Option<Item>,
+) -> Result<(), ChangeError> {
+    let array = at.as_array_mut().expect("it has entries");
+    let mut entry = Item::Value(array.get(place).expect("it is one of them").clone());
+    set(&mut entry, change, rest, full)?;
+    if let Item::Value(value) = entry {
+        array.replace_formatted(place, value);
+    }
+    Ok(())
+}
+
+/// Number of entries of a list.
+fn length_of(item: &Item) -> Option<usize> {
+    item.as_array_of_tables().map(|tables| tables.len()).or_else(|| item.as_array().map(|array| array.len()))
+}
+
+/// The place of an entry, by its number from 0 or by its name.
+fn place_in(list: &Item, step: &str, length: usize) -> Option<usize> {
+    let by_name = (0..length).find(|&place| name_of(list, place).as_deref() == Some(step));
+    by_name.or_else(|| step.parse().ok().filter(|place| *place < length))
+}
+
+/// What an entry is called: its name, or that of the observable that it speaks of.
+fn name_of(list: &Item, place: usize) -> Option<String> {
+    let text = |key: &str| match list {
+        Item::ArrayOfTables(tables) => tables.get(place)?.get(key)?.as_str().map(String::from),
+        _ => list.as_array()?.get(place)?.as_inline_table()?.get(key)?.as_str().map(String::from),
+    };
+    text("name").or_else(|| text("observable"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drum() -> String {
+        crate::scenes::text(&crate::scenes::find("drum", &[]).unwrap()).unwrap()
+    }
+
+    fn with(changes: &[&str]) -> Result<Scene, ChangeError> {
+        let changes: Vec<Change> = changes.iter().map(|change| change.parse().unwrap()).collect();
+        Ok(Scene::parse(&changed(&drum(), &changes)?).unwrap())
+    }
+
+    #[test]
+    fn a_value_is_set_where_it_stands_and_lines_keep_their_numbers() {
+        let scene = with(&["material.grain.friction=0.25", "wall.shell.motion.rate=2", "duration=1"]).unwrap();
+        assert_eq!((scene.material["grain"].friction, scene.duration), (0.25, 1.0));
+        assert!(matches!(scene.wall[0].motion, makadam::Motion::Rotating { rate: 2.0, .. }));
+        let change = ["material.grain.friction=0.25".parse::<Change>().unwrap()];
+        let (before, after) = (drum(), changed(&drum(), &change).unwrap());
+        assert_eq!(before.lines().count(), after.lines().count());
+        let other: Vec<_> = before.lines().zip(after.lines()).filter(|(a, b)| a != b).collect();
+        assert_eq!(other, [("friction = 0.5", "friction = 0.25")]);
+    }
+
+    #[test]
+    fn what_the_text_leaves_out_begins_with_its_default() {
+        let scene = with(&["solver.stop.sweeps=20", "solver.step=1e-3"]).unwrap();
+        assert_eq!(scene.solver.stop, makadam::scene::Stop::Sweeps { sweeps: 20 });
+        assert_eq!(scene.solver.step, 1e-3);
+        assert_eq!(with(&["solver.method.kind=jacobi"]).unwrap().solver.method.name(), "jacobi");
+    }
+
+    #[test]
+    fn an_entry_is_found_by_name_by_number_or_by_being_alone() {
+        for key in ["population.count", "population.0.count"] {
+            assert_eq!(with(&[&format!("{key}=500")]).unwrap().population[0].count, 500, "{key}");
+        }
+        assert_eq!(with(&["wall.front cap.material=shell"]).unwrap().wall[1].material, "shell");
+        assert_eq!(with(&["compare.gini.margin=0.5"]).unwrap().compare[3].margin, Some(0.5));
+        assert_eq!(with(&["gravity.2=-1.62"]).unwrap().gravity[2], -1.62);
+    }
+
+    #[test]
+    fn what_leads_nowhere_is_refused_in_words() {
+        for (change, words) in [
+            ("wall.material=shell", "wall has 3 entries: say which, such as wall.shell"),
+            ("duration.x=1", "duration is a value"),
+            ("materail.grain.friction=1", "nearest names are: material"),
+        ] {
+            let message = with(&[change]).unwrap_err().to_string();
+            assert!(message.contains(words) && message.contains(change), "{message}");
+        }
+        for written in ["friction", "=1", "a..b=1", "duration="] {
+            assert!(written.parse::<Change>().unwrap_err().to_string().contains("KEY=VALUE"), "{written}");
+        }
+    }
+}
