@@ -4,6 +4,7 @@ mod support;
 
 mod architecture;
 mod bad_input;
+mod book;
 mod compare_command;
 mod convergence_command;
 mod defect_scenes;

@@ -2,7 +2,7 @@
 
 use super::arguments::ObservablesArguments;
 use super::{Console, Failure, json};
-use crate::observables::catalogue::{Definition, definitions, known};
+use crate::observables::catalogue::{Definition, definitions, known, page};
 use makadam::scene::nearest;
 use serde::Serialize;
 use std::fmt::Write;
@@ -32,6 +32,10 @@ pub(super) fn observables(arguments: &ObservablesArguments, console: &Console) -
     let asked =
         |defined: &Defined| arguments.names.is_empty() || arguments.names.iter().any(|name| is_named(name, defined));
     let wanted: Vec<Defined> = all().filter(asked).collect();
+    if arguments.markdown {
+        console.page(page().trim_end())?;
+        return Ok(ExitCode::SUCCESS);
+    }
     console.result(&if arguments.json { json(&wanted) } else { text(&wanted) })?;
     Ok(ExitCode::SUCCESS)
 }

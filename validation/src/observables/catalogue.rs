@@ -17,6 +17,28 @@ pub fn definitions() -> impl Iterator<Item = (&'static str, &'static Definition)
     GROUPS.iter().flat_map(|(_, group, quantities)| quantities.iter().map(|quantity| (*group, quantity)))
 }
 
+/// The page of all quantities, in Markdown.
+pub fn page() -> String {
+    let mut page = String::from(
+        "# Observables\n\nWhat each measured number is. `makadam observables` prints the same; this page is made by \
+         `makadam observables --markdown`. Name a group under `measure.observables`, a number under `[[compare]]`. Means ⟨⟩ are over \
+         contacts or grains; the *bulk* is what lies at least two mean diameters from walls and free surface (one, where fewer than 50 \
+         grains would be left). Every number follows from positions, velocities and contacts alone, by one code for every simulator.\n",
+    );
+    let mut group = "";
+    for (own, Definition { name, symbol, unit, formula, source }) in definitions() {
+        if own != group {
+            page += &format!("\n## {own}\n\n| name | symbol | unit | definition |\n| --- | --- | --- | --- |\n");
+            group = own;
+        }
+        let unit = if unit.is_empty() { "–" } else { unit };
+        let source = if source.is_empty() { String::new() } else { format!(" ({source})") };
+        let formula = formula.replace('|', "\\|");
+        page += &format!("| `{name}` | {symbol} | {unit} | {formula}{source} |\n");
+    }
+    page
+}
+
 /// The group that a quantity belongs to, and the group's name in `measure.observables`; `None` if nothing measures it.
 pub fn group_of(quantity: &str) -> Option<(Observable, &'static str)> {
     let found = GROUPS.iter().find(|(_, _, quantities)| quantities.iter().any(|known| known.name == quantity));
@@ -89,6 +111,13 @@ mod tests {
                 assert!(names_in(&source).is_empty(), "{name} measures something that no group holds");
             }
         }
+    }
+
+    #[test]
+    fn the_page_is_what_the_definitions_say() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/observables.md");
+        let written = std::fs::read_to_string(&file).unwrap_or_default();
+        assert_eq!(written, page(), "make it anew: makadam observables --markdown > docs/observables.md");
     }
 
     #[test]

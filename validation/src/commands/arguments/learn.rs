@@ -50,6 +50,9 @@ pub struct ObservablesArguments {
     /// Print them as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Print the page of all of them, in Markdown.
+    #[arg(long, conflicts_with_all = ["json", "names"])]
+    pub markdown: bool,
 }
 
 /// Arguments of `makadam schema`.

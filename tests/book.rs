@@ -1,0 +1,127 @@
+//! The book: its commands run, its scenes are read, its links lead somewhere.
+//!
+//! Blocks marked `sh` run one after the other in a folder of the page's own; those marked `sh ignore` install something, need another
+//! code or take long. A block marked `toml` whose first line is a comment with a file's name is written to that file.
+
+use makadam_validation::plan::Scene;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The pages of the book.
+fn pages() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(root().join("docs")).unwrap();
+    let mut pages: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    pages.retain(|page| page.extension().is_some_and(|extension| extension == "md"));
+    pages.sort();
+    assert!(pages.len() >= 8, "{pages:?}");
+    pages
+}
+
+/// A fenced block: what stands behind the fence, its lines, and where it begins.
+struct Block {
+    kind: String,
+    text: String,
+    line: usize,
+}
+
+fn blocks(page: &str) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut open = false;
+    for (number, line) in page.lines().enumerate() {
+        match line.strip_prefix("```") {
+            Some(_) if open => open = false,
+            Some(kind) => {
+                open = true;
+                blocks.push(Block { kind: kind.into(), text: String::new(), line: number + 1 });
+            }
+            None if open => {
+                let text = &mut blocks.last_mut().unwrap().text;
+                *text += line;
+                *text += "\n";
+            }
+            None => {}
+        }
+    }
+    assert!(!open, "a block does not end");
+    blocks
+}
+
+/// Runs the blocks of a page in order, in one folder.
+fn run(name: &str) {
+    let text = std::fs::read_to_string(root().join("docs").join(name)).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let program = Path::new(env!("CARGO_BIN_EXE_makadam")).parent().unwrap();
+    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
+    let mut ran = 0;
+    for block in blocks(&text) {
+        let place = format!("{name}:{}", block.line);
+        match block.kind.as_str() {
+            "sh" => {
+                let output = Command::new("sh")
+                    .args(["-e", "-c", &block.text])
+                    .current_dir(folder.path())
+                    .env("PATH", &path)
+                    .env("XDG_CACHE_HOME", folder.path().join("cache"))
+                    .output()
+                    .unwrap();
+                assert!(output.status.success(), "{place}: {}", String::from_utf8_lossy(&output.stderr));
+                ran += 1;
+            }
+            "toml" => {
+                Scene::parse(&block.text).unwrap_or_else(|error| panic!("{place}: {error}"));
+                let first = block.text.lines().next().unwrap();
+                let file = first.strip_prefix("# ").unwrap_or_else(|| panic!("{place}: no file is named"));
+                std::fs::write(folder.path().join(file), &block.text).unwrap();
+            }
+            "sh ignore" => {}
+            other => panic!("{place}: nobody tries a block marked '{other}'"),
+        }
+    }
+    assert!(ran > 0, "{name} has no commands");
+}
+
+#[test]
+fn the_first_hour_runs() {
+    run("first-hour.md");
+}
+
+#[test]
+fn the_recipes_run() {
+    run("recipes.md");
+}
+
+#[test]
+fn no_other_page_has_commands_that_nobody_tries() {
+    for page in pages() {
+        let name = page.file_name().unwrap().to_str().unwrap();
+        if !["first-hour.md", "recipes.md"].contains(&name) {
+            let text = std::fs::read_to_string(&page).unwrap();
+            assert!(blocks(&text).iter().all(|block| block.kind == "sh ignore"), "{name}");
+        }
+    }
+}
+
+#[test]
+fn every_page_is_in_the_index_and_every_link_leads_somewhere() {
+    let index = std::fs::read_to_string(root().join("docs/README.md")).unwrap();
+    let mut lost = Vec::new();
+    let others = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "python/README.md"].map(|page| root().join(page));
+    for page in pages().into_iter().chain(others) {
+        let name = page.file_name().unwrap().to_str().unwrap();
+        if page.parent().unwrap().ends_with("docs") && !["README.md", "SUMMARY.md"].contains(&name) {
+            assert!(index.contains(&format!("({name})")), "{name} is not in the index");
+        }
+        let text = std::fs::read_to_string(&page).unwrap_or_else(|error| panic!("{}: {error}", page.display()));
+        for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = target.split('#').next().unwrap();
+            if !file.is_empty() && !file.contains("://") && !page.parent().unwrap().join(file).exists() {
+                lost.push(format!("{}: {target}", page.display()));
+            }
+        }
+    }
+    assert!(lost.is_empty(), "{lost:#?}");
+}
