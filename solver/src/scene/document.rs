@@ -9,7 +9,7 @@ use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
 
 /// Tables of a scene's file that say nothing of what is simulated: who measures the scene reads them.
-pub const TABLES_OF_WHO_MEASURES: [&str; 3] = ["prepare", "measure", "compare"];
+pub const TABLES_OF_WHO_MEASURES: [&str; 4] = ["prepare", "measure", "output", "compare"];
 
 /// All keys, in the order in which messages list them.
 #[derive(Deserialize)]
@@ -46,6 +46,8 @@ pub(super) struct Document {
     watch: Watch,
     #[serde(default, rename = "measure")]
     _measure: IgnoredAny,
+    #[serde(default, rename = "output")]
+    _output: IgnoredAny,
     #[serde(default, rename = "compare")]
     _compare: IgnoredAny,
 }

@@ -8,6 +8,7 @@ mod convergence;
 mod effects;
 mod failure;
 mod laws;
+mod picture;
 mod problem;
 mod qualify;
 mod record;
@@ -50,6 +51,8 @@ pub fn main() -> ExitCode {
         Command::Convergence(convergence) => convergence::convergence(convergence, &console),
         Command::Effects(effects) => effects::effects(effects, &console),
         Command::Laws(laws) => laws::laws(laws, &console),
+        Command::Picture(picture) => picture::picture(picture, &console),
+        Command::Animate(animate) => picture::animate(animate, &console),
         Command::Problem(problem) => problem::problem(problem, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),

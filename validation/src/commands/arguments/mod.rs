@@ -1,11 +1,13 @@
 //! The command line: every command's arguments, and the words that they take.
 
+mod pictures;
 mod problem;
 mod runs;
 mod shared;
 mod studies;
 mod values;
 
+pub use pictures::{AnimateArguments, PictureArguments, StyleArguments};
 pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
@@ -60,6 +62,10 @@ pub enum Command {
     Effects(EffectsArguments),
     /// Measure published laws of granular matter and judge them against the published values.
     Laws(LawsArguments),
+    /// Draw a frame of a run as a PNG file; needs no screen.
+    Picture(PictureArguments),
+    /// Draw the frames of a run as an animated GIF or PNG file; needs no screen.
+    Animate(AnimateArguments),
     /// Keep the contact problem of one step in a file, and solve it by every solver that there is.
     Problem(ProblemArguments),
 }

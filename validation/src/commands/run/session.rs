@@ -16,6 +16,7 @@ use crate::stepping::frame_is_due;
 use makadam::Simulation;
 use makadam::checkpoint::sync_folder;
 use makadam::scene::Reaction;
+use makadam::snapshot::Snapshot;
 use makadam::solve::StopReason;
 use makadam::watch::{Alarm, Watchdog};
 use std::time::Instant;
@@ -46,6 +47,19 @@ struct Outputs {
     place: Place,
 }
 
+/// What is done with the state after a step.
+#[derive(Clone, Copy)]
+struct Due {
+    measured: bool,
+    written: bool,
+}
+
+impl Due {
+    fn any(self) -> bool {
+        self.measured || self.written
+    }
+}
+
 /// A run under way.
 pub(super) struct Session<'a> {
     plan: Plan<'a>,
@@ -74,7 +88,7 @@ impl<'a> Session<'a> {
         place.withdraw()?;
         announce(&plan, &simulation, &progress)?;
         RunFiles::inside(&plan.output).remove()?;
-        let frames = FrameWriter::create(&plan.output)?;
+        let frames = FrameWriter::create(&plan.output, plan.scene)?;
         let table = TimeTable::create(&plan.output.join(RunFiles::TABLE), &COLUMNS)?;
         let measured = MeasuredFrames::begin(&plan.output);
         Ok(Session::new(plan, simulation, progress, Outputs { frames, table, measured, place }))
@@ -84,7 +98,7 @@ impl<'a> Session<'a> {
     pub fn go_on(plan: Plan<'a>, simulation: Simulation, mut progress: Progress) -> Result<Session<'a>, Failure> {
         let place = Place::inside(&plan.output);
         let measured = MeasuredFrames::go_on(&plan.output, std::mem::take(&mut progress.measured))?;
-        let frames = FrameWriter::go_on(&plan.output, progress.frames)?;
+        let frames = FrameWriter::go_on(&plan.output, plan.scene, progress.frames)?;
         let table = TimeTable::go_on(&plan.output.join(RunFiles::TABLE), progress.table.clone())?;
         RunFiles::inside(&plan.output).remove_frames_from(frames.count())?;
         progress.continued_at.push(progress.steps);
@@ -109,15 +123,19 @@ impl<'a> Session<'a> {
     }
 
     /// Takes the steps, with a frame at the start, at every interval and at the end.
-    pub fn play(&mut self, steps: u64, console: &Console) -> Result<(), Failure> {
+    pub fn play(&mut self, last_step: u64, console: &Console) -> Result<(), Failure> {
         self.simulation.heed(crate::interrupt::handle());
         let bar = console.bar(&self.plan.scene.name);
-        let (step_seconds, interval) = (self.simulation.time_step(), self.plan.scene.measure.interval);
+        let (step_seconds, scene) = (self.simulation.time_step(), self.plan.scene);
+        let due = |steps: u64| Due {
+            measured: steps == 0 || steps == last_step || frame_is_due(steps, step_seconds, scene.measure.interval),
+            written: steps == 0 || steps == last_step || frame_is_due(steps, step_seconds, scene.output_interval()),
+        };
         if self.progress.framed_at.is_none() {
-            self.frame()?;
+            self.frame(due(0))?;
         }
         let mut written = Instant::now();
-        while self.progress.steps < steps {
+        while self.progress.steps < last_step {
             let clock = Instant::now();
             let report = self.simulation.step();
             self.progress.wall += clock.elapsed();
@@ -129,24 +147,24 @@ impl<'a> Session<'a> {
             self.progress.steps += 1;
             self.progress.note(report);
             let interrupted = crate::interrupt::requested();
-            let last = self.progress.steps == steps;
-            let framed = last || frame_is_due(self.progress.steps, step_seconds, interval);
+            let last = self.progress.steps == last_step;
+            let due = due(self.progress.steps);
             let mut alarms = self.watchdog.observe(&self.simulation, &report);
             // What is measured or left behind is looked at too.
             if last || interrupted {
                 alarms.extend(self.watchdog.last(&self.simulation));
-            } else if framed {
+            } else if due.any() {
                 alarms.extend(self.watchdog.look(&self.simulation));
             }
             self.heed(&alarms, console)?;
-            if framed {
-                self.frame()?;
+            if due.any() {
+                self.frame(due)?;
             }
             if !last && (interrupted || written.elapsed() >= self.plan.interval) {
                 self.write_checkpoint()?;
                 written = Instant::now();
             }
-            bar.set(self.progress.steps as f64 / steps as f64);
+            bar.set(self.progress.steps as f64 / last_step as f64);
             bar.say(format!("{:.2} s, {} contacts", self.simulation.time() - self.progress.started, report.contacts));
             if interrupted && !last {
                 return Err(self.interrupted());
@@ -226,10 +244,9 @@ impl<'a> Session<'a> {
         std::array::from_fn(|phase| self.progress.phases[phase] + now[phase] - self.phases_before[phase])
     }
 
-    /// Writes a frame and a row of the table.
-    fn frame(&mut self) -> Result<(), Failure> {
+    /// Writes a frame, or measures it and writes a row of the table, or both.
+    fn frame(&mut self, due: Due) -> Result<(), Failure> {
         let clock = Instant::now();
-        let scene = self.plan.scene;
         let frame = self.simulation.snapshot();
         if let Some(grain) = self.simulation.not_finite() {
             return Err(Failure::Running(format!(
@@ -237,7 +254,21 @@ impl<'a> Session<'a> {
                 self.progress.steps
             )));
         }
-        self.frames.write(&frame)?;
+        if due.written {
+            self.frames.write(&frame)?;
+        }
+        (self.progress.particles, self.progress.contacts) = (frame.particles.len(), frame.contacts.len());
+        self.progress.framed_at = Some(self.progress.steps);
+        if due.measured {
+            self.measure_frame(frame)?;
+        }
+        self.progress.output_time += clock.elapsed();
+        Ok(())
+    }
+
+    /// Measures a frame and writes a row of the table.
+    fn measure_frame(&mut self, frame: Snapshot) -> Result<(), Failure> {
+        let scene = self.plan.scene;
         let energy = self.simulation.energy();
         let (sweeps, residual) = self
             .progress
@@ -261,10 +292,7 @@ impl<'a> Session<'a> {
         });
         let row: Vec<(String, f64)> = known.chain(measured).chain(driven).collect();
         self.table.push(row)?;
-        (self.progress.particles, self.progress.contacts) = (frame.particles.len(), frame.contacts.len());
-        self.progress.framed_at = Some(self.progress.steps);
         self.measured.push(scene, frame)?;
-        self.progress.output_time += clock.elapsed();
         Ok(())
     }
 
