@@ -6,6 +6,7 @@ mod compare;
 mod console;
 mod convergence;
 mod effects;
+mod export;
 mod failure;
 mod laws;
 mod picture;
@@ -17,6 +18,7 @@ mod run;
 mod scaling;
 mod stability;
 mod tradeoff;
+mod view;
 
 pub use console::Console;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
@@ -53,6 +55,8 @@ pub fn main() -> ExitCode {
         Command::Laws(laws) => laws::laws(laws, &console),
         Command::Picture(picture) => picture::picture(picture, &console),
         Command::Animate(animate) => picture::animate(animate, &console),
+        Command::View(view) => view::view(view, &console),
+        Command::Export(export) => export::export(export, &console),
         Command::Problem(problem) => problem::problem(problem, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),

@@ -25,7 +25,7 @@ pub use run_files::RunFiles;
 pub(crate) use shown::shown;
 pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
 pub use table::{TableWritten, TimeTable};
-pub(crate) use vtk_read::decode as decode_vtk;
+pub(crate) use vtk_read::{Outline, decode as decode_vtk, outline as outline_vtk};
 
 use makadam::checkpoint::{replace_with, write_atomically};
 use std::io::Write;

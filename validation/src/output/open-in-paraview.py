@@ -54,7 +54,7 @@ for field in ("speed", "pressure", "diameter"):
 walls = series("walls")
 if walls is not None:
     shown = Show(walls, view)
-    ColorBy(shown, None)
+    shown.ColorArrayName = ["POINTS", ""]
     shown.Representation = "Surface"
     shown.DiffuseColor = [0.55, 0.6, 0.65]
     shown.AmbientColor = [0.55, 0.6, 0.65]

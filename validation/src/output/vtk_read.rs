@@ -23,6 +23,86 @@ struct Source<'a> {
 /// # Errors
 /// What is wrong with them.
 pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
+    let Outline { time, points, cells, topology, corners, mut sections } = outline(bytes, &|_| true)?;
+    let mut take = |name: &str| match sections.iter().position(|(of, _)| *of == name) {
+        None => Vec::new(),
+        Some(place) => std::mem::take(&mut sections[place].1),
+    };
+    let coordinates = take("Points").pop().ok_or("it has no points")?;
+    if coordinates.components != 3 {
+        return Err("its points have no three coordinates".into());
+    }
+    let cells = match topology {
+        "Verts" if cells == points => Cells::Vertices,
+        "Lines" if corners * cells == points => Cells::Lines,
+        "Polys" => {
+            let corners = take("Polys").into_iter().find(|array| array.name == "connectivity");
+            Cells::Triangles(triangles(&corners.ok_or("its polygons have no corners")?, points)?)
+        }
+        _ => return Err("its cells are not those of a run".into()),
+    };
+    let (field_data, texts) = fields(bytes)?;
+    Ok(PolyData {
+        time,
+        point_data: take("PointData"),
+        cell_data: take("CellData"),
+        points: coordinates,
+        cells,
+        field_data,
+        texts,
+    })
+}
+
+/// What a file holds, as far as it was asked for.
+#[derive(Debug)]
+pub(crate) struct Outline {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Number of points.
+    pub points: usize,
+    /// Number of cells.
+    pub cells: usize,
+    /// What VTK calls the cells.
+    pub topology: &'static str,
+    /// Points of a cell.
+    pub corners: usize,
+    /// Arrays by their sections.
+    pub sections: Vec<(&'static str, Vec<Array>)>,
+}
+
+/// Counts, and the arrays whose names are wanted.
+///
+/// # Errors
+/// What is wrong with the bytes.
+pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Outline, String> {
+    let (text, appended) = split(bytes)?;
+    let document = Document::parse(&text).map_err(|error| format!("it is no XML document: {error}"))?;
+    let (root, source) = root(&document, appended)?;
+    let piece = named(root, "Piece").ok_or("it has no piece")?;
+    let count = |name: &str| match piece.attribute(name).unwrap_or("0").parse::<usize>() {
+        Ok(count) if count <= i32::MAX as usize => Ok(count),
+        _ => Err(format!("{name} is no number of points or cells")),
+    };
+    let points = count("NumberOfPoints")?;
+    let kinds = [("Verts", 1), ("Lines", 2), ("Polys", 3)];
+    let some = |(name, _): &(&str, usize)| count(&format!("NumberOf{name}")).is_ok_and(|cells| cells > 0);
+    let (topology, corners) = kinds.into_iter().find(some).unwrap_or(("Verts", 1));
+    let cells = count(&format!("NumberOf{topology}"))?;
+    let mut sections = Vec::new();
+    for (name, tuples) in [("Points", points), ("PointData", points), ("CellData", cells), ("Polys", corners * cells)] {
+        // Offsets of polygons have another number of tuples, and say nothing of triangles.
+        let is_wanted = |array: &str| wanted(array) && (name != "Polys" || array == "connectivity");
+        sections.push((name, section(&source, piece, name, tuples, &is_wanted)?));
+    }
+    let time = named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
+    let time = time.into_iter().find(|node| node.attribute("Name") == Some("TimeValue"));
+    let time = time.map(|node| array(&source, node, 1)).transpose()?.and_then(|array| array.values().first().copied());
+    let time = time.filter(|time| time.is_finite()).ok_or("it has no time")?;
+    Ok(Outline { time, points, cells, topology, corners, sections })
+}
+
+/// A document, with what is appended to it cut off.
+fn split(bytes: &[u8]) -> Result<(String, &[u8]), String> {
     let (head, appended) = match bytes.windows(APPENDED.len()).position(|window| window == APPENDED) {
         None => (bytes, &[][..]),
         Some(place) => {
@@ -35,72 +115,67 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
     if head.len() < bytes.len() {
         text += "</VTKFile>";
     }
-    let document = Document::parse(&text).map_err(|error| format!("it is no XML document: {error}"))?;
+    Ok((text, appended))
+}
+
+fn root<'a, 'input>(
+    document: &'a Document<'input>,
+    appended: &'a [u8],
+) -> Result<(Node<'a, 'input>, Source<'a>), String> {
     let root = document.root_element();
-    if root.attribute("type") != Some("PolyData") {
-        return Err("it holds no polygonal data".into());
+    match root.attribute("type") {
+        Some("PolyData") => Ok((root, Source { appended, compressed: root.attribute("compressor").is_some() })),
+        _ => Err("it holds no polygonal data".into()),
     }
-    let source = Source { appended, compressed: root.attribute("compressor").is_some() };
-    let piece = named(root, "Piece").ok_or("it has no piece")?;
-    let count = |name: &str| match piece.attribute(name).unwrap_or("0").parse::<usize>() {
-        Ok(count) if count <= i32::MAX as usize => Ok(count),
-        _ => Err(format!("{name} is no number of points or cells")),
-    };
-    let points = count("NumberOfPoints")?;
-    let coordinates = section(&source, piece, "Points", points)?.pop().ok_or("it has no points")?;
-    if coordinates.components != 3 {
-        return Err("its points have no three coordinates".into());
-    }
-    let kinds = [("Verts", 1), ("Lines", 2), ("Polys", 3)];
-    let some = |(name, _): &(&str, usize)| count(&format!("NumberOf{name}")).is_ok_and(|cells| cells > 0);
-    let (name, size) = kinds.into_iter().find(some).unwrap_or(("Verts", 1));
-    let cells = count(&format!("NumberOf{name}"))?;
-    let cells = match name {
-        "Verts" if cells == points => Cells::Vertices,
-        "Lines" if 2 * cells == points => Cells::Lines,
-        "Polys" => Cells::Triangles(triangles(&source, piece, points, size * cells)?),
-        _ => return Err("its cells are not those of a run".into()),
-    };
-    let mut field_data = Vec::new();
-    let mut texts = Vec::new();
+}
+
+/// Named texts.
+type Texts = Vec<(String, Vec<String>)>;
+
+/// Arrays and texts of the whole file but for its time.
+fn fields(bytes: &[u8]) -> Result<(Vec<Array>, Texts), String> {
+    let (text, appended) = split(bytes)?;
+    let document = Document::parse(&text).map_err(|error| error.to_string())?;
+    let (root, source) = root(&document, appended)?;
+    let (mut arrays, mut texts) = (Vec::new(), Vec::new());
     for node in named(root, "FieldData").into_iter().flat_map(|fields| fields.children()) {
         let tuples = || {
             let tuples = node.attribute("NumberOfTuples").unwrap_or("1").parse::<usize>();
-            tuples.map_err(|_| "a field has no number of tuples".to_string())
+            tuples
+                .ok()
+                .filter(|tuples| *tuples <= i32::MAX as usize)
+                .ok_or("a field has no number of tuples".to_string())
         };
         match node.tag_name().name() {
-            "DataArray" => field_data.push(array(&source, node, tuples()?)?),
+            "DataArray" if node.attribute("Name") != Some("TimeValue") => arrays.push(array(&source, node, tuples()?)?),
             "Array" => texts.push((node.attribute("Name").unwrap_or_default().to_string(), strings(node)?)),
             _ => {}
         }
     }
-    let time = field_data.iter().position(|array| array.name == "TimeValue");
-    let time = time.and_then(|place| field_data.remove(place).values().first().copied());
-    let over_cells = cells.count(points);
-    Ok(PolyData {
-        time: time.filter(|time| time.is_finite()).ok_or("it has no time")?,
-        point_data: section(&source, piece, "PointData", points)?,
-        cell_data: section(&source, piece, "CellData", over_cells)?,
-        points: coordinates,
-        cells,
-        field_data,
-        texts,
-    })
+    Ok((arrays, texts))
 }
 
 fn named<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
     node.descendants().find(|node| node.has_tag_name(name))
 }
 
-fn section(source: &Source<'_>, piece: Node<'_, '_>, name: &str, tuples: usize) -> Result<Vec<Array>, String> {
+fn section(
+    source: &Source<'_>,
+    piece: Node<'_, '_>,
+    name: &str,
+    tuples: usize,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<Vec<Array>, String> {
     let Some(section) = piece.children().find(|node| node.has_tag_name(name)) else { return Ok(Vec::new()) };
-    section.children().filter(|node| node.has_tag_name("DataArray")).map(|node| array(source, node, tuples)).collect()
+    let arrays = section.children().filter(|node| node.has_tag_name("DataArray"));
+    arrays
+        .filter(|node| wanted(node.attribute("Name").unwrap_or_default()))
+        .map(|node| array(source, node, tuples))
+        .collect()
 }
 
-fn triangles(source: &Source<'_>, piece: Node<'_, '_>, points: usize, corners: usize) -> Result<Vec<[u32; 3]>, String> {
-    let section = piece.children().find(|node| node.has_tag_name("Polys")).ok_or("it has no polygons")?;
-    let node = section.children().find(|node| node.attribute("Name") == Some("connectivity"));
-    let corners = array(source, node.ok_or("its polygons have no corners")?, corners)?.values();
+fn triangles(corners: &Array, points: usize) -> Result<Vec<[u32; 3]>, String> {
+    let corners = corners.values();
     if corners.iter().any(|corner| !(0.0..points as f64).contains(corner)) {
         return Err("a triangle has a corner that is no point".into());
     }

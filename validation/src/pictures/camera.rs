@@ -3,6 +3,7 @@
 use super::Sight;
 use crate::run_frames::{RunFrame, Walls};
 use nalgebra::Vector3;
+use serde::Serialize;
 
 type Vector = Vector3<f64>;
 
@@ -98,8 +99,52 @@ impl Subject {
     }
 }
 
+/// Where a viewer begins: directions, angles, distance.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outlook {
+    /// Unit vector against gravity.
+    up: [f64; 3],
+    /// Unit vector from the viewer at the front to the scene.
+    front: [f64; 3],
+    /// To the right of the front, rad.
+    azimuth: f64,
+    /// Above it, rad.
+    elevation: f64,
+    /// The point that is looked at, m.
+    target: [f64; 3],
+    /// How far away it is, m.
+    away: f64,
+    /// Half the size of what is looked at, m.
+    size: f64,
+    /// Angle between the upper and the lower edge of the view, rad.
+    opening: f64,
+}
+
+impl Subject {
+    /// Where a viewer begins whose window may have any shape.
+    pub fn outlook(&self, frame: &RunFrame) -> Outlook {
+        let (front, up, best) = natural(frame);
+        let camera = Camera::looking_at(self, frame, View::Natural, [1000.0, 1000.0], 0.0);
+        let count = self.points.len().max(1) as f64;
+        let middle = self.points.iter().map(|(point, _)| point).sum::<Vector>() / count;
+        let away = camera.forward.dot(&(middle - camera.eye));
+        let target = camera.eye + camera.forward * away;
+        let reach = |(point, radius): &(Vector, f64)| (point - target).norm() + radius;
+        Outlook {
+            up: up.into(),
+            front: front.into(),
+            azimuth: best[0].to_radians(),
+            elevation: best[1].to_radians(),
+            target: target.into(),
+            away: 1.1 * away,
+            size: self.points.iter().map(reach).fold(1e-9, f64::max),
+            opening: OPENING,
+        }
+    }
+}
+
 /// Direction of the vertical, up.
-pub(super) fn vertical(frame: &RunFrame) -> Vector {
+fn vertical(frame: &RunFrame) -> Vector {
     let up = -Vector::from(frame.gravity);
     if up.norm() > 0.0 { up.normalize() } else { Vector::z() }
 }

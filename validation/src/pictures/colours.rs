@@ -2,13 +2,12 @@
 
 use super::shade::Colour;
 use crate::draw::numbers::round_ticks;
-use crate::run_frames::{Quantity, RunFrame};
+use crate::run_frames::RunFrame;
 use nalgebra::Vector3;
 
-/// The scale `viridis` in equal steps: its order is seen in grey and by colour-blind readers.
-pub const VIRIDIS: [[u8; 3]; 17] = [
-    [68, 1, 84],
-    [72, 24, 106],
+/// The scale `viridis` in equal steps from its second eighth on, since the first is too dark for light and shade: its order is seen in grey
+/// and by colour-blind readers.
+pub const VIRIDIS: [[u8; 3]; 15] = [
     [71, 45, 123],
     [66, 64, 134],
     [59, 82, 139],
@@ -123,13 +122,5 @@ pub fn telling(frame: &RunFrame) -> &'static str {
         (_, Some(_)) => "pressure",
         (Some(_), None) => "speed",
         (None, None) => "diameter",
-    }
-}
-
-/// The quantity with its unit, as a title.
-pub(super) fn title(quantity: &Quantity, factor: &str) -> String {
-    match quantity.unit {
-        "" => quantity.title.clone(),
-        unit => format!("{} ({factor}{unit})", quantity.title),
     }
 }

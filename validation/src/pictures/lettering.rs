@@ -1,6 +1,6 @@
 //! Words and the colour scale on a picture.
 
-use super::colours::{Scale, title, viridis};
+use super::colours::{Scale, viridis};
 use super::shade::{Colour, blend};
 use crate::draw::numbers::round_ticks;
 use crate::run_frames::Quantity;
@@ -95,10 +95,10 @@ impl Sheet<'_> {
                 }
             }
             Scale::Range([low, high]) => {
-                let power = prefix_of(quantity.unit, low.abs().max(high.abs()));
-                let (factor, prefix) = (1000_f64.powi(power), prefix_name(power));
-                let heading = title(quantity, prefix);
-                let right = self.width as i64 - letter / 2;
+                let (unit, ticks) = ticks(quantity.unit, [*low, *high]);
+                let heading =
+                    if unit.is_empty() { quantity.title.clone() } else { format!("{} ({unit})", quantity.title) };
+                let right = self.width as i64 - letter;
                 // Long names take a second line.
                 match heading.split_once(" (") {
                     Some((name, unit)) if heading.chars().count() > 12 => {
@@ -109,19 +109,25 @@ impl Sheet<'_> {
                 }
                 let share = |y: i64| (bottom - y) as f64 / (bottom - top) as f64;
                 self.fill([left, top], [left + line, bottom], |y| viridis(share(y)));
-                let (ticks, digits) = round_ticks(low / factor, high / factor, 5);
-                for tick in ticks {
-                    let at = (tick * factor - low) / (high - low);
-                    if !(-1e-9..=1.0 + 1e-9).contains(&at) {
-                        continue;
-                    }
+                for (value, text) in ticks {
+                    let at = (value - low) / (high - low);
                     let y = bottom - (at * (bottom - top) as f64).round() as i64;
                     (0..letter / 2).for_each(|x| self.put(left + line + x, y.clamp(top, bottom - 1), INK, 1.0));
-                    self.write(&format!("{tick:.digits$}"), [left + line + letter, y - line / 2], Anchor::Left);
+                    self.write(&text, [left + line + letter, y - line / 2], Anchor::Left);
                 }
             }
         }
     }
+}
+
+/// The unit with its prefix, and the ticks of a scale: their values and what is written beside them.
+pub(crate) fn ticks(unit: &str, [low, high]: [f64; 2]) -> (String, Vec<(f64, String)>) {
+    let power = prefix_of(unit, low.abs().max(high.abs()));
+    let factor = 1000_f64.powi(power);
+    let (ticks, digits) = round_ticks(low / factor, high / factor, 5);
+    let inside = |at: &f64| (-1e-9..=1.0 + 1e-9).contains(&((at - low) / (high - low)));
+    let ticks = ticks.into_iter().map(|tick| (tick * factor, format!("{tick:.digits$}")));
+    (format!("{}{unit}", prefix_name(power)), ticks.filter(|(at, _)| inside(at)).collect())
 }
 
 /// Power of a thousand by which values are divided, so that they are read easily; zero where a unit takes no prefix.

@@ -16,13 +16,14 @@ mod shade;
 pub use camera::{Camera, Cut, Subject, View};
 pub use colours::{MOST_KINDS, PALETTE, Scale, VIRIDIS, telling};
 pub use files::{Animation, PictureError, write_png};
+pub(crate) use lettering::ticks;
 
 use crate::run_frames::{Quantity, RunFrame, Walls};
 use lettering::{Anchor, Sheet, length};
 use nalgebra::Vector3;
 use raster::Flat;
 use shade::{Colour, PAPER, Surface};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 type Vector = Vector3<f64>;
 
@@ -113,7 +114,7 @@ pub fn draw(
 }
 
 /// Grains in words: how many, how large.
-fn sizes(frame: &RunFrame) -> String {
+pub(crate) fn sizes(frame: &RunFrame) -> String {
     let radii = &frame.grains.radii;
     let [least, most] =
         [radii.iter().copied().fold(f64::INFINITY, f64::min), radii.iter().copied().fold(0.0, f64::max)];
@@ -161,12 +162,21 @@ fn is_cut_away(corners: &[Vector], sight: &Sight<'_>) -> bool {
     })
 }
 
-/// Edges of walls: where a surface ends or bends sharply.
+/// Edges of walls that are not hidden by the clipping plane.
 fn edges(walls: &Walls, sight: &Sight<'_>) -> Vec<[Vector; 2]> {
+    let ends = wall_edges(walls).into_iter().map(|ends| ends.map(Vector::from));
+    ends.filter(|ends| !is_cut_away(ends, sight)).collect()
+}
+
+/// A side of a triangle: the number of its wall, and its ends, rounded.
+type Side = (u32, [[i64; 3]; 2]);
+
+/// Ends (m) of the edges of walls: where a surface ends or bends sharply. Walls of spheres have none.
+pub(crate) fn wall_edges(walls: &Walls) -> Vec<[[f64; 3]; 2]> {
     let size = walls.points.iter().flatten().fold(0.0_f64, |size, place| size.max(place.abs())).max(1e-12);
     // Faces of a box share no points, only places.
-    let key = |point: &[f64; 3]| point.map(|place| (place / size * 1e7).round() as i64);
-    let mut normals: HashMap<(u32, [[i64; 3]; 2]), (Vec<Vector>, [Vector; 2])> = HashMap::new();
+    let key = |point: &[f64; 3]| point.map(|place| (place / size * 1e6).round() as i64);
+    let mut sides: BTreeMap<Side, (Vec<Vector>, [[f64; 3]; 2])> = BTreeMap::new();
     for (triangle, &wall) in walls.triangles.iter().zip(&walls.wall) {
         if walls.shapes.get(wall as usize).is_some_and(|shape| shape == "spheres") {
             continue;
@@ -174,19 +184,13 @@ fn edges(walls: &Walls, sight: &Sight<'_>) -> Vec<[Vector; 2]> {
         let corners = triangle.map(|corner| walls.points[corner as usize]);
         let [a, b, c] = corners.map(Vector::from);
         let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
-        for [from, to] in [[0, 1], [1, 2], [2, 0]].map(|side| side.map(|corner: usize| corners[corner])) {
-            let mut ends = [key(&from), key(&to)];
-            ends.sort_unstable();
-            let ends = normals.entry((wall, ends)).or_insert_with(|| (Vec::new(), [from, to].map(Vector::from)));
-            ends.0.push(normal);
+        for ends in [[0, 1], [1, 2], [2, 0]].map(|side| side.map(|corner: usize| corners[corner])) {
+            let mut places = ends.map(|end| key(&end));
+            places.sort_unstable();
+            sides.entry((wall, places)).or_insert_with(|| (Vec::new(), ends)).0.push(normal);
         }
     }
-    let sharp =
-        |normals: &[Vector]| normals.len() == 1 || normals.iter().any(|other| other.dot(&normals[0]).abs() < SHARP);
-    let mut found: Vec<[Vector; 2]> =
-        normals.into_values().filter(|(normals, _)| sharp(normals)).map(|(_, ends)| ends).collect();
-    found.retain(|ends| !is_cut_away(ends, sight));
-    // The same picture each time.
-    found.sort_by(|a, b| a.iter().flatten().partial_cmp(b.iter().flatten()).unwrap_or(std::cmp::Ordering::Equal));
-    found
+    let bends = |normals: &[Vector]| normals.iter().any(|other| other.dot(&normals[0]).abs() < SHARP);
+    let edges = sides.into_values().filter(|(normals, _)| normals.len() == 1 || bends(normals));
+    edges.map(|(_, ends)| ends).collect()
 }

@@ -74,7 +74,7 @@ impl Surface<'_> {
         let gloss = 0.16 * normal.dot(&half).max(0.0).powi(40);
         let open = self.openness(column, line, &normal);
         let rim = 0.72 + 0.28 * normal.dot(&towards).clamp(0.0, 1.0).powf(0.7);
-        let bright = (0.30 + 0.82 * lambert) * (0.25 + 0.75 * open) * rim;
+        let bright = (0.36 + 0.86 * lambert) * (0.28 + 0.72 * open) * rim;
         base.map(|share| (f64::from(share) * bright + gloss * open).clamp(0.0, 1.0) as f32)
     }
 

@@ -2,7 +2,7 @@
 
 use super::frame::{self, RunFrame};
 use crate::output::vtk::PolyData;
-use crate::output::{RunFiles, decode_vtk};
+use crate::output::{Outline, RunFiles, decode_vtk, outline_vtk};
 use roxmltree::Document;
 use std::path::{Path, PathBuf};
 
@@ -144,8 +144,23 @@ impl RunFrames {
         frame::assemble(grains, contacts, walls).map_err(|problem| damaged(file, problem))
     }
 
-    /// The files of a frame, for those who write them in another format.
-    pub(crate) fn read_files(&self, number: usize) -> Result<[Option<PolyData>; 3], RunFolderError> {
+    /// Times and files of one kind of frames: grains, contacts or walls.
+    pub(crate) fn files(&self, kind: &str) -> &[(f64, PathBuf)] {
+        match kind {
+            "contacts" => &self.contacts,
+            "walls" => &self.walls,
+            _ => &self.grains,
+        }
+    }
+
+    /// Counts of a file, and the arrays whose names are wanted.
+    pub(crate) fn read_some(&self, file: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Outline, RunFolderError> {
+        let bytes = std::fs::read(file).map_err(|error| damaged(file, error.to_string()))?;
+        outline_vtk(&bytes, wanted).map_err(|problem| damaged(file, problem))
+    }
+
+    /// The files of a frame.
+    fn read_files(&self, number: usize) -> Result<[Option<PolyData>; 3], RunFolderError> {
         let (time, file) = &self.grains[number];
         let contacts = self.contacts.iter().find(|(of, _)| of == time).map(|(_, file)| read(file)).transpose()?;
         // Walls that rest are written once, with the first frame.

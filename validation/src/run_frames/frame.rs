@@ -40,7 +40,7 @@ pub struct ContactLine {
 }
 
 /// Walls as triangles.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Walls {
     /// Corners, m.
     pub points: Vec<[f64; 3]>,

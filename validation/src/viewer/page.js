@@ -43,6 +43,7 @@ class Viewer {
     if (!gl) throw new Error("This browser has no WebGL 2: try another one, or switch hardware acceleration on.");
     this.gl = gl;
     this.frame = -1;
+    this.field = head.chosen;
     this.playing = false;
     this.dirty = true;
     this.home();
@@ -190,14 +191,14 @@ class Viewer {
 
   // The field that grains are coloured by: the first one travels with the places, others beside them or once for all frames.
   colourBy() {
-    const { gl, head } = this, field = head.fields[this.field || 0];
-    const data = field.once || (this.field ? head.frames[this.frame].others[field.number] : null);
+    const { gl, head } = this, field = head.fields[this.field];
+    const data = field.once || (field.number > 0 ? head.frames[this.frame].others[field.number - 1] : null);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.others);
     gl.bufferData(gl.ARRAY_BUFFER, data ? this.array(Uint16Array, data) : 2 * head.radii[1], gl.DYNAMIC_DRAW);
   }
 
   legend() {
-    const { gl, head } = this, field = head.fields[this.field || 0], pixels = new Uint8Array(4 * 256);
+    const { gl, head } = this, field = head.fields[this.field], pixels = new Uint8Array(4 * 256);
     const stops = head.viridis;
     for (let k = 0; k < 256; k++) {
       const at = k / 255 * (stops.length - 1), below = Math.min(Math.floor(at), stops.length - 2);
@@ -245,7 +246,7 @@ class Viewer {
     const { forward, top, right } = this.axes(), eye = plus(camera.target, forward, -camera.away);
     const view = [right[0], top[0], -forward[0], 0, right[1], top[1], -forward[1], 0, right[2], top[2], -forward[2], 0,
       -dot(right, eye), -dot(top, eye), dot(forward, eye), 1];
-    const far = camera.away + 2 * head.eye.size, near = Math.max(camera.away - 2 * head.eye.size, 0.004 * far);
+    const far = camera.away + 8 * head.eye.size, near = Math.max(camera.away - 2 * head.eye.size, 0.004 * far);
     const focal = 1 / Math.tan(0.5 * head.eye.opening);
     const projection = [focal * canvas.height / canvas.width, 0, 0, 0, 0, focal, 0, 0,
       0, 0, -(far + near) / (far - near), -1, 0, 0, -2 * far * near / (far - near), 0];
@@ -275,12 +276,12 @@ class Viewer {
     gl.disable(gl.BLEND);
     const size = Number($("size").value);
     if (size > 0) {
-      const places = use(this.grain), field = head.fields[this.field || 0];
+      const places = use(this.grain), field = head.fields[this.field];
       gl.activeTexture(gl.TEXTURE0);
       gl.bindTexture(gl.TEXTURE_2D, this.scale);
       gl.uniform1i(places.scale, 0);
       gl.uniform1f(places.size, size);
-      gl.uniform1i(places.first, this.field ? 0 : 1);
+      gl.uniform1i(places.first, field.number === 0 ? 1 : 0);
       gl.uniform1f(places.kinds, field.kinds ? 1 : 0);
       gl.uniform2fv(places.shown, field.shown);
       gl.bindVertexArray(this.layouts.grain);

@@ -7,7 +7,7 @@ mod shared;
 mod studies;
 mod values;
 
-pub use pictures::{AnimateArguments, PictureArguments, StyleArguments};
+pub use pictures::{AnimateArguments, ExportArguments, ExportFormat, PictureArguments, StyleArguments, ViewArguments};
 pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
@@ -66,6 +66,10 @@ pub enum Command {
     Picture(PictureArguments),
     /// Draw the frames of a run as an animated GIF or PNG file; needs no screen.
     Animate(AnimateArguments),
+    /// Write a run as one HTML file to turn, cut and play in a browser; needs no network.
+    View(ViewArguments),
+    /// Write the frames of a run for other programs: VTKHDF for ParaView, GSD for OVITO.
+    Export(ExportArguments),
     /// Keep the contact problem of one step in a file, and solve it by every solver that there is.
     Problem(ProblemArguments),
 }

@@ -93,9 +93,10 @@ pub struct ViewArguments {
     /// The run.
     #[command(flatten)]
     pub frames: FramesArguments,
-    /// What grains are coloured by: a field of the frames. If absent, their speed, or the pressure in them where all are at rest.
-    #[arg(long)]
-    pub field: Option<String>,
+    /// What grains can be coloured by: fields of the frames, with commas; each takes two bytes per grain and frame. If absent, speed and
+    /// pressure.
+    #[arg(long, value_delimiter = ',')]
+    pub field: Option<Vec<String>>,
     /// Show each so many frames only; as many as fit into --megabytes, if absent.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: Option<u32>,
