@@ -95,8 +95,13 @@ fn a_finished_run_is_left_alone_unless_it_is_to_be_removed() {
     let mut names: Vec<String> = after.iter().map(name).collect();
     names.sort();
     let frames = (0..4).flat_map(|n| ["contacts", "grains"].map(|kind| format!("{kind}-{n:05}.vtp")));
+    // The box rests.
+    let frames = frames.chain(["walls-00000.vtp".to_string()]);
     let mut expected: Vec<String> = frames.collect();
-    expected.extend(["contacts.pvd", "grains.pvd", "notes", "observables.csv", "run.json"].map(String::from));
+    expected.extend(
+        ["contacts.pvd", "grains.pvd", "notes", "observables.csv", "open-in-paraview.py", "run.json", "walls.pvd"]
+            .map(String::from),
+    );
     expected.sort();
     assert_eq!(names, expected);
 }

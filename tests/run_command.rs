@@ -3,7 +3,7 @@
 use crate::support::changed::changed;
 use crate::support::makadam;
 use crate::support::small_scene::smoke;
-use roxmltree::Document;
+use makadam_validation::run_frames::RunFrames;
 use serde_json::Value;
 use std::path::Path;
 
@@ -74,55 +74,68 @@ fn frames_are_valid_and_complete() {
     let folder = tempfile::tempdir().unwrap();
     let summary = run(folder.path(), &[]);
     let frames = summary["frames"].as_u64().unwrap() as usize;
-    for kind in ["grains", "contacts"] {
-        let collection = std::fs::read_to_string(folder.path().join(format!("out/{kind}.pvd"))).unwrap();
-        let collection = Document::parse(&collection).unwrap();
-        let sets: Vec<_> = collection.descendants().filter(|node| node.has_tag_name("DataSet")).collect();
-        assert_eq!(sets.len(), frames);
-        for set in sets {
-            let file = folder.path().join("out").join(set.attribute("file").unwrap());
-            let text = std::fs::read_to_string(file).unwrap();
-            check_poly_data(&Document::parse(&text).unwrap(), kind);
+    let run = RunFrames::open(&folder.path().join("out")).unwrap();
+    assert_eq!((run.count(), run.scene()), (frames, "smoke"));
+    for number in 0..frames {
+        let frame = run.read(number).unwrap();
+        assert_eq!((frame.time, frame.grains.positions.len()), (run.time(number), 200));
+        assert!(frame.grains.radii.iter().all(|radius| (radius / 0.005 - 1.0).abs() < 0.051));
+        let names = frame.quantities();
+        for name in
+            ["angular_velocity", "coordination_number", "diameter", "force", "id", "mass", "material", "population"]
+                .iter()
+                .chain(&["pressure", "speed", "velocity"])
+        {
+            assert!(names.iter().any(|there| there == name), "no field {name} in {names:?}");
+            assert_eq!(frame.quantity(name).unwrap().values.len(), 200);
+        }
+        assert_eq!(frame.quantity("material").unwrap().names, ["grain", "wall"]);
+        // Five faces of the box, whose walls rest and are written once.
+        assert_eq!(frame.walls.unwrap().triangles.len(), 10);
+        if number + 1 == frames {
+            assert_eq!(frame.contacts.unwrap().len() as u64, summary["contacts"].as_u64().unwrap());
         }
     }
+    assert!(!folder.path().join("out/frames/walls-00001.vtp").exists());
+    let script = std::fs::read_to_string(folder.path().join("out/open-in-paraview.py")).unwrap();
+    assert!(script.contains("diameter") && script.contains("PVDReader"));
 }
 
-/// Every array holds as many numbers as the piece has points or cells.
-fn check_poly_data(document: &Document<'_>, kind: &str) {
-    use base64::Engine;
-    let file = document.root_element();
-    assert_eq!(file.attribute("type"), Some("PolyData"));
-    assert_eq!(file.attribute("byte_order"), Some("LittleEndian"));
-    assert_eq!(file.attribute("header_type"), Some("UInt64"));
-    let piece = document.descendants().find(|node| node.has_tag_name("Piece")).unwrap();
-    let count = |name: &str| piece.attribute(name).unwrap().parse::<usize>().unwrap();
-    let names = match kind {
-        "grains" => {
-            assert_eq!((count("NumberOfPoints"), count("NumberOfVerts")), (200, 200));
-            vec!["radius", "velocity", "spin", "id"]
-        }
-        _ => {
-            assert_eq!(count("NumberOfPoints"), 2 * count("NumberOfLines"));
-            vec!["normal_force", "tangential_force", "normal", "point", "first", "second_grain", "second_wall"]
-        }
+#[test]
+fn a_scene_chooses_what_frames_hold_and_how_often() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = "[output]\ninterval = 0.02\nfields = [\"speed\", \"coordination-number\"]\ncontacts = false\n[measure]";
+    let scene = changed(folder.path(), "[measure]", table);
+    let run = |scene: &Path| {
+        makadam(folder.path())
+            .arg("run")
+            .arg(scene)
+            .args(["--steps", "100", "--restart", "--output", "out"])
+            .output()
+            .unwrap()
     };
-    for name in names {
-        assert!(piece.descendants().any(|node| node.attribute("Name") == Some(name)), "no array {name}");
+    let output = run(&scene);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let frames = RunFrames::open(&folder.path().join("out")).unwrap();
+    let frame = frames.read(1).unwrap();
+    assert_eq!(frame.quantities(), ["coordination_number", "diameter", "id", "material", "speed"]);
+    assert!(frame.contacts.is_none() && !folder.path().join("out/contacts.pvd").exists());
+    // 100 steps of 0.5 ms: a frame each 20 ms and one at the end, while the table has a row each 50 ms.
+    let times: Vec<String> = (0..frames.count()).map(|number| format!("{:.3}", frames.time(number))).collect();
+    assert_eq!(times, ["0.000", "0.020", "0.040", "0.050"]);
+    let rows = std::fs::read_to_string(folder.path().join("out/observables.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 3, "{rows}");
+
+    let scene = changed(folder.path(), "[measure]", "[output]\nfields = [\"sped\"]\n[measure]");
+    let output = run(&scene);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3));
+    for word in ["sped", "speed", "angular_velocity", "pressure", "fields"] {
+        assert!(message.contains(word), "{message}");
     }
-    for array in piece.descendants().filter(|node| node.has_tag_name("DataArray")) {
-        let bytes = base64::engine::general_purpose::STANDARD.decode(array.text().unwrap()).unwrap();
-        let size = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
-        assert_eq!(bytes.len(), 8 + size);
-        let components: usize = array.attribute("NumberOfComponents").unwrap().parse().unwrap();
-        let tuples = size / 4 / components;
-        let expected = match (array.parent().unwrap().tag_name().name(), array.attribute("Name")) {
-            ("PointData" | "Points", _) => count("NumberOfPoints"),
-            ("Verts", _) => count("NumberOfVerts"),
-            ("Lines", Some("connectivity")) => 2 * count("NumberOfLines"),
-            _ => count("NumberOfLines"),
-        };
-        assert_eq!(tuples, expected, "{:?}", array.attribute("Name"));
-    }
+    let scene = changed(folder.path(), "[measure]", "[output]\ninterval = 1e-9\n[measure]");
+    let message = String::from_utf8_lossy(&run(&scene).stderr).into_owned();
+    assert!(message.contains("output.interval"), "{message}");
 }
 
 #[test]

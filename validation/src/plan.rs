@@ -1,7 +1,11 @@
 //! A scene as the judge has it: what is simulated, and what is measured and compared of it.
 //!
-//! Both stand in one TOML document with two readers. The solver reads what is simulated and passes over the tables `prepare`, `measure`
-//! and `compare`; here these are read, and written again with the rest, in the order that hashes of recorded results are taken in.
+//! Both stand in one TOML document with two readers. The solver reads what is simulated and passes over the tables `prepare`, `measure`,
+//! `output` and `compare`; here these are read, and written again with the rest, in the order that hashes of recorded results are taken in.
+
+mod output;
+
+pub use output::{GrainField, Output};
 
 use makadam::scene::{
     Accuracy, Beforehand, Checked, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material, PairRule,
@@ -26,6 +30,8 @@ pub struct Scene {
     pub prepare: Option<Prepare>,
     /// What is measured and when.
     pub measure: Measure,
+    /// What a run writes of its frames; all of it at the interval of `measure`, if absent.
+    pub output: Option<Output>,
     /// Observables that are compared between codes, with their margins of equivalence.
     pub compare: Vec<Expectation>,
 }
@@ -55,6 +61,8 @@ pub(crate) struct Tables {
     measure: Measure,
     /// Observables that are compared between codes, with their margins of equivalence.
     #[serde(default)]
+    output: Option<Output>,
+    #[serde(default)]
     compare: Vec<Expectation>,
 }
 
@@ -66,8 +74,8 @@ impl Scene {
     pub fn parse(text: &str) -> Result<Scene, SceneError> {
         let simulated = makadam::scene::Scene::parse(text)?;
         let tables: Tables = toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))?;
-        let Tables { prepare, measure, compare } = tables;
-        let scene = Scene { simulated, prepare, measure, compare };
+        let Tables { prepare, measure, output, compare } = tables;
+        let scene = Scene { simulated, prepare, measure, output, compare };
         scene.check()?;
         Ok(scene)
     }
@@ -104,6 +112,11 @@ impl Scene {
         Scene { simulated: self.simulated.with_stiffness_factor(factor), ..self.clone() }
     }
 
+    /// Time between frames on disk, s.
+    pub fn output_interval(&self) -> f64 {
+        self.output.as_ref().and_then(|output| output.interval).unwrap_or(self.measure.interval)
+    }
+
     fn beforehand(&self) -> Option<Beforehand> {
         self.prepare.as_ref().map(|prepare| Beforehand { duration: prepare.duration, step: prepare.step })
     }
@@ -116,11 +129,14 @@ impl Scene {
         }
         let (at, duration) = (root.key("measure"), self.duration);
         let Measure { interval, from, .. } = self.measure;
-        at.key("interval").range(interval, 1e-6, 1e5, "s")?;
         at.key("from").range(from.unwrap_or(0.0), 0.0, duration, "s")?;
-        if duration / interval > MOST_FRAMES {
-            let problem = format!("{interval} s within {duration} s are too many frames");
-            return Err(at.key("interval").fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
+        for (table, interval) in [("measure", interval), ("output", self.output_interval())] {
+            let at = root.key(table).key("interval");
+            at.range(interval, 1e-6, 1e5, "s")?;
+            if duration / interval > MOST_FRAMES {
+                let problem = format!("{interval} s within {duration} s are too many frames");
+                return Err(at.fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
+            }
         }
         let mut compared = HashMap::new();
         for (index, expectation) in self.compare.iter().enumerate() {
@@ -161,6 +177,8 @@ struct Document<'s> {
     #[serde(skip_serializing_if = "Option::is_none")]
     watch: Option<&'s Watch>,
     measure: &'s Measure,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output: &'s Option<Output>,
     compare: &'s [Expectation],
 }
 
@@ -175,8 +193,8 @@ struct Written {
 }
 
 impl From<Written> for Scene {
-    fn from(Written { simulated, tables: Tables { prepare, measure, compare } }: Written) -> Scene {
-        Scene { simulated, prepare, measure, compare }
+    fn from(Written { simulated, tables: Tables { prepare, measure, output, compare } }: Written) -> Scene {
+        Scene { simulated, prepare, measure, output, compare }
     }
 }
 
@@ -185,7 +203,7 @@ const SLIGHT_OVERLAP: f64 = 0.01;
 
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Scene { simulated, prepare, measure, compare } = self;
+        let Scene { simulated, prepare, measure, output, compare } = self;
         let makadam::scene::Scene {
             name,
             description,
@@ -223,6 +241,7 @@ impl Serialize for Scene {
             solver,
             watch: Some(watch).filter(|watch| **watch != Watch::default()),
             measure,
+            output,
             compare,
         };
         document.serialize(serializer)

@@ -55,7 +55,7 @@ impl Sketch {
             watch: Watch::default(),
         };
         let measure = Measure { interval: duration / 50.0, from: Some(0.0), observables: Vec::new() };
-        Sketch(Scene { simulated, prepare: None, measure, compare: Vec::new() })
+        Sketch(Scene { simulated, prepare: None, measure, output: None, compare: Vec::new() })
     }
 
     /// Lets the scene be changed at will.

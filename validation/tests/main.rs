@@ -3,6 +3,7 @@
 mod support;
 
 mod engines;
+mod frames;
 mod geometry;
 mod kept_states;
 mod measured_bits;

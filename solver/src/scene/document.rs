@@ -9,7 +9,7 @@ use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
 
 /// Tables of a scene's file that say nothing of what is simulated: who measures the scene reads them.
-pub const TABLES_OF_WHO_MEASURES: [&str; 3] = ["prepare", "measure", "compare"];
+pub const TABLES_OF_WHO_MEASURES: [&str; 4] = ["prepare", "measure", "output", "compare"];
 
 /// All keys, in the order in which messages list them.
 #[derive(Deserialize)]
@@ -50,6 +50,8 @@ pub(super) struct Document {
     #[serde(default, rename = "measure")]
     #[cfg_attr(feature = "schema", schemars(skip))]
     _measure: IgnoredAny,
+    #[serde(default, rename = "output")]
+    _output: IgnoredAny,
     #[serde(default, rename = "compare")]
     #[cfg_attr(feature = "schema", schemars(skip))]
     _compare: IgnoredAny,

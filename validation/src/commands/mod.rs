@@ -7,11 +7,13 @@ mod compare;
 mod console;
 mod convergence;
 mod effects;
+mod export;
 mod failure;
 mod laws;
 mod manual;
 mod new;
 mod observables;
+mod picture;
 mod problem;
 mod qualify;
 mod record;
@@ -23,6 +25,7 @@ mod schema;
 mod stability;
 mod sweep;
 mod tradeoff;
+mod view;
 
 pub use console::Console;
 pub use failure::{Failure, OUTSIDE_TOLERANCE};
@@ -65,6 +68,10 @@ pub fn main() -> ExitCode {
         Command::Convergence(convergence) => convergence::convergence(convergence, &console),
         Command::Effects(effects) => effects::effects(effects, &console),
         Command::Laws(laws) => laws::laws(laws, &console),
+        Command::Picture(picture) => picture::picture(picture, &console),
+        Command::Animate(animate) => picture::animate(animate, &console),
+        Command::View(view) => view::view(view, &console),
+        Command::Export(export) => export::export(export, &console),
         Command::Problem(problem) => problem::problem(problem, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),

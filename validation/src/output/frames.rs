@@ -1,7 +1,10 @@
-//! Frames on disk: one file of grains and one of contacts a frame, and two collections that list them over time.
+//! Frames on disk: for each a file of grains, one of contacts and one of walls, and collections that list them over time.
 
 use super::collection::Collection;
-use super::{WriteError, create_folder, vtk, write_whole};
+use super::grain_fields::GrainTable;
+use super::wall_mesh::WallMesh;
+use super::{RunFiles, WriteError, create_folder, write_durably, write_whole};
+use crate::plan::Scene;
 use makadam::checkpoint::{sync_file, sync_folder};
 use makadam::snapshot::Snapshot;
 use serde::{Deserialize, Serialize};
@@ -12,10 +15,16 @@ use std::path::{Path, PathBuf};
 const ONE_BY_ONE: usize = 64;
 
 /// What frames are of, in the names of files.
-pub(super) const KINDS: [&str; 2] = ["grains", "contacts"];
+pub(super) const KINDS: [&str; 3] = ["grains", "contacts", "walls"];
+
+const CONTACTS: usize = 1;
+const WALLS: usize = 2;
 
 /// Folder of frames inside an output folder.
 pub(super) const FOLDER: &str = "frames";
+
+/// What opens the frames in ParaView.
+const SCRIPT: &str = include_str!("open-in-paraview.py");
 
 /// Writes frames as they come. The collections are whole after every frame, so what is there can be opened at any time.
 pub struct FrameWriter {
@@ -23,7 +32,10 @@ pub struct FrameWriter {
     count: usize,
     /// Frames that are safely on the disk.
     synced: usize,
-    lists: [Collection; 2],
+    /// One per kind; none for a kind that is not written.
+    lists: [Option<Collection>; 3],
+    grains: GrainTable,
+    walls: WallMesh,
 }
 
 /// How far a [`FrameWriter`] has come, for a checkpoint.
@@ -31,50 +43,81 @@ pub struct FrameWriter {
 pub struct FramesWritten {
     /// Number of frames.
     pub count: usize,
-    /// Bytes of each collection before its closing tags.
-    pub listed: [u64; 2],
+    /// Bytes of each collection before its closing tags; zero for a kind that is not written.
+    pub listed: [u64; 3],
 }
 
 impl FrameWriter {
-    /// Makes the folder `frames` inside `output`, and collections without frames.
+    /// Makes the folder `frames` inside `output`, collections without frames, and a script that opens them in ParaView.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses.
-    pub fn create(output: &Path) -> Result<FrameWriter, WriteError> {
+    pub fn create(output: &Path, scene: &Scene) -> Result<FrameWriter, WriteError> {
         create_folder(&output.join(FOLDER))?;
-        let [grains, contacts] = KINDS.map(|kind| Collection::create(&list_of(output, kind)));
-        Ok(FrameWriter { output: output.to_path_buf(), count: 0, synced: 0, lists: [grains?, contacts?] })
+        write_durably(&output.join(RunFiles::PARAVIEW), SCRIPT.as_bytes())?;
+        FrameWriter::new(output, scene, 0, |_, list| Collection::create(&list))
     }
 
     /// Goes on after the frames that an earlier part of the run has written.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses, or a collection is shorter than it then was.
-    pub fn go_on(output: &Path, written: FramesWritten) -> Result<FrameWriter, WriteError> {
+    pub fn go_on(output: &Path, scene: &Scene, written: FramesWritten) -> Result<FrameWriter, WriteError> {
         create_folder(&output.join(FOLDER))?;
-        let [grains, contacts] = [0, 1].map(|n| Collection::go_on(&list_of(output, KINDS[n]), written.listed[n]));
-        let FramesWritten { count, .. } = written;
-        Ok(FrameWriter { output: output.to_path_buf(), count, synced: count, lists: [grains?, contacts?] })
+        FrameWriter::new(output, scene, written.count, |kind, list| Collection::go_on(&list, written.listed[kind]))
+    }
+
+    fn new(
+        output: &Path,
+        scene: &Scene,
+        count: usize,
+        list: impl Fn(usize, PathBuf) -> Result<Collection, WriteError>,
+    ) -> Result<FrameWriter, WriteError> {
+        let asked = scene.output.clone().unwrap_or_default();
+        let mut lists = [None, None, None];
+        for (kind, is_written) in [true, asked.contacts, asked.walls && !scene.wall.is_empty()].into_iter().enumerate()
+        {
+            if is_written {
+                lists[kind] = Some(list(kind, list_of(output, KINDS[kind]))?);
+            }
+        }
+        let (grains, walls) = (GrainTable::new(scene), WallMesh::new(scene));
+        Ok(FrameWriter { output: output.to_path_buf(), count, synced: count, lists, grains, walls })
     }
 
     /// How far it has come.
     pub fn written(&self) -> FramesWritten {
-        FramesWritten { count: self.count, listed: [self.lists[0].body(), self.lists[1].body()] }
+        let listed = self.lists.each_ref().map(|list| list.as_ref().map_or(0, Collection::body));
+        FramesWritten { count: self.count, listed }
     }
 
-    /// Writes one frame and lists it in `grains.pvd` and `contacts.pvd`.
+    /// Writes one frame and lists it in `grains.pvd`, `contacts.pvd` and `walls.pvd`. Walls that all rest are written with the first
+    /// frame alone.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn write(&mut self, frame: &Snapshot) -> Result<(), WriteError> {
-        let names = KINDS.map(|kind| file_name(kind, self.count));
-        write_whole(&self.output.join(&names[0]), vtk::grains(frame).as_bytes())?;
-        write_whole(&self.output.join(&names[1]), vtk::contacts(frame).as_bytes())?;
-        for (list, name) in self.lists.iter_mut().zip(&names) {
-            list.push(frame.time, name)?;
+        for kind in self.kinds_of(self.count) {
+            let data = match kind {
+                CONTACTS => self.grains.contacts(frame),
+                WALLS => self.walls.at(frame.time, &frame.driven_walls),
+                _ => self.grains.grains(frame),
+            };
+            write_whole(&self.output.join(file_name(KINDS[kind], self.count)), &data.encode())?;
+        }
+        for kind in self.kinds_of(self.count) {
+            if let Some(list) = &mut self.lists[kind] {
+                list.push(frame.time, &file_name(KINDS[kind], self.count))?;
+            }
         }
         self.count += 1;
         Ok(())
+    }
+
+    /// What is written of a frame.
+    fn kinds_of(&self, number: usize) -> Vec<usize> {
+        let is_due = |kind: &usize| *kind != WALLS || number == 0 || self.walls.moves();
+        (0..KINDS.len()).filter(|kind| self.lists[*kind].is_some()).filter(is_due).collect()
     }
 
     /// Writes all frames and collections to the disk: afterwards they outlast a cut of power, once the output folder's own names
@@ -92,14 +135,10 @@ impl FrameWriter {
             let open = File::open(&folder).map_err(refused(&folder))?;
             rustix::fs::syncfs(&open).map_err(|error| refused(&folder)(error.into()))?;
         } else {
-            for number in self.synced..self.count {
-                for path in KINDS.map(|kind| self.output.join(file_name(kind, number))) {
-                    sync_file(&path).map_err(refused(&path))?;
-                }
-            }
+            while self.sync_next()? {}
         }
         sync_folder(&folder).map_err(refused(&folder))?;
-        self.lists.iter().try_for_each(Collection::sync)?;
+        self.lists.iter().flatten().try_for_each(Collection::sync)?;
         self.synced = self.count;
         Ok(())
     }
@@ -113,7 +152,8 @@ impl FrameWriter {
         if self.synced == self.count {
             return Ok(false);
         }
-        for path in KINDS.map(|kind| self.output.join(file_name(kind, self.synced))) {
+        for kind in self.kinds_of(self.synced) {
+            let path = self.output.join(file_name(KINDS[kind], self.synced));
             sync_file(&path).map_err(|source| WriteError::new(&path, source))?;
         }
         self.synced += 1;
@@ -132,6 +172,6 @@ fn file_name(kind: &str, number: usize) -> String {
 }
 
 /// The collection of one kind of files.
-fn list_of(output: &Path, kind: &str) -> PathBuf {
+pub(super) fn list_of(output: &Path, kind: &str) -> PathBuf {
     output.join(format!("{kind}.pvd"))
 }

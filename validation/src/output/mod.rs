@@ -4,6 +4,7 @@ mod cache;
 pub(crate) mod cells;
 mod collection;
 mod frames;
+mod grain_fields;
 mod lock;
 mod names;
 mod record;
@@ -11,7 +12,9 @@ mod run_files;
 mod shown;
 mod summary;
 mod table;
-mod vtk;
+pub(crate) mod vtk;
+mod vtk_read;
+mod wall_mesh;
 
 pub use cache::cache_folder;
 pub use frames::{FrameWriter, FramesWritten};
@@ -22,6 +25,7 @@ pub use run_files::RunFiles;
 pub(crate) use shown::shown;
 pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
 pub use table::{TableWritten, TimeTable};
+pub(crate) use vtk_read::{Outline, decode as decode_vtk, outline as outline_vtk};
 
 use makadam::checkpoint::{replace_with, write_atomically};
 use std::io::Write;

@@ -29,6 +29,9 @@ impl<'a> RunFiles<'a> {
     /// The checkpoint.
     pub const CHECKPOINT: &'static str = "run.checkpoint";
 
+    /// What opens the frames in ParaView.
+    pub const PARAVIEW: &'static str = "open-in-paraview.py";
+
     /// The table over time.
     pub const TABLE: &'static str = "observables.csv";
 
@@ -128,7 +131,7 @@ fn meaning(name: &str, result: impl Fn(&str) -> bool) -> Option<Kind> {
 /// The summary is none of them: it is replaced, so that there is always one that tells what the folder holds.
 fn top(name: &str) -> bool {
     let collection = name.strip_suffix(".pvd").is_some_and(|kind| frames::KINDS.contains(&kind));
-    collection || [RunFiles::CHECKPOINT, RunFiles::TABLE, RunFiles::MEASURED].contains(&name)
+    collection || [RunFiles::CHECKPOINT, RunFiles::TABLE, RunFiles::MEASURED, RunFiles::PARAVIEW].contains(&name)
 }
 
 fn frame(name: &str) -> bool {
@@ -169,6 +172,9 @@ mod tests {
             "frames/grains-00000.vtp",
             "frames/contacts-123456.vtp",
             "measured-frames",
+            "walls.pvd",
+            "open-in-paraview.py",
+            "frames/walls-00000.vtp",
             "observables.csv.part12",
             "run.json.part12-3",
             "frames/grains-00001.vtp.part12-7",
@@ -180,7 +186,7 @@ mod tests {
             "scene.toml",
             "observables.csv.bak",
             "frames/grains-1.vtp",
-            "frames/walls-00000.vtp",
+            "frames/others-00000.vtp",
             "frames/grains-00000.vtp.partial",
             "measured-frames.old",
             "other/grains-00000.vtp",

@@ -1,6 +1,7 @@
 //! The command line: every command's arguments, and the words that they take.
 
 mod learn;
+mod pictures;
 mod problem;
 mod runs;
 mod shared;
@@ -11,6 +12,7 @@ pub use learn::{
     CheckArguments, CompletionsArguments, ManualArguments, NewArguments, ObservablesArguments, SceneListArguments,
     SchemaArguments, SweepArguments,
 };
+pub use pictures::{AnimateArguments, ExportArguments, ExportFormat, PictureArguments, StyleArguments, ViewArguments};
 pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
@@ -77,6 +79,14 @@ pub enum Command {
     Effects(EffectsArguments),
     /// Measure published laws of granular matter and judge them against the published values.
     Laws(LawsArguments),
+    /// Draw a frame of a run as a PNG file; needs no screen.
+    Picture(PictureArguments),
+    /// Draw the frames of a run as an animated GIF or PNG file; needs no screen.
+    Animate(AnimateArguments),
+    /// Write a run as one HTML file to turn, cut and play in a browser; needs no network.
+    View(ViewArguments),
+    /// Write the frames of a run for other programs: VTKHDF for ParaView, GSD for OVITO.
+    Export(ExportArguments),
     /// Keep the contact problem of one step in a file, and solve it by every solver that there is.
     Problem(ProblemArguments),
     /// Print a script that completes the command in a shell.

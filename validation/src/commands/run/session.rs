@@ -16,6 +16,7 @@ use crate::output::{FrameWriter, RunFiles, RunSummary, TimeTable, WriteError, wr
 use crate::stepping::frame_is_due;
 use makadam::Simulation;
 use makadam::scene::Reaction;
+use makadam::snapshot::Snapshot;
 use makadam::solve::StopReason;
 use makadam::watch::{Alarm, Watchdog};
 use std::time::Instant;
@@ -45,6 +46,19 @@ struct Held {
     marks: MarksToCome,
 }
 
+/// What is done with the state after a step.
+#[derive(Clone, Copy)]
+struct Due {
+    measured: bool,
+    written: bool,
+}
+
+impl Due {
+    fn any(self) -> bool {
+        self.measured || self.written
+    }
+}
+
 /// A run under way.
 pub(super) struct Session<'a> {
     plan: Plan<'a>,
@@ -70,7 +84,7 @@ impl<'a> Session<'a> {
         place.withdraw()?;
         announce(&plan, &simulation, &progress)?;
         RunFiles::inside(&plan.output).remove()?;
-        let frames = FrameWriter::create(&plan.output)?;
+        let frames = FrameWriter::create(&plan.output, plan.scene)?;
         let table = TimeTable::create(&plan.output.join(RunFiles::TABLE), &COLUMNS)?;
         let measured = MeasuredFrames::begin(&plan.output);
         let outputs = Outputs { folder: plan.output.clone(), frames, table, measured };
@@ -81,7 +95,7 @@ impl<'a> Session<'a> {
     pub fn go_on(plan: Plan<'a>, simulation: Simulation, mut progress: Progress) -> Result<Session<'a>, Failure> {
         let place = Place::inside(&plan.output);
         let measured = MeasuredFrames::go_on(&plan.output, std::mem::take(&mut progress.measured))?;
-        let frames = FrameWriter::go_on(&plan.output, progress.frames)?;
+        let frames = FrameWriter::go_on(&plan.output, plan.scene, progress.frames)?;
         let table = TimeTable::go_on(&plan.output.join(RunFiles::TABLE), progress.table.clone())?;
         RunFiles::inside(&plan.output).remove_frames_from(frames.count())?;
         progress.continued_at.push(progress.steps);
@@ -104,15 +118,19 @@ impl<'a> Session<'a> {
     }
 
     /// Takes the steps, with a frame at the start, at every interval and at the end.
-    pub fn play(&mut self, steps: u64, console: &Console) -> Result<(), Failure> {
+    pub fn play(&mut self, last_step: u64, console: &Console) -> Result<(), Failure> {
         self.simulation.heed(crate::interrupt::handle());
         let bar = console.bar(&self.plan.scene.name);
-        let (step_seconds, interval) = (self.simulation.time_step(), self.plan.scene.measure.interval);
+        let (step_seconds, scene) = (self.simulation.time_step(), self.plan.scene);
+        let due = |steps: u64| Due {
+            measured: steps == 0 || steps == last_step || frame_is_due(steps, step_seconds, scene.measure.interval),
+            written: steps == 0 || steps == last_step || frame_is_due(steps, step_seconds, scene.output_interval()),
+        };
         if self.progress.framed_at.is_none() {
-            self.frame()?;
+            self.frame(due(0))?;
         }
         let mut written = Instant::now();
-        while self.progress.steps < steps {
+        while self.progress.steps < last_step {
             let clock = Instant::now();
             let report = self.simulation.step();
             self.progress.wall += clock.elapsed();
@@ -124,24 +142,24 @@ impl<'a> Session<'a> {
             self.progress.steps += 1;
             self.progress.note(report);
             let interrupted = crate::interrupt::requested();
-            let last = self.progress.steps == steps;
-            let framed = last || frame_is_due(self.progress.steps, step_seconds, interval);
+            let last = self.progress.steps == last_step;
+            let due = due(self.progress.steps);
             let mut alarms = self.watchdog.observe(&self.simulation, &report);
             // What is measured or left behind is looked at too.
             if last || interrupted {
                 alarms.extend(self.watchdog.last(&self.simulation));
-            } else if framed {
+            } else if due.any() {
                 alarms.extend(self.watchdog.look(&self.simulation));
             }
             self.heed(&alarms, console)?;
-            if framed {
-                self.frame()?;
+            if due.any() {
+                self.frame(due)?;
             }
             if !last && (interrupted || written.elapsed() >= self.plan.interval) {
                 self.write_checkpoint()?;
                 written = Instant::now();
             }
-            bar.set(self.progress.steps as f64 / steps as f64);
+            bar.set(self.progress.steps as f64 / last_step as f64);
             bar.say(format!("{:.2} s, {} contacts", self.simulation.time() - self.progress.started, report.contacts));
             if interrupted && !last {
                 return Err(self.interrupted());
@@ -215,8 +233,8 @@ impl<'a> Session<'a> {
         std::array::from_fn(|phase| self.progress.phases[phase] + now[phase] - self.phases_before[phase])
     }
 
-    /// Makes a frame and a row of the table, and hands them over to be measured and written.
-    fn frame(&mut self) -> Result<(), Failure> {
+    /// Makes a frame, which is written, measured for a row of the table, or both, and hands it over.
+    fn frame(&mut self, due: Due) -> Result<(), Failure> {
         let clock = Instant::now();
         self.writer.wait_for_room()?;
         let frame = self.simulation.snapshot();
@@ -226,6 +244,16 @@ impl<'a> Session<'a> {
                 self.progress.steps
             )));
         }
+        let row = due.measured.then(|| self.row(&frame));
+        (self.progress.particles, self.progress.contacts) = (frame.particles.len(), frame.contacts.len());
+        self.progress.framed_at = Some(self.progress.steps);
+        self.writer.write(FrameToWrite { frame, written: due.written, row })?;
+        self.progress.output_time += clock.elapsed();
+        Ok(())
+    }
+
+    /// First cells of a row of the table.
+    fn row(&self, frame: &Snapshot) -> Vec<(String, f64)> {
         let energy = self.simulation.energy();
         let (sweeps, residual) = self
             .progress
@@ -241,12 +269,7 @@ impl<'a> Session<'a> {
             sweeps,
             residual,
         ];
-        let row = COLUMNS.iter().map(ToString::to_string).zip(values).collect();
-        (self.progress.particles, self.progress.contacts) = (frame.particles.len(), frame.contacts.len());
-        self.progress.framed_at = Some(self.progress.steps);
-        self.writer.write(FrameToWrite { frame, row })?;
-        self.progress.output_time += clock.elapsed();
-        Ok(())
+        COLUMNS.iter().map(ToString::to_string).zip(values).collect()
     }
 
     /// Ends the run: writes all that waits and the summary to the disk, and removes the checkpoint of a run that reached its last

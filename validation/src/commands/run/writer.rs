@@ -39,9 +39,12 @@ impl Marks {
 }
 
 impl Outputs {
-    /// Writes a frame and a row of the table: the given cells, then what is measured of the frame.
-    fn take(&mut self, scene: &Scene, FrameToWrite { frame, row: mut cells }: FrameToWrite) -> Result<(), Failure> {
-        self.frames.write(&frame)?;
+    /// Writes a frame, or a row of the table (the given cells, then what is measured of the frame), or both.
+    fn take(&mut self, scene: &Scene, FrameToWrite { frame, written, row }: FrameToWrite) -> Result<(), Failure> {
+        if written {
+            self.frames.write(&frame)?;
+        }
+        let Some(mut cells) = row else { return Ok(()) };
         let known = cells.len();
         let measured = instant(scene, &frame).into_iter();
         let unknown: Vec<_> =
@@ -77,8 +80,10 @@ impl Outputs {
 /// A frame on its way to the disk.
 pub(super) struct FrameToWrite {
     pub frame: Snapshot,
-    /// First cells of its row; those that are not finite are left empty.
-    pub row: Vec<(String, f64)>,
+    /// Whether it is written.
+    pub written: bool,
+    /// First cells of its row, where it is measured; those that are not finite are left empty.
+    pub row: Option<Vec<(String, f64)>>,
 }
 
 enum Order {

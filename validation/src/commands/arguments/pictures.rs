@@ -1,0 +1,151 @@
+//! Arguments of the commands that show what a run has left.
+
+use super::values::positive;
+use crate::pictures::{Cut, Style, View};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// The run of a command.
+#[derive(Debug, Args)]
+pub struct FramesArguments {
+    /// The folder of a run, or the name of one below results; the run may be under way.
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+}
+
+/// How pictures are drawn.
+#[derive(Debug, Args)]
+pub struct StyleArguments {
+    /// What grains are coloured by: a field of the frames, such as speed, pressure, force, coordination_number, diameter, material.
+    /// If absent, their speed, or the pressure in them where all are at rest.
+    #[arg(long)]
+    pub field: Option<String>,
+    /// Values at the ends of the colour scale, in the field's unit, as LOW,HIGH; taken from the frames, if absent.
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    pub range: Option<[f64; 2]>,
+    /// From where: natural, front, side, top, or AZIMUTH,ELEVATION in degrees.
+    #[arg(long, default_value = "natural", allow_hyphen_values = true)]
+    pub view: View,
+    /// A plane in front of which nothing is shown, such as y=0.02 (m).
+    #[arg(long, value_name = "AXIS=PLACE")]
+    pub clip: Option<Cut>,
+    /// Leave walls out.
+    #[arg(long)]
+    pub no_walls: bool,
+}
+
+impl StyleArguments {
+    /// The style of pictures of a size.
+    pub fn style(&self, size: [usize; 2]) -> Style {
+        Style { size, view: self.view, cut: self.clip, walls: !self.no_walls }
+    }
+}
+
+/// Arguments of `makadam picture`.
+#[derive(Debug, Args)]
+pub struct PictureArguments {
+    /// The run.
+    #[command(flatten)]
+    pub frames: FramesArguments,
+    /// The frame nearest to this simulated time, s; the last one, if absent.
+    #[arg(long, value_name = "SECONDS")]
+    pub time: Option<f64>,
+    /// The last frame.
+    #[arg(long, conflicts_with = "time")]
+    pub last: bool,
+    /// Width and height, pixels.
+    #[arg(long, default_value = "1200x900", value_parser = size)]
+    pub size: [usize; 2],
+    /// How it is drawn.
+    #[command(flatten)]
+    pub style: StyleArguments,
+    /// PNG file to write; picture.png in the folder of the run, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+}
+
+/// Arguments of `makadam animate`.
+#[derive(Debug, Args)]
+pub struct AnimateArguments {
+    /// The run.
+    #[command(flatten)]
+    pub frames: FramesArguments,
+    /// Show each so many frames only.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+    /// Frames per second.
+    #[arg(long, default_value_t = 20.0, value_parser = positive)]
+    pub rate: f64,
+    /// Width and height, pixels.
+    #[arg(long, default_value = "800x600", value_parser = size)]
+    pub size: [usize; 2],
+    /// How it is drawn.
+    #[command(flatten)]
+    pub style: StyleArguments,
+    /// GIF or APNG file to write, by its ending .gif, .apng or .png; animation.gif in the folder of the run, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+}
+
+/// Arguments of `makadam view`.
+#[derive(Debug, Args)]
+pub struct ViewArguments {
+    /// The run.
+    #[command(flatten)]
+    pub frames: FramesArguments,
+    /// What grains can be coloured by: fields of the frames, with commas; each takes two bytes per grain and frame. If absent, speed and
+    /// pressure.
+    #[arg(long, value_delimiter = ',')]
+    pub field: Option<Vec<String>>,
+    /// Show each so many frames only; as many as fit into --megabytes, if absent.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: Option<u32>,
+    /// Largest size of the file, MB: first contacts are left out, then frames.
+    #[arg(long, default_value_t = 200.0, value_parser = positive)]
+    pub megabytes: f64,
+    /// Leave contacts, and with them force chains, out.
+    #[arg(long)]
+    pub no_contacts: bool,
+    /// HTML file to write; view.html in the folder of the run, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+}
+
+/// A format that frames are written in for other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ExportFormat {
+    /// VTKHDF of ParaView: one file each for all grains, contacts and walls over time.
+    Vtkhdf,
+    /// GSD of HOOMD-blue, which OVITO opens: grains over time.
+    Gsd,
+}
+
+/// Arguments of `makadam export`.
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// The run.
+    #[command(flatten)]
+    pub frames: FramesArguments,
+    /// Format.
+    #[arg(long, value_enum)]
+    pub format: ExportFormat,
+    /// Folder to write into; that of the run, if absent.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+}
+
+/// A size such as 1200x900.
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let parse = |text: &str| text.parse::<usize>().ok().filter(|pixels| (64..=16_384).contains(pixels));
+    let sides = text.split_once(['x', 'X']).and_then(|(width, height)| Some([parse(width)?, parse(height)?]));
+    sides.ok_or_else(|| {
+        format!("'{text}' is no size: give WIDTHxHEIGHT in pixels, each from 64 to 16384, such as 1200x900")
+    })
+}
+
+/// A range such as 0,0.5.
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let parse = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    let ends = text.split_once(',').and_then(|(low, high)| Some([parse(low)?, parse(high)?]));
+    ends.filter(|[low, high]| low < high).ok_or_else(|| format!("'{text}' is no range: give LOW,HIGH, such as 0,0.5"))
+}

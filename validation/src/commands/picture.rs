@@ -1,0 +1,100 @@
+//! `makadam picture` and `makadam animate`: what a run has left, as an image and as a film.
+
+use super::arguments::{AnimateArguments, PictureArguments, StyleArguments};
+use super::{Console, Failure};
+use crate::pictures::{Animation, Picture, PictureError, Scale, Subject, camera, draw, telling, write_png};
+use crate::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames};
+use std::process::ExitCode;
+
+/// Frames that are looked at to choose the scale and the place of the camera of an animation.
+const LOOKS: usize = 9;
+
+/// Draws one frame.
+pub(super) fn picture(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let run = RunFrames::open(&arguments.frames.run)?;
+    let number = match arguments.time {
+        Some(time) => run.at(time)?,
+        None => run.count() - 1,
+    };
+    let frame = run.read(number)?;
+    let style = arguments.style.style(arguments.size);
+    let field = field_of(&arguments.style, &frame);
+    let quantity = run.field(&frame, &field)?;
+    let scale = scale_of(&arguments.style, &quantity.title, &quantity.values);
+    let camera = camera(&Subject::of(std::iter::once(&frame)), &frame, &style);
+    let drawn = draw(&frame, &quantity, &scale, &camera, &style, &caption(&run, &frame));
+    let output = arguments.output.clone().unwrap_or_else(|| run.folder().join("picture.png"));
+    write_png(&output, &drawn)?;
+    console.result(&format!("{}: {} at {} s, coloured by {field}", output.display(), run.scene(), frame.time))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Draws all frames.
+pub(super) fn animate(arguments: &AnimateArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let run = RunFrames::open(&arguments.frames.run)?;
+    let numbers: Vec<usize> = (0..run.count()).step_by(arguments.every as usize).collect();
+    let output = arguments.output.clone().unwrap_or_else(|| run.folder().join("animation.gif"));
+    let style = arguments.style.style(arguments.size);
+    // One scale and one camera for all: what is seen must move, not they.
+    let step = numbers.len().div_ceil(LOOKS).max(1);
+    let looks: Vec<RunFrame> =
+        numbers.iter().rev().step_by(step).map(|number| run.read(*number)).collect::<Result<_, _>>()?;
+    let middle = &looks[looks.len() / 2];
+    let field = field_of(&arguments.style, middle);
+    let quantities: Vec<Quantity> =
+        looks.iter().map(|frame| run.field(frame, &field)).collect::<Result<_, RunFolderError>>()?;
+    let values: Vec<f64> = quantities.iter().flat_map(|quantity| quantity.values.iter().copied()).collect();
+    let scale = scale_of(&arguments.style, &quantities[0].title, &values);
+    let camera = camera(&Subject::of(looks.iter()), middle, &style);
+    let one = |number: usize| -> Result<Picture, Failure> {
+        let frame = run.read(numbers[number])?;
+        let quantity = run.field(&frame, &field)?;
+        Ok(draw(&frame, &quantity, &scale, &camera, &style, &caption(&run, &frame)))
+    };
+    let samples = Animation::samples(numbers.len()).into_iter().map(one).collect::<Result<Vec<Picture>, _>>()?;
+    let mut animation = Animation::begin(&output, &samples, numbers.len(), arguments.rate)?;
+    let bar = console.bar("drawing");
+    for number in 0..numbers.len() {
+        animation.push(&one(number)?)?;
+        bar.set((number + 1) as f64 / numbers.len() as f64);
+        if crate::interrupt::requested() {
+            animation.abandon();
+            return Err(Failure::Interrupted("nothing: the animation was not finished".into()));
+        }
+    }
+    animation.finish()?;
+    let seconds = numbers.len() as f64 / arguments.rate;
+    console.result(&format!("{}: {} frames, {seconds:.1} s, coloured by {field}", output.display(), numbers.len()))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The field that was asked for, or the one that tells most.
+fn field_of(style: &StyleArguments, frame: &RunFrame) -> String {
+    style.field.clone().unwrap_or_else(|| telling(frame).into())
+}
+
+fn scale_of(style: &StyleArguments, title: &str, values: &[f64]) -> Scale {
+    style.range.map_or_else(|| Scale::of(title, values), Scale::Range)
+}
+
+fn caption(run: &RunFrames, frame: &RunFrame) -> String {
+    format!("{}   t = {:.3} s", run.scene(), frame.time)
+}
+
+impl From<RunFolderError> for Failure {
+    fn from(error: RunFolderError) -> Failure {
+        match error {
+            RunFolderError::Damaged { .. } => Failure::Running(error.to_string()),
+            _ => Failure::Usage(error.to_string()),
+        }
+    }
+}
+
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Failure {
+        match error {
+            PictureError::Write(error) => error.into(),
+            PictureError::Format { .. } => Failure::Usage(error.to_string()),
+        }
+    }
+}

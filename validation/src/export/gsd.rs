@@ -1,0 +1,190 @@
+//! GSD with the schema of HOOMD-blue, which OVITO opens: grains over time.
+//!
+//! ```text
+//! header (256 bytes), chunks of numbers, index (32 bytes per chunk, by frame and name), names (64 bytes, separated by zeros)
+//! ```
+//!
+//! The format is told at <https://gsd.readthedocs.io/en/stable/file-layer.html>, the schema at
+//! <https://gsd.readthedocs.io/en/stable/schema-hoomd.html>. The crate that knows it (`hoomd-gsd`) brings forty others with it, a column
+//! store among them; what is written here is little.
+
+use super::ExportError;
+use crate::output::WriteError;
+use crate::provenance::VERSION;
+use crate::run_frames::{RunFrame, RunFrames};
+use std::fs::File;
+use std::io::{BufWriter, Error, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+const MAGIC: u64 = 0x65df_65df_65df_65df;
+
+/// Versions of the file's layers and of the schema: major and minor, 16 bits each.
+const LAYERS: u32 = 2 << 16;
+const SCHEMA: u32 = 1 << 16 | 4;
+
+/// Bytes of the header, and of what the table of names is counted in.
+const HEADER: u64 = 256;
+const NAME: usize = 64;
+
+/// Kinds of numbers.
+const BYTES: u8 = 5;
+const WHOLE: u8 = 3;
+const LONG: u8 = 4;
+const SINGLE: u8 = 9;
+const DOUBLE: u8 = 10;
+
+/// Fields that travel as they are; HOOMD-blue has no place for them of its own.
+const LOGGED: [&str; 4] = ["pressure", "coordination_number", "force", "angular_velocity"];
+
+/// A file that is being written.
+struct Gsd {
+    file: BufWriter<File>,
+    /// Where the next chunk comes to lie.
+    place: u64,
+    frame: u64,
+    names: Vec<String>,
+    index: Vec<u8>,
+    /// Entries of the present frame, by the numbers of their names.
+    entries: Vec<(u16, [u8; 32])>,
+}
+
+impl Gsd {
+    fn create(path: &Path) -> Result<Gsd, Error> {
+        let mut file = BufWriter::new(File::create(path)?);
+        file.write_all(&[0; HEADER as usize])?;
+        Ok(Gsd { file, place: HEADER, frame: 0, names: Vec::new(), index: Vec::new(), entries: Vec::new() })
+    }
+
+    /// Adds numbers in rows.
+    fn chunk(&mut self, name: &str, kind: u8, columns: u32, rows: u64, bytes: &[u8]) -> Result<(), Error> {
+        let number = self.names.iter().position(|known| known == name).unwrap_or_else(|| {
+            self.names.push(name.to_string());
+            self.names.len() - 1
+        }) as u16;
+        let mut entry = [0; 32];
+        entry[..8].copy_from_slice(&self.frame.to_le_bytes());
+        entry[8..16].copy_from_slice(&rows.to_le_bytes());
+        entry[16..24].copy_from_slice(&self.place.to_le_bytes());
+        entry[24..28].copy_from_slice(&columns.to_le_bytes());
+        entry[28..30].copy_from_slice(&number.to_le_bytes());
+        entry[30] = kind;
+        self.file.write_all(bytes)?;
+        self.place += bytes.len() as u64;
+        self.entries.push((number, entry));
+        Ok(())
+    }
+
+    fn singles(&mut self, name: &str, columns: u32, values: impl Iterator<Item = f64>) -> Result<(), Error> {
+        let bytes: Vec<u8> = values.flat_map(|value| (value as f32).to_le_bytes()).collect();
+        let rows = bytes.len() as u64 / (4 * u64::from(columns));
+        self.chunk(name, SINGLE, columns, rows, &bytes)
+    }
+
+    fn end_frame(&mut self) {
+        self.entries.sort_unstable_by_key(|(number, _)| *number);
+        self.index.extend(self.entries.drain(..).flat_map(|(_, entry)| entry));
+        self.frame += 1;
+    }
+
+    /// Writes index, names and header.
+    fn finish(mut self) -> Result<(), Error> {
+        let mut names: Vec<u8> = self.names.iter().flat_map(|name| name.bytes().chain([0])).collect();
+        names.push(0);
+        names.resize(names.len().next_multiple_of(NAME), 0);
+        self.file.write_all(&self.index)?;
+        self.file.write_all(&names)?;
+        let mut header = Vec::with_capacity(HEADER as usize);
+        let (entries, behind) = ((self.index.len() / 32) as u64, self.place + self.index.len() as u64);
+        for number in [MAGIC, self.place, entries, behind, (names.len() / NAME) as u64] {
+            header.extend(number.to_le_bytes());
+        }
+        header.extend(SCHEMA.to_le_bytes());
+        header.extend(LAYERS.to_le_bytes());
+        for text in [format!("Makadam {VERSION}"), "hoomd".into()] {
+            let mut text = text.into_bytes();
+            text.resize(64, 0);
+            header.extend(text);
+        }
+        header.resize(HEADER as usize, 0);
+        self.file.seek(SeekFrom::Start(0))?;
+        self.file.write_all(&header)?;
+        self.file.flush()
+    }
+}
+
+/// Writes the grains of all frames into one file and returns how many frames there are. The origin of a GSD file is the middle of its box,
+/// which holds all grains of all frames here; `log/middle` says where that lies (m). `progress` is told the share that is done.
+///
+/// # Errors
+/// [`ExportError`] if a frame cannot be read, or the system refuses.
+pub fn write_gsd(path: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<usize, ExportError> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(format!(".part{}", std::process::id()));
+    let draft = PathBuf::from(name);
+    let written = write(&draft, run, progress)
+        .and_then(|()| Ok(std::fs::rename(&draft, path).map_err(|error| WriteError::new(path, error))?));
+    if let Err(error) = written {
+        // What cannot be removed is told from the file by its name.
+        let _ = std::fs::remove_file(&draft);
+        return Err(error);
+    }
+    Ok(run.count())
+}
+
+fn write(draft: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<(), ExportError> {
+    let refused = |error| ExportError::Write(WriteError::new(draft, error));
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for (_, file) in run.files("grains") {
+        let data = run.read_some(file, &|name| name == "Points")?;
+        let points = data.sections.iter().flat_map(|(_, arrays)| arrays).flat_map(|array| array.values());
+        for (number, place) in points.enumerate() {
+            low[number % 3] = low[number % 3].min(place);
+            high[number % 3] = high[number % 3].max(place);
+        }
+    }
+    let mut gsd = Gsd::create(draft).map_err(refused)?;
+    for number in 0..run.count() {
+        let frame = run.read(number)?;
+        put(&mut gsd, &frame, number, [low, high]).map_err(refused)?;
+        gsd.end_frame();
+        progress((number + 1) as f64 / run.count() as f64);
+        if crate::interrupt::requested() {
+            return Err(ExportError::Interrupted);
+        }
+    }
+    gsd.finish().map_err(refused)
+}
+
+fn put(gsd: &mut Gsd, frame: &RunFrame, number: usize, [low, high]: [[f64; 3]; 2]) -> Result<(), Error> {
+    let grains = &frame.grains;
+    let count = grains.radii.len();
+    let largest = 2.0 * grains.radii.iter().copied().fold(0.0, f64::max);
+    let middle: [f64; 3] = std::array::from_fn(|axis| f64::midpoint(low[axis], high[axis]));
+    let sides = (0..3).map(|axis| (high[axis] - low[axis] + 2.0 * largest).max(1e-9));
+    gsd.chunk("configuration/step", LONG, 1, 1, &(number as u64).to_le_bytes())?;
+    gsd.singles("configuration/box", 1, sides.chain([0.0; 3]))?;
+    gsd.chunk("particles/N", WHOLE, 1, 1, &(count as u32).to_le_bytes())?;
+    let places = grains.positions.iter().flat_map(|position| (0..3).map(move |axis| position[axis] - middle[axis]));
+    gsd.singles("particles/position", 3, places)?;
+    gsd.singles("particles/diameter", 1, grains.radii.iter().map(|radius| 2.0 * radius))?;
+    let field = |name: &str| grains.fields.iter().find(|array| array.name == name);
+    for (name, called) in [("velocity", "particles/velocity"), ("mass", "particles/mass")] {
+        if let Some(array) = field(name) {
+            gsd.singles(called, array.components as u32, array.values().into_iter())?;
+        }
+    }
+    if let Some(material) = field("material").filter(|_| !grains.materials.is_empty()) {
+        let bytes: Vec<u8> = material.values().iter().flat_map(|kind| (*kind as u32).to_le_bytes()).collect();
+        gsd.chunk("particles/typeid", WHOLE, 1, count as u64, &bytes)?;
+        let width = grains.materials.iter().map(String::len).max().unwrap_or(0) + 1;
+        let names = grains.materials.iter().flat_map(|name| name.bytes().chain(std::iter::repeat(0)).take(width));
+        gsd.chunk("particles/types", BYTES, width as u32, grains.materials.len() as u64, &names.collect::<Vec<u8>>())?;
+    }
+    for name in LOGGED {
+        if let Some(array) = field(name) {
+            gsd.singles(&format!("log/particles/{name}"), array.components as u32, array.values().into_iter())?;
+        }
+    }
+    gsd.chunk("log/time", DOUBLE, 1, 1, &frame.time.to_le_bytes())?;
+    gsd.chunk("log/middle", DOUBLE, 1, 3, &middle.map(f64::to_le_bytes).concat())
+}

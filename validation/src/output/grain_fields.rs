@@ -1,0 +1,233 @@
+//! What frames hold of grains, taken from a snapshot and the scene.
+
+use super::vtk::{Array, Cells, Kind, PolyData};
+use crate::plan::{GrainField, Output, Scene};
+use makadam::effects::period::Period;
+use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+type Vector = Vector3<f64>;
+
+/// What a scene says of its grains, by their numbers.
+pub(super) struct GrainTable {
+    output: Output,
+    /// Names of the materials, in the order of their numbers.
+    materials: Vec<String>,
+    /// Density of each material, kg/m3.
+    densities: Vec<f64>,
+    /// Numbers of grains from which on a population's grains, or those that are listed, have this material and population.
+    runs: Vec<(usize, u8, i32)>,
+    period: Period,
+    gravity: [f64; 3],
+    scene: String,
+}
+
+/// What contacts do to a grain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Loads {
+    /// Sum of their forces, N.
+    force: Vector,
+    /// Their number.
+    contacts: i32,
+    /// Sum of forces times branch vectors, pressure positive, N m: xx, yy, zz, xy, yz, xz.
+    moments: [f64; 6],
+}
+
+impl GrainTable {
+    pub fn new(scene: &Scene) -> GrainTable {
+        let materials: Vec<String> = scene.material.keys().cloned().collect();
+        // A checked scene names none that is not there.
+        let number = |name: &str| materials.iter().position(|material| material == name).unwrap_or(0) as u8;
+        let mut runs: Vec<(usize, u8, i32)> = Vec::new();
+        let mut count = 0;
+        for entry in &scene.grain {
+            let run = (count, number(&entry.material), -1);
+            if runs.last().is_none_or(|last| last.1 != run.1) {
+                runs.push(run);
+            }
+            count += 1;
+        }
+        for (place, population) in (0..).zip(&scene.population) {
+            runs.push((count, number(&population.material), place));
+            count += population.count;
+        }
+        GrainTable {
+            output: scene.output.clone().unwrap_or_default(),
+            densities: scene.material.values().map(|material| material.density).collect(),
+            materials,
+            runs,
+            period: scene.domain.period(),
+            gravity: scene.gravity,
+            scene: scene.name.clone(),
+        }
+    }
+
+    /// Number of the material, and of the population, of a grain.
+    fn origin(&self, id: u32) -> (u8, i32) {
+        let after = self.runs.partition_point(|(first, ..)| *first <= id as usize);
+        after.checked_sub(1).map_or((0, -1), |run| (self.runs[run].1, self.runs[run].2))
+    }
+
+    /// kg.
+    fn mass(&self, particle: &Particle) -> f64 {
+        self.densities[usize::from(self.origin(particle.id).0)] * volume(particle)
+    }
+
+    /// The grains of a frame: points with the fields that the scene asks for.
+    pub fn grains(&self, frame: &Snapshot) -> PolyData {
+        let particles = &frame.particles;
+        let has = |field| self.output.has(field);
+        let mut data = vec![
+            Array::floats("diameter", 1, particles.iter().map(|p| 2.0 * p.radius)),
+            Array::integers("id", particles.iter().map(|p| p.id as i32)),
+            Array {
+                name: "material".into(),
+                components: 1,
+                kind: Kind::UInt8,
+                bytes: particles.iter().map(|p| self.origin(p.id).0).collect(),
+            },
+        ];
+        if has(GrainField::Population) {
+            data.push(Array::integers("population", particles.iter().map(|p| self.origin(p.id).1)));
+        }
+        if has(GrainField::Mass) {
+            data.push(Array::floats("mass", 1, particles.iter().map(|p| self.mass(p))));
+        }
+        if has(GrainField::Speed) {
+            data.push(Array::floats("speed", 1, particles.iter().map(|p| Vector::from(p.velocity).norm())));
+        }
+        if has(GrainField::Velocity) {
+            data.push(Array::floats("velocity", 3, particles.iter().flat_map(|p| p.velocity)));
+        }
+        if has(GrainField::AngularVelocity) {
+            data.push(Array::floats("angular_velocity", 3, particles.iter().flat_map(|p| p.spin)));
+        }
+        let of_contacts = [GrainField::Force, GrainField::CoordinationNumber, GrainField::Stress, GrainField::Pressure];
+        if of_contacts.into_iter().any(has) {
+            self.add_loads(frame, &mut data);
+        }
+        PolyData {
+            time: frame.time,
+            points: Array::coordinates("Points", particles.iter().flat_map(|p| p.position), smallest_radius(frame)),
+            cells: Cells::Vertices,
+            point_data: data,
+            cell_data: Vec::new(),
+            field_data: vec![Array::doubles("gravity", 3, self.gravity.into_iter())],
+            texts: vec![
+                ("scene_name".into(), vec![self.scene.clone()]),
+                ("material_names".into(), self.materials.clone()),
+            ],
+        }
+    }
+
+    /// The contacts of a frame: lines from the centre of the first grain to that of the second, or of its nearest image, or to the contact
+    /// point on a wall, with forces.
+    pub fn contacts(&self, frame: &Snapshot) -> PolyData {
+        let contacts = &frame.contacts;
+        let grain = |partner| if let Partner::Grain(id) = partner { id as i32 } else { -1 };
+        let wall = |partner| if let Partner::Wall(place) = partner { place as i32 } else { -1 };
+        let centre = |id: u32| frame.particles[id as usize].position;
+        let ends = contacts.iter().flat_map(|contact| {
+            let start = Vector::from(centre(contact.first));
+            let end = match contact.second {
+                Partner::Grain(id) => centre(id),
+                Partner::Wall(_) => contact.point,
+            };
+            let end = start + self.period.arm(&start, &end.into());
+            [start.x, start.y, start.z, end.x, end.y, end.z]
+        });
+        PolyData {
+            time: frame.time,
+            points: Array::coordinates("Points", ends, smallest_radius(frame)),
+            cells: Cells::Lines,
+            point_data: Vec::new(),
+            cell_data: vec![
+                Array::floats("normal_force", 1, contacts.iter().map(|c| c.normal_force)),
+                Array::floats("tangential_force", 3, contacts.iter().flat_map(|c| c.tangential_force)),
+                Array::floats("normal", 3, contacts.iter().flat_map(|c| c.normal)),
+                Array::coordinates("point", contacts.iter().flat_map(|c| c.point), smallest_radius(frame)),
+                Array::integers("first", contacts.iter().map(|c| c.first as i32)),
+                Array::integers("second_grain", contacts.iter().map(|c| grain(c.second))),
+                Array::integers("second_wall", contacts.iter().map(|c| wall(c.second))),
+            ],
+            field_data: Vec::new(),
+            texts: Vec::new(),
+        }
+    }
+
+    fn add_loads(&self, frame: &Snapshot, data: &mut Vec<Array>) {
+        let loads = loads(frame, self.period);
+        let each = || loads.iter().zip(&frame.particles);
+        if self.output.has(GrainField::Force) {
+            data.push(Array::floats(
+                "force",
+                3,
+                loads.iter().flat_map(|load| [load.force.x, load.force.y, load.force.z]),
+            ));
+        }
+        if self.output.has(GrainField::CoordinationNumber) {
+            data.push(Array::integers("coordination_number", loads.iter().map(|load| load.contacts)));
+        }
+        if self.output.has(GrainField::Stress) {
+            let stresses = each().flat_map(|(load, particle)| load.moments.map(|moment| moment / volume(particle)));
+            data.push(Array::floats("stress", 6, stresses));
+        }
+        if self.output.has(GrainField::Pressure) {
+            let pressures =
+                each().map(|(load, particle)| load.moments[..3].iter().sum::<f64>() / 3.0 / volume(particle));
+            data.push(Array::floats("pressure", 1, pressures));
+        }
+    }
+}
+
+/// m3.
+fn volume(particle: &Particle) -> f64 {
+    4.0 / 3.0 * PI * particle.radius.powi(3)
+}
+
+/// What contacts do to each grain: the sum of their forces, and the mean stress times the volume V of the grain,
+///
+/// ```text
+/// V sigma = - sum over contacts of sym(f (x) l)
+/// ```
+///
+/// with the force f on the grain and the branch vector l from its centre to the contact point; pressure is positive. It is the virial of
+/// Love and Weber for one grain, exact for a grain in balance: J. Christoffersen, M. M. Mehrabadi and S. Nemat-Nasser, A micromechanical
+/// description of granular material behavior, Journal of Applied Mechanics 48 (1981), 339-344.
+fn loads(frame: &Snapshot, period: Period) -> Vec<Loads> {
+    let mut loads = vec![Loads::default(); frame.particles.len()];
+    for contact in &frame.contacts {
+        let on_second = force_on_partner(contact);
+        let mut bear = |id: u32, force: Vector| {
+            let centre = Vector::from(frame.particles[id as usize].position);
+            let branch = period.arm(&centre, &Vector::from(contact.point));
+            loads[id as usize].add(&force, &branch);
+        };
+        bear(contact.first, -on_second);
+        if let Partner::Grain(second) = contact.second {
+            bear(second, on_second);
+        }
+    }
+    loads
+}
+
+/// N.
+fn force_on_partner(contact: &Contact) -> Vector {
+    Vector::from(contact.normal) * contact.normal_force + Vector::from(contact.tangential_force)
+}
+
+impl Loads {
+    fn add(&mut self, force: &Vector, branch: &Vector) {
+        self.force += force;
+        self.contacts += 1;
+        for (moment, [i, j]) in self.moments.iter_mut().zip([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]]) {
+            *moment -= 0.5 * (force[i] * branch[j] + force[j] * branch[i]);
+        }
+    }
+}
+
+/// m.
+fn smallest_radius(frame: &Snapshot) -> f64 {
+    frame.particles.iter().map(|particle| particle.radius).fold(f64::INFINITY, f64::min)
+}

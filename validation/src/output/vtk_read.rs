@@ -1,0 +1,321 @@
+//! Reading the VTK files that runs write, those of today and the uncompressed ones of earlier versions.
+
+use super::vtk::{Array, Cells, Kind, PolyData};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::{Decompress, FlushDecompress, Status};
+use roxmltree::{Document, Node};
+
+/// Where what is appended begins.
+const APPENDED: &[u8] = b"<AppendedData";
+
+/// More than zlib ever gains: who claims more lies.
+const BEST_COMPRESSION: usize = 1100;
+
+/// What holds the arrays of a document.
+struct Source<'a> {
+    appended: &'a [u8],
+    compressed: bool,
+}
+
+/// The polygonal data in the bytes of a file.
+///
+/// # Errors
+/// What is wrong with them.
+pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
+    let Outline { time, points, cells, topology, corners, mut sections } = outline(bytes, &|_| true)?;
+    let mut take = |name: &str| match sections.iter().position(|(of, _)| *of == name) {
+        None => Vec::new(),
+        Some(place) => std::mem::take(&mut sections[place].1),
+    };
+    let coordinates = take("Points").pop().ok_or("it has no points")?;
+    if coordinates.components != 3 {
+        return Err("its points have no three coordinates".into());
+    }
+    let cells = match topology {
+        "Verts" if cells == points => Cells::Vertices,
+        "Lines" if corners * cells == points => Cells::Lines,
+        "Polys" => {
+            let corners = take("Polys").into_iter().find(|array| array.name == "connectivity");
+            Cells::Triangles(triangles(&corners.ok_or("its polygons have no corners")?, points)?)
+        }
+        _ => return Err("its cells are not those of a run".into()),
+    };
+    let (field_data, texts) = fields(bytes)?;
+    Ok(PolyData {
+        time,
+        point_data: take("PointData"),
+        cell_data: take("CellData"),
+        points: coordinates,
+        cells,
+        field_data,
+        texts,
+    })
+}
+
+/// What a file holds, as far as it was asked for.
+#[derive(Debug)]
+pub(crate) struct Outline {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Number of points.
+    pub points: usize,
+    /// Number of cells.
+    pub cells: usize,
+    /// What VTK calls the cells.
+    pub topology: &'static str,
+    /// Points of a cell.
+    pub corners: usize,
+    /// Arrays by their sections.
+    pub sections: Vec<(&'static str, Vec<Array>)>,
+}
+
+/// Counts, and the arrays whose names are wanted.
+///
+/// # Errors
+/// What is wrong with the bytes.
+pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Outline, String> {
+    let (text, appended) = split(bytes)?;
+    let document = Document::parse(&text).map_err(|error| format!("it is no XML document: {error}"))?;
+    let (root, source) = root(&document, appended)?;
+    let piece = named(root, "Piece").ok_or("it has no piece")?;
+    let count = |name: &str| match piece.attribute(name).unwrap_or("0").parse::<usize>() {
+        Ok(count) if count <= i32::MAX as usize => Ok(count),
+        _ => Err(format!("{name} is no number of points or cells")),
+    };
+    let points = count("NumberOfPoints")?;
+    let kinds = [("Verts", 1), ("Lines", 2), ("Polys", 3)];
+    let some = |(name, _): &(&str, usize)| count(&format!("NumberOf{name}")).is_ok_and(|cells| cells > 0);
+    let (topology, corners) = kinds.into_iter().find(some).unwrap_or(("Verts", 1));
+    let cells = count(&format!("NumberOf{topology}"))?;
+    let mut sections = Vec::new();
+    for (name, tuples) in [("Points", points), ("PointData", points), ("CellData", cells), ("Polys", corners * cells)] {
+        // Offsets of polygons have another number of tuples, and say nothing of triangles.
+        let is_wanted = |array: &str| wanted(array) && (name != "Polys" || array == "connectivity");
+        sections.push((name, section(&source, piece, name, tuples, &is_wanted)?));
+    }
+    let time = named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
+    let time = time.into_iter().find(|node| node.attribute("Name") == Some("TimeValue"));
+    let time = time.map(|node| array(&source, node, 1)).transpose()?.and_then(|array| array.values().first().copied());
+    let time = time.filter(|time| time.is_finite()).ok_or("it has no time")?;
+    Ok(Outline { time, points, cells, topology, corners, sections })
+}
+
+/// A document, with what is appended to it cut off.
+fn split(bytes: &[u8]) -> Result<(String, &[u8]), String> {
+    let (head, appended) = match bytes.windows(APPENDED.len()).position(|window| window == APPENDED) {
+        None => (bytes, &[][..]),
+        Some(place) => {
+            let rest = &bytes[place..];
+            let start = rest.iter().position(|byte| *byte == b'_').ok_or("nothing stands behind the document")?;
+            (&bytes[..place], &rest[start + 1..])
+        }
+    };
+    let mut text = String::from_utf8(head.to_vec()).map_err(|_| "it is no text".to_string())?;
+    if head.len() < bytes.len() {
+        text += "</VTKFile>";
+    }
+    Ok((text, appended))
+}
+
+fn root<'a, 'input>(
+    document: &'a Document<'input>,
+    appended: &'a [u8],
+) -> Result<(Node<'a, 'input>, Source<'a>), String> {
+    let root = document.root_element();
+    match root.attribute("type") {
+        Some("PolyData") => Ok((root, Source { appended, compressed: root.attribute("compressor").is_some() })),
+        _ => Err("it holds no polygonal data".into()),
+    }
+}
+
+/// Named texts.
+type Texts = Vec<(String, Vec<String>)>;
+
+/// Arrays and texts of the whole file but for its time.
+fn fields(bytes: &[u8]) -> Result<(Vec<Array>, Texts), String> {
+    let (text, appended) = split(bytes)?;
+    let document = Document::parse(&text).map_err(|error| error.to_string())?;
+    let (root, source) = root(&document, appended)?;
+    let (mut arrays, mut texts) = (Vec::new(), Vec::new());
+    for node in named(root, "FieldData").into_iter().flat_map(|fields| fields.children()) {
+        let tuples = || {
+            let tuples = node.attribute("NumberOfTuples").unwrap_or("1").parse::<usize>();
+            tuples
+                .ok()
+                .filter(|tuples| *tuples <= i32::MAX as usize)
+                .ok_or("a field has no number of tuples".to_string())
+        };
+        match node.tag_name().name() {
+            "DataArray" if node.attribute("Name") != Some("TimeValue") => arrays.push(array(&source, node, tuples()?)?),
+            "Array" => texts.push((node.attribute("Name").unwrap_or_default().to_string(), strings(node)?)),
+            _ => {}
+        }
+    }
+    Ok((arrays, texts))
+}
+
+fn named<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
+    node.descendants().find(|node| node.has_tag_name(name))
+}
+
+fn section(
+    source: &Source<'_>,
+    piece: Node<'_, '_>,
+    name: &str,
+    tuples: usize,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<Vec<Array>, String> {
+    let Some(section) = piece.children().find(|node| node.has_tag_name(name)) else { return Ok(Vec::new()) };
+    let arrays = section.children().filter(|node| node.has_tag_name("DataArray"));
+    arrays
+        .filter(|node| wanted(node.attribute("Name").unwrap_or_default()))
+        .map(|node| array(source, node, tuples))
+        .collect()
+}
+
+fn triangles(corners: &Array, points: usize) -> Result<Vec<[u32; 3]>, String> {
+    let corners = corners.values();
+    if corners.iter().any(|corner| !(0.0..points as f64).contains(corner)) {
+        return Err("a triangle has a corner that is no point".into());
+    }
+    Ok(corners.as_chunks::<3>().0.iter().map(|corners| corners.map(|corner| corner as u32)).collect())
+}
+
+fn strings(node: Node<'_, '_>) -> Result<Vec<String>, String> {
+    let numbers = node.text().unwrap_or_default().split_ascii_whitespace();
+    let bytes: Result<Vec<u8>, _> = numbers.map(str::parse).collect();
+    let bytes = bytes.map_err(|_| "a text is no row of bytes".to_string())?;
+    let texts = bytes.split_inclusive(|byte| *byte == 0);
+    let text = |bytes: &[u8]| String::from_utf8(bytes[..bytes.len() - 1].to_vec());
+    texts.map(text).collect::<Result<_, _>>().map_err(|_| "a text is not in UTF-8".to_string())
+}
+
+/// An array with that many tuples.
+fn array(source: &Source<'_>, node: Node<'_, '_>, tuples: usize) -> Result<Array, String> {
+    let attribute = |name: &str| node.attribute(name).unwrap_or_default();
+    let name = attribute("Name").to_string();
+    let wrong = |what: &str| format!("array {name}: {what}");
+    let kind = Kind::ALL.into_iter().find(|kind| kind.name() == attribute("type"));
+    let kind = kind.ok_or_else(|| wrong(&format!("numbers of type '{}' are not those of a run", attribute("type"))))?;
+    let components = node.attribute("NumberOfComponents").unwrap_or("1").parse::<usize>();
+    let components = components.ok().filter(|count| (1..=9).contains(count));
+    let components = components.ok_or_else(|| wrong("it has no number of components"))?;
+    let size = kind.size() * components * tuples;
+    let bytes = match attribute("format") {
+        "appended" => {
+            let offset = attribute("offset").parse::<usize>().ok();
+            let rest = offset.and_then(|offset| source.appended.get(offset..));
+            blocks(rest.ok_or_else(|| wrong("it lies beyond the end of the file"))?, source.compressed, size)
+        }
+        "binary" if !source.compressed => {
+            let text = node.text().unwrap_or_default().trim();
+            let bytes = STANDARD.decode(text).map_err(|error| wrong(&format!("it is no base64: {error}")))?;
+            blocks(&bytes, false, size)
+        }
+        other => Err(format!("its format '{other}' is not that of a run")),
+    };
+    Ok(Array { bytes: bytes.map_err(|what| wrong(&what))?, name, components, kind })
+}
+
+/// What an array of `size` bytes is made from: a size and bytes, or blocks of zlib behind the table of their sizes.
+fn blocks(bytes: &[u8], compressed: bool, size: usize) -> Result<Vec<u8>, String> {
+    let cut = || "the file ends within it".to_string();
+    let number = |place: usize| {
+        let bytes = bytes.get(8 * place..8 * place + 8).ok_or_else(cut)?;
+        let number = u64::from_le_bytes(bytes.try_into().expect("eight bytes"));
+        usize::try_from(number).map_err(|_| cut())
+    };
+    let other = |found: usize| format!("it has {found} bytes in place of {size}");
+    if !compressed {
+        let found = number(0)?;
+        if found != size {
+            return Err(other(found));
+        }
+        return bytes.get(8..8 + size).map(<[u8]>::to_vec).ok_or_else(cut);
+    }
+    let (count, whole, last) = (number(0)?, number(1)?, number(2)?);
+    let found = match (count, last) {
+        (0, _) => 0,
+        (count, 0) => count.saturating_mul(whole),
+        (count, last) => (count - 1).saturating_mul(whole).saturating_add(last),
+    };
+    if found != size {
+        return Err(other(found));
+    }
+    if size > bytes.len().saturating_mul(BEST_COMPRESSION) || count > bytes.len() {
+        return Err(cut());
+    }
+    let mut start = 24 + 8 * count;
+    let mut unpacked = Vec::with_capacity(size);
+    for block in 0..count {
+        let length = number(3 + block)?;
+        let packed = bytes.get(start..start.saturating_add(length)).ok_or_else(cut)?;
+        start += length;
+        let wanted = if block + 1 == count && last > 0 { last } else { whole };
+        let end = unpacked.len() + wanted;
+        let status = Decompress::new(true).decompress_vec(packed, &mut unpacked, FlushDecompress::Finish);
+        if !matches!(status, Ok(Status::StreamEnd)) || unpacked.len() != end {
+            return Err("a block is damaged".into());
+        }
+    }
+    Ok(unpacked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A frame as versions before compression wrote it.
+    fn uncompressed() -> String {
+        let encode = |bytes: Vec<u8>| STANDARD.encode([&(bytes.len() as u64).to_le_bytes()[..], &bytes].concat());
+        let radius = encode([0.5_f32, 0.25].iter().flat_map(|value| value.to_le_bytes()).collect());
+        let points = encode((0..6).flat_map(|n| (n as f32).to_le_bytes()).collect());
+        let time = encode(2.5_f64.to_le_bytes().to_vec());
+        format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+             <PolyData>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"binary\">{time}\
+             </DataArray>\n</FieldData>\n<Piece NumberOfPoints=\"2\" NumberOfVerts=\"2\" NumberOfLines=\"0\" NumberOfStrips=\"0\" \
+             NumberOfPolys=\"0\">\n<PointData>\n<DataArray type=\"Float32\" Name=\"radius\" NumberOfComponents=\"1\" \
+             format=\"binary\">{radius}</DataArray>\n</PointData>\n<Points>\n<DataArray type=\"Float32\" Name=\"Points\" \
+             NumberOfComponents=\"3\" format=\"binary\">{points}</DataArray>\n</Points>\n</Piece>\n</PolyData>\n</VTKFile>\n"
+        )
+    }
+
+    #[test]
+    fn frames_of_earlier_versions_are_read() {
+        let file = decode(uncompressed().as_bytes()).unwrap();
+        assert_eq!((file.time, file.count()), (2.5, 2));
+        assert_eq!(file.point_data[0].values(), [0.5, 0.25]);
+        assert_eq!(file.points.values(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    fn damaged_files_are_refused_with_a_reason() {
+        let refused = |bytes: &[u8], reason: &str| {
+            let error = decode(bytes).unwrap_err();
+            assert!(error.contains(reason), "{error}");
+        };
+        let old = uncompressed();
+        refused(b"", "no XML");
+        refused(b"<VTKFile type=\"ImageData\"/>", "no polygonal data");
+        refused(old.replace("NumberOfPoints=\"2\"", "NumberOfPoints=\"3\"").as_bytes(), "24 bytes in place of 36");
+        refused(old.replace("TimeValue", "Time").as_bytes(), "no time");
+        refused(old.replace("Float32", "Float16").as_bytes(), "Float16");
+        let new = decode(old.as_bytes()).unwrap().encode();
+        assert!(decode(&new).is_ok());
+        // Whatever byte is lost or changed, there is an answer and no panic.
+        for end in 0..new.len() {
+            let _ = decode(&new[..end]);
+        }
+        for place in 0..new.len() {
+            let mut changed = new.clone();
+            changed[place] ^= 0x55;
+            let _ = decode(&changed);
+        }
+        let place = new.windows(2).rposition(|bytes| bytes == [0x78, 0x01]).unwrap();
+        let mut changed = new.clone();
+        changed[place + 4] ^= 0xff;
+        refused(&changed, "damaged");
+    }
+}

@@ -1,0 +1,183 @@
+//! Pictures into files: PNG, and animations as APNG or GIF.
+
+use super::Picture;
+use crate::output::{WriteError, write_whole};
+use color_quant::NeuQuant;
+use gif::{Encoder, Frame, Repeat};
+use std::fs::File;
+use std::io::{BufWriter, Error};
+use std::path::{Path, PathBuf};
+
+/// Colours of a GIF.
+const COLOURS: usize = 256;
+
+/// How thoroughly colours are chosen for a GIF, 1 (best) to 30.
+const THOROUGH: i32 = 10;
+
+/// Frames from which the colours of a GIF are chosen.
+const SAMPLES: usize = 3;
+
+/// Why a picture cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// The system refuses.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A name that says nothing of the format.
+    #[error("{file}: its name must end in {known}")]
+    Format {
+        /// The file.
+        file: String,
+        /// The endings that are known.
+        known: &'static str,
+    },
+}
+
+fn refused(path: &Path, error: impl std::fmt::Display) -> WriteError {
+    WriteError::new(path, Error::other(error.to_string()))
+}
+
+/// Writes a picture as PNG.
+///
+/// # Errors
+/// [`PictureError`] if the name does not end in `.png`, or the system refuses.
+pub fn write_png(path: &Path, picture: &Picture) -> Result<(), PictureError> {
+    if ending(path) != "png" {
+        return Err(PictureError::Format { file: path.display().to_string(), known: ".png" });
+    }
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, picture.width as u32, picture.height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&picture.bytes));
+    written.map_err(|error| refused(path, error))?;
+    Ok(write_whole(path, &bytes)?)
+}
+
+fn ending(path: &Path) -> String {
+    path.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_ascii_lowercase())
+}
+
+/// An animation that is written frame after frame, into a draft that takes its name when it is complete.
+pub struct Animation {
+    path: PathBuf,
+    draft: PathBuf,
+    format: Format,
+}
+
+enum Format {
+    Gif { encoder: Encoder<BufWriter<File>>, colours: Box<NeuQuant>, delay: u16 },
+    Apng { writer: png::Writer<BufWriter<File>> },
+}
+
+impl Animation {
+    /// Begins an animation of so many frames, so many a second: a GIF, whose colours are chosen from `samples`, or an APNG.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the name ends otherwise, or the system refuses.
+    pub fn begin(path: &Path, samples: &[Picture], frames: usize, rate: f64) -> Result<Animation, PictureError> {
+        let known = ".gif, .apng or .png";
+        let format = || PictureError::Format { file: path.display().to_string(), known };
+        let is_gif = match &*ending(path) {
+            "gif" => true,
+            "apng" | "png" => false,
+            _ => return Err(format()),
+        };
+        let first = samples.first().ok_or_else(format)?;
+        let mut draft = path.as_os_str().to_owned();
+        draft.push(format!(".part{}", std::process::id()));
+        let draft = PathBuf::from(draft);
+        let file = File::create(&draft).map_err(|source| WriteError::new(path, source))?;
+        let file = BufWriter::new(file);
+        let (width, height) = (first.width, first.height);
+        let format = match is_gif {
+            true => {
+                let colours = Box::new(palette(samples));
+                let map = colours.color_map_rgb();
+                let encoder = Encoder::new(file, width as u16, height as u16, &map);
+                let mut encoder = encoder.map_err(|error| refused(path, error))?;
+                encoder.set_repeat(Repeat::Infinite).map_err(|error| refused(path, error))?;
+                Format::Gif { encoder, colours, delay: (100.0 / rate).round().max(1.0) as u16 }
+            }
+            false => {
+                let mut encoder = png::Encoder::new(file, width as u32, height as u32);
+                encoder.set_color(png::ColorType::Rgb);
+                encoder.set_depth(png::BitDepth::Eight);
+                let milliseconds = (1000.0 / rate).round().clamp(1.0, 60_000.0) as u16;
+                let begun = encoder
+                    .set_animated(frames as u32, 0)
+                    .and_then(|()| encoder.set_frame_delay(milliseconds, 1000))
+                    .and_then(|()| encoder.write_header());
+                Format::Apng { writer: begun.map_err(|error| refused(path, error))? }
+            }
+        };
+        Ok(Animation { path: path.to_path_buf(), draft, format })
+    }
+
+    /// Frames whose pictures [`Animation::begin`] is best given, of so many.
+    pub fn samples(frames: usize) -> Vec<usize> {
+        let mut samples: Vec<usize> = (0..SAMPLES).map(|part| part * (frames - 1) / (SAMPLES - 1).max(1)).collect();
+        samples.dedup();
+        samples
+    }
+
+    /// Adds a frame.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the system refuses.
+    pub fn push(&mut self, picture: &Picture) -> Result<(), PictureError> {
+        let written = match &mut self.format {
+            Format::Gif { encoder, colours, delay } => {
+                let mut frame =
+                    Frame { width: picture.width as u16, height: picture.height as u16, ..Frame::default() };
+                frame.delay = *delay;
+                frame.buffer = indices(picture, colours).into();
+                encoder.write_frame(&frame).map_err(|error| refused(&self.path, error))
+            }
+            Format::Apng { writer } => {
+                writer.write_image_data(&picture.bytes).map_err(|error| refused(&self.path, error))
+            }
+        };
+        Ok(written?)
+    }
+
+    /// Removes what was written.
+    pub fn abandon(self) {
+        // A draft that cannot be removed is told from the file by its name.
+        let _ = std::fs::remove_file(&self.draft);
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the system refuses.
+    pub fn finish(self) -> Result<(), PictureError> {
+        let Animation { path, draft, format } = self;
+        match format {
+            Format::Gif { encoder, .. } => {
+                drop(encoder.into_inner().map_err(|error| refused(&path, error))?);
+            }
+            Format::Apng { writer } => writer.finish().map_err(|error| refused(&path, error))?,
+        }
+        Ok(std::fs::rename(&draft, &path).map_err(|source| WriteError::new(&path, source))?)
+    }
+}
+
+/// The colours of a GIF, chosen from pictures.
+fn palette(samples: &[Picture]) -> NeuQuant {
+    // Each fourth pixel will do.
+    let opaque = |pixel: &[u8]| [pixel[0], pixel[1], pixel[2], 255];
+    let pixels: Vec<u8> =
+        samples.iter().flat_map(|picture| picture.bytes.chunks_exact(3).step_by(4)).flat_map(opaque).collect();
+    NeuQuant::new(THOROUGH, COLOURS, &pixels)
+}
+
+/// The nearest of the chosen colours for each pixel. Neighbours are often alike, so that what was found is kept.
+fn indices(picture: &Picture, colours: &NeuQuant) -> Vec<u8> {
+    let mut known = std::collections::HashMap::new();
+    let nearest = |pixel: &[u8]| {
+        let pixel = [pixel[0], pixel[1], pixel[2], 255];
+        *known.entry(pixel).or_insert_with(|| colours.index_of(&pixel) as u8)
+    };
+    picture.bytes.chunks_exact(3).map(nearest).collect()
+}

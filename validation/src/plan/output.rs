@@ -1,0 +1,58 @@
+//! What a run writes of its frames, and how often.
+
+use serde::{Deserialize, Serialize};
+
+/// What frames hold, and how much time lies between them: the table `output` of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Time between frames on disk, s; that of `measure`, if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<f64>,
+    /// Fields of grains besides their numbers, diameters and materials, which are always there; all, if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fields: Option<Vec<GrainField>>,
+    /// Whether contacts are written.
+    pub contacts: bool,
+    /// Whether walls are written.
+    pub walls: bool,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { interval: None, fields: None, contacts: true, walls: true }
+    }
+}
+
+impl Output {
+    /// Whether frames hold a field.
+    pub fn has(&self, field: GrainField) -> bool {
+        self.fields.as_ref().is_none_or(|fields| fields.contains(&field))
+    }
+}
+
+/// A quantity of grains in the frames of a run; hyphens are read as underscores.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GrainField {
+    /// Place of the grain's population in the scene; -1 for a grain that the scene lists by itself.
+    Population,
+    /// Mass, kg.
+    Mass,
+    /// Magnitude of the velocity, m/s.
+    Speed,
+    /// Velocity, m/s.
+    Velocity,
+    /// Angular velocity, rad/s.
+    #[serde(alias = "angular-velocity")]
+    AngularVelocity,
+    /// Sum of the contact forces on the grain, N.
+    Force,
+    /// Number of contacts that bear a force.
+    #[serde(alias = "coordination-number")]
+    CoordinationNumber,
+    /// Symmetric part of the mean stress of the grain, pressure positive, Pa: xx, yy, zz, xy, yz, xz.
+    Stress,
+    /// A third of the trace of the stress, Pa.
+    Pressure,
+}

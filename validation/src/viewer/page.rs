@@ -1,0 +1,67 @@
+//! The page around a payload.
+
+use super::payload::{Payload, Wishes, payload};
+use crate::output::{WriteError, write_whole};
+use crate::run_frames::{RunFolderError, RunFrames};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use std::io::Write;
+use std::path::Path;
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPTS: [&str; 3] = [include_str!("shaders.js"), include_str!("page.js"), include_str!("controls.js")];
+
+/// Level of zlib for the payload.
+const LEVEL: u32 = 4;
+
+/// Why a page cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewerError {
+    /// The frames cannot be read.
+    #[error(transparent)]
+    Frames(#[from] RunFolderError),
+    /// The system refuses.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// What was written.
+#[derive(Clone, Debug)]
+pub struct Page {
+    /// Number of frames.
+    pub frames: usize,
+    /// Size of the file, bytes.
+    pub bytes: usize,
+    /// What was left out, in words; empty if nothing.
+    pub note: String,
+}
+
+/// Writes the page of a run. `progress` is told the share that is done.
+///
+/// # Errors
+/// [`ViewerError`] if a frame cannot be read, or the system refuses.
+pub fn write(path: &Path, run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Result<Page, ViewerError> {
+    let Payload { bytes, frames, note } = payload(run, wishes, progress)?;
+    let refused = |source| WriteError::new(path, source);
+    let mut packer = ZlibEncoder::new(Vec::with_capacity(bytes.len() / 2), Compression::new(LEVEL));
+    packer.write_all(&bytes).map_err(refused)?;
+    let packed = packer.finish().map_err(refused)?;
+    drop(bytes);
+    let page = PAGE.replace("{{title}}", &escaped(run.scene())).replace("{{style}}", STYLE);
+    let page = page.replace("{{script}}", &SCRIPTS.concat());
+    // The payload last: it is large.
+    let (before, after) = page.split_once("{{payload}}").unwrap_or((&page, ""));
+    let mut text = String::with_capacity(page.len() + packed.len().div_ceil(3) * 4);
+    text += before;
+    STANDARD.encode_string(&packed, &mut text);
+    text += after;
+    write_whole(path, text.as_bytes())?;
+    Ok(Page { frames, bytes: text.len(), note })
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
