@@ -57,7 +57,6 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
             let [x, y, z, radius]: [L; 4] = spheres.load_quads(&group.first);
             let [to_x, to_y, to_z, to_radius]: [L; 4] = spheres.load_quads(&group.second);
             let [u, v, w, inverse_mass]: [L; 4] = before.load_differences(&group.first, &group.second);
-            let remembered = impulses.load_quads(&sources.or(nothing));
             let arm = [to_x - x, to_y - y, to_z - z];
             let arm = if PERIODIC { world.period.shortest(arm) } else { arm };
             let geometry = ContactGeometry::of_pair(arm, [radius, to_radius]);
@@ -78,6 +77,7 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 material.while_sliding(self.context, group, normal, velocity, spin);
             }
             let motion = [dot(normal, velocity), inverse_mass];
+            let remembered = impulses.load_quads(&sources.or(nothing));
             write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, &self.context.constants);
         }
     }

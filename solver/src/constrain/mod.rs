@@ -203,14 +203,6 @@ impl Constrainer {
 }
 
 impl StepContext<'_> {
-    /// Whether the grain of a wall candidate is too fast for the step, and comes to a contact on its way.
-    #[inline(always)]
-    fn is_swept(&self, wall: &WallCandidate) -> bool {
-        let [u, v, w, _] = self.world.before[wall.body as usize].0;
-        let (sphere, step) = (&self.world.spheres[wall.body as usize], self.constants.scheme.step);
-        self.walls.is_swept(wall.surface, &sphere.centre, sphere.radius, &Vector3::new(u, v, w), step)
-    }
-
     /// Lays out one task, its groups numbered from `base` on; the number from which those may begin that come after it.
     fn lay_out(
         &self,

@@ -4,6 +4,8 @@ use super::StepContext;
 use crate::detect::{Impulse, PairCandidate};
 use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Slots, TaskSlots, dot, lanes_of, prefetch_places, prefetch_range};
 use crate::partition::{LaneAssigner, PlannedTask, TaskGroups};
+use crate::world::Sphere;
+use nalgebra::Vector3;
 
 /// Packs the pairs of a task that touch.
 pub(super) struct AssignPairs<'a, const PERIODIC: bool> {
@@ -189,20 +191,22 @@ impl StepContext<'_> {
     ) -> u32 {
         let dummies = self.world.dummies_of(task.home as usize);
         let before = groups.wall_groups();
-        for candidate in task.walls.start as usize..task.walls.end as usize {
-            let wall = self.candidates.walls[candidate];
+        let walls = &self.candidates.walls[task.walls.start as usize..task.walls.end as usize];
+        for (candidate, wall) in task.walls.clone().zip(walls) {
             if !self.world.drives.is_empty() && self.world.drive_of(wall.surface).is_some() != driven {
                 continue;
             }
-            let sphere = &self.world.spheres[wall.body as usize];
-            let distance = self.walls.distance(wall.surface, &sphere.centre);
-            if distance < sphere.radius + self.constants.contact_margin || self.is_swept(&wall) {
+            let Sphere { centre, radius } = &self.world.spheres[wall.body as usize];
+            let [u, v, w, _] = self.world.before[wall.body as usize].0;
+            let (state, reach) = ([centre, &Vector3::new(u, v, w)], [*radius, self.constants.contact_margin]);
+            let (touches, distance) = self.walls.touches(wall.surface, state, reach, self.constants.scheme.step);
+            if touches {
                 let (group, lane) = assigner.place([wall.body]);
-                groups.put_wall((before + group, lane), wall.body, candidate as u32, dummies);
+                groups.put_wall((before + group, lane), wall.body, candidate, dummies);
                 groups.wall_contacts += 1;
-                groups.deep_walls |= distance < DEEP * sphere.radius;
-            } else if impulses.get(candidate as u32).normal != 0.0 {
-                impulses.set(candidate as u32, Impulse::default());
+                groups.deep_walls |= distance < DEEP * radius;
+            } else if impulses.get(candidate).normal != 0.0 {
+                impulses.set(candidate, Impulse::default());
             }
         }
         assigner.next()

@@ -149,11 +149,13 @@ impl Candidates {
         let diagonal = (world.domain.1 - world.domain.0).norm();
         let wall_shift = world.walls.largest_shift(self.built_at, world.time, diagonal);
         let spheres = &world.spheres[..world.grains()];
-        let moved = self.drift.measure(&self.grid, spheres, &self.reference, team);
         let far = self.grid.patch_width() - self.largest_diameter;
-        moved.approach > self.skin - self.range
-            || 2.0 * moved.shift > far
-            || moved.shift + wall_shift > WALL_SKINS * self.skin - self.range
+        let (skin, range) = (self.skin, self.range);
+        self.drift.is_too_far(&self.grid, spheres, &self.reference, team, |moved| {
+            moved.approach > skin - range
+                || 2.0 * moved.shift > far
+                || moved.shift + wall_shift > WALL_SKINS * skin - range
+        })
     }
 
     /// Whether a grain that is too fast for the step meets a wall on its way that the list does not know.

@@ -1,21 +1,27 @@
-//! How far grains have moved, and how much closer neighbours can have come, since the candidate list was built.
+//! Whether grains have moved so far, or neighbours come so much closer, since the candidate list was built that it may lack some.
 //!
 //! In a flowing bed grains move far, but neighbours move alike. So displacements are bounded patch by patch, by a box in
 //! the space of displacements; two grains of the same or of adjacent patches have come closer by no more than the largest
 //! distance between points of the two boxes. Grains of patches that are not adjacent start a patch apart.
+//!
+//! Bounds of a whole box of the grid hold those of its patches, and bounds of all boxes hold everything. Where these show that nothing
+//! has moved too far, nothing finer is looked at; what is found is the same.
 
 use super::grid::{CellGrid, FORWARD};
 use crate::lanes::Number;
+use crate::partition::DIRECTIONS;
 use crate::schedule::{Each, Phase, Runs, Team};
 use crate::world::Sphere;
 use nalgebra::Vector3;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Bounds of the displacements in each patch; kept from step to step.
+/// Bounds of displacements; kept from step to step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drift {
+    /// In each patch, box after box.
     patches: Vec<Bounds>,
-    /// Of each box.
-    moved: Vec<Moved>,
+    /// In each box.
+    boxes: Vec<Bounds>,
 }
 
 /// Smallest and largest displacement along each axis, m.
@@ -49,6 +55,26 @@ impl Bounds {
         }
     }
 
+    /// Bounds of what is in these or in others.
+    #[inline(always)]
+    fn with(self, other: &Bounds) -> Bounds {
+        Bounds {
+            low: std::array::from_fn(|axis| self.low[axis].smaller(other.low[axis])),
+            high: std::array::from_fn(|axis| self.high[axis].larger(other.high[axis])),
+        }
+    }
+
+    /// What has moved at most: grains in these bounds by themselves, and towards each other and those in bounds beside them.
+    #[inline(always)]
+    fn moved<'a>(&self, beside: impl Iterator<Item = &'a Bounds>) -> Moved {
+        if self.is_empty() {
+            return Moved::default();
+        }
+        let others = beside.filter(|other| !other.is_empty()).map(|other| self.largest_distance_squared(other));
+        let approach = others.fold(self.largest_distance_squared(self), |largest, square| largest.larger(square));
+        Moved { shift: self.largest_squared().sqrt(), approach: approach.sqrt() }
+    }
+
     /// Largest distance between a point of each, squared; neither may be empty.
     #[inline(always)]
     fn largest_distance_squared(&self, other: &Bounds) -> f64 {
@@ -67,62 +93,77 @@ impl Bounds {
     }
 }
 
-/// Bounds the displacements of a box's grains, patch by patch.
-fn bound_box(grid: &CellGrid, number: usize, spheres: &[Sphere], reference: &[Vector3<f64>], patches: &mut [Bounds]) {
-    grid.for_each_cell(number, |patch, places| {
+/// Bounds the displacements of a box's grains, patch by patch, and all of them.
+fn bound_box(
+    grid: &CellGrid,
+    number: usize,
+    spheres: &[Sphere],
+    reference: &[Vector3<f64>],
+    patches: &mut [Bounds],
+) -> Bounds {
+    grid.for_each_run(number, |patch, places| {
         let mut own = patches[patch];
         for (sphere, then) in spheres[places.clone()].iter().zip(&reference[places]) {
             own.add(sphere.centre - then);
         }
         patches[patch] = own;
     });
-}
-
-/// Squares of how far grains of a box have moved, and how far towards each other and grains of patches beside theirs.
-fn squares_of_box(grid: &CellGrid, number: usize, patches: &[Bounds]) -> Moved {
-    let (per_box, around) = (grid.patches_of_box(), grid.boxes().around(number));
-    let mut squares = Moved::default();
-    for (patch, own) in patches[per_box * number..per_box * (number + 1)].iter().enumerate() {
-        if own.is_empty() {
-            continue;
-        }
-        squares.shift = squares.shift.larger(own.largest_squared());
-        for step in std::iter::once([0; 3]).chain(FORWARD) {
-            let (direction, place) = grid.patch_beside(patch, step);
-            let Some(neighbour) = around[direction] else { continue };
-            let other = &patches[per_box * neighbour + place];
-            if !other.is_empty() {
-                squares.approach = squares.approach.larger(own.largest_distance_squared(other));
-            }
-        }
-    }
-    squares
+    patches.iter().fold(Bounds::EMPTY, Bounds::with)
 }
 
 impl Drift {
-    /// Bounds the displacements from `reference` to `spheres`, both in the order of the grid.
-    pub fn measure(&mut self, grid: &CellGrid, spheres: &[Sphere], reference: &[Vector3<f64>], team: &Team) -> Moved {
-        let (boxes, per_box) = (grid.boxes(), grid.patches_of_box());
+    /// Whether what has moved from `reference` to `spheres`, both in the order of the grid, is `too_far`; if it is, more is so, too.
+    pub fn is_too_far(
+        &mut self,
+        grid: &CellGrid,
+        spheres: &[Sphere],
+        reference: &[Vector3<f64>],
+        team: &Team,
+        too_far: impl Fn(Moved) -> bool + Sync,
+    ) -> bool {
+        let (boxes, per_box) = (grid.boxes().boxes(), grid.patches_of_box());
         self.patches.clear();
-        self.patches.resize(per_box * boxes.boxes(), Bounds::EMPTY);
-        let patches_of_boxes = Runs::of(&mut self.patches, per_box);
-        team.each_with(Phase::Detect, boxes.boxes(), patches_of_boxes, |number, patches| {
-            bound_box(grid, number, spheres, reference, patches);
+        self.patches.resize(per_box * boxes, Bounds::EMPTY);
+        self.boxes.resize(boxes, Bounds::EMPTY);
+        let shares = (Runs::of(&mut self.patches, per_box), Each::of(&mut self.boxes));
+        team.each_with(Phase::Detect, boxes, shares, |number, (patches, bounds)| {
+            *bounds = bound_box(grid, number, spheres, reference, patches);
         });
-        self.moved.clear();
-        self.moved.resize(boxes.boxes(), Moved::default());
-        let patches = &self.patches;
-        team.each_with(Phase::Detect, boxes.boxes(), Each::of(&mut self.moved), |number, moved| {
-            if !grid.grains_of_box(number).is_empty() {
-                *moved = squares_of_box(grid, number, patches);
+        let all = self.boxes.iter().fold(Bounds::EMPTY, Bounds::with);
+        if !too_far(all.moved(std::iter::empty())) {
+            return false;
+        }
+        let found = AtomicBool::new(false);
+        team.each(Phase::Detect, boxes, |number| {
+            let around = grid.boxes().around(number);
+            let beside = around.iter().flatten().map(|&neighbour| &self.boxes[neighbour]);
+            if too_far(self.boxes[number].moved(beside)) && self.is_patch_too_far(grid, number, &around, &too_far) {
+                found.store(true, Ordering::Relaxed);
             }
         });
-        let largest = |value: fn(&Moved) -> f64| self.moved.iter().map(value).fold(0.0, f64::max).sqrt();
-        Moved { shift: largest(|moved| moved.shift), approach: largest(|moved| moved.approach) }
+        found.into_inner()
+    }
+
+    /// The same of the patches of a box, given the boxes around it.
+    fn is_patch_too_far(
+        &self,
+        grid: &CellGrid,
+        number: usize,
+        around: &[Option<usize>; DIRECTIONS],
+        too_far: impl Fn(Moved) -> bool,
+    ) -> bool {
+        let per_box = grid.patches_of_box();
+        self.patches[per_box * number..per_box * (number + 1)].iter().enumerate().any(|(patch, own)| {
+            let beside = FORWARD.iter().filter_map(|&step| {
+                let (direction, place) = grid.patch_beside(patch, step);
+                around[direction].map(|neighbour| &self.patches[per_box * neighbour + place])
+            });
+            too_far(own.moved(beside))
+        })
     }
 
     pub fn memory_bytes(&self) -> usize {
-        self.patches.capacity() * size_of::<Bounds>() + self.moved.capacity() * size_of::<Moved>()
+        (self.patches.capacity() + self.boxes.capacity()) * size_of::<Bounds>()
     }
 }
 
@@ -145,5 +186,13 @@ mod tests {
         assert_eq!(b.largest_distance_squared(&b), 0.0, "what moves together comes no closer");
         assert_eq!(b.largest_squared(), 25.0);
         assert!(Bounds::EMPTY.is_empty() && !a.is_empty());
+        assert_eq!(a.moved([b, Bounds::EMPTY].iter()), Moved { shift: 1.0, approach: 5.0 });
+        assert_eq!(Bounds::EMPTY.moved([a, b].iter()), Moved::default(), "where no grain is");
+        let both = a.with(&b).with(&Bounds::EMPTY);
+        assert_eq!(
+            both.moved(std::iter::empty()),
+            Moved { shift: 5.0, approach: 5.0 },
+            "bounds of all hold everything"
+        );
     }
 }

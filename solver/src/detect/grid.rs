@@ -21,6 +21,17 @@ pub struct CellGrid {
     /// Old places of the grains, cell after cell.
     order: Vec<u32>,
     cell_of: Vec<u32>,
+    /// What a box's cells are by patches, in the order of the cells.
+    runs: Vec<PatchRun>,
+}
+
+/// Cells of a box that follow each other and belong to one patch.
+#[derive(Clone, Copy, Debug)]
+struct PatchRun {
+    /// Number of the patch in the box.
+    patch: u32,
+    /// The first cell behind them.
+    end: u32,
 }
 
 /// Neighbours of a cell that come after it, so that each pair of cells is visited once.
@@ -51,6 +62,7 @@ impl CellGrid {
             start: Vec::new(),
             order: Vec::new(),
             cell_of: Vec::new(),
+            runs: Vec::new(),
         };
         grid.cut_boxes(grains);
         grid
@@ -61,7 +73,7 @@ impl CellGrid {
         &self.boxes
     }
 
-    /// Cuts each box into cells.
+    /// Cuts each box into cells, and those into patches.
     fn cut_boxes(&mut self, grains: usize) {
         let boxes = &self.boxes;
         // Empty cells cost time too: no more than about eight a grain.
@@ -73,6 +85,17 @@ impl CellGrid {
         let per_box = (narrowest / self.reach.max(1e-300)).floor().min(most.floor()).clamp(least, 1024.0);
         self.per_box = per_box as u32;
         self.size = boxes.widths().map(|width| width / per_box);
+        let (per_box, patches) = (self.per_box, self.patches_per_box());
+        self.runs.clear();
+        for cell in 0..per_box * per_box * per_box {
+            let inside = [cell % per_box, cell / per_box % per_box, cell / (per_box * per_box)];
+            let [x, y, z] = inside.map(|at| at * patches / per_box);
+            let (patch, end) = ((z * patches + y) * patches + x, cell + 1);
+            match self.runs.last_mut() {
+                Some(run) if run.patch == patch => run.end = end,
+                _ => self.runs.push(PatchRun { patch, end }),
+            }
+        }
     }
 
     /// Sorts the grains of a world; grains outside the domain count to its outermost cells, or where their image is inside, unless
@@ -135,6 +158,7 @@ impl CellGrid {
 
     pub(super) fn memory_bytes(&self) -> usize {
         (self.start.capacity() + self.order.capacity() + self.cell_of.capacity()) * size_of::<u32>()
+            + self.runs.capacity() * size_of::<PatchRun>()
             + self.boxes.memory_bytes()
     }
 
@@ -187,16 +211,18 @@ impl CellGrid {
         f64::from(self.per_box / self.patches_per_box()) * narrowest
     }
 
-    /// Calls `visit(patch, places)` for each cell of a box that holds grains; patches are numbered inside the box.
+    /// Calls `visit(patch, places)` for the grains of a box, those of one patch that lie together at a time; patches are numbered inside
+    /// the box.
     #[inline]
-    pub fn for_each_cell(&self, number: usize, mut visit: impl FnMut(usize, Range<usize>)) {
-        let (per_box, patches) = (self.per_box as usize, self.patches_per_box() as usize);
-        for cell in 0..self.cells_of_box() {
-            let places = self.grains(number * self.cells_of_box() + cell);
+    pub fn for_each_run(&self, number: usize, mut visit: impl FnMut(usize, Range<usize>)) {
+        let first = number * self.cells_of_box();
+        let start = &self.start[first..=first + self.cells_of_box()];
+        let mut place = start[0] as usize;
+        for run in &self.runs {
+            let places = place..start[run.end as usize] as usize;
+            place = places.end;
             if !places.is_empty() {
-                let inside = [cell % per_box, cell / per_box % per_box, cell / (per_box * per_box)];
-                let [x, y, z] = inside.map(|at| at * patches / per_box);
-                visit((z * patches + y) * patches + x, places);
+                visit(run.patch as usize, places);
             }
         }
     }

@@ -44,8 +44,6 @@ pub struct Walls {
 
 #[derive(Clone, Debug)]
 struct Wall {
-    /// Number of its material.
-    material: u8,
     /// Numbers of its faces.
     faces: Range<u32>,
     movement: Movement,
@@ -57,6 +55,8 @@ struct WallFace {
     shape: Face,
     /// Number of the wall in the scene.
     wall: u32,
+    /// Number of the wall's material.
+    material: u8,
     /// Whether the wall's motion maps it onto itself, so that only velocities change.
     in_place: bool,
 }
@@ -85,11 +85,10 @@ impl Walls {
         let mut faces: Vec<WallFace> = Vec::new();
         let place = |(number, wall): (u32, &scene::Wall)| {
             let (shapes, first) = (Face::of_shape(&wall.shape, domain), faces.len() as u32);
-            let in_place = |face: &Face| keeps_in_place(face, &wall.motion);
-            let face = |shape: &Face| WallFace { shape: *shape, wall: number, in_place: in_place(shape) };
+            let (material, in_place) = (material(&wall.material), |face: &Face| keeps_in_place(face, &wall.motion));
+            let face = |shape: &Face| WallFace { shape: *shape, wall: number, material, in_place: in_place(shape) };
             faces.extend(shapes.iter().map(face));
             Wall {
-                material: material(&wall.material),
                 faces: first..faces.len() as u32,
                 movement: Movement::new(&wall.motion, &shapes),
                 index: FaceIndex::new(&shapes, first, domain.period()),
@@ -113,7 +112,7 @@ impl Walls {
     /// Number of the material of a face.
     #[inline]
     pub fn material_of(&self, face: u32) -> u8 {
-        self.walls[self.wall_of(face) as usize].material
+        self.faces[face as usize].material
     }
 
     /// Whether any of them ever moves.
@@ -192,7 +191,7 @@ impl<'a> WallsAt<'a> {
     /// A face where it stands.
     #[inline]
     pub fn face(&self, number: u32) -> PlacedFace<'a> {
-        let WallFace { shape, wall, in_place } = &self.walls.faces[number as usize];
+        let WallFace { shape, wall, in_place, .. } = &self.walls.faces[number as usize];
         let pose = &self.poses[*wall as usize];
         PlacedFace { placed: shape, moved: pose.moved(shape, *in_place), pose, in_place: *in_place }
     }
@@ -200,7 +199,7 @@ impl<'a> WallsAt<'a> {
     /// Asks a face where it stands, and its wall; a face at rest is not copied.
     #[inline(always)]
     fn ask<R>(&self, number: u32, question: impl FnOnce(&Face, &Pose, bool) -> R) -> R {
-        let WallFace { shape, wall, in_place } = &self.walls.faces[number as usize];
+        let WallFace { shape, wall, in_place, .. } = &self.walls.faces[number as usize];
         let pose = &self.poses[*wall as usize];
         match pose.moved(shape, *in_place) {
             None => question(shape, pose, *in_place),
@@ -211,18 +210,29 @@ impl<'a> WallsAt<'a> {
     /// As [`PlacedFace::distance`], of the face of a number.
     #[inline]
     pub fn distance(&self, number: u32, point: &Vector) -> f64 {
-        self.ask(number, |face, _, _| face.nearest(point, Vector::zeros).0)
+        self.ask(number, |face, _, _| face.distance(point))
     }
 
-    /// Whether a grain comes to a swept contact with the face of a number within a step (s) in which it moves by more than its radius
-    /// (m) against the wall, given its centre (m) and its velocity (m/s). Such a grain would otherwise be deep behind the face, or on the
-    /// other side of a shell, before the two are seen to touch.
-    #[inline]
-    pub fn is_swept(&self, number: u32, centre: &Vector, radius: f64, velocity: &Vector, step: f64) -> bool {
-        let WallFace { wall, in_place, .. } = &self.walls.faces[number as usize];
-        let path = self.poses[*wall as usize].path(centre, velocity, step, *in_place);
-        path.norm_squared() > radius * radius
-            && self.ask(number, |face, _, _| face.time_of_impact(centre, &path, radius).is_some())
+    /// Whether a grain has a contact in a step (s) with the face of a number, given its centre (m) and its velocity (m/s), its radius
+    /// and the gap up to which contacts count (m); and the distance from its centre to the face (m). A swept contact is one, too: that of
+    /// a grain which moves by more than its radius against the wall, and would otherwise be deep behind the face, or on the other side
+    /// of a shell, before the two are seen to touch.
+    #[inline(always)]
+    pub fn touches(
+        &self,
+        number: u32,
+        [centre, velocity]: [&Vector; 2],
+        [radius, margin]: [f64; 2],
+        step: f64,
+    ) -> (bool, f64) {
+        self.ask(number, |face, pose, in_place| {
+            let distance = face.distance(centre);
+            let is_swept = || {
+                let path = pose.path(centre, velocity, step, in_place);
+                path.norm_squared() > radius * radius && face.time_of_impact(centre, &path, radius).is_some()
+            };
+            (distance < radius + margin || is_swept(), distance)
+        })
     }
 
     /// The contact of a grain with the face of a number in a step (s), given its centre (m) and velocity at the start (m/s), its radius
@@ -300,7 +310,7 @@ impl PlacedFace<'_> {
     /// Distance from a point to the face (m), negative behind a plane: see [`PlacedFace::nearest`].
     #[inline]
     pub fn distance(&self, point: &Vector) -> f64 {
-        self.nearest(point, Vector::zeros).0
+        self.shape().distance(point)
     }
 
     /// Distance from a grain's centre to the face (m), and the unit normal from the centre to the nearest point. Where a whole circle or
@@ -313,7 +323,7 @@ impl PlacedFace<'_> {
         self.shape().nearest(centre, travel)
     }
 
-    /// As [`WallsAt::is_swept`].
+    /// Whether a grain comes to a swept contact with the face: see [`WallsAt::touches`].
     pub(crate) fn is_swept(&self, centre: &Vector, radius: f64, velocity: &Vector, step: f64) -> bool {
         let path = self.path(centre, velocity, step);
         path.norm_squared() > radius * radius && self.shape().time_of_impact(centre, &path, radius).is_some()
@@ -395,12 +405,18 @@ impl PlacedWalls {
     ///
     /// It is negative behind a plane or a box's face. Thin shells and discs have no behind.
     pub fn distance(&self, point: &Vector) -> f64 {
-        self.faces().map(|(_, face)| face.distance(point)).fold(f64::INFINITY, f64::min)
+        self.distances(point).fold(f64::INFINITY, f64::min)
     }
 
     /// Number of faces nearer to a point than `radius` (m).
     pub fn within(&self, point: &Vector, radius: f64) -> usize {
-        self.faces().filter(|(_, face)| face.distance(point) < radius).count()
+        self.distances(point).filter(|&distance| distance < radius).count()
+    }
+
+    /// Distances of a point from all faces, m.
+    fn distances(&self, point: &Vector) -> impl Iterator<Item = f64> {
+        let placed = self.walls.placed(&self.poses);
+        (0..self.walls.faces() as u32).map(move |face| placed.distance(face, point))
     }
 
     /// Where a point (m) of a wall, as the scene places it, stands.

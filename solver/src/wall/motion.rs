@@ -310,15 +310,20 @@ impl Pose {
     }
 
     /// The path of a point (m) that moves at `velocity` (m/s) for a step (s), as seen from a face, m.
-    #[inline]
+    ///
+    /// Every grain near a wall asks for it in every step, so what turns is kept out of the way.
+    #[inline(always)]
     pub(super) fn path(&self, from: &Vector, velocity: &Vector, step: f64, in_place: bool) -> Vector {
+        let path = (velocity - self.velocity) * step;
+        if in_place || self.turning.spin == Vector::zeros() { path } else { self.path_from_turning(from, &path, step) }
+    }
+
+    /// The path that is `path` without the rotation, as seen from a face that turns, m.
+    #[inline(never)]
+    fn path_from_turning(&self, from: &Vector, path: &Vector, step: f64) -> Vector {
         let Turning { spin, centre } = self.turning;
-        if !in_place && spin != Vector::zeros() {
-            let end = from + (velocity - self.velocity) * step;
-            let turn = spin.norm();
-            return centre + Rotation::new(spin / turn, -turn * step).turn(end - centre) - from;
-        }
-        (velocity - self.velocity) * step
+        let (end, turn) = (from + path, spin.norm());
+        centre + Rotation::new(spin / turn, -turn * step).turn(end - centre) - from
     }
 
     /// The longest path that [`Pose::path`] gives, m, whichever face sees it.

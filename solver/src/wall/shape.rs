@@ -194,11 +194,20 @@ impl Face {
         }
     }
 
+    /// Distance from a point to the face, negative behind a plane. Most faces are planes, of which it is found without the rest.
+    #[inline(always)]
+    pub(super) fn distance(&self, point: &Vector) -> f64 {
+        match self {
+            Face::Plane { point: foot, normal } => height(normal, point, foot),
+            _ => self.nearest(point, Vector::zeros).0,
+        }
+    }
+
     /// Distance from a point to the face, and the unit normal towards it: see [`PlacedFace::nearest`](super::PlacedFace::nearest).
     #[inline]
     pub(super) fn nearest(&self, centre: &Vector, travel: impl FnOnce() -> Vector) -> (f64, Vector) {
         match *self {
-            Face::Plane { point, normal } => (normal.dot(&(centre - point)), -normal),
+            Face::Plane { point, normal } => (height(&normal, centre, &point), -normal),
             Face::Disc { centre: middle, normal, radius } => {
                 let arm = centre - middle;
                 let height = normal.dot(&arm);
@@ -295,6 +304,12 @@ impl Face {
             }
         }
     }
+}
+
+/// How high a point lies above a plane, m, given a point of the plane.
+#[inline(always)]
+fn height(normal: &Vector, point: &Vector, foot: &Vector) -> f64 {
+    normal.dot(&(point - foot))
 }
 
 /// The normal of a face with two sides on the side of a point.
