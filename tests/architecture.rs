@@ -116,6 +116,11 @@ fn imports_of_the_judge_run_one_way() {
 }
 
 #[test]
+fn imports_of_the_python_package_run_one_way() {
+    imports_run_one_way("python/src", "Rooms of the Python package");
+}
+
+#[test]
 fn paths_of_the_pages_exist() {
     for page in ["ARCHITECTURE.md", "solver/docs/method.md"] {
         let text = fs::read_to_string(root().join(page)).unwrap();
@@ -132,7 +137,8 @@ fn unsafe_code_stands_where_the_page_says() {
     let page = page();
     let row = page.lines().find(|line| line.starts_with("| unsafe code stands")).unwrap();
     let places: Vec<PathBuf> = quoted(row.split('|').nth(1).unwrap()).map(|path| root().join(path)).collect();
-    for file in sources(&root().join("solver/src")).iter().chain(&sources(&root().join("validation/src"))) {
+    let files = ["solver/src", "validation/src", "python/src"].map(|folder| sources(&root().join(folder)));
+    for file in files.iter().flatten() {
         let has =
             !is_test(file) && code(file).split(|letter: char| !letter.is_alphanumeric()).any(|word| word == "unsafe");
         let may = places.iter().any(|place| file.starts_with(place));

@@ -3,6 +3,7 @@
 use crate::SettingError;
 use crate::scene::{SceneError, SceneFileError};
 use crate::simulation::checkpoint::CheckpointError;
+use crate::simulation::intervention::InterventionError;
 use crate::solve::NotConverged;
 
 /// Why something could not be done.
@@ -20,6 +21,9 @@ pub enum Error {
     /// A checkpoint cannot be written, or gone on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// What the caller wanted to do to a simulation between its steps cannot be done.
+    #[error(transparent)]
+    Intervention(#[from] InterventionError),
     /// A solve ended before it came to its bound.
     #[error(transparent)]
     NotConverged(#[from] NotConverged),

@@ -103,6 +103,9 @@ pub use scene::{
 };
 pub use schedule::{Scheduler, StepTrace};
 pub use simulation::energy::Energy;
+#[doc(hidden)]
+pub use simulation::intervention::PairsInList;
+pub use simulation::intervention::{InterventionError, States};
 pub use simulation::ledger::Balance;
 pub use simulation::swept::Crossing;
 pub use simulation::{PhaseSeconds, Simulation, StepReport, checkpoint};

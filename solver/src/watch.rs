@@ -166,6 +166,8 @@ const DEEP: f64 = 1.0;
 #[derive(Clone, Debug)]
 pub struct Watchdog {
     settings: Watch,
+    /// Interventions of the caller when this took note of a step for the last time.
+    interventions: u64,
     /// Steps that the simulation had taken when this took note of one for the last time, and when it looked.
     noted: u64,
     looked: Option<u64>,
@@ -187,6 +189,7 @@ impl Watchdog {
     pub fn new(settings: &Watch, simulation: &Simulation) -> Watchdog {
         Watchdog {
             settings: settings.clone(),
+            interventions: simulation.interventions.count,
             noted: simulation.steps,
             looked: None,
             gravity: simulation.world.gravity,
@@ -199,8 +202,8 @@ impl Watchdog {
 
     /// Takes note of a step; looks at the state where it is time to. What was noticed comes back, the gravest first.
     ///
-    /// It wants to see every step: after one that it has not seen it knows no longer what walls gave, and judges energy from
-    /// there on. Between looks it allocates nothing, and a look no more than a pose a wall.
+    /// It wants to see every step: after one that it has not seen, or in which grains came, went or were written to, it knows no longer
+    /// what was given, and judges energy from there on. Between looks it allocates nothing, and a look no more than a pose a wall.
     /// A grain that has crossed a wall is noticed in its step, whatever the scene asks for.
     pub fn observe(&mut self, simulation: &Simulation, report: &StepReport) -> Vec<Alarm> {
         if let Some(Crossing { grain, wall }) = simulation.crossing() {
@@ -274,13 +277,16 @@ impl Watchdog {
 
     /// Adds what walls and gravity that changes gave in the last step.
     fn note_supply(&mut self, simulation: &Simulation) {
-        if simulation.steps != self.noted + 1 {
+        let interventions = simulation.interventions.count;
+        if simulation.steps != self.noted + 1 || interventions != self.interventions {
             (self.available, self.supplied) = (f64::INFINITY, 0.0);
         } else {
             let (world, h) = (&simulation.world, simulation.settings.step);
-            self.supplied += simulation.work_of_walls() + work_of_changing_gravity(world, self.gravity, h);
+            let walls_and_forces = simulation.work_of_walls() + simulation.interventions.work;
+            self.supplied += walls_and_forces + work_of_changing_gravity(world, self.gravity, h);
         }
         (self.noted, self.gravity) = (simulation.steps, simulation.world.gravity);
+        self.interventions = interventions;
     }
 
     /// The deepest overlap, if it is too deep, and what to do then.

@@ -16,6 +16,7 @@ mod front_door;
 mod golden;
 mod gravity;
 mod impact;
+mod interventions;
 mod invariants;
 mod kinetic_friction;
 mod ledger;

@@ -22,6 +22,7 @@ const BLOCKS: usize = 8;
 
 /// Two grains that may touch, by their places; the first has the smaller id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct PairCandidate {
     /// First grain.
     pub first: u32,
@@ -31,6 +32,7 @@ pub struct PairCandidate {
 
 /// A grain, by its place, and a surface that may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct WallCandidate {
     /// Grain.
     pub body: u32,
@@ -128,6 +130,11 @@ impl Candidates {
     /// Centres of the grains by place (m) and simulated time (s) when the list was built; absent while there is none.
     pub(crate) fn built_from(&self) -> Option<(&[Vector3<f64>], f64)> {
         (self.rebuilds > 0).then_some((&self.reference, self.built_at))
+    }
+
+    /// Most boxes that the domain is ever cut into with as many grains.
+    pub(crate) fn most_boxes(&self) -> usize {
+        self.grid.boxes().most()
     }
 
     /// Number of tasks that its pairs can belong to, since the list was built.

@@ -150,6 +150,15 @@ impl BoxGrid {
         }
     }
 
+    /// Most boxes that there ever are with as many grains: where they follow the grains, those that hold some are at most as many as are
+    /// affordable, and each brings up to seven that tasks between them belong to.
+    pub(crate) fn most(&self) -> usize {
+        match &self.occupied {
+            Some(_) => 8 * self.affordable.max(1),
+            None => self.boxes(),
+        }
+    }
+
     /// Number of boxes along each axis, empty ones among them.
     pub(crate) fn counts(&self) -> [u32; 3] {
         self.count

@@ -115,6 +115,11 @@ impl Plan {
         self.batch();
     }
 
+    /// What a thread is given at a time.
+    pub(crate) fn portion(&self) -> Portion {
+        self.portion
+    }
+
     /// Hands out tasks in other portions from now on.
     pub(crate) fn set_portion(&mut self, portion: Portion) {
         self.portion = portion;

@@ -12,7 +12,7 @@ use crate::effects::catalogue::coefficients;
 use crate::effects::resistance::{ROLLING, TWISTING};
 
 /// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
-const MOST_GRAINS: f64 = 1e8;
+pub(crate) const MOST_GRAINS: f64 = 1e8;
 /// Most materials: their numbers have eight bits.
 const MOST_MATERIALS: usize = 256;
 /// Most sweeps of a step, those inside boxes counted: within a step nobody listens to an interrupt.

@@ -138,6 +138,11 @@ impl Fault {
         (problem, printable(&self.remedy))
     }
 
+    /// Its place in the document in words, such as `wall[0].motion`; empty where the reader of the text has told no more than a line.
+    pub fn place(&self) -> String {
+        label(&self.path)
+    }
+
     /// Line of the value in the text of its document, or of the nearest table around it that the text spells out.
     pub fn line(&self, text: &str) -> usize {
         self.line.unwrap_or_else(|| span_start(text, &self.path).map_or(1, |at| line_at(text, at)))

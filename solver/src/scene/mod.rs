@@ -72,6 +72,7 @@ pub use crate::effects::gravity::GravityChange;
 pub use accuracy::Accuracy;
 pub use bearable::{Beforehand, Finding, Severity};
 pub use builder::{Face, SceneBuilder};
+pub(crate) use check::MOST_GRAINS;
 pub use document::TABLES_OF_WHO_MEASURES;
 pub use document_path::{Checked, DocumentPath};
 pub use error::{Fault, SceneError, line_of};

@@ -16,6 +16,11 @@ impl Simulation {
         self.interrupt = interrupt;
     }
 
+    /// Whether its solves may be so long that they look whether they are to stop.
+    pub fn heeds_interrupts(&self) -> bool {
+        is_heeded(&self.settings)
+    }
+
     /// Whether spins at the start of a step are kept: friction may go by how contacts slide, and a step may be abandoned.
     pub(crate) fn keeps_spins(&self) -> bool {
         let effects = &self.relaxation.effects;
@@ -34,6 +39,7 @@ impl Simulation {
             body.scaled_spin = [x, y, z];
         }
         drives.iter_mut().for_each(|drive| drive.rate = drive.rate_before);
+        self.abandon_torques();
         self.layout.contacts = 0;
         self.layout.driven.clear();
         for groups in &mut self.layout.groups {

@@ -4,6 +4,7 @@
 //! step.rs         the time step: detect, constrain, solve, move
 //! swept.rs        grains that would pass a wall within a step
 //! interrupted.rs  a step that is given up
+//! intervention/   what the caller does between steps: forces, states written, grains that come and go, walls that are moved
 //! settings.rs     threads, instruction set, precision, method, stop
 //! energy.rs       mechanical energy of a state
 //! ledger/         where energy and momentum come from and where they go
@@ -13,6 +14,7 @@
 pub mod checkpoint;
 pub(crate) mod energy;
 mod interrupted;
+pub(crate) mod intervention;
 pub(crate) mod ledger;
 mod settings;
 mod step;
@@ -31,6 +33,7 @@ use crate::solve::SolveReport;
 use crate::sweep::Relaxation;
 use crate::world::{Body, Sphere, World};
 use checkpoint::checksum;
+use intervention::Interventions;
 use ledger::Ledger;
 use serde::{Deserialize, Serialize};
 use swept::Swept;
@@ -53,6 +56,7 @@ pub struct Simulation {
     pub(crate) ledger: Option<Ledger>,
     pub(crate) swept: Swept,
     pub(crate) interrupt: Interrupt,
+    pub(crate) interventions: Interventions,
     /// Work that walls did on grains in the last step besides what the solve tells, J.
     pub(crate) work_outside_of_the_solve: f64,
     phases: PhaseSeconds,
@@ -89,13 +93,13 @@ impl Simulation {
     pub fn new(scene: &Scene, seed: u64) -> Result<Simulation, SceneError> {
         scene.check()?;
         let grains = populate(scene, seed)?;
-        Ok(Simulation::of_world(scene, World::new(scene, &grains)))
+        Ok(Simulation::of_world(&scene.solver, World::new(scene, &grains)))
     }
 
-    pub(crate) fn of_world(scene: &Scene, mut world: World) -> Simulation {
+    pub(crate) fn of_world(settings: &SolverSettings, mut world: World) -> Simulation {
         let (largest, mean) = world.largest_and_mean_radius();
-        let wanted = scene.solver.reach(mean, world.field.largest());
-        let skin = wanted.min(world.longest_reach()).max(scene.solver.skin * mean);
+        let wanted = settings.reach(mean, world.field.largest());
+        let skin = wanted.min(world.longest_reach()).max(settings.skin * mean);
         let reach = skin + world.range_of_cohesion();
         let boxes = BoxGrid::new(&world.domain, &world.period, world.grains(), largest, reach);
         world.add_dummies(boxes.boxes());
@@ -103,21 +107,36 @@ impl Simulation {
         Simulation {
             relaxation: Relaxation { instruction_set: Available::detect(), scalar: false, effects, prefetch: PREFETCH },
             prefetch: None,
-            candidates: Candidates::new(&boxes, &world, skin, scene.solver.step, effects.torques()),
-            constrainer: Constrainer::new(&world, &scene.solver),
+            candidates: Candidates::new(&boxes, &world, skin, settings.step, effects.torques()),
+            constrainer: Constrainer::new(&world, settings),
             world,
-            settings: scene.solver.clone(),
+            settings: settings.clone(),
             layout: Layout::new(boxes.tasks()),
-            solver: Solver::new(scene.solver.method),
+            solver: Solver::new(settings.method),
             team: Team::default(),
             steps: 0,
             contact_sweeps: 0,
             ledger: None,
             swept: Swept::default(),
             interrupt: Interrupt::new(),
+            interventions: Interventions::default(),
             work_outside_of_the_solve: 0.0,
             phases: PhaseSeconds::default(),
         }
+    }
+
+    /// Goes on as another simulation of the same scene, but with the grains and contacts that it has.
+    fn go_on_as(&mut self, other: &Simulation) {
+        self.relaxation.instruction_set = other.relaxation.instruction_set;
+        self.relaxation.scalar = other.relaxation.scalar;
+        self.use_prefetch(other.prefetch);
+        self.layout.plan.set_portion(other.layout.plan.portion());
+        self.team = other.team.clone();
+        (self.steps, self.contact_sweeps) = (other.steps, other.contact_sweeps);
+        self.ledger = other.ledger.clone();
+        self.swept.remember_crossing(&other.swept);
+        self.interrupt = other.interrupt.clone();
+        self.phases = other.phases;
     }
 
     /// Simulated time, s.

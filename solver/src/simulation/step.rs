@@ -39,6 +39,7 @@ impl Simulation {
             ledger.note(self, self.constrainer.scheme());
             self.ledger = Some(ledger);
         }
+        self.account_for_forces();
         // Walls that grains would pass within the step.
         let stopped = self.stop_ahead(team);
         // Motion with the new velocities.
@@ -66,6 +67,7 @@ impl Simulation {
         }
         // Forces.
         self.apply_gravity(self.settings.step, team);
+        self.act_from_outside();
         let clock = clock.lap(&mut self.phases.integrate);
         // Which do, as constraints laid out in boxes, stages and lane groups; they start from their last impulses.
         self.constrain(team);
@@ -124,12 +126,14 @@ impl Simulation {
         self.move_grains(stopped, team);
         self.world.drives.iter_mut().for_each(|drive| drive.advance(h));
         self.world.place_driven_walls();
+        self.world.walls.advance_steered(h);
         self.steps += 1;
         let (time, gravity) = (self.world_time_after(self.steps), self.world.gravity);
         self.world.set_time(time);
         if let Some(ledger) = &mut self.ledger {
             ledger.settle(&self.world, &self.candidates, self.constrainer.scheme());
             ledger.change_gravity(&self.world, gravity, h);
+            self.note_known_energy();
         }
     }
 

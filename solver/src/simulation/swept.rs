@@ -184,6 +184,18 @@ fn crossed(walls: &WallsAt<'_>, centre: &Vector, velocity: &Vector, step: f64) -
     first
 }
 
+impl Swept {
+    /// No longer counts on grains being slow.
+    pub fn forget_pace(&mut self) {
+        self.slow_at = None;
+    }
+
+    /// Keeps in mind what another one has seen.
+    pub fn remember_crossing(&mut self, other: &Swept) {
+        self.crossing = other.crossing;
+    }
+}
+
 impl Simulation {
     /// The first grain that crossed a wall although everything was done to hold it, if there is one: what follows is worthless.
     pub fn crossing(&self) -> Option<Crossing> {

@@ -3,6 +3,7 @@
 //! ```text
 //! shape.rs    Face       where the surface lies, as the scene places it: nearest point, time of impact
 //! motion.rs   Pose       where the wall stands at a time, and its velocity field: one a wall and step
+//! steered.rs  WallMotion how the caller moves a wall, in place of what the scene says
 //! index.rs    FaceIndex  which faces may be near a point: built once, in the wall's own frame
 //! mod.rs      Walls      all walls of a scene; their faces are numbered through, wall after wall
 //! ```
@@ -18,10 +19,13 @@
 mod index;
 mod motion;
 mod shape;
+mod steered;
 
 pub(crate) use motion::drive_of;
 pub use motion::{DrivenWall, Pose};
 pub(crate) use shape::Impact;
+pub(crate) use steered::Steered;
+pub use steered::WallMotion;
 
 use crate::scene::{self, Domain};
 use index::FaceIndex;
@@ -129,6 +133,41 @@ impl Walls {
     /// Puts a wall where a drive has moved it, m or rad, at this rate, m/s or rad/s. One that nothing drives takes no notice.
     pub fn put(&mut self, wall: u32, displacement: f64, rate: f64) {
         self.walls[wall as usize].movement.put(displacement, rate);
+    }
+
+    /// Steers a wall from the next step on; `times` are now and when the candidate list was built, s.
+    ///
+    /// # Errors
+    /// Why it cannot be moved so, in words that follow its name.
+    pub(crate) fn steer(&mut self, wall: u32, motion: &WallMotion, times: [f64; 2]) -> Result<(), String> {
+        self.with_faces(wall, |movement, faces| movement.steer(motion, faces, times))
+    }
+
+    /// Has a wall steered as it was at some time.
+    pub(crate) fn restore(&mut self, wall: u32, steered: Steered) {
+        self.with_faces(wall, |movement, faces| movement.restore(steered, faces));
+    }
+
+    /// Changes how a wall moves, and with it which of its faces that maps onto themselves.
+    fn with_faces<R>(&mut self, wall: u32, change: impl FnOnce(&mut Movement, &[Face]) -> R) -> R {
+        let Wall { faces, movement, .. } = &mut self.walls[wall as usize];
+        let own = &mut self.faces[faces.start as usize..faces.end as usize];
+        let shapes: Vec<Face> = own.iter().map(|face| face.shape).collect();
+        let result = change(movement, &shapes);
+        if let Some(steered) = &movement.steered {
+            own.iter_mut().for_each(|face| face.in_place = steered.keeps_in_place(&face.shape));
+        }
+        result
+    }
+
+    /// Walls that are steered, each with its state.
+    pub(crate) fn steered(&self) -> impl Iterator<Item = (u32, &Steered)> {
+        (0..).zip(&self.walls).filter_map(|(number, wall)| Some((number, wall.movement.steered.as_ref()?)))
+    }
+
+    /// Moves walls that are steered for a step of length `h`, s.
+    pub(crate) fn advance_steered(&mut self, h: f64) {
+        self.walls.iter_mut().filter_map(|wall| wall.movement.steered.as_mut()).for_each(|steered| steered.advance(h));
     }
 
     /// Keeps in mind where drives have walls while the candidate list is built.

@@ -12,6 +12,7 @@
 //! to where the wall is at the end of the step ([`Movement::through`]).
 
 use super::shape::{Face, Rotation};
+use super::steered::Steered;
 use crate::effects::drive::Drive;
 use crate::scene::{Motion, Wall};
 use nalgebra::Vector3;
@@ -22,9 +23,11 @@ type Vector = Vector3<f64>;
 /// How a wall moves: as the scene prescribes, or as a drive has moved it.
 #[derive(Clone, Debug)]
 pub(super) struct Movement {
-    motion: Motion,
+    pub(super) motion: Motion,
     /// Whether a rotation moves any of its faces, rather than mapping them onto themselves.
-    turns: bool,
+    pub(super) turns: bool,
+    /// How the caller moves it, in place of what the scene prescribes.
+    pub(super) steered: Option<Steered>,
     /// How far a drive has moved it, m or rad, now and when the candidate list was built; zero where nothing drives it.
     displacement: f64,
     displacement_in_list: f64,
@@ -35,14 +38,14 @@ pub(super) struct Movement {
 /// A wall at a moment: where it stands and its velocity field.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
-    displacement: Displacement,
-    velocity: Vector,
+    pub(super) displacement: Displacement,
+    pub(super) velocity: Vector,
     /// What it has gained since the step before, by speeding up.
-    gain: Vector,
+    pub(super) gain: Vector,
     /// Of faces that the rotation moves.
-    turning: Turning,
+    pub(super) turning: Turning,
     /// Of faces that it maps onto themselves.
-    in_place: Turning,
+    pub(super) in_place: Turning,
     /// Whether there are faces that the rotation moves.
     turns: bool,
 }
@@ -60,7 +63,7 @@ pub struct DrivenWall {
 
 /// Where a wall stands, from where the scene places it.
 #[derive(Clone, Copy, Debug)]
-enum Displacement {
+pub(super) enum Displacement {
     Nowhere,
     By(Vector),
     About(Vector, Rotation),
@@ -68,16 +71,17 @@ enum Displacement {
 
 /// Angular velocity, rad/s, and the point that it is about, m.
 #[derive(Clone, Copy, Debug)]
-struct Turning {
-    spin: Vector,
-    centre: Vector,
+pub(super) struct Turning {
+    pub(super) spin: Vector,
+    pub(super) centre: Vector,
 }
 
 impl Movement {
     /// That of a wall at time zero, given its faces.
     pub fn new(motion: &Motion, faces: &[Face]) -> Movement {
         let turns = rotates(motion) && !faces.iter().all(|face| keeps_in_place(face, motion));
-        Movement { motion: motion.clone(), turns, displacement: 0.0, displacement_in_list: 0.0, rate: 0.0 }
+        let [displacement, displacement_in_list, rate] = [0.0; 3];
+        Movement { motion: motion.clone(), turns, steered: None, displacement, displacement_in_list, rate }
     }
 
     /// Where a drive has moved it, m or rad, and how fast it moves it, m/s or rad/s. What nothing drives takes no notice.
@@ -88,6 +92,7 @@ impl Movement {
     /// Keeps in mind where a drive has it while the candidate list is built.
     pub fn enter_list(&mut self) {
         self.displacement_in_list = self.displacement;
+        self.steered.iter_mut().for_each(Steered::enter_list);
     }
 
     /// Where a drive had it then, m or rad.
@@ -102,6 +107,10 @@ impl Movement {
         let displacement = Displacement::Nowhere;
         let mut pose =
             Pose { displacement, velocity: zero, gain: zero, turning: rest, in_place: rest, turns: self.turns };
+        if let Some(steered) = &self.steered {
+            steered.pose(&mut pose, |centre, axis, angle| self.turned(centre, axis, angle));
+            return pose;
+        }
         match &self.motion {
             Motion::Fixed => {}
             Motion::Translating { velocity, start, stop } => {
@@ -113,8 +122,7 @@ impl Movement {
             }
             Motion::Rotating { point, axis, rate, start, stop, reverse } => {
                 let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
-                let angle = rate * turning_time(time, *start, *stop, *reverse);
-                pose.displacement = self.turned(centre, axis, angle);
+                pose.displacement = self.turned(centre, axis, self.angle(time));
                 if is_active(time, *start, *stop) {
                     let backwards = reverse.is_some_and(|reverse| time >= reverse);
                     pose.in_place = Turning { spin: axis * if backwards { -*rate } else { *rate }, centre };
@@ -142,6 +150,14 @@ impl Movement {
         pose
     }
 
+    /// How far the scene has turned it at a time (s), rad.
+    pub(super) fn angle(&self, time: f64) -> f64 {
+        match &self.motion {
+            Motion::Rotating { rate, start, stop, reverse, .. } => rate * turning_time(time, *start, *stop, *reverse),
+            _ => 0.0,
+        }
+    }
+
     fn turned(&self, centre: Vector, axis: Vector, angle: f64) -> Displacement {
         match self.turns {
             true => Displacement::About(centre, Rotation::new(axis, angle)),
@@ -152,7 +168,7 @@ impl Movement {
     /// The wall at the start of a step of length `step` (s), with the velocity that counts in it: where it vibrates, the mean one.
     pub fn over(&self, time: f64, step: f64) -> Pose {
         let mut pose = self.at(time);
-        if let Some(vibration) = self.motion.vibration() {
+        if let Some(vibration) = self.motion.vibration().filter(|_| self.steered.is_none()) {
             pose.velocity = vibration.mean_velocity(time, time + step).into();
             if vibration.is_smooth(time - step, time + step) {
                 pose.gain = pose.velocity - Vector::from(vibration.mean_velocity(time - step, time));
@@ -165,6 +181,9 @@ impl Movement {
     /// moves at `rate` (m/s or rad/s).
     pub fn through(&self, time: f64, step: f64, rate: f64) -> Pose {
         let mut pose = self.at(time);
+        if self.steered.is_some() {
+            return pose;
+        }
         match &self.motion {
             Motion::Translating { velocity, start, stop } => {
                 let moves = active_time(time + step, *start, *stop) - active_time(time, *start, *stop);
@@ -188,12 +207,15 @@ impl Movement {
 
     /// Whether it ever moves.
     pub fn moves(&self) -> bool {
-        !matches!(self.motion, Motion::Fixed)
+        self.steered.is_some() || !matches!(self.motion, Motion::Fixed)
     }
 
     /// Upper bound of how far a point of the wall within `radius` (m) of the motion's centre moves between two times (s), m, if it is
     /// not mapped onto itself; of a driven one since it entered the list.
     pub fn largest_shift(&self, from: f64, to: f64, radius: f64) -> f64 {
+        if let Some(steered) = &self.steered {
+            return steered.largest_shift(radius, self.turns);
+        }
         match &self.motion {
             Motion::Fixed => 0.0,
             Motion::Translating { velocity, start, stop } => {

@@ -63,6 +63,16 @@ impl MaterialTable {
         MaterialTable { between_grains: pairs(false), with_wall: pairs(true), names }
     }
 
+    /// Number of materials.
+    pub(crate) fn materials(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Number of a material, if the scene has it.
+    pub(crate) fn find(&self, name: &str) -> Option<u8> {
+        self.names.iter().position(|known| known == name).map(|number| number as u8)
+    }
+
     /// Number of a material that the scene's check has found to exist.
     ///
     /// # Panics

@@ -14,6 +14,7 @@ use crate::schedule::{Phase, Runs, Team};
 use crate::wall::{Pose, Walls, drive_of};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
+use std::collections::TryReserveError;
 use std::ops::Range;
 
 /// Dummy bodies of a box, at which padding lanes point: one for each lane and side. A box has its own, so that no two
@@ -104,6 +105,18 @@ pub struct World {
     pub period: Period,
     /// Simulated time, s.
     pub time: f64,
+    /// Whether bodies and spheres stay where they are in memory.
+    kept: KeptInPlace,
+}
+
+/// Whether arrays stay where they are in memory. A copy has arrays of its own, which may move.
+#[derive(Debug, Default)]
+struct KeptInPlace(bool);
+
+impl Clone for KeptInPlace {
+    fn clone(&self) -> KeptInPlace {
+        KeptInPlace(false)
+    }
 }
 
 /// A [`World`] whose bodies are being written.
@@ -178,7 +191,41 @@ impl World {
             domain: (Vector3::from(scene.domain.min), Vector3::from(scene.domain.max)),
             period: scene.domain.period(),
             time: 0.0,
+            kept: KeptInPlace::default(),
         }
+    }
+
+    /// The same world without its grains.
+    pub(crate) fn without_grains(&self) -> World {
+        World {
+            bodies: Vec::new(),
+            spheres: Vec::new(),
+            materials: Vec::new(),
+            ids: Vec::new(),
+            before: Vec::new(),
+            spins_before: Vec::new(),
+            walls: self.walls.clone(),
+            drives: self.drives.clone(),
+            table: self.table.clone(),
+            gravity: self.gravity,
+            field: self.field.clone(),
+            domain: self.domain,
+            period: self.period,
+            time: self.time,
+            kept: KeptInPlace::default(),
+        }
+    }
+
+    /// Makes room for the dummies of so many boxes, and sees to it that bodies and spheres do not move from here on.
+    ///
+    /// # Errors
+    /// Where there is no memory for them.
+    pub(crate) fn keep_in_place(&mut self, boxes: usize) -> Result<(), TryReserveError> {
+        let all = self.grains() + boxes * DUMMIES;
+        self.bodies.try_reserve_exact(all.saturating_sub(self.bodies.len()))?;
+        self.spheres.try_reserve_exact(all.saturating_sub(self.spheres.len()))?;
+        self.kept = KeptInPlace(true);
+        Ok(())
     }
 
     /// Puts the dummies of so many boxes behind the grains. Dummies of the two sides of a contact are far apart and at
@@ -189,6 +236,10 @@ impl World {
         if self.bodies.len() == grains + boxes * DUMMIES {
             return;
         }
+        let all = grains + boxes * DUMMIES;
+        // Somebody may hold pointers into them.
+        let stays = !self.kept.0 || all <= self.bodies.capacity().min(self.spheres.capacity());
+        assert!(stays, "arrays that are kept in place would have to move for {boxes} boxes");
         self.bodies.truncate(grains);
         self.spheres.truncate(grains);
         self.materials.truncate(grains);

@@ -28,7 +28,7 @@
 
 mod draft;
 mod envelope;
-mod state;
+pub(super) mod state;
 
 pub use draft::{DRAFT, replace_with, sync_file, sync_folder, write_atomically};
 pub use envelope::{checksum, open, seal};
@@ -40,6 +40,10 @@ use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the last one is the version of the format.
 const MARK: [u8; 8] = *b"makadam\x06";
+
+/// The same of a simulation in which grains have come or gone, walls are moved by the caller, or the ledger has something from outside:
+/// what that is follows the state.
+const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x07";
 
 /// Why a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -61,10 +65,9 @@ pub enum CheckpointError {
 }
 
 impl Simulation {
-    /// The present state as a checkpoint.
+    /// The present state as a checkpoint. Forces that were [applied](Simulation::apply_forces) to the step to come are not part of it.
     pub fn checkpoint(&self) -> Vec<u8> {
-        let body = postcard::to_stdvec(&State::of(self)).expect("a state holds only numbers and lists");
-        seal(MARK, &body)
+        State::of(self).write()
     }
 
     /// Writes a checkpoint to a file; whatever happens meanwhile, what stood there before or the whole of it is there.
@@ -76,7 +79,8 @@ impl Simulation {
         write_atomically(file, &self.checkpoint()).map_err(|source| CheckpointError::Io { file: file.into(), source })
     }
 
-    /// Goes on from a checkpoint of the same scene, bit for bit as if it had never stopped.
+    /// Goes on from a checkpoint of the same scene, bit for bit as if it had never stopped; also where grains had been inserted or removed,
+    /// or walls been moved by the caller.
     ///
     /// # Errors
     /// [`CheckpointError::Format`] if the bytes are damaged, or belong to another version or scene.

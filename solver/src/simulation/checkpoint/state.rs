@@ -1,12 +1,14 @@
 //! What a checkpoint holds.
 
-use super::{MARK, open};
+use super::{MARK, MARK_OF_ALTERED, open, seal};
 use crate::Simulation;
 use crate::detect::{AngularImpulse, Impulse, PairCandidate, WallCandidate};
 use crate::partition::Plan;
-use crate::scene::Scene;
+use crate::scene::{GrainEntry, Scene};
 use crate::schedule::Team;
+use crate::simulation::intervention::Booked;
 use crate::simulation::ledger::Ledger;
+use crate::wall::Steered;
 use crate::world::{Body, Sphere, World};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -19,7 +21,7 @@ const LARGEST: f64 = 1e30;
 
 /// All that later steps depend on.
 #[derive(Serialize, Deserialize)]
-pub(super) struct State {
+pub(in crate::simulation) struct State {
     /// Time step, s.
     step: f64,
     steps: u64,
@@ -37,6 +39,20 @@ pub(super) struct State {
     driven_walls: Vec<DriveState>,
     /// Where one is kept.
     ledger: Option<Ledger>,
+    /// Written only if there is anything to say.
+    #[serde(skip)]
+    altered: Altered,
+}
+
+/// What the caller has done to a simulation and later steps depend on.
+#[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
+struct Altered {
+    /// Whether there may be other grains than the scene has.
+    other_grains: bool,
+    /// Walls that the caller moves, by their numbers in the scene.
+    moved_walls: Vec<(u32, Steered)>,
+    /// What the ledger has from outside.
+    booked: Booked,
 }
 
 /// State of a driven wall.
@@ -164,14 +180,32 @@ impl State {
                 })
                 .collect(),
             ledger: simulation.ledger.clone(),
+            altered: Altered {
+                other_grains: simulation.interventions.other_grains,
+                moved_walls: world.walls.steered().map(|(wall, steered)| (wall, *steered)).collect(),
+                booked: simulation.interventions.booked,
+            },
+        }
+    }
+
+    /// The state as a checkpoint.
+    pub fn write(&self) -> Vec<u8> {
+        const PLAIN: &str = "a state holds only numbers and lists";
+        match self.altered == Altered::default() {
+            true => seal(MARK, &postcard::to_stdvec(self).expect(PLAIN)),
+            false => seal(MARK_OF_ALTERED, &postcard::to_stdvec(&(self, &self.altered)).expect(PLAIN)),
         }
     }
 
     /// Reads a checkpoint.
     pub fn read(bytes: &[u8]) -> Result<State, String> {
-        let body = open(MARK, bytes)?;
-        let (state, rest) = postcard::take_from_bytes::<State>(body)
-            .map_err(|error| format!("does not hold what a checkpoint holds ({error})"))?;
+        let altered = bytes.get(..8) == Some(&MARK_OF_ALTERED[..]);
+        let body = open(if altered { MARK_OF_ALTERED } else { MARK }, bytes)?;
+        let other = |error: postcard::Error| format!("does not hold what a checkpoint holds ({error})");
+        let (mut state, mut rest) = postcard::take_from_bytes::<State>(body).map_err(other)?;
+        if altered {
+            (state.altered, rest) = postcard::take_from_bytes(rest).map_err(other)?;
+        }
         let impulses = state.pairs.iter().chain(&state.walls).flat_map(|known| &known.impulse);
         let drives =
             state.driven_walls.iter().flat_map(|wall| [wall.displacement, wall.rate, wall.displacement_in_list]);
@@ -184,6 +218,7 @@ impl State {
             && impulses.clone().all(|component| component.abs() < LARGEST)
             && torques.clone().all(|component| component.abs() < LARGEST)
             && drives.into_iter().all(|number| number.abs() < LARGEST)
+            && state.altered.moved_walls.iter().all(|(_, steered)| steered.is_sound())
             && [(&state.pairs, &state.pair_torques), (&state.walls, &state.wall_torques)]
                 .iter()
                 .all(|(borne, torques)| torques.is_empty() || torques.len() == borne.len())
@@ -203,9 +238,13 @@ impl State {
         }
         if let Some(list) = &self.list {
             self.put_driven_walls(&mut simulation.world, |wall| wall.displacement_in_list);
+            self.put_moved_walls(&mut simulation.world, Steered::in_list)?;
             self.rebuild(&mut simulation, list)?;
         }
         self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
+        self.put_moved_walls(&mut simulation.world, |steered| *steered)?;
+        simulation.interventions.other_grains = self.altered.other_grains;
+        simulation.interventions.booked = self.altered.booked;
         simulation.steps = self.steps;
         simulation.contact_sweeps = self.contact_sweeps;
         simulation.ledger = self.ledger.clone();
@@ -215,12 +254,17 @@ impl State {
 
     /// A simulation of the scene at time zero with these grains, in the order of their ids, and the impulses of their contacts.
     pub fn start(&self, scene: &Scene) -> Result<Simulation, String> {
-        let mut simulation = Simulation::of_world(scene, self.world(scene)?);
+        let mut simulation = Simulation::of_world(&scene.solver, self.world(scene)?);
         // A scene that drives other walls than the one that the grains come from begins with its walls where it places them.
         if self.driven_walls.len() == simulation.world.drives.len() {
             self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
         }
-        let scale = scene.solver.step / self.step;
+        self.give_impulses(&mut simulation, scene.solver.step / self.step)?;
+        Ok(simulation)
+    }
+
+    /// Gives a simulation with these grains, in the order of their ids and without a candidate list, the impulses of their contacts.
+    pub fn give_impulses(&self, simulation: &mut Simulation, scale: f64) -> Result<(), String> {
         let (grains, surfaces) = (self.grains.len() as u32, simulation.world.walls.faces() as u32);
         let candidates = &mut simulation.candidates;
         candidates.impulses.pairs.clear();
@@ -251,19 +295,23 @@ impl State {
         }
         simulation.layout.plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32);
         simulation.candidates.find_borne(&simulation.layout.plan);
-        Ok(simulation)
+        Ok(())
     }
 
-    /// The grains in the order of their ids.
+    /// The world of a scene with the grains in the order of their ids.
     fn world(&self, scene: &Scene) -> Result<World, String> {
         let expected = scene.grain.len() + scene.population.iter().map(|group| group.count).sum::<usize>();
-        if self.grains.len() != expected {
+        if self.grains.len() != expected && !self.altered.other_grains {
             return Err(format!("holds {} grains where the scene has {expected}", self.grains.len()));
         }
+        scene.check().map_err(|error| format!("cannot go on with the scene: {error}"))?;
+        self.populate(World::new(scene, &[]))
+    }
+
+    /// A world without grains, with these in the order of their ids.
+    pub fn populate(&self, mut world: World) -> Result<World, String> {
         let mut by_id: Vec<&GrainState> = self.grains.iter().collect();
         by_id.sort_by_key(|grain| grain.id);
-        scene.check().map_err(|error| format!("cannot go on with the scene: {error}"))?;
-        let mut world = World::new(scene, &[]);
         for (id, grain) in by_id.into_iter().enumerate() {
             let GrainState { position, velocity, scaled_spin, radius, inverse_mass, .. } = grain;
             let numbers = position.iter().chain(velocity).chain(scaled_spin);
@@ -274,7 +322,7 @@ impl State {
             if grain.id as usize != id {
                 return Err(format!("has no grain {id}"));
             }
-            if usize::from(grain.material) >= scene.material.len() {
+            if usize::from(grain.material) >= world.table.materials() {
                 return Err("names a material that is not there".into());
             }
             world.ids.push(id as u32);
@@ -288,6 +336,49 @@ impl State {
             });
         }
         Ok(world)
+    }
+
+    /// Adds a grain of a material, by its number, and a density (kg/m3).
+    pub fn add(&mut self, id: u32, entry: &GrainEntry, material: u8, density: f64) {
+        let radius = entry.radius;
+        let volume = 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius;
+        self.grains.push(GrainState {
+            id,
+            position: entry.position,
+            velocity: entry.velocity,
+            scaled_spin: entry.spin.map(|component| component * radius),
+            radius,
+            inverse_mass: 1.0 / (density * volume),
+            material,
+        });
+    }
+
+    /// Numbers grains anew, given the new id of each old one; those without one are gone, and their contacts with them.
+    pub fn renumber(&mut self, new_ids: &[Option<u32>]) {
+        let new_id = |id: u32| new_ids.get(id as usize).copied().flatten();
+        self.grains.retain_mut(|grain| new_id(grain.id).map(|id| grain.id = id).is_some());
+        for (borne, torques, two) in
+            [(&mut self.pairs, &mut self.pair_torques, true), (&mut self.walls, &mut self.wall_torques, false)]
+        {
+            let both = |known: &Remembered| {
+                let second = if two { new_id(known.second) } else { Some(known.second) };
+                Some((new_id(known.first)?, second?))
+            };
+            let mut stays = borne.iter().map(|known| both(known).is_some());
+            torques.retain(|_| stays.next().unwrap_or(false));
+            borne.retain_mut(|known| both(known).map(|ids| (known.first, known.second) = ids).is_some());
+        }
+    }
+
+    /// Has the walls that the caller moves where they were at some time.
+    fn put_moved_walls(&self, world: &mut World, then: impl Fn(&Steered) -> Steered) -> Result<(), String> {
+        for (wall, steered) in &self.altered.moved_walls {
+            if *wall as usize >= world.walls.count() {
+                return Err(format!("moves wall {wall}, which is not there"));
+            }
+            world.walls.restore(*wall, then(steered));
+        }
+        Ok(())
     }
 
     /// Puts driven walls where they were at some time.

@@ -36,6 +36,9 @@ pub struct Balance {
     /// Potential energy that grains gained where they were, because gravity changed.
     #[serde(default)]
     pub changing_gravity: f64,
+    /// Gained from what the caller did: work of forces and torques, states that were written, grains that came or went.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub outside: f64,
     /// Energy at the end that is not accounted for.
     pub closure: f64,
     /// Momentum at the start.
@@ -46,8 +49,21 @@ pub struct Balance {
     pub gravity_impulse: [f64; 3],
     /// Impulse of the walls.
     pub wall_impulse: [f64; 3],
+    /// Momentum that came with what the caller did.
+    #[serde(default, skip_serializing_if = "are_zero")]
+    pub outside_impulse: [f64; 3],
     /// Momentum at the end that is not accounted for.
     pub momentum_closure: [f64; 3],
+}
+
+/// Nobody did anything from outside: nothing is written of it.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// As [`is_zero`].
+fn are_zero(vector: &[f64; 3]) -> bool {
+    *vector == [0.0; 3]
 }
 
 impl Balance {
@@ -58,13 +74,13 @@ impl Balance {
 
     /// All that was gained, J.
     pub fn gained(&self) -> f64 {
-        self.walls + self.first_touch + self.turning + self.wall_paths + self.changing_gravity
+        self.walls + self.first_touch + self.turning + self.wall_paths + self.changing_gravity + self.outside
     }
 
     /// What was exchanged, J: the sizes of all entries. It is what `closure` compares with.
     pub fn exchanged(&self) -> f64 {
         let lost = [self.friction, self.resistance, self.restitution, self.stabilisation, self.let_go];
-        let gained = [self.walls, self.first_touch, self.turning, self.wall_paths, self.changing_gravity];
+        let gained = [self.walls, self.first_touch, self.turning, self.wall_paths, self.changing_gravity, self.outside];
         lost.iter().chain(&gained).map(|entry| entry.abs()).sum()
     }
 }

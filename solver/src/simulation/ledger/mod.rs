@@ -40,6 +40,7 @@ use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::groups::ContactLanes;
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use crate::partition::TaskGroups;
+use crate::simulation::intervention::Booked;
 use crate::world::World;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -113,6 +114,11 @@ impl Ledger {
             self.entries.first_touch += stored.total() - self.stored.total();
         }
         self.stored = stored;
+    }
+
+    /// Goes on from what contacts store now, after somebody has changed the state from outside.
+    pub fn restart_stored(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
+        self.stored = Stored::of_all(world, candidates, scheme.law);
     }
 
     /// Notes that gravity is no longer what it was `before` (m/s2), after a step of length `h` (s) has moved the grains.
@@ -276,11 +282,14 @@ impl Simulation {
     /// Keeps a ledger from here on; costs about a fifth of a step of ten sweeps.
     pub fn open_ledger(&mut self) {
         self.ledger = Some(Ledger::open(self));
+        self.interventions.booked = Booked::default();
+        self.note_known_energy();
     }
 
     /// The balance since the ledger was opened; absent if it was not.
     pub fn balance(&self) -> Option<Balance> {
         let Ledger { start, momentum_start, entries, .. } = self.ledger.as_ref()?;
+        let outside = self.interventions.booked;
         let (end, momentum_end) = (self.energy_half_a_step_earlier(), self.momentum());
         let balance = Balance {
             start: *start,
@@ -300,8 +309,14 @@ impl Simulation {
             momentum_end,
             gravity_impulse: entries.gravity_impulse,
             wall_impulse: entries.wall_impulse,
+            outside: outside.energy,
+            outside_impulse: outside.impulse,
             momentum_closure: std::array::from_fn(|axis| {
-                momentum_end[axis] - momentum_start[axis] - entries.gravity_impulse[axis] - entries.wall_impulse[axis]
+                momentum_end[axis]
+                    - momentum_start[axis]
+                    - entries.gravity_impulse[axis]
+                    - entries.wall_impulse[axis]
+                    - outside.impulse[axis]
             }),
         };
         Some(Balance { closure: end.total() - start.total() - balance.gained() + balance.lost(), ..balance })

@@ -1,0 +1,159 @@
+//! From errors of the solver and the judge to exceptions of Python, which stand in `makadam/errors.py`.
+
+use makadam::SettingError;
+use makadam::scene::{SceneError, SceneFileError};
+use makadam_validation::prepared::StartError;
+use makadam_validation::scenes;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::Path;
+
+/// An exception of `makadam.errors`, by the name of its class.
+pub fn exception(py: Python<'_>, class: &str, message: &str) -> PyErr {
+    with_details(py, class, message, |_| Ok(()))
+}
+
+/// The same with attributes.
+fn with_details(
+    py: Python<'_>,
+    class: &str,
+    message: &str,
+    fill: impl FnOnce(&Bound<'_, PyDict>) -> PyResult<()>,
+) -> PyErr {
+    let made = || -> PyResult<PyErr> {
+        let class = py.import("makadam.errors")?.getattr(class)?;
+        let details = PyDict::new(py);
+        fill(&details)?;
+        Ok(PyErr::from_value(class.call((message,), Some(&details))?))
+    };
+    made().unwrap_or_else(|error| error)
+}
+
+/// Where a scene came from, for its errors.
+#[derive(Clone, Copy)]
+pub struct Origin<'a> {
+    /// The file, if it has one.
+    pub file: Option<&'a Path>,
+    /// The text of the document.
+    pub text: &'a str,
+    /// Whether the text was written by a person, who looks at its lines.
+    pub lines: bool,
+}
+
+/// A scene that is wrong.
+pub fn scene_error(py: Python<'_>, error: &SceneError, origin: Origin<'_>) -> PyErr {
+    let SceneError::Invalid(fault) = error else {
+        return exception(py, "SceneError", &error.to_string());
+    };
+    let (problem, remedy) = fault.in_words();
+    let line = fault.line(origin.text);
+    let place = match fault.place() {
+        place if place.is_empty() => place_at(origin.text, line),
+        place => place,
+    };
+    described(py, &place, &problem, &remedy, Some(line), origin)
+}
+
+/// The same, as who reads files tells it.
+pub fn scene_file_error(py: Python<'_>, error: &SceneFileError, origin: Option<Origin<'_>>) -> PyErr {
+    match (error, origin) {
+        (SceneFileError::Invalid { line, problem, remedy, .. }, Some(origin)) => {
+            let place = line.map_or_else(String::new, |line| place_at(origin.text, line));
+            described(py, &place, problem, remedy, *line, origin)
+        }
+        (SceneFileError::Missing { .. }, _) => exception(py, "SceneNotFoundError", &error.to_string()),
+        _ => exception(py, "SceneError", &error.to_string()),
+    }
+}
+
+/// The same, as who looks for scenes tells it.
+pub fn scenes_error(py: Python<'_>, error: &scenes::SceneError, origin: Option<Origin<'_>>) -> PyErr {
+    match error {
+        scenes::SceneError::Unknown { .. } => exception(py, "SceneNotFoundError", &error.to_string()),
+        scenes::SceneError::File(error) => scene_file_error(py, error, origin),
+    }
+}
+
+fn described(
+    py: Python<'_>,
+    place: &str,
+    problem: &str,
+    remedy: &str,
+    line: Option<usize>,
+    origin: Origin<'_>,
+) -> PyErr {
+    let line = line.filter(|_| origin.lines);
+    let head = match (origin.file, line) {
+        (Some(file), Some(line)) => format!("{}:{line}: ", file.display()),
+        (Some(file), None) => format!("{}: ", file.display()),
+        (None, Some(line)) => format!("line {line}: "),
+        (None, None) => String::new(),
+    };
+    // The reader of a text names no place by itself.
+    let named = if place.is_empty() || problem.starts_with(place) { String::new() } else { format!("{place}: ") };
+    with_details(py, "SceneError", &format!("{head}{named}{problem}; {remedy}"), |details| {
+        details.set_item("path", place)?;
+        details.set_item("line", line)?;
+        details.set_item("file", origin.file.map(|file| file.display().to_string()))?;
+        details.set_item("problem", problem)?;
+        details.set_item("remedy", remedy)
+    })
+}
+
+/// The path of what stands in a line of a document, such as `wall[0].motion`; empty where nothing does.
+fn place_at(text: &str, line: usize) -> String {
+    let Ok(document) = toml::de::DeTable::parse(text) else { return String::new() };
+    let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let end = start + text[start..].find('\n').unwrap_or(text.len() - start);
+    let mut best = (0, String::new());
+    look(document.get_ref(), "", [start, end], &mut best);
+    best.1
+}
+
+/// Finds the deepest key that begins in a stretch of a text.
+fn look(table: &toml::de::DeTable<'_>, above: &str, [start, end]: [usize; 2], best: &mut (usize, String)) {
+    for (key, value) in table {
+        let dot = if above.is_empty() { "" } else { "." };
+        let path = format!("{above}{dot}{}", key.get_ref());
+        note(key.span().start, &path, [start, end], best);
+        within(value.get_ref(), &path, [start, end], best);
+    }
+}
+
+fn note(at: usize, path: &str, [start, end]: [usize; 2], best: &mut (usize, String)) {
+    if at >= start && at <= end && path.len() > best.1.len() {
+        *best = (at, path.to_string());
+    }
+}
+
+fn within(value: &toml::de::DeValue<'_>, path: &str, stretch: [usize; 2], best: &mut (usize, String)) {
+    match value {
+        toml::de::DeValue::Table(table) => look(table, path, stretch, best),
+        toml::de::DeValue::Array(array) => {
+            for (index, item) in array.iter().enumerate() {
+                let path = format!("{path}[{index}]");
+                if item.get_ref().is_table() {
+                    note(item.span().start, &path, stretch, best);
+                }
+                within(item.get_ref(), &path, stretch, best);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// A setting that the machine or the scene does not go with.
+pub fn setting_error(py: Python<'_>, error: &SettingError) -> PyErr {
+    exception(py, "SettingError", &error.to_string())
+}
+
+/// Why a run could not start.
+pub fn start_error(py: Python<'_>, error: &StartError, origin: Origin<'_>) -> PyErr {
+    match error {
+        StartError::Scene(error) => scenes_error(py, error, Some(origin)),
+        StartError::Execution(error) => setting_error(py, error),
+        StartError::Worthless(_) => exception(py, "WorthlessError", &error.to_string()),
+        StartError::Interrupted => exception(py, "Interrupted", &error.to_string()),
+        StartError::Write(_) | StartError::Checkpoint(_) => exception(py, "Error", &error.to_string()),
+    }
+}

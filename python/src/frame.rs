@@ -1,0 +1,113 @@
+//! Frames: copies of the state by id, and the contacts of the last step.
+
+use makadam::snapshot::{Contact, Partner, Snapshot};
+use numpy::ndarray::{Array1, Array2};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Arc;
+
+/// Grains and contacts at a time, copied: nothing that happens later changes it. Rows are grains in the order of their ids.
+#[pyclass(frozen, module = "makadam", name = "Frame")]
+#[derive(Clone)]
+pub struct Frame(pub Arc<Snapshot>);
+
+impl Frame {
+    pub fn of(snapshot: Snapshot) -> Frame {
+        Frame(Arc::new(snapshot))
+    }
+}
+
+/// Rows of three numbers.
+pub fn vectors<'py>(py: Python<'py>, rows: impl ExactSizeIterator<Item = [f64; 3]>) -> Bound<'py, PyArray2<f64>> {
+    let count = rows.len();
+    let numbers: Vec<f64> = rows.flatten().collect();
+    Array2::from_shape_vec((count, 3), numbers).expect("three numbers a row").into_pyarray(py)
+}
+
+fn column<'py, T: numpy::Element>(py: Python<'py>, rows: impl Iterator<Item = T>) -> Bound<'py, PyArray1<T>> {
+    Array1::from_iter(rows).into_pyarray(py)
+}
+
+/// The contacts of a frame as columns.
+pub fn contact_columns<'py>(py: Python<'py>, contacts: &[Contact]) -> PyResult<Bound<'py, PyDict>> {
+    let table = PyDict::new(py);
+    let each = || contacts.iter();
+    let grain = |contact: &Contact| match contact.second {
+        Partner::Grain(id) => i64::from(id),
+        Partner::Wall(_) => -1,
+    };
+    let wall = |contact: &Contact| match contact.second {
+        Partner::Grain(_) => -1,
+        Partner::Wall(number) => i64::from(number),
+    };
+    table.set_item("first", column(py, each().map(|contact| i64::from(contact.first))))?;
+    table.set_item("second", column(py, each().map(grain)))?;
+    table.set_item("wall", column(py, each().map(wall)))?;
+    table.set_item("point", vectors(py, each().map(|contact| contact.point)))?;
+    table.set_item("normal", vectors(py, each().map(|contact| contact.normal)))?;
+    table.set_item("normal_force", column(py, each().map(|contact| contact.normal_force)))?;
+    table.set_item("tangential_force", vectors(py, each().map(|contact| contact.tangential_force)))?;
+    Ok(table)
+}
+
+#[pymethods]
+impl Frame {
+    /// Simulated time, s.
+    #[getter]
+    fn time(&self) -> f64 {
+        self.0.time
+    }
+
+    /// Number of grains.
+    fn __len__(&self) -> usize {
+        self.0.particles.len()
+    }
+
+    /// Centres, m: (n, 3); inside the domain where that repeats itself.
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        vectors(py, self.0.particles.iter().map(|grain| grain.position))
+    }
+
+    /// Velocities, m/s: (n, 3).
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        vectors(py, self.0.particles.iter().map(|grain| grain.velocity))
+    }
+
+    /// Angular velocities, rad/s: (n, 3).
+    #[getter]
+    fn spins<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        vectors(py, self.0.particles.iter().map(|grain| grain.spin))
+    }
+
+    /// Radii, m: (n,).
+    #[getter]
+    fn radii<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        column(py, self.0.particles.iter().map(|grain| grain.radius))
+    }
+
+    /// Mean number of contacts per grain that bear a force: each contact of two grains counts for both.
+    #[getter]
+    fn coordination_number(&self) -> f64 {
+        let ends = |contact: &Contact| if contact.second.is_grain() { 2 } else { 1 };
+        self.0.contacts.iter().map(ends).sum::<usize>() as f64 / self.0.particles.len().max(1) as f64
+    }
+
+    /// The contacts of the last step that bear a force, a dict of columns: `first`, the id of a grain; `second`, the id of its partner, or
+    /// -1 for a wall; `wall`, its number in the scene, or -1; `point` (m) and `normal`, from the first to its partner, (c, 3);
+    /// `normal_force`, positive where it pushes (N); `tangential_force` on the partner (N), (c, 3).
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        contact_columns(py, &self.0.contacts)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<makadam.Frame: {} grains, {} contacts, {} s>",
+            self.0.particles.len(),
+            self.0.contacts.len(),
+            self.0.time
+        )
+    }
+}

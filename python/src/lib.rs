@@ -1,0 +1,48 @@
+//! Makadam for Python: the module `makadam._core`, on which the package `makadam` is built.
+//!
+//! ```text
+//! scene.rs       scenes from dicts, texts, files and names
+//! simulation.rs  the simulation: settings, views, forces, grains that come and go
+//! shared.rs      who may work on a simulation, and who looks at it
+//! stepping.rs    steps without the interpreter's lock, that a signal can stop
+//! views.rs       arrays of NumPy that lie in the memory of a simulation
+//! frame.rs       copies of the state by id
+//! judge.rs       recordings, observables, comparison with the peers
+//! statistics.rs  statistics of the judge
+//! errors.rs      exceptions; convert.rs  values of Python, TOML and JSON
+//! ```
+
+mod convert;
+mod errors;
+mod frame;
+mod judge;
+mod scene;
+mod shared;
+mod simulation;
+mod statistics;
+mod stepping;
+mod views;
+
+use pyo3::prelude::*;
+
+/// The parts of Makadam that are written in Rust.
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("BUILD", makadam::BUILD)?;
+    module.add_class::<scene::Scene>()?;
+    module.add_class::<simulation::Simulation>()?;
+    module.add_class::<frame::Frame>()?;
+    module.add_class::<judge::Recording>()?;
+    module.add_function(wrap_pyfunction!(scene::known, module)?)?;
+    module.add_function(wrap_pyfunction!(judge::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(judge::measure_of_frames, module)?)?;
+    module.add_function(wrap_pyfunction!(judge::observables, module)?)?;
+    module.add_function(wrap_pyfunction!(judge::reference, module)?)?;
+    module.add_function(wrap_pyfunction!(judge::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(judge::compare_runs, module)?)?;
+    module.add_function(wrap_pyfunction!(statistics::block_average, module)?)?;
+    module.add_function(wrap_pyfunction!(statistics::ensemble, module)?)?;
+    module.add_function(wrap_pyfunction!(statistics::equivalence, module)?)?;
+    Ok(())
+}

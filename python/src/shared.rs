@@ -1,0 +1,159 @@
+//! A simulation that Python's objects share: itself, its views and the threads that step it.
+//!
+//! A step runs without the interpreter's lock, so that another thread may ask for something meanwhile. Whoever works on the simulation
+//! takes the lock in here; whoever waits for it lets go of the interpreter's. The thread that steps lets others in between two steps.
+
+use crate::errors::exception;
+use crate::scene::Scene;
+use makadam::watch::Watchdog;
+use makadam::{Interrupt, PairsInList, Simulation};
+use pyo3::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, TryLockError, Weak};
+use std::time::Duration;
+
+/// What is stepped, and who looks at it.
+pub struct Shared {
+    simulation: Mutex<Simulation>,
+    /// The scene that it is a simulation of, with the settings that it was given.
+    pub scene: Scene,
+    /// Seed of the positions and radii.
+    pub seed: u64,
+    /// What stops a step from another thread.
+    pub interrupt: Interrupt,
+    /// Watches the steps, if that is wanted.
+    pub watchdog: Mutex<Option<Watchdog>>,
+    /// Whether some thread is in `step`.
+    stepping: AtomicBool,
+    /// Threads that wait for the simulation.
+    waiting: AtomicUsize,
+    /// Views of positions, velocities, spins, radii, masses and ids that live.
+    pub state_views: AtomicUsize,
+    /// Those among them that can be written.
+    pub writable_views: AtomicUsize,
+    /// Whether one that can be written was taken since the last step, even if it lives no more.
+    pub taken_to_write: AtomicBool,
+    /// The arrays of the candidate list that views taken since the last step show.
+    pub pairs: Mutex<Weak<HeldPairs>>,
+}
+
+/// Arrays of a candidate list: the simulation's own, until a step would change them.
+#[derive(Debug, Default)]
+pub struct HeldPairs(Mutex<Option<PairsInList>>);
+
+/// How long somebody sleeps who waits for a simulation that is being stepped.
+const NAP: Duration = Duration::from_micros(100);
+
+impl Shared {
+    pub fn new(simulation: Simulation, scene: Scene, seed: u64, watched: bool) -> Shared {
+        Shared {
+            interrupt: simulation.interrupt_handle(),
+            watchdog: Mutex::new(watched.then(|| Watchdog::new(&scene.plan.watch, &simulation))),
+            simulation: Mutex::new(simulation),
+            scene,
+            seed,
+            stepping: AtomicBool::new(false),
+            waiting: AtomicUsize::new(0),
+            state_views: AtomicUsize::new(0),
+            writable_views: AtomicUsize::new(0),
+            taken_to_write: AtomicBool::new(false),
+            pairs: Mutex::new(Weak::new()),
+        }
+    }
+
+    /// The simulation, once no other thread works on it.
+    pub fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Simulation>> {
+        let mut asked = false;
+        let locked = loop {
+            match self.simulation.try_lock() {
+                Ok(simulation) => break Ok(simulation),
+                Err(TryLockError::Poisoned(_)) => {
+                    break Err(exception(
+                        py,
+                        "Error",
+                        "an earlier step of this simulation ended in a panic; it is worth nothing",
+                    ));
+                }
+                Err(TryLockError::WouldBlock) => {
+                    if !std::mem::replace(&mut asked, true) {
+                        self.waiting.fetch_add(1, Ordering::SeqCst);
+                    }
+                    py.detach(|| std::thread::sleep(NAP));
+                }
+            }
+        };
+        if asked {
+            self.waiting.fetch_sub(1, Ordering::SeqCst);
+        }
+        locked
+    }
+
+    /// The simulation, for a thread that does not hold the interpreter's lock.
+    pub fn lock_detached(&self) -> MutexGuard<'_, Simulation> {
+        self.simulation.lock().unwrap_or_else(|_| panic!("an earlier step of this simulation ended in a panic"))
+    }
+
+    /// Whether somebody waits for the simulation.
+    pub fn is_awaited(&self) -> bool {
+        self.waiting.load(Ordering::SeqCst) > 0
+    }
+
+    /// Lets those in who wait, for a while.
+    pub fn let_in(&self) {
+        for _ in 0..50 {
+            if !self.is_awaited() {
+                return;
+            }
+            std::thread::sleep(NAP);
+        }
+    }
+
+    /// Takes the right to step, which one thread has at a time.
+    pub fn begin(&self, py: Python<'_>) -> PyResult<Steps<'_>> {
+        match self.stepping.swap(true, Ordering::SeqCst) {
+            false => Ok(Steps(self)),
+            true => Err(exception(
+                py,
+                "BusyError",
+                "this simulation is being stepped: by another thread, or because this was called from one of its callbacks",
+            )),
+        }
+    }
+
+    /// Before grains come or go: no view may live whose rows would be others.
+    pub fn refuse_views(&self, py: Python<'_>, what: &str) -> PyResult<()> {
+        match self.state_views.load(Ordering::SeqCst) {
+            0 => Ok(()),
+            views => Err(exception(
+                py,
+                "ViewError",
+                &format!(
+                    "cannot {what} grains while {views} views of this simulation's arrays live; delete them (also what was made \
+                     of them without copying), and take them anew afterwards"
+                ),
+            )),
+        }
+    }
+
+    /// Whether positions, velocities or spins may have been written since this was asked last.
+    pub fn may_be_written(&self) -> bool {
+        self.taken_to_write.swap(false, Ordering::SeqCst) || self.writable_views.load(Ordering::SeqCst) > 0
+    }
+
+    /// Gives the arrays of the candidate list to who looks at them, and has the simulation go on with copies.
+    pub fn release_pairs(&self, simulation: &mut Simulation) {
+        let mut pairs = self.pairs.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some(held) = std::mem::take(&mut *pairs).upgrade() {
+            *held.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(simulation.hand_over_pairs());
+        }
+    }
+}
+
+/// The right to step a simulation.
+pub struct Steps<'a>(&'a Shared);
+
+impl Drop for Steps<'_> {
+    fn drop(&mut self) {
+        self.0.stepping.store(false, Ordering::SeqCst);
+    }
+}

@@ -1,0 +1,137 @@
+//! Steps without the interpreter's lock, that a signal or another thread can stop.
+
+use crate::errors::exception;
+use crate::shared::Shared;
+use makadam::StopReason;
+use makadam::scene::Reaction;
+use makadam::watch::Alarm;
+use pyo3::prelude::*;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// Wall time of steps after which signals are looked at.
+const SLICE: Duration = Duration::from_millis(20);
+
+/// How often signals are looked at while a step is taken that may be long.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// What a slice of steps came to.
+struct Slice {
+    /// Steps taken.
+    taken: u64,
+    /// What was noticed.
+    alarms: Vec<Alarm>,
+    /// Whether somebody asked for a stop.
+    stopped: bool,
+}
+
+/// Takes so many steps; returns what the watchdog noticed that is no more than a warning.
+pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<String>> {
+    let _right = shared.begin(py)?;
+    let mut warnings = Vec::new();
+    let long = {
+        let simulation = shared.lock(py)?;
+        let written = shared.may_be_written();
+        // Looked at again if that is refused.
+        shared.taken_to_write.store(written, Ordering::SeqCst);
+        if let Some(grain) = written.then(|| simulation.not_finite()).flatten() {
+            let what = format!(
+                "grain {grain} has a position, velocity or spin that is not finite; write finite numbers to the views"
+            );
+            return Err(exception(py, "InterventionError", &what));
+        }
+        simulation.heeds_interrupts()
+    };
+    while left > 0 {
+        // A signal is handled by the thread that has started Python, and the step does not look for one.
+        let slice = match long {
+            true => py.detach(|| watched_from_beside(shared, left))?,
+            false => py.detach(|| slice(shared, left)),
+        };
+        left -= slice.taken;
+        for alarm in slice.alarms {
+            match alarm.reaction {
+                Reaction::Stop => return Err(exception(py, "WorthlessError", &alarm.to_string())),
+                _ => warnings.push(alarm.to_string()),
+            }
+        }
+        py.check_signals()?;
+        if slice.stopped {
+            shared.interrupt.clear();
+            return Err(exception(py, "Interrupted", "interrupted; the state is that after the last whole step"));
+        }
+        py.detach(|| shared.let_in());
+    }
+    Ok(warnings)
+}
+
+/// Steps until the slice is over.
+fn slice(shared: &Shared, most: u64) -> Slice {
+    let begun = Instant::now();
+    let mut slice = Slice { taken: 0, alarms: Vec::new(), stopped: false };
+    let mut simulation = shared.lock_detached();
+    // Views may have come since the last slice.
+    shared.release_pairs(&mut simulation);
+    if shared.may_be_written() {
+        simulation.states_written();
+    }
+    let mut watchdog = shared.watchdog.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    while slice.taken < most {
+        if shared.interrupt.is_requested() {
+            slice.stopped = true;
+            break;
+        }
+        let report = simulation.step();
+        if report.solve.reason == StopReason::Interrupted {
+            slice.stopped = true;
+            break;
+        }
+        slice.taken += 1;
+        if let Some(watchdog) = watchdog.as_mut() {
+            slice.alarms.extend(watchdog.observe(&simulation, &report));
+        }
+        if slice.alarms.iter().any(|alarm| alarm.reaction == Reaction::Stop)
+            || begun.elapsed() > SLICE
+            || shared.is_awaited()
+        {
+            break;
+        }
+    }
+    slice
+}
+
+/// The same on another thread, while this one looks for signals.
+fn watched_from_beside(shared: &Shared, most: u64) -> PyResult<Slice> {
+    std::thread::scope(|scope| {
+        let (done, wait) = channel();
+        scope.spawn(move || done.send(slice(shared, most)));
+        let mut signal = Ok(());
+        loop {
+            match wait.recv_timeout(LOOK) {
+                Ok(slice) => {
+                    if signal.is_err() {
+                        // Nobody else has asked for it.
+                        shared.interrupt.clear();
+                    }
+                    return signal.map(|()| slice);
+                }
+                Err(RecvTimeoutError::Timeout) => {
+                    if signal.is_ok() {
+                        signal = Python::attach(|py| py.check_signals());
+                        if signal.is_err() {
+                            shared.interrupt.request();
+                        }
+                    }
+                }
+                Err(RecvTimeoutError::Disconnected) => panic!("the thread that takes the steps has ended in a panic"),
+            }
+        }
+    })
+}
+
+/// Refuses what is no number of steps.
+pub fn count(py: Python<'_>, steps: i64) -> PyResult<u64> {
+    u64::try_from(steps)
+        .map_err(|_| exception(py, "SettingError", &format!("cannot take {steps} steps; give 0 or more")))
+}

@@ -1,0 +1,193 @@
+//! Arrays of NumPy that lie in the memory of a simulation.
+//!
+//! The base of such an array is an object that keeps the simulation alive, so that the memory is there for as long as anything that was made
+//! of the array. Two things could still take it away, and neither happens:
+//!
+//! - A step moves the arrays of the grains elsewhere when it makes room for more boxes. Before the first view the simulation is told to keep
+//!   them in place, and from then on it makes no room but what was reserved.
+//! - Grains come or go: that is refused while such a view lives ([`Shared::refuse_views`]).
+//!
+//! The arrays of the candidate list do change their length. Views of them take over the memory when a step would change it, and the
+//! simulation goes on with a copy ([`Shared::release_pairs`]): they show what they showed.
+//!
+//! A thread may read or write such an array while another one steps. It then sees numbers of before or after, and what it writes may be lost:
+//! all of these numbers may have any bits, and nothing that lies in memory is found by them without a check.
+
+use crate::errors::exception;
+use crate::shared::{HeldPairs, Shared};
+use numpy::ndarray::{ArrayView, Dimension, IntoDimension, ShapeBuilder};
+use numpy::{Element, PyArray, PyArrayMethods};
+use pyo3::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// What views of the grains' arrays have for their base.
+#[pyclass(frozen, module = "makadam._core")]
+struct StateOwner {
+    shared: Arc<Shared>,
+    writable: bool,
+}
+
+impl StateOwner {
+    fn of(shared: &Arc<Shared>, writable: bool) -> StateOwner {
+        shared.state_views.fetch_add(1, Ordering::SeqCst);
+        if writable {
+            shared.writable_views.fetch_add(1, Ordering::SeqCst);
+            shared.taken_to_write.store(true, Ordering::SeqCst);
+        }
+        StateOwner { shared: shared.clone(), writable }
+    }
+}
+
+impl Drop for StateOwner {
+    fn drop(&mut self) {
+        self.shared.state_views.fetch_sub(1, Ordering::SeqCst);
+        if self.writable {
+            self.shared.writable_views.fetch_sub(1, Ordering::SeqCst);
+        }
+    }
+}
+
+/// What views of the candidate list have for their base.
+#[pyclass(frozen, module = "makadam._core")]
+struct PairOwner {
+    /// Whose memory it is once that was handed over; until then it is the simulation's.
+    _pairs: Arc<HeldPairs>,
+    _shared: Arc<Shared>,
+}
+
+/// Numbers in records that follow each other in memory.
+struct Records<T> {
+    /// The first of them.
+    start: *const T,
+    /// How many records there are, how many numbers each has, and the numbers from one to the next.
+    records: usize,
+    width: usize,
+    stride: usize,
+}
+
+/// An array over memory that its owner keeps.
+///
+/// # Safety
+/// The memory is there, and stays where it is, for as long as the owner lives.
+unsafe fn over<'py, T: Element, D: Dimension>(
+    records: &Records<T>,
+    shape: impl IntoDimension<Dim = D>,
+    strides: impl IntoDimension<Dim = D>,
+    owner: Bound<'py, PyAny>,
+    writable: bool,
+) -> Bound<'py, PyArray<T, D>> {
+    // SAFETY: by the contract of this function.
+    let array = unsafe {
+        let view = ArrayView::from_shape_ptr(shape.into_dimension().strides(strides.into_dimension()), records.start);
+        PyArray::borrow_from_array(&view, owner)
+    };
+    if !writable {
+        array.readwrite().make_nonwriteable();
+    }
+    array
+}
+
+/// What a view shows of the grains.
+#[derive(Clone, Copy)]
+pub enum State {
+    /// Centres, m.
+    Positions,
+    /// Velocities, m/s.
+    Velocities,
+    /// Radius times angular velocity, m/s.
+    ScaledSpins,
+    /// Radii, m.
+    Radii,
+    /// One over the mass, 1/kg.
+    InverseMasses,
+    /// Ids.
+    Ids,
+}
+
+/// A view of the grains of a simulation, row by row as they lie in memory.
+pub fn state<'py>(py: Python<'py>, shared: &Arc<Shared>, what: State) -> PyResult<Bound<'py, PyAny>> {
+    let mut simulation = shared.lock(py)?;
+    simulation.keep_arrays_in_place().map_err(|error| pyo3::exceptions::PyMemoryError::new_err(error.to_string()))?;
+    let writable = matches!(what, State::Positions | State::Velocities | State::ScaledSpins);
+    let owner = Bound::new(py, StateOwner::of(shared, writable))?.into_any();
+    let (spheres, bodies, ids) = simulation.arrays();
+    let count = ids.len();
+    let (sphere, body): (*const f64, *const f64) = (spheres.as_mut_ptr().cast(), bodies.as_mut_ptr().cast());
+    let of = |start: *const f64, offset: usize, width: usize, stride: usize| Records {
+        // An offset below the length of a record; where there are no records nothing is ever read.
+        start: start.wrapping_add(offset),
+        records: count,
+        width,
+        stride,
+    };
+    // Numbers of a record, in its layout: centre and radius; velocity, inverse mass, scaled spin, inverse radius.
+    let numbers = match what {
+        State::Positions => of(sphere, 0, 3, 4),
+        State::Velocities => of(body, 0, 3, 8),
+        State::ScaledSpins => of(body, 4, 3, 8),
+        State::Radii => of(sphere, 3, 1, 4),
+        State::InverseMasses => of(body, 3, 1, 8),
+        State::Ids => {
+            let ids = Records { start: ids.as_ptr(), records: count, width: 1, stride: 1 };
+            // SAFETY: the ids are kept in place as all arrays of the grains are, and the owner keeps the simulation.
+            return Ok(unsafe { over(&ids, [count], [1], owner, false) }.into_any());
+        }
+    };
+    // SAFETY: as for the ids; records of spheres are four numbers and those of bodies eight, without gaps.
+    Ok(unsafe {
+        match numbers.width {
+            1 => over(&numbers, [numbers.records], [numbers.stride], owner, writable).into_any(),
+            width => over(&numbers, [numbers.records, width], [numbers.stride, 1], owner, writable).into_any(),
+        }
+    })
+}
+
+/// What a view shows of the candidate list.
+#[derive(Clone, Copy)]
+pub enum Pairs {
+    /// Rows of two grains.
+    Grains,
+    /// Normal impulse and tangential impulse on the second grain, N s.
+    GrainImpulses,
+    /// Row of a grain and number of a face.
+    Walls,
+    /// Normal impulse and tangential impulse on the wall, N s.
+    WallImpulses,
+}
+
+/// A view of the candidate list of a simulation as it is now.
+pub fn pairs<'py>(py: Python<'py>, shared: &Arc<Shared>, what: Pairs) -> PyResult<Bound<'py, PyAny>> {
+    let mut simulation = shared.lock(py)?;
+    let held = {
+        let mut last = shared.pairs.lock().map_err(|_| exception(py, "Error", "a view was lost in a panic"))?;
+        last.upgrade().unwrap_or_else(|| {
+            let held = Arc::new(HeldPairs::default());
+            *last = Arc::downgrade(&held);
+            held
+        })
+    };
+    let owner = Bound::new(py, PairOwner { _pairs: held, _shared: shared.clone() })?.into_any();
+    let (pairs, pair_impulses, walls, wall_impulses) = simulation.pairs_in_list();
+    let names = |start: *const u32, records: usize| Records { start, records, width: 2, stride: 2 };
+    let numbers = |start: *const f64, records: usize| Records { start, records, width: 4, stride: 4 };
+    // SAFETY: until the arrays change they are those of the simulation, which the owner keeps; then they are given to the owner, as they
+    // lie in memory. Records are two numbers, and four, without gaps.
+    Ok(unsafe {
+        match what {
+            Pairs::Grains => matrix(&names(pairs.as_ptr().cast(), pairs.len()), owner),
+            Pairs::Walls => matrix(&names(walls.as_ptr().cast(), walls.len()), owner),
+            Pairs::GrainImpulses => matrix(&numbers(pair_impulses.as_ptr().cast(), pairs.len()), owner),
+            Pairs::WallImpulses => matrix(&numbers(wall_impulses.as_ptr().cast(), walls.len()), owner),
+        }
+    })
+}
+
+/// An array of rows that cannot be written.
+///
+/// # Safety
+/// As for [`over`].
+unsafe fn matrix<'py, T: Element>(records: &Records<T>, owner: Bound<'py, PyAny>) -> Bound<'py, PyAny> {
+    // SAFETY: by the contract of this function.
+    unsafe { over(records, [records.records, records.width], [records.stride, 1], owner, false) }.into_any()
+}

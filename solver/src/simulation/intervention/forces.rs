@@ -1,0 +1,127 @@
+//! Forces and torques of the caller on the grains.
+//!
+//! ```text
+//! v' = v + h F / m          w' = w + h T / I,   I = 2/5 m r^2
+//! ```
+//!
+//! before the contacts act, as gravity does. A force is no approach: restitution goes by the velocities at the start of the step. Its work
+//! is `h F . (v + v')/2` with the velocities at the start and at the end of the step, the contacts' impulses among what lies between.
+
+use super::InterventionError;
+use crate::Simulation;
+use crate::lanes::{dot, plus, times};
+use crate::sweep::INVERSE_INERTIA;
+use crate::world::World;
+
+/// No force of a run comes near it, in SI units.
+const LARGEST: f64 = 1e30;
+
+impl Simulation {
+    /// Has forces act on the centres of the grains in the next step, and in no other: N, one a grain, in the order of their ids. They
+    /// take the place of those that were given before for the same step; an empty list takes these back. They are on top of gravity.
+    ///
+    /// ```
+    /// # use makadam::{GrainEntry, Material, Scene, Simulation};
+    /// let scene = Scene::builder().material("glass", Material::default()).gravity([0.0; 3]).domain([-1.0; 3], [1.0; 3]);
+    /// # let grain = GrainEntry { material: "glass".into(), radius: 0.005, position: [0.0; 3], velocity: [0.0; 3], spin: [0.0; 3] };
+    /// let scene = scene.grain(grain).build()?;
+    /// let mut simulation = Simulation::builder(&scene).time_step(1e-3).build()?;
+    /// for _ in 0..100 {
+    ///     simulation.apply_forces(&[[1e-3, 0.0, 0.0]])?;
+    ///     simulation.step();
+    /// }
+    /// let mass = Material::default().density * 4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3);
+    /// let [speed, ..] = simulation.frame().velocities()[0];
+    /// assert!((speed / (1e-3 * 0.1 / mass) - 1.0).abs() < 1e-13);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`InterventionError::Length`] if the list is neither empty nor as long as there are grains, [`InterventionError::Number`] if a force
+    /// is not finite.
+    pub fn apply_forces(&mut self, forces: &[[f64; 3]]) -> Result<(), InterventionError> {
+        check("the list of forces", "the force", forces, self.world.grains())?;
+        self.interventions.forces.clear();
+        self.interventions.forces.extend_from_slice(forces);
+        Ok(())
+    }
+
+    /// The same for torques about the centres, N m.
+    ///
+    /// # Errors
+    /// As for [`apply_forces`](Simulation::apply_forces).
+    pub fn apply_torques(&mut self, torques: &[[f64; 3]]) -> Result<(), InterventionError> {
+        check("the list of torques", "the torque", torques, self.world.grains())?;
+        self.interventions.torques.clear();
+        self.interventions.torques.extend_from_slice(torques);
+        Ok(())
+    }
+
+    /// Has the forces and torques of the step act, after velocities at its start were kept.
+    pub(crate) fn act_from_outside(&mut self) {
+        if self.interventions.forces.is_empty() && self.interventions.torques.is_empty() {
+            return;
+        }
+        let h = self.settings.step;
+        let World { bodies, ids, .. } = &mut self.world;
+        self.interventions.spins_before.clear();
+        if !self.interventions.torques.is_empty() {
+            self.interventions.spins_before.extend(bodies.iter().map(|body| body.scaled_spin));
+        }
+        for (body, &id) in bodies.iter_mut().zip(&*ids) {
+            if let Some(force) = self.interventions.forces.get(id as usize) {
+                body.velocity = plus(body.velocity, times(*force, h * body.inverse_mass));
+            }
+            if let Some(torque) = self.interventions.torques.get(id as usize) {
+                let turned = INVERSE_INERTIA * body.inverse_mass * body.inverse_radius * h;
+                body.scaled_spin = plus(body.scaled_spin, times(*torque, turned));
+            }
+        }
+    }
+
+    /// Takes the torques of a step that is given up back; it is taken again with the same.
+    pub(crate) fn abandon_torques(&mut self) {
+        for (body, spin) in self.world.bodies.iter_mut().zip(&self.interventions.spins_before) {
+            body.scaled_spin = *spin;
+        }
+    }
+
+    /// Takes account of what the forces and torques of a step did, once its velocities are known and before anything moves; they are over
+    /// then.
+    pub(crate) fn account_for_forces(&mut self) {
+        self.interventions.work = 0.0;
+        if self.interventions.forces.is_empty() && self.interventions.torques.is_empty() {
+            return;
+        }
+        let (h, ledger) = (self.settings.step, self.ledger.is_some());
+        let (mut work, mut impulse) = (0.0, [0.0; 3]);
+        for (place, &id) in self.world.ids.iter().enumerate() {
+            let body = &self.world.bodies[place];
+            if let Some(force) = self.interventions.forces.get(id as usize) {
+                let [x, y, z, _] = self.world.before[place].0;
+                work += h * dot(*force, times(plus([x, y, z], body.velocity), 0.5));
+                impulse = plus(impulse, times(*force, h));
+            }
+            if let Some(torque) = self.interventions.torques.get(id as usize) {
+                let mean = times(plus(self.interventions.spins_before[place], body.scaled_spin), 0.5);
+                work += h * dot(*torque, times(mean, body.inverse_radius));
+            }
+        }
+        self.interventions.work = work;
+        if ledger {
+            self.interventions.booked.energy += work;
+            self.interventions.booked.impulse = plus(self.interventions.booked.impulse, impulse);
+        }
+        self.interventions.forces.clear();
+        self.interventions.torques.clear();
+        self.interventions.spins_before.clear();
+    }
+}
+
+fn check(list: &'static str, what: &'static str, given: &[[f64; 3]], grains: usize) -> Result<(), InterventionError> {
+    if !given.is_empty() && given.len() != grains {
+        return Err(InterventionError::Length { what: list, given: given.len(), grains });
+    }
+    let wrong = given.iter().position(|vector| !vector.iter().all(|component| component.abs() < LARGEST));
+    wrong.map_or(Ok(()), |grain| Err(InterventionError::Number { what, grain, value: given[grain] }))
+}

@@ -1,0 +1,206 @@
+//! Grains that come and go between steps.
+//!
+//! A simulation into which grains come, or from which they go, becomes one that begins with the grains that are there, in the order of their
+//! ids, with the impulses that their contacts bore, at the time that it is: what reading a checkpoint of them would give, bit for bit.
+//! Boxes are cut for the new number of grains, and the next step builds the candidate list anew.
+
+use super::InterventionError;
+use crate::Simulation;
+use crate::lanes::{minus, plus};
+use crate::scene::{GrainEntry, MOST_GRAINS, Scene};
+use crate::simulation::checkpoint::state::State;
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// Least and largest radius, m, as in scenes.
+const RADII: Range<f64> = 1e-9..100.0;
+
+/// Largest component of a position, velocity or spin, in SI units, as in scenes.
+const LARGEST: f64 = 1e6;
+
+impl Simulation {
+    /// The grains as a scene would list them now, in the order of their ids: `scene` gives the names of their materials.
+    pub fn grain_entries(&self, scene: &Scene) -> Vec<GrainEntry> {
+        let names: Vec<&String> = scene.material.keys().collect();
+        let entry = |place: u32| {
+            let place = place as usize;
+            let (sphere, body) = (&self.world.spheres[place], &self.world.bodies[place]);
+            let material = names.get(usize::from(self.world.materials[place]));
+            GrainEntry {
+                material: material.map(|name| name.to_string()).unwrap_or_default(),
+                radius: sphere.radius,
+                position: self.world.wrapped(&sphere.centre).into(),
+                velocity: body.velocity,
+                spin: body.scaled_spin.map(|component| component / sphere.radius),
+            }
+        };
+        self.places_by_id().into_iter().map(entry).collect()
+    }
+
+    /// Number of grains.
+    pub fn grains(&self) -> usize {
+        self.world.grains()
+    }
+
+    /// Whether grains were inserted or removed, so that there may be others than the scene has.
+    pub fn has_other_grains(&self) -> bool {
+        self.interventions.other_grains
+    }
+
+    /// Adds grains of materials of the scene that this is a simulation of, and returns their ids, which follow those that are there.
+    ///
+    /// Nothing is known of the contacts of the last step until the next one has been taken: they bore what they bore, but
+    /// [`frame`](Simulation::frame) lists none.
+    ///
+    /// # Errors
+    /// [`InterventionError::Insertion`] if a grain is of no known material, has no sound radius or state, lies outside the domain, or overlaps
+    /// a wall or a grain by more than the scene's `largest_start_overlap` of the smaller radius; [`InterventionError::TooMany`].
+    pub fn insert(&mut self, scene: &Scene, grains: &[GrainEntry]) -> Result<Range<u32>, InterventionError> {
+        let before = self.world.grains();
+        let all = before + grains.len();
+        if all as f64 > MOST_GRAINS {
+            return Err(InterventionError::TooMany { grains: all, most: MOST_GRAINS as usize });
+        }
+        for (index, grain) in grains.iter().enumerate() {
+            self.check_grain(scene, grain).map_err(|(problem, remedy)| InterventionError::Insertion {
+                index,
+                problem,
+                remedy,
+            })?;
+        }
+        self.check_overlaps(scene, grains)?;
+        if !grains.is_empty() {
+            let mut state = State::of(self);
+            for (id, grain) in (before as u32..).zip(grains) {
+                let number = self.world.table.find(&grain.material).unwrap_or_default();
+                state.add(id, grain, number, scene.material[&grain.material].density);
+            }
+            let old: Vec<Option<u32>> = (0..before as u32).map(Some).collect();
+            self.begin_anew(&state, &old, all);
+        }
+        Ok(before as u32..all as u32)
+    }
+
+    /// Removes grains by their ids, which may be given more than once. The others keep their order and are numbered anew, without holes:
+    /// returns the new id of each old one, absent for those that are gone.
+    ///
+    /// Contacts of the last step are known as after [`insert`](Simulation::insert).
+    ///
+    /// # Errors
+    /// [`InterventionError::NoGrain`].
+    pub fn remove(&mut self, ids: &[u32]) -> Result<Vec<Option<u32>>, InterventionError> {
+        let grains = self.world.grains();
+        let mut stays = vec![true; grains];
+        for &id in ids {
+            *stays.get_mut(id as usize).ok_or(InterventionError::NoGrain { id, grains })? = false;
+        }
+        let mut next = 0;
+        let new_ids: Vec<Option<u32>> = stays
+            .iter()
+            .map(|&stays| {
+                next += u32::from(stays);
+                stays.then(|| next - 1)
+            })
+            .collect();
+        if (next as usize) < grains {
+            let mut state = State::of(self);
+            state.renumber(&new_ids);
+            self.begin_anew(&state, &new_ids, next as usize);
+        }
+        Ok(new_ids)
+    }
+
+    /// Goes on with the grains and impulses of a state; `new_ids` tells who is who of the old ones.
+    fn begin_anew(&mut self, state: &State, new_ids: &[Option<u32>], grains: usize) {
+        let (energy, momentum) = (self.energy_half_a_step_earlier().total(), self.momentum());
+        let world = state.populate(self.world.without_grains()).expect("all numbers were checked");
+        let mut next = Simulation::of_world(&self.settings, world);
+        state.give_impulses(&mut next, 1.0).expect("contacts are those of grains that are there");
+        next.go_on_as(self);
+        next.interventions = self.interventions.after(new_ids, grains);
+        *self = next;
+        self.restart_stored_energy();
+        if self.ledger.is_some() {
+            let (now, momentum_now) = (self.energy_half_a_step_earlier().total(), self.momentum());
+            self.interventions.booked.energy += now - energy;
+            let given = minus(momentum_now, momentum);
+            self.interventions.booked.impulse = plus(self.interventions.booked.impulse, given);
+        }
+        self.note_known_energy();
+    }
+
+    /// Whether a grain can be inserted, but for its neighbours.
+    fn check_grain(&self, scene: &Scene, grain: &GrainEntry) -> Result<(), (String, &'static str)> {
+        let known = self.world.table.find(&grain.material).is_some() && scene.material.contains_key(&grain.material);
+        if !known {
+            let names: Vec<&str> = scene.material.keys().map(String::as_str).collect();
+            return Err((
+                format!("is of material '{}', and the scene has {}", grain.material, names.join(", ")),
+                "name one of the scene's materials",
+            ));
+        }
+        if !RADII.contains(&grain.radius) {
+            return Err((format!("has a radius of {} m", grain.radius), "give one from 1e-9 to 100 m"));
+        }
+        let numbers = grain.position.iter().chain(&grain.velocity).chain(&grain.spin);
+        if let Some(wrong) = numbers.into_iter().find(|number| number.is_nan() || number.abs() >= LARGEST) {
+            return Err((format!("has {wrong} in its position, velocity or spin"), "give finite SI numbers below 1e6"));
+        }
+        let (low, high) = self.world.domain;
+        if (0..3).any(|axis| grain.position[axis] < low[axis] || grain.position[axis] > high[axis]) {
+            return Err((format!("lies at {:?}, outside the domain", grain.position), "move it inside"));
+        }
+        let poses: Vec<_> = self.world.walls.poses(self.world.time).collect();
+        let (walls, centre) = (self.world.walls.placed(&poses), Vector3::from(grain.position));
+        let mut deepest: Option<(f64, u32)> = None;
+        for face in 0..self.world.walls.faces() as u32 {
+            let overlap = grain.radius - walls.distance(face, &centre);
+            if overlap > scene.largest_start_overlap * grain.radius && deepest.is_none_or(|(most, _)| overlap > most) {
+                deepest = Some((overlap, self.world.walls.wall_of(face)));
+            }
+        }
+        match deepest {
+            Some((overlap, wall)) => {
+                let name = scene.wall.get(wall as usize).map(|wall| wall.name.as_str()).unwrap_or_default();
+                let problem = format!("lies {overlap:.3e} m inside or behind wall '{name}' (number {wall})");
+                Err((problem, "move it away from the wall, into the container"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Whether new grains have room beside those that are there and each other.
+    fn check_overlaps(&self, scene: &Scene, new: &[GrainEntry]) -> Result<(), InterventionError> {
+        let world = &self.world;
+        let there = world.spheres[..world.grains()].iter().zip(&world.ids);
+        // Number, centre and radius: old ones by their ids, new ones behind them.
+        let mut all: Vec<(usize, Vector3<f64>, f64)> =
+            there.map(|(sphere, &id)| (id as usize, world.wrapped(&sphere.centre), sphere.radius)).collect();
+        let old = all.len();
+        all.extend(new.iter().enumerate().map(|(index, one)| (old + index, one.position.into(), one.radius)));
+        let widest = 2.0 * all.iter().map(|one| one.2).fold(0.0, f64::max);
+        all.sort_by(|a, b| a.1.x.total_cmp(&b.1.x));
+        let length = world.period.length(0);
+        let laps: &[f64] = if world.period.is_periodic(0) { &[-1.0, 0.0, 1.0] } else { &[0.0] };
+        for (index, grain) in new.iter().enumerate() {
+            let centre = Vector3::from(grain.position);
+            for lap in laps {
+                let middle = centre.x + lap * length;
+                let first = all.partition_point(|one| one.1.x < middle - widest);
+                for &(number, other, radius) in all[first..].iter().take_while(|one| one.1.x <= middle + widest) {
+                    let overlap = grain.radius + radius - world.period.arm(&centre, &other).norm();
+                    if number != old + index && overlap > scene.largest_start_overlap * grain.radius.min(radius) {
+                        let whom = match number.checked_sub(old) {
+                            Some(other) => format!("grain {other} of those to insert"),
+                            None => format!("grain {number}"),
+                        };
+                        let problem = format!("overlaps {whom} by {overlap:.3e} m");
+                        let remedy = "move it away: the scene's largest_start_overlap says how much is accepted";
+                        return Err(InterventionError::Insertion { index, problem, remedy });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

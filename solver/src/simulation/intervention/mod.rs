@@ -1,0 +1,147 @@
+//! What the caller does to a simulation between its steps, besides what the scene says: forces, states that are written, grains that
+//! come and go, walls that are steered.
+//!
+//! ```text
+//! forces.rs   forces and torques on grains, for one step
+//! states.rs   positions, velocities and spins as arrays in memory, to be read and written
+//! grains.rs   insertion and removal
+//! walls.rs    walls that the caller moves
+//! contacts.rs pairs that may touch and what they bore, handed out without copying
+//! ```
+//!
+//! None of it costs anything in a simulation that nobody intervenes in. What is done depends on nothing but the state and what is asked
+//! for, so that bits are the same on any number of threads. The ledger enters all of it under `outside`; a watchdog judges energy anew
+//! after it, but for forces, whose work it knows. A checkpoint holds what later steps depend on, forces of the step to come left out:
+//! these are given for one step, and are given again.
+
+mod contacts;
+mod forces;
+mod grains;
+mod states;
+mod walls;
+
+#[doc(hidden)]
+pub use contacts::PairsInList;
+pub use states::States;
+
+use serde::{Deserialize, Serialize};
+
+/// Why an intervention was refused; the simulation stays as it was.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum InterventionError {
+    /// A list is not as long as there are grains.
+    #[error("{what} has {given} rows where there are {grains} grains; give one for each, in the order of their ids")]
+    Length {
+        /// The list.
+        what: &'static str,
+        /// Its length.
+        given: usize,
+        /// Number of grains.
+        grains: usize,
+    },
+    /// A number is not one that a run can have.
+    #[error("{what} of grain {grain} is {value:?}; give finite numbers below 1e30 in SI units")]
+    Number {
+        /// The list.
+        what: &'static str,
+        /// Id of the grain.
+        grain: usize,
+        /// What was given.
+        value: [f64; 3],
+    },
+    /// A grain cannot be inserted.
+    #[error("grain {index} of those to insert {problem}; {remedy}")]
+    Insertion {
+        /// Its place among those to insert.
+        index: usize,
+        /// What is wrong.
+        problem: String,
+        /// What would be right.
+        remedy: &'static str,
+    },
+    /// There is no such grain.
+    #[error("there is no grain {id} to remove; ids go from 0 to {} without holes", grains.saturating_sub(1))]
+    NoGrain {
+        /// What was asked for.
+        id: u32,
+        /// Number of grains.
+        grains: usize,
+    },
+    /// There would be more grains than can be numbered.
+    #[error("{grains} grains are too many; at most {most} can be numbered")]
+    TooMany {
+        /// How many there would be.
+        grains: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// There is no such wall.
+    #[error("there is no wall {wall}; walls are numbered from 0 in the order of the scene, which has {walls}")]
+    NoWall {
+        /// What was asked for.
+        wall: u32,
+        /// Number of walls.
+        walls: usize,
+    },
+    /// A wall cannot be moved so.
+    #[error("wall {wall}: {problem}")]
+    Wall {
+        /// Number of the wall in the scene.
+        wall: u32,
+        /// What is wrong, and what would be right.
+        problem: String,
+    },
+}
+
+/// What was done so far, and what acts in the step to come.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Interventions {
+    /// Forces (N) and torques (N m) of the step to come, by id; empty where there are none.
+    forces: Vec<[f64; 3]>,
+    torques: Vec<[f64; 3]>,
+    /// Scaled spins at the start of the step in which these act, m/s, by place.
+    spins_before: Vec<[f64; 3]>,
+    /// Work of forces and torques in the last step, J.
+    pub work: f64,
+    /// How often something was done that a watchdog cannot account for.
+    pub count: u64,
+    /// Whether there are, or may be, other grains than the scene has.
+    pub other_grains: bool,
+    /// What the ledger has under `outside`.
+    pub booked: Booked,
+    /// Whether positions and velocities may be written from outside.
+    handed_out: bool,
+    /// Energy (J) and momentum (kg m/s) when nobody had written yet; only where a ledger is kept and states were handed out.
+    known: Option<(f64, [f64; 3])>,
+}
+
+impl Interventions {
+    /// The same once grains have come or gone; `new_ids` tells who is who of the old ones.
+    fn after(&self, new_ids: &[Option<u32>], grains: usize) -> Interventions {
+        let renumbered = |list: &[[f64; 3]]| {
+            let mut new = vec![[0.0; 3]; if list.is_empty() { 0 } else { grains }];
+            for (vector, new_id) in list.iter().zip(new_ids) {
+                if let Some(id) = new_id {
+                    new[*id as usize] = *vector;
+                }
+            }
+            new
+        };
+        Interventions {
+            forces: renumbered(&self.forces),
+            torques: renumbered(&self.torques),
+            count: self.count + 1,
+            other_grains: true,
+            handed_out: self.handed_out,
+            booked: self.booked,
+            ..Interventions::default()
+        }
+    }
+}
+
+/// Energy (J) and momentum (kg m/s) that came from outside.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Booked {
+    pub energy: f64,
+    pub impulse: [f64; 3],
+}

@@ -1,0 +1,149 @@
+//! Positions, velocities and spins as they lie in memory, to be read and written between steps.
+
+use crate::Simulation;
+use crate::lanes::{minus, plus};
+use crate::world::{Body, Sphere};
+use std::collections::TryReserveError;
+
+/// The grains of a simulation as they lie in memory, to be read and written: [`Simulation::states`].
+///
+/// A grain's row is its place in memory, which changes when the candidate list is built anew, within a step; [`id`](States::id) tells who
+/// is there. What was written counts from the next step on. A grain that was moved is found by the check of the candidate list that every
+/// step makes, and one that was made fast by the look ahead at walls; nothing keeps it from being put into another grain or a wall, which
+/// then push it out.
+#[derive(Debug)]
+pub struct States<'a>(&'a mut Simulation);
+
+impl States<'_> {
+    /// Number of grains.
+    pub fn grains(&self) -> usize {
+        self.0.world.grains()
+    }
+
+    /// Id of the grain in a row.
+    ///
+    /// # Panics
+    /// There is no such row, here as below.
+    pub fn id(&self, row: usize) -> u32 {
+        self.0.world.ids[row]
+    }
+
+    /// Radius, m.
+    pub fn radius(&self, row: usize) -> f64 {
+        self.0.world.spheres[self.inside(row)].radius
+    }
+
+    /// Centre, m; outside of the domain, too, where that repeats itself.
+    pub fn position(&mut self, row: usize) -> &mut [f64; 3] {
+        let row = self.inside(row);
+        &mut self.0.world.spheres[row].centre.data.0[0]
+    }
+
+    /// Velocity, m/s.
+    pub fn velocity(&mut self, row: usize) -> &mut [f64; 3] {
+        let row = self.inside(row);
+        &mut self.0.world.bodies[row].velocity
+    }
+
+    /// Radius times angular velocity, m/s: what is kept of a spin.
+    pub fn scaled_spin(&mut self, row: usize) -> &mut [f64; 3] {
+        let row = self.inside(row);
+        &mut self.0.world.bodies[row].scaled_spin
+    }
+
+    /// Behind the grains there are others, which are none.
+    fn inside(&self, row: usize) -> usize {
+        assert!(row < self.grains(), "there is no row {row} of {} grains", self.grains());
+        row
+    }
+}
+
+impl Drop for States<'_> {
+    fn drop(&mut self) {
+        self.0.states_written();
+    }
+}
+
+impl Simulation {
+    /// The grains as they lie in memory, to be read and written.
+    ///
+    /// ```
+    /// # use makadam::{GrainEntry, Material, Scene, Simulation};
+    /// # let grain = GrainEntry { material: "glass".into(), radius: 0.005, position: [0.0; 3], velocity: [0.0; 3], spin: [0.0; 3] };
+    /// # let scene = Scene::builder().material("glass", Material::default()).gravity([0.0; 3]).domain([-1.0; 3], [1.0; 3]);
+    /// # let mut simulation = Simulation::builder(&scene.grain(grain).build()?).time_step(1e-3).build()?;
+    /// let mut states = simulation.states();
+    /// for row in 0..states.grains() {
+    ///     states.velocity(row)[2] += 0.1;
+    /// }
+    /// drop(states);
+    /// assert_eq!(simulation.frame().velocities()[0], [0.0, 0.0, 0.1]);
+    /// # Ok::<(), makadam::Error>(())
+    /// ```
+    pub fn states(&mut self) -> States<'_> {
+        self.hand_out_states();
+        States(self)
+    }
+
+    /// Spheres, bodies and ids of the grains by place, for who writes to them through pointers: such a caller says so with
+    /// [`states_written`](Simulation::states_written) before each step.
+    #[doc(hidden)]
+    pub fn arrays(&mut self) -> (&mut [Sphere], &mut [Body], &[u32]) {
+        self.hand_out_states();
+        let grains = self.world.grains();
+        (&mut self.world.spheres[..grains], &mut self.world.bodies[..grains], &self.world.ids)
+    }
+
+    /// Sees to it that no step moves the arrays of the grains to another place in memory, for as long as no grains come or go. A copy of
+    /// the simulation has arrays of its own, which may move.
+    ///
+    /// # Errors
+    /// Where the memory that they may grow into is not to be had.
+    #[doc(hidden)]
+    pub fn keep_arrays_in_place(&mut self) -> Result<(), TryReserveError> {
+        let boxes = self.candidates.most_boxes();
+        self.world.keep_in_place(boxes)
+    }
+
+    /// Says that positions, velocities or spins may have been written since the last step.
+    #[doc(hidden)]
+    pub fn states_written(&mut self) {
+        self.interventions.count += 1;
+        // Some grain may be swift now.
+        self.swept.forget_pace();
+        self.book_what_was_written();
+    }
+
+    /// Keeps in mind what energy there is before somebody writes.
+    fn hand_out_states(&mut self) {
+        self.interventions.handed_out = true;
+        if self.ledger.is_some() && self.interventions.known.is_none() {
+            self.note_known_energy();
+        }
+    }
+
+    /// Energy (J) and momentum (kg m/s) that nobody has changed from outside yet, where it may be.
+    pub(crate) fn note_known_energy(&mut self) {
+        let watched = self.ledger.is_some() && self.interventions.handed_out;
+        self.interventions.known = watched.then(|| (self.energy_half_a_step_earlier().total(), self.momentum()));
+    }
+
+    /// Enters what was written since.
+    fn book_what_was_written(&mut self) {
+        let Some((energy, momentum)) = self.interventions.known else { return };
+        self.note_known_energy();
+        if let Some((now, momentum_now)) = self.interventions.known {
+            self.interventions.booked.energy += now - energy;
+            let given = minus(momentum_now, momentum);
+            self.interventions.booked.impulse = plus(self.interventions.booked.impulse, given);
+        }
+        self.restart_stored_energy();
+    }
+
+    /// Has the ledger go on from what contacts store now.
+    pub(super) fn restart_stored_energy(&mut self) {
+        if let Some(ledger) = &mut self.ledger {
+            ledger.restart_stored(&self.world, &self.candidates, self.constrainer.scheme());
+        }
+    }
+}

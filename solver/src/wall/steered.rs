@@ -1,0 +1,222 @@
+//! Walls that the caller moves, in place of what the scene says of their motion.
+//!
+//! A wall that is steered moves along, or turns about an axis that stays; which of the two is settled when it is steered for the first time.
+//! Its velocity is constant over a step, and where it stands follows by `d' = d + h v` or `phi' = phi + h omega`, as that of grains does.
+//!
+//! The first velocity that it is given is a jump, as the start of a motion in a scene is: grains that the wall meets take an impact. Later
+//! changes count as acceleration, as that of a vibrating wall does: what rests on the wall goes with it without rebounding.
+
+use super::Vector;
+use super::motion::{Displacement, Movement, Pose, Turning};
+use super::shape::Face;
+use crate::scene::Motion;
+use serde::{Deserialize, Serialize};
+
+/// How the caller moves a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WallMotion {
+    /// It moves along at this velocity, m/s.
+    Translation {
+        /// Velocity, m/s.
+        velocity: [f64; 3],
+    },
+    /// It turns about an axis.
+    Rotation {
+        /// Angular velocity about the axis, rad/s.
+        rate: f64,
+        /// A point of the axis (m) and its direction; absent for the axis that the scene gives, or that was given before.
+        about: Option<([f64; 3], [f64; 3])>,
+    },
+}
+
+/// State of a wall that is steered.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Steered {
+    /// A point of the axis (m) and its unit vector, where it turns.
+    about: Option<([f64; 3], [f64; 3])>,
+    /// How far it has moved along, m.
+    shift: [f64; 3],
+    shift_in_list: [f64; 3],
+    velocity: [f64; 3],
+    velocity_before: [f64; 3],
+    /// How far it has turned, rad.
+    angle: f64,
+    angle_in_list: f64,
+    rate: f64,
+}
+
+/// No place or speed of a wall comes near it, in SI units.
+const LARGEST: f64 = 1e9;
+
+impl Steered {
+    /// What the first motion that a wall is given makes of it; `now` is where the scene has it, `then` where it had it when the candidate
+    /// list was built.
+    fn begin(scene: &Motion, asked: &WallMotion, [now, then]: [&Pose; 2], angles: [f64; 2]) -> Result<Steered, String> {
+        let along = |pose: &Pose| match pose.displacement {
+            Displacement::By(shift) => shift.into(),
+            _ => [0.0; 3],
+        };
+        let about = match (scene, asked) {
+            (Motion::ForceDriven { .. } | Motion::TorqueDriven { .. }, _) => {
+                return Err("a force or a torque drives it; steer a wall that the scene holds fixed".into());
+            }
+            (Motion::Fixed | Motion::Translating { .. } | Motion::Vibrating { .. }, WallMotion::Translation { .. }) => {
+                None
+            }
+            (Motion::Fixed, WallMotion::Rotation { about: Some((point, axis)), .. }) => {
+                Some((*point, unit(axis).ok_or("its axis has no direction; give a vector that is not zero")?))
+            }
+            (Motion::Fixed, WallMotion::Rotation { about: None, .. }) => {
+                return Err("the scene gives it no axis; give a point and a direction of one".into());
+            }
+            (Motion::Rotating { point, axis, .. }, WallMotion::Rotation { .. }) => {
+                let own = (*point, unit(axis).ok_or("its axis has no direction")?);
+                Some(same_axis(own, asked)?)
+            }
+            (Motion::Rotating { .. }, WallMotion::Translation { .. }) => {
+                return Err("the scene turns it, so that it cannot be moved along; give a rate".into());
+            }
+            (_, WallMotion::Rotation { .. }) => {
+                return Err("the scene moves it along, so that it cannot be turned; give a velocity".into());
+            }
+        };
+        Ok(Steered {
+            about,
+            shift: along(now),
+            shift_in_list: along(then),
+            velocity: [0.0; 3],
+            velocity_before: [0.0; 3],
+            angle: angles[0],
+            angle_in_list: angles[1],
+            rate: 0.0,
+        })
+    }
+
+    /// Gives it a motion; `first` if it has had none.
+    fn take(&mut self, asked: &WallMotion, first: bool) -> Result<(), String> {
+        match (self.about, asked) {
+            (None, WallMotion::Translation { velocity }) => {
+                if !velocity.iter().all(|speed| speed.abs() < LARGEST) {
+                    return Err(format!("{velocity:?} is no velocity; give three finite numbers, m/s"));
+                }
+                self.velocity = *velocity;
+                if first {
+                    self.velocity_before = *velocity;
+                }
+            }
+            (Some(own), WallMotion::Rotation { rate, .. }) => {
+                same_axis(own, asked)?;
+                if rate.is_nan() || rate.abs() >= LARGEST {
+                    return Err(format!("{rate} is no rate; give a finite number, rad/s"));
+                }
+                self.rate = *rate;
+            }
+            (None, WallMotion::Rotation { .. }) => {
+                return Err("it was moved along before, so that it cannot be turned; give a velocity".into());
+            }
+            (Some(_), WallMotion::Translation { .. }) => {
+                return Err("it was turned before, so that it cannot be moved along; give a rate".into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a face is mapped onto itself.
+    pub(super) fn keeps_in_place(&self, face: &Face) -> bool {
+        self.about.is_some_and(|(point, axis)| face.turns_in_place(point.into(), axis.into()))
+    }
+
+    /// Completes a pose at rest.
+    pub(super) fn pose(&self, pose: &mut Pose, turned: impl FnOnce(Vector, Vector, f64) -> Displacement) {
+        match self.about {
+            None => {
+                pose.displacement = Displacement::By(self.shift.into());
+                pose.velocity = self.velocity.into();
+                pose.gain = pose.velocity - Vector::from(self.velocity_before);
+            }
+            Some((point, axis)) => {
+                let (centre, axis) = (Vector::from(point), Vector::from(axis));
+                pose.displacement = turned(centre, axis, self.angle);
+                pose.turning = Turning { spin: axis * self.rate, centre };
+                pose.in_place = pose.turning;
+            }
+        }
+    }
+
+    /// Upper bound of how far a point within `radius` (m) of the centre has moved since the candidate list was built, m.
+    pub(super) fn largest_shift(&self, radius: f64, turns: bool) -> f64 {
+        match self.about {
+            None => (Vector::from(self.shift) - Vector::from(self.shift_in_list)).norm(),
+            Some(_) if turns => (self.angle - self.angle_in_list).abs() * radius,
+            Some(_) => 0.0,
+        }
+    }
+
+    pub(super) fn enter_list(&mut self) {
+        (self.shift_in_list, self.angle_in_list) = (self.shift, self.angle);
+    }
+
+    /// How far it has moved along, m, and turned, rad.
+    pub(crate) fn place(&self) -> ([f64; 3], f64) {
+        (self.shift, self.angle)
+    }
+
+    /// The same where it stood when the candidate list was built.
+    pub(crate) fn in_list(&self) -> Steered {
+        Steered { shift: self.shift_in_list, angle: self.angle_in_list, ..*self }
+    }
+
+    /// Moves it for a step of length `h`, s.
+    pub(super) fn advance(&mut self, h: f64) {
+        for axis in 0..3 {
+            self.shift[axis] += h * self.velocity[axis];
+        }
+        self.angle += h * self.rate;
+        self.velocity_before = self.velocity;
+    }
+
+    /// Whether its numbers are such as a run can have.
+    pub(crate) fn is_sound(&self) -> bool {
+        let vectors = [self.shift, self.shift_in_list, self.velocity, self.velocity_before];
+        let (point, axis) = self.about.unwrap_or_default();
+        let numbers = vectors.as_flattened().iter().chain(&point).chain(&axis);
+        let mut all = numbers.chain([&self.angle, &self.angle_in_list, &self.rate]);
+        all.all(|number| number.abs() < LARGEST)
+    }
+}
+
+impl Movement {
+    /// Steers the wall from its next step on; `now` is the time and `listed` the one at which the candidate list was built, s.
+    pub(super) fn steer(&mut self, asked: &WallMotion, faces: &[Face], [now, listed]: [f64; 2]) -> Result<(), String> {
+        let first = self.steered.is_none();
+        let mut steered = match self.steered {
+            Some(steered) => steered,
+            None => {
+                let angles = [now, listed].map(|time| self.angle(time));
+                Steered::begin(&self.motion, asked, [&self.at(now), &self.at(listed)], angles)?
+            }
+        };
+        steered.take(asked, first)?;
+        self.restore(steered, faces);
+        Ok(())
+    }
+
+    /// Has it steered as it was at some time.
+    pub(super) fn restore(&mut self, steered: Steered, faces: &[Face]) {
+        self.turns = steered.about.is_some() && !faces.iter().all(|face| steered.keeps_in_place(face));
+        self.steered = Some(steered);
+    }
+}
+
+/// The axis of a wall, if none was asked for or it is the same.
+fn same_axis(own: ([f64; 3], [f64; 3]), asked: &WallMotion) -> Result<([f64; 3], [f64; 3]), String> {
+    let WallMotion::Rotation { about: Some((point, axis)), .. } = asked else { return Ok(own) };
+    let (along, arm) = (Vector::from(own.1), Vector::from(*point) - Vector::from(own.0));
+    let axis = unit(axis).ok_or("its axis has no direction; give a vector that is not zero")?;
+    let same = (Vector::from(axis) - along).norm() < 1e-9 && arm.cross(&along).norm() < 1e-9 * (1.0 + arm.norm());
+    if same { Ok(own) } else { Err("it turns about another axis, which stays; leave the axis out".into()) }
+}
+
+fn unit(vector: &[f64; 3]) -> Option<[f64; 3]> {
+    Vector::from(*vector).try_normalize(1e-12).map(Vector::into)
+}
