@@ -33,7 +33,7 @@ fn in_an_empty_folder_a_new_scene_is_checked_and_run() {
     let summary: Value = serde_json::from_slice(&summary).unwrap();
     assert_eq!((&summary["complete"], &summary["steps"]), (&true.into(), &20.into()));
     let (code, _, errors) = outcome(folder.path(), &["new", "drum"]);
-    assert!(code == 2 && errors.contains("drum.toml is there already"), "{code}: {errors}");
+    assert!(code == 2 && errors.contains("drum.toml exists already"), "{code}: {errors}");
     let (code, _, errors) = outcome(folder.path(), &["new", "durm"]);
     assert!(code == 2 && errors.contains("'drum'"), "{code}: {errors}");
 }

@@ -201,7 +201,7 @@ fn an_interruption_leaves_a_table_of_what_there_is() {
     assert!(std::process::Command::new("kill").args(["-TERM", &pid]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("goes on from there"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("continues from there"));
     let study: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(study["complete"], false);
     let points = study["points"].as_array().unwrap();

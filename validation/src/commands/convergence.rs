@@ -53,7 +53,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
         bar.set(share);
     });
     drop(bar);
-    let curves = curves.map_err(|_| Failure::Interrupted("nothing: the methods were not finished".into()))?;
+    let curves = curves.map_err(|_| Failure::Interrupted("none, the methods were not finished".into()))?;
     let study = Study::new(problem, effort, curves, left_out, provenance);
 
     let folder = arguments.output.folder_of("convergence", &scene);

@@ -15,7 +15,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     let text = scenes::text(&file)?;
     if arguments.ablate && scene.compare.iter().all(|expectation| expectation.margin.is_none()) {
         return Err(Failure::Usage(format!(
-            "{} has no observable with a margin, so --ablate could judge nothing; give margins under [[compare]]",
+            "{} has no observable with a margin, so --ablate has nothing to judge; give margins under [[compare]]",
             scene.name
         )));
     }
@@ -51,7 +51,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     console.result(&if arguments.output.json { json(&study) } else { table(&study) })?;
     let lacking = study.ablation.iter().flat_map(|ablation| &ablation.rows).find(|row| row.mean.is_none());
     if let Some(row) = lacking {
-        console.warn(&format!("{} was not measured in every seed of the scene as it is", row.observable));
+        console.warn(&format!("{} was not measured in every seed of the unchanged scene", row.observable));
         return Ok(ExitCode::from(OUTSIDE_TOLERANCE));
     }
     Ok(ExitCode::SUCCESS)

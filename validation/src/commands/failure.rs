@@ -42,7 +42,7 @@ pub enum Failure {
     #[error("{0}")]
     Running(String),
     /// The user asked to stop.
-    #[error("interrupted; what was computed so far is {0}")]
+    #[error("interrupted; results so far: {0}")]
     Interrupted(String),
     /// The reader of standard output went away: nobody is left to tell.
     #[error("standard output was closed")]
@@ -80,7 +80,7 @@ impl From<ParameterError> for Failure {
             }
             ParameterError::Write(error) => error.into(),
             ParameterError::Interrupted => {
-                Failure::Interrupted("kept, run by run: the same command goes on from there".into())
+                Failure::Interrupted("stored run by run; the same command continues from there".into())
             }
         }
     }
@@ -99,7 +99,7 @@ impl From<SettingError> for Failure {
     fn from(error: SettingError) -> Failure {
         match error {
             SettingError::NoInstructionSet { .. } => {
-                Failure::Usage(format!("{error}; leave --isa out, or give one that there is"))
+                Failure::Usage(format!("{error}; leave --isa out, or give one that this processor has"))
             }
             SettingError::NoThreads { .. } => Failure::Running(format!("{error}; give fewer with --threads")),
             SettingError::Method { .. } | SettingError::SinglePrecision(_) => Failure::Usage(error.to_string()),
@@ -121,7 +121,7 @@ impl From<StartError> for Failure {
             StartError::Checkpoint(error) => Failure::Running(error.to_string()),
             StartError::Execution(error) => error.into(),
             StartError::Worthless(_) => Failure::Running(error.to_string()),
-            StartError::Interrupted => Failure::Interrupted("nothing: the flowing state was not finished".into()),
+            StartError::Interrupted => Failure::Interrupted("none, the flowing state was not finished".into()),
         }
     }
 }
@@ -131,7 +131,7 @@ impl From<MeasureError> for Failure {
         match error {
             MeasureError::Execution(error) => error.into(),
             MeasureError::Threads(_) => Failure::Running(error.to_string()),
-            MeasureError::Interrupted => Failure::Interrupted("nothing: the measurement was not finished".into()),
+            MeasureError::Interrupted => Failure::Interrupted("none, the measurement was not finished".into()),
         }
     }
 }
@@ -140,7 +140,7 @@ impl From<CodeError> for Failure {
     fn from(error: CodeError) -> Failure {
         match error {
             CodeError::Scene(error) => Failure::Scene(error),
-            CodeError::Interrupted { .. } => Failure::Interrupted("not kept".into()),
+            CodeError::Interrupted { .. } => Failure::Interrupted("not stored".into()),
             CodeError::Missing { .. } => Failure::MissingCode(error.to_string()),
             other => Failure::Running(other.to_string()),
         }
@@ -151,7 +151,7 @@ impl From<RecordError> for Failure {
     fn from(error: RecordError) -> Failure {
         match error {
             RecordError::Code(CodeError::Interrupted { .. }) => {
-                Failure::Interrupted("kept, run by run: try again for the others".into())
+                Failure::Interrupted("stored run by run; run the command again for the others".into())
             }
             RecordError::Code(error) => error.into(),
             other => Failure::Running(other.to_string()),
@@ -185,7 +185,7 @@ impl From<AblationError> for Failure {
     fn from(error: AblationError) -> Failure {
         match error {
             AblationError::Code(CodeError::Interrupted { .. }) => {
-                Failure::Interrupted("kept, run by run: the same command goes on from there".into())
+                Failure::Interrupted("stored run by run; the same command continues from there".into())
             }
             AblationError::Code(error) => error.into(),
             AblationError::Write(error) => error.into(),

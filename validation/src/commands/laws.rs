@@ -67,7 +67,7 @@ fn measured(
     let rows = carry_out(law, &cases, &plan, &|share| bar.set(share)).map_err(|error| match error {
         LawError::Scene(error) => Failure::Scene(error),
         LawError::Interrupted => {
-            Failure::Interrupted(format!("in {}; the same command goes on from there", folder.join("runs").display()))
+            Failure::Interrupted(format!("in {}; the same command continues from there", folder.join("runs").display()))
         }
         other => Failure::Running(other.to_string()),
     })?;

@@ -111,11 +111,11 @@ fn tell(words: &clap::Error) -> ExitCode {
 fn can_record(file: &Path) -> Result<(), Failure> {
     let what = match (scenes::is_built_in(file), scenes::is_given(file)) {
         (_, true) => "was given on the command line or on standard input",
-        (true, false) => "is a scene that the program itself holds",
+        (true, false) => "is a scene built into the program",
         (false, false) => return Ok(()),
     };
     Err(Failure::Usage(format!(
-        "{} {what}, so there is no folder to record into; run where there is a folder reference-scenes with it, or give the path to a file",
+        "{} {what}, so there is no folder to record into; run where a folder reference-scenes contains it, or give the path to a file",
         file.display()
     )))
 }
@@ -130,8 +130,8 @@ fn begin(
 ) -> Result<(Simulation, Start), Failure> {
     if let Some(prepare) = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed)) {
         console.note(&format!(
-            "{} starts from a flowing state, which is prepared first: {} steps of {:e} s, {} s of simulated time, beside the run's own \
-             steps; it is kept under {} for later runs",
+            "{} starts from a flowing state, which is prepared first: {} steps of {:e} s, {} s of simulated time, in addition to \
+             the run's own steps; it is stored under {} for later runs",
             scene.name,
             steps_in(prepare.duration, prepare.step),
             prepare.step,
@@ -161,7 +161,7 @@ fn settle(simulation: &mut Simulation, seconds: f64, console: &Console) -> Resul
     let bar = console.bar("settling");
     let steps = steps_in(seconds, simulation.time_step());
     let settled = Stepping::new(steps, &|share| bar.set(share)).carry_out(simulation, |_, _| {});
-    settled.map(|_| ()).map_err(|_| Failure::Interrupted("nothing: the flowing state was not finished".into()))
+    settled.map(|_| ()).map_err(|_| Failure::Interrupted("none, the flowing state was not finished".into()))
 }
 
 /// The simulation at the start of its run, settled for a time (s) where no flowing state was prepared: grains that have just been
@@ -185,7 +185,7 @@ fn flowing(
 fn refuse_time_budget(scene: &Scene) -> Result<(), Failure> {
     match scene.solver.stop {
         Stop::TimeBudget { .. } => Err(Failure::Usage(format!(
-            "the solves of {} stop when their wall time is spent, so no two runs do the same work; set solver.stop to sweeps or \
+            "the solves of {} stop after a wall time, so no two runs do the same work; set solver.stop to sweeps or \
              residual",
             scene.name
         ))),

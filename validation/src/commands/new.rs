@@ -16,7 +16,7 @@ pub(super) fn new(arguments: &NewArguments, console: &Console) -> Result<ExitCod
     let mut opened =
         OpenOptions::new().write(true).create_new(true).open(&file).map_err(|error| match error.kind() {
             ErrorKind::AlreadyExists => {
-                Failure::Usage(format!("{shown} is there already, and stays; name another file"))
+                Failure::Usage(format!("{shown} exists already and is not overwritten; give another file"))
             }
             _ => Failure::Running(format!("{shown}: {error}")),
         })?;

@@ -42,7 +42,7 @@ fn export(arguments: &ProblemExportArguments, console: &Console) -> Result<ExitC
         simulation.step();
         bar.set(step as f64 / steps as f64);
         if crate::interrupt::requested() {
-            return Err(Failure::Interrupted("nothing: the problem was not reached".into()));
+            return Err(Failure::Interrupted("none, the problem was not reached".into()));
         }
     }
     drop(bar);
@@ -58,7 +58,7 @@ fn export(arguments: &ProblemExportArguments, console: &Console) -> Result<ExitC
     let (state, report) = simulation.solution_in_lanes(LANES);
     let converged = report.reason == makadam::solve::StopReason::Residual;
     if !converged {
-        console.warn("the sweeps over lanes did not converge, so the file is written without their answer");
+        console.warn("the sweeps over lanes did not converge; the file is written without their answer");
     }
     let lanes = converged.then_some(BodyVelocities { velocities: state.velocities, spins: state.spins });
     let content = ProblemFile::new(&title, contact, lanes);
@@ -79,7 +79,7 @@ fn solve(arguments: &ProblemSolveArguments, console: &Console) -> Result<ExitCod
     let answer = problem::solve(&file, method, &settings).map_err(refused)?;
     if let Some(output) = &arguments.output {
         if file.local.is_none() {
-            return Err(refused("contacts bear torques, which FCLIB's group of solutions has no place for".into()));
+            return Err(refused("contacts bear torques, which FCLIB's solution group cannot hold".into()));
         }
         if answer.impulses.is_empty() {
             return Err(refused("the answer of the sweeps over lanes has no impulses; take another --method".into()));

@@ -22,12 +22,12 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     let plan = plan(arguments, cores);
     if plan.traced_steps < arguments.traced_steps {
         console.note(&format!(
-            "{} steps are traced, as many as there are, not {}",
+            "{} steps are traced, because there are no more, not {}",
             plan.traced_steps, arguments.traced_steps
         ));
     }
     if plan.threads.iter().any(|&threads| threads > cores) {
-        console.warn(&format!("more threads than the {cores} cores at hand: such times say little"));
+        console.warn(&format!("more threads than the {cores} available cores: such times are not meaningful"));
     }
     let widest = plan.instruction_sets.last().copied().unwrap_or_else(InstructionSet::detect);
     let most = plan.threads.iter().copied().max().unwrap_or(1);

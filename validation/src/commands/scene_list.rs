@@ -32,6 +32,6 @@ pub(super) fn list(arguments: &SceneListArguments, console: &Console) -> Result<
         return Ok(ExitCode::SUCCESS);
     }
     let rows: Vec<Vec<String>> = named.into_iter().map(|named| vec![named.name, named.description]).collect();
-    console.result(&format!("{}\n\n`makadam new` writes a scene to begin with into a file.", wrapped(&rows)))?;
+    console.result(&format!("{}\n\n`makadam new` writes a scene to start from to a file.", wrapped(&rows)))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -87,7 +87,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
             Ok(ExitCode::from(OUTSIDE_TOLERANCE))
         }
         (false, _) => {
-            Err(Failure::Interrupted(format!("kept in {}; the same command goes on from there", folder.display())))
+            Err(Failure::Interrupted(format!("stored in {}; the same command continues from there", folder.display())))
         }
         (true, Some(false)) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
         (true, _) => Ok(ExitCode::SUCCESS),

@@ -13,10 +13,10 @@ use std::path::PathBuf;
 /// Arguments of `makadam new`.
 #[derive(Debug, Args)]
 pub struct NewArguments {
-    /// What to begin with.
+    /// Scene to start from.
     #[arg(value_parser = PossibleValuesParser::new(TEMPLATES.iter().map(|template| template.name)))]
     pub kind: String,
-    /// File to write; KIND.toml, if absent. A file that is there stays.
+    /// File to write; KIND.toml, if absent. An existing file is not overwritten.
     pub file: Option<PathBuf>,
 }
 
@@ -34,10 +34,10 @@ pub struct CheckArguments {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Accuracy in place of the scene's step and sweeps, as `makadam run` takes it.
+    /// Target accuracy, which replaces the scene's step and stopping rule, as for `makadam run`.
     #[arg(long, value_parser = accuracy)]
     pub accuracy: Option<Accuracy>,
-    /// Print it as JSON.
+    /// Print the description as JSON.
     #[arg(long)]
     pub json: bool,
 }
@@ -45,7 +45,7 @@ pub struct CheckArguments {
 /// Arguments of `makadam observables`.
 #[derive(Debug, Args)]
 pub struct ObservablesArguments {
-    /// Names of numbers or groups; all, if absent.
+    /// Names of observables or groups; all, if absent.
     pub names: Vec<String>,
     /// Print them as JSON.
     #[arg(long)]
@@ -58,7 +58,7 @@ pub struct ObservablesArguments {
 /// Arguments of `makadam schema`.
 #[derive(Debug, Args)]
 pub struct SchemaArguments {
-    /// A page to read, in place of the JSON Schema.
+    /// Print a page in Markdown instead of the JSON Schema.
     #[arg(long)]
     pub markdown: bool,
 }
@@ -74,7 +74,7 @@ pub struct CompletionsArguments {
 /// Arguments of `makadam manual`.
 #[derive(Debug, Args)]
 pub struct ManualArguments {
-    /// Folder to write a page of each command into; the page of the program goes to standard output, if absent.
+    /// Folder for one page per command; if absent, the page of the program goes to standard output.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
 }
@@ -85,16 +85,16 @@ pub struct SweepArguments {
     /// The scene.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// A key and its values, such as material.grain.friction=0.1,0.3,0.5; of several, every combination is run.
+    /// A key and its values, such as material.grain.friction=0.1,0.3,0.5; if given several times, every combination is run.
     #[arg(long, value_name = "KEY=VALUES", required = true)]
     pub over: Vec<Range>,
-    /// Number of seeds of each combination, counted from the scene's own.
+    /// Number of seeds per combination, counted from the scene's own.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: u64,
-    /// Numbers to print; those that the scene compares, or all that it measures, if absent. The tables hold all.
+    /// Observables to print; if absent, those that the scene compares, or all that it measures. The files contain all.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = observable)]
     pub observables: Vec<String>,
-    /// Make runs again that are kept.
+    /// Repeat runs whose results are stored.
     #[arg(long)]
     pub again: bool,
     /// How many threads.

@@ -33,13 +33,13 @@ const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 
 #[derive(Debug, Parser)]
 #[command(name = "makadam", version, about, after_help = EXIT_CODES)]
 pub struct Arguments {
-    /// What to do.
+    /// The command to run.
     #[command(subcommand)]
     pub command: Command,
-    /// Say nothing but results and errors.
+    /// Print only results and errors.
     #[arg(short, long, global = true)]
     pub quiet: bool,
-    /// Say more.
+    /// Print more messages.
     #[arg(short, long, global = true)]
     pub verbose: bool,
 }
@@ -47,37 +47,37 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Write a commented scene to begin with into a file.
+    /// Write a commented scene to start from to a file.
     New(NewArguments),
-    /// List the scenes that can be named.
+    /// List the scenes that can be given by name.
     Scenes(SceneListArguments),
-    /// Say what will run: grains, scales, settings and why, memory, time.
+    /// Describe what will run: grains, scales, settings and why, memory, time.
     Check(CheckArguments),
     /// Define the numbers that can be measured.
     Observables(ObservablesArguments),
-    /// Print the language of scenes, as a JSON Schema or as a page.
+    /// Print the scene language, as a JSON Schema or as a page.
     Schema(SchemaArguments),
-    /// Simulate a scene; frames for ParaView, observables as CSV, provenance as JSON.
+    /// Simulate a scene: frames for ParaView, observables as CSV, provenance as JSON.
     Run(RunArguments),
-    /// Run a scene over values of some of its keys, several seeds each, and put the means into one table.
+    /// Run a scene over values of some of its keys, several seeds each; write one table of means.
     Sweep(SweepArguments),
     /// Compare Makadam with YADE and LIGGGHTS on one scene.
     Compare(CompareArguments),
     /// Judge Makadam on the reference scenes and write one report.
     Qualify(QualifyArguments),
-    /// Measure how a scene's step scales with threads, and replay it beyond the cores at hand.
+    /// Measure how a scene's step scales with threads, and replay it on more cores than this machine has.
     Scaling(ScalingArguments),
-    /// Show how each method converges on the problem of one step: residual against iterations and wall time.
+    /// Measure how each method converges on the problem of one step: residual against iterations and wall time.
     Convergence(ConvergenceArguments),
-    /// Show what accuracy costs in time: error against wall time over the settings of each code.
+    /// Measure what accuracy costs in time: error against wall time over the settings of each code.
     Tradeoff(TradeoffArguments),
-    /// Measure the contact sweep against what arithmetic and memory deliver.
+    /// Compare the contact sweep with the limits of arithmetic and memory.
     Roofline(RooflineArguments),
-    /// Run the hard cases: what breaks simulators, the right outcome, and who survives it.
+    /// Run stress tests: pathological scenes, the expected outcome of each, pass or fail per code.
     Stability(StabilityArguments),
-    /// Tell which effects a scene calls for, what each costs, and, with --ablate, whether it matters.
+    /// List the active physical effects of a scene and their cost; with --ablate, test whether they change the results.
     Effects(EffectsArguments),
-    /// Measure published laws of granular matter and judge them against the published values.
+    /// Measure published laws of granular matter and compare them with the published values.
     Laws(LawsArguments),
     /// Draw a frame of a run as a PNG file; needs no screen.
     Picture(PictureArguments),
@@ -87,9 +87,9 @@ pub enum Command {
     View(ViewArguments),
     /// Write the frames of a run for other programs: VTKHDF for ParaView, GSD for OVITO.
     Export(ExportArguments),
-    /// Keep the contact problem of one step in a file, and solve it by every solver that there is.
+    /// Write the contact problem of one step to a file, and solve it with every available solver.
     Problem(ProblemArguments),
-    /// Print a script that completes the command in a shell.
+    /// Print a completion script for a shell.
     Completions(CompletionsArguments),
     /// Write manual pages.
     Manual(ManualArguments),

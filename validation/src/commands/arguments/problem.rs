@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Arguments of `makadam problem`.
 #[derive(Debug, Args)]
 pub struct ProblemArguments {
-    /// What to do.
+    /// The command to run.
     #[command(subcommand)]
     pub command: ProblemCommand,
 }
@@ -21,7 +21,7 @@ pub enum ProblemCommand {
     Export(ProblemExportArguments),
     /// Solve the problem in a file.
     Solve(ProblemSolveArguments),
-    /// Solve the problems in files by every solver that there is, and compare the answers.
+    /// Solve the problems in files with every available solver, and compare the answers.
     Check(ProblemCheckArguments),
 }
 
@@ -34,7 +34,7 @@ pub struct ProblemExportArguments {
     /// Simulated time of the step, s; the scene's duration, if absent.
     #[arg(long, value_parser = positive)]
     pub time: Option<f64>,
-    /// The same as a number of steps.
+    /// Number of steps before it, instead of a time.
     #[arg(long, conflicts_with = "time")]
     pub steps: Option<u64>,
     /// File to write.
@@ -45,18 +45,18 @@ pub struct ProblemExportArguments {
 /// Arguments of `makadam problem solve`.
 #[derive(Debug, Args)]
 pub struct ProblemSolveArguments {
-    /// A file of `makadam problem export`, or one of FCLIB with a local problem.
+    /// File from `makadam problem export`, or FCLIB file with a local problem.
     pub file: PathBuf,
     /// Solver.
     #[arg(long, value_enum, default_value_t = MethodName::Reference)]
     pub method: MethodName,
-    /// Largest change of a sweep at which to stop, over g h (1 m/s without gravity).
+    /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).
     #[arg(long, default_value_t = 1e-10, value_parser = positive)]
     pub tolerance: f64,
-    /// Most sweeps.
+    /// Largest number of sweeps.
     #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..))]
     pub sweeps: u32,
-    /// Write the problem to this file too, with the solution in FCLIB's group.
+    /// Also write the problem to this file, with the solution in FCLIB's group.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the answer as JSON.
@@ -67,19 +67,19 @@ pub struct ProblemSolveArguments {
 /// Arguments of `makadam problem check`.
 #[derive(Debug, Args)]
 pub struct ProblemCheckArguments {
-    /// Files of `makadam problem export`, or of FCLIB with local problems.
+    /// Files from `makadam problem export`, or FCLIB files with local problems.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Largest change of a sweep at which to stop, over g h (1 m/s without gravity).
+    /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).
     #[arg(long, default_value_t = 1e-10, value_parser = positive)]
     pub tolerance: f64,
-    /// Most sweeps.
+    /// Largest number of sweeps.
     #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..))]
     pub sweeps: u32,
-    /// Largest difference of velocities at which answers agree, over the same.
+    /// Largest velocity difference at which answers agree, in the same units.
     #[arg(long, default_value_t = 1e-5, value_parser = positive)]
     pub agreement: f64,
-    /// Solve them with Siconos too, which has to be installed (Debian's python3-siconos).
+    /// Also solve with Siconos, which must be installed (Debian's python3-siconos).
     #[arg(long)]
     pub siconos: bool,
     /// Print the answers as JSON.
@@ -94,7 +94,7 @@ pub enum MethodName {
     Reference,
     /// Newton's method with dense matrices, up to 500 contacts.
     Direct,
-    /// The simulation's own sweeps: what they came to when the file was written.
+    /// The simulation's own sweeps: their result when the file was written.
     Lanes,
     /// Siconos' projected Gauss-Seidel.
     Siconos,

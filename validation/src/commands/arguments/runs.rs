@@ -15,41 +15,40 @@ pub struct RunArguments {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Threads that share the work; as many as there are cores, but one per 1,000 grains at most, if absent. The result does not
-    /// depend on it.
+    /// Number of threads; if absent, all cores, but at most one thread per 1,000 grains. The result does not depend on it.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// How threads share the work. The result does not depend on it.
+    /// Scheduler that distributes the work over threads. The result does not depend on it.
     #[arg(long, value_enum, default_value = "work-stealing")]
     pub scheduler: SchedulerName,
-    /// Instruction set of the kernels; the widest that this processor has, if absent. The result does not depend on it.
+    /// Instruction set of the kernels; if absent, the widest of this processor. The result does not depend on it.
     #[arg(long, value_enum)]
     pub isa: Option<InstructionSetName>,
-    /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor. If absent, none in
-    /// scenes that fit into the cache, and 4 in others.
+    /// How many lane groups ahead a sweep prefetches bodies; 0 leaves it to the processor. If absent, 0 in scenes that fit into
+    /// the cache, and 4 in others.
     #[arg(long, value_parser = clap::value_parser!(u16).range(..=1024))]
     pub prefetch: Option<u16>,
-    /// Accuracy in place of the scene's step and sweeps: a share such as 1%, or deviations such as
-    /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (degrees, none, mean radii).
+    /// Target accuracy, which replaces the scene's step and stopping rule: a share such as 1%, or deviations such as
+    /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (units: degrees, none, mean radii).
     #[arg(long, value_parser = accuracy)]
     pub accuracy: Option<Accuracy>,
-    /// The best accuracy that fits into so much wall time, s: the coarsest setting first, then a finer one if there is time.
+    /// Wall time within which to reach the best accuracy, s: runs the coarsest setting first, then a finer one if time is left.
     #[arg(long, value_name = "SECONDS", value_parser = time_limit, conflicts_with_all = ["accuracy", "resume"])]
     pub time_budget: Option<f64>,
-    /// Precision of the sweeps; the scene's, if absent. The result depends on it.
+    /// Precision of the sweeps; if absent, the scene's. The result depends on it.
     #[arg(long, value_enum)]
     pub precision: Option<PrecisionName>,
-    /// Steps to take, in place of the scene's duration.
+    /// Number of steps, instead of the scene's duration.
     #[arg(long)]
     pub steps: Option<u64>,
-    /// Keep a ledger of energy and momentum, and print how it closes; costs about a sixth of a step's time.
+    /// Print the energy and momentum budget with its closure error; costs about a sixth of a step's time.
     #[arg(long)]
     pub ledger: bool,
-    /// Go on from the checkpoint of a run that did not end, if there is one; the result is the same to the last bit. A run that has
-    /// ended is left as it is.
+    /// Continue an unfinished run from its checkpoint, if there is one; the result is the same to the last bit. A finished run is
+    /// left as it is.
     #[arg(long, conflicts_with = "restart")]
     pub resume: bool,
-    /// Begin anew where an earlier run has left something: its frames, tables and checkpoint are removed, and nothing else.
+    /// Start again in the folder of an earlier run: removes its frames, tables and checkpoint, and nothing else.
     #[arg(long)]
     pub restart: bool,
     /// Wall time between checkpoints, s; 0 writes one after every step.
@@ -66,38 +65,38 @@ pub struct CompareArguments {
     /// The scene.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Number of seeds, counted from 1; as many as are recorded, or 3, if absent.
+    /// Number of seeds, counted from 1; if absent, as many as are recorded, or 3.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
     /// Codes to compare.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
-    /// Run YADE and LIGGGHTS here and now instead of reading recorded numbers.
+    /// Run YADE and LIGGGHTS now instead of reading recorded numbers.
     #[arg(long)]
     pub live: bool,
-    /// Time step of YADE and LIGGGHTS over the Rayleigh step.
+    /// Time step of YADE and LIGGGHTS, as a fraction of the Rayleigh step.
     #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
     pub rayleigh_fraction: f64,
     /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
     #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
     pub time_limit: f64,
-    /// Write numbers of YADE and LIGGGHTS as the scene's recorded references; only seeds that are not recorded yet, of
-    /// the same scene, version and time step, are measured from raw recordings or run.
+    /// Record results of YADE and LIGGGHTS as the scene's references. Only seeds not yet recorded for the same scene, version and
+    /// time step are measured from raw recordings or run.
     #[arg(long, conflicts_with = "json")]
     pub record: bool,
-    /// Measure or run all seeds anew and replace what is recorded; with --record only.
+    /// Measure or run all seeds again and replace the recorded ones; only with --record.
     #[arg(long, requires = "record")]
     pub again: bool,
-    /// Factor on every Young's modulus; with --record only.
+    /// Factor on every Young's modulus; only with --record.
     #[arg(long, default_value_t = 1.0, value_parser = positive, requires = "record")]
     pub stiffness_factor: f64,
-    /// Folder of raw recordings, read and filled by --record; in the user's cache, if absent.
+    /// Folder of raw recordings that --record reads and writes; if absent, in the user's cache.
     #[arg(long, requires = "record")]
     pub recordings: Option<PathBuf>,
     /// How many threads.
     #[command(flatten)]
     pub side_by_side: ThreadArguments,
-    /// Folder to write report.html, report.json and rows.csv into; nothing is written, if absent.
+    /// Folder for report.html, report.json and rows.csv; if absent, nothing is written.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the comparison as JSON.
@@ -115,10 +114,10 @@ pub enum Tier {
 /// Arguments of `makadam qualify`.
 #[derive(Debug, Args)]
 pub struct QualifyArguments {
-    /// How much is judged.
+    /// Extent of the qualification.
     #[arg(long, value_enum, default_value = "quick")]
     pub tier: Tier,
-    /// Insist on running YADE and LIGGGHTS beside the recorded numbers.
+    /// Require live runs of YADE and LIGGGHTS in addition to the recorded numbers.
     #[arg(long)]
     pub live: bool,
     /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.

@@ -10,10 +10,10 @@ use std::path::PathBuf;
 /// The scene of a command.
 #[derive(Debug, Args)]
 pub struct SourceArguments {
-    /// A path to a TOML file, a name that `makadam scenes` lists, or - for a scene on standard input.
+    /// Path to a TOML file, name of a scene (see `makadam scenes`), or - for standard input.
     #[arg(value_name = "SCENE")]
     pub scene: String,
-    /// A value in place of the scene's, such as material.grain.friction=0.3 or wall.shell.motion.rate=2; can be given several times.
+    /// Replace a value of the scene, such as material.grain.friction=0.3 or wall.shell.motion.rate=2; can be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub changes: Vec<Change>,
 }
@@ -31,7 +31,7 @@ pub struct SceneArguments {
     /// The scene.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Seed of the initial positions, the first one if there are several; the scene's, if absent.
+    /// Seed of the initial positions (the first one, if several are run); if absent, the scene's.
     #[arg(long)]
     pub seed: Option<u64>,
 }
@@ -56,7 +56,7 @@ pub fn load(name: &str, changes: &[Change]) -> Result<(PathBuf, Scene), Failure>
 /// Where the results of a command go.
 #[derive(Debug, Args)]
 pub struct OutputArguments {
-    /// Folder to write into, and to take finished runs from; one under results/, named after command and scene, if absent.
+    /// Folder to write to, and to reuse finished runs from; if absent, one under results/, named after command and scene.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the results as JSON.
@@ -79,7 +79,7 @@ impl OutputArguments {
 /// How many threads share the runs of a command.
 #[derive(Debug, Args)]
 pub struct ThreadArguments {
-    /// Threads for the runs, side by side; as many as there are cores, if absent.
+    /// Number of threads on which runs go in parallel; if absent, the number of cores.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
 }

@@ -55,7 +55,7 @@ pub(super) fn describe(summary: &RunSummary) -> String {
             solve.most_sweeps,
             match solve.unconverged {
                 0 => String::new(),
-                some => format!("; {some} ended before their residual was as small as asked for"),
+                some => format!("; {some} ended before reaching the requested residual"),
             }
         );
         text += &format!(
@@ -85,9 +85,9 @@ fn findings(summary: &RunSummary) -> String {
     for alarm in summary.alarms.iter().filter(|alarm| alarm.grave) {
         text += &format!("THESE NUMBERS ARE WORTHLESS: {}\n", alarm.first);
     }
-    text += "NOT SOUND: what the watch noticed makes the numbers below doubtful\n";
+    text += "NOT SOUND: the problems below make the numbers doubtful\n";
     for alarm in &summary.alarms {
-        let looks = if alarm.count == 1 { "look" } else { "looks" };
+        let looks = if alarm.count == 1 { "check" } else { "checks" };
         text += &format!("{:<16} {}; noticed in {} {looks}\n", alarm.kind, alarm.first, alarm.count);
     }
     text
@@ -123,8 +123,8 @@ fn ledger(balance: &Balance) -> String {
         "energy           {} J\n\
          lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J{resistance}{released}\n\
          gained from      walls {:.4e}, overlap at first touch {:.4e}{changes}, normals that turned {:.4e}{paths} J; \
-         left open {:.2e} J\n\
-         momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; left open {:.2e} kg m/s\n",
+         closure error {:.2e} J\n\
+         momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; closure error {:.2e} kg m/s\n",
         states.join(", "),
         balance.friction,
         balance.restitution,
