@@ -7,7 +7,9 @@ proposes better ones. The friction that is found is tried with seeds that the ca
     pip install 'makadam[calibration]'
     python calibrate_friction.py --angle 27
 
-@FIGURES@
+For 27 degrees it tried 20 drums of 900 grains, 4 s each, and found a friction of 0.341, at which four other seeds flow at 26.64 degrees
+(90% interval of their mean 25.55 to 27.73). At least ten drums a round are needed: of fewer, GrainLearning's filter may keep only one, of
+which it cannot learn where to look next.
 """
 
 from __future__ import annotations
