@@ -7,7 +7,9 @@ proposes better ones. The friction that is found is tried with seeds that the ca
     pip install 'makadam[calibration]'
     python calibrate_friction.py --angle 27
 
-@FIGURES@
+For 27 degrees it tried 20 drums of 900 grains, 4 s each, and found a friction of 0.341, at which four other seeds flow at 26.64 degrees
+(90% interval of their mean 25.55 to 27.73). At least ten drums a round are needed: of fewer, GrainLearning's filter may keep only one, of
+which it cannot learn where to look next.
 """
 
 from __future__ import annotations
@@ -40,7 +42,9 @@ def drum(friction: float, duration: float = 4.0) -> makadam.Scene:
             "wall[0].shape.length": LENGTH,
             "wall[1].shape.centre[1]": -half,
             "wall[2].shape.centre[1]": half,
-            "population[0].count": 1000,
+            "population[0].count": 900,
+            # Grains of one size settle into layers along the shell.
+            "population[0].radius.spread": 0.2,
             "population[0].region.base[1]": -half,
             "population[0].region.length": LENGTH,
             "solver.step": 2e-3,
@@ -52,9 +56,12 @@ def drum(friction: float, duration: float = 4.0) -> makadam.Scene:
 
 
 def angle_of_repose(friction: float, seed: int = 1, duration: float = 4.0) -> tuple[float, float]:
-    """The dynamic angle of repose and its standard error over blocks of time, degrees."""
+    """The angle of the surface and its standard error over blocks of time, degrees.
+
+    Of the two angles that the judge measures this is the one of the line through the middle half of the surface, which is the less noisy.
+    """
     rows = makadam.simulate(drum(friction, duration), seed).measure()
-    row = next(row for row in rows if row["observable"] == "dynamic_angle_of_repose")
+    row = next(row for row in rows if row["observable"] == "surface_line_angle")
     return row["value"], row["standard_error"] or float("nan")
 
 

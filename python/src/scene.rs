@@ -41,8 +41,8 @@ impl PartialEq for Scene {
     }
 }
 
-/// What stands for the file of a scene that has none.
-const NO_FILE: &str = "<scene>";
+/// What stands for the file of a scene that has none; nothing is recorded beside it.
+const NO_FILE: &str = "<scene>/scene.toml";
 
 impl Scene {
     /// Where it came from, for errors.

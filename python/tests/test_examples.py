@@ -40,8 +40,8 @@ def test_grainlearning_calibrates_a_friction():
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
     # Shorter runs and fewer of them than the example makes.
-    friction, tried = example.calibrate(27.0, samples=6, iterations=3, duration=2.0)
-    assert 0.05 < friction < 0.8 and len(tried) >= 6
+    friction, tried = example.calibrate(27.0, samples=10, iterations=2, duration=2.0, threads=2)
+    assert 0.05 < friction < 0.8 and len(tried) >= 10
     angles = [example.angle_of_repose(friction, seed, duration=2.0)[0] for seed in (11, 12)]
     assert sum(angles) / 2 == pytest.approx(27.0, abs=1.0)
     assert makadam.statistics.ensemble(angles)["seeds"] == 2

@@ -93,6 +93,24 @@ def test_codes_are_compared_here_and_now():
     assert compared.to_pandas().shape[0] == len(compared.rows)
 
 
+@pytest.mark.parametrize("code", ["yade", "liggghts"])
+def test_a_peer_that_is_installed_runs_here(code):
+    scene = bin_scene(count=20, duration=0.1, measure={"interval": 0.05, "from": 0.0, "observables": ["balances"]})
+    try:
+        recording = makadam.simulate(scene, seed=2, code=code)
+    except makadam.JudgeError as error:
+        assert "is not installed" in str(error)
+        pytest.skip(f"{code} is not installed")
+    assert recording.code == {"yade": "YADE", "liggghts": "LIGGGHTS"}[code]
+    own = makadam.simulate(scene, seed=2)
+    start, end = recording.frames[0], recording.frames[-1]
+    assert end.time == pytest.approx(0.1, rel=1e-3) and len(end) == 20
+    # The same grains at the start, in free fall for the most part.
+    assert np.allclose(start.positions, own.frames[0].positions, atol=1e-6)
+    assert np.allclose(end.positions.mean(axis=0), own.frames[-1].positions.mean(axis=0), atol=1e-3)
+    assert recording.measure()
+
+
 def test_statistics():
     mean, error = statistics.block_average(np.arange(20.0))
     assert mean == 9.5 and error == pytest.approx(np.std([1.5, 5.5, 9.5, 13.5, 17.5], ddof=1) / np.sqrt(5))

@@ -99,6 +99,36 @@ fn forces_that_carry_the_weight_are_gravity_and_their_work_is_in_the_ledger() {
 }
 
 #[test]
+fn the_contact_problem_of_a_step_knows_the_forces_of_the_caller() {
+    let mut simulation = start(&bin(30));
+    steps(&mut simulation, 300);
+    let without = simulation.contact_problem();
+    let force = [0.01, 0.0, -0.02];
+    simulation.apply_forces(&[force; 30]).unwrap();
+    let with = simulation.contact_problem();
+    for (one, other) in with.bodies.iter().zip(&without.bodies) {
+        let gained = one.velocity - other.velocity;
+        let expected = other.inverse_mass * nalgebra::Vector3::from(force) * STEP;
+        assert!((gained - expected).norm() < 1e-15, "{gained} {expected}");
+    }
+    // A step that was given up is taken again with the same forces.
+    let (mut stopped, mut slow) = (simulation.clone(), simulation.clone());
+    for one in [&mut stopped, &mut slow] {
+        one.use_stop(makadam::Stop::Sweeps { sweeps: 200 });
+        one.apply_torques(&[[1e-5, 0.0, 0.0]; 30]).unwrap();
+    }
+    stopped.heed(makadam::Interrupt::new());
+    stopped.interrupt_handle().request();
+    let before = stopped.state_hash();
+    stopped.step();
+    assert_eq!((stopped.state_hash(), stopped.steps_taken()), (before, 300));
+    stopped.interrupt_handle().clear();
+    stopped.step();
+    slow.step();
+    assert_eq!(stopped.state_hash(), slow.state_hash());
+}
+
+#[test]
 fn every_intervention_is_in_the_ledger() {
     let scene = bin(80);
     let mut simulation = start(&scene);

@@ -26,7 +26,7 @@ impl Simulation {
         let mut drives = world.drives.clone();
         drives.iter_mut().for_each(|drive| drive.begin(world.time, step, &world.gravity));
         let falls = world.gravity * step;
-        let grains = self.places_by_id().into_iter().map(|place| grain(&world.bodies[place as usize], &falls));
+        let grains = self.places_by_id().into_iter().map(|place| grain(&self.pushed(place as usize), &falls));
         ContactProblem {
             time: world.time,
             step,

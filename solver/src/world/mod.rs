@@ -106,12 +106,12 @@ pub struct World {
     /// Simulated time, s.
     pub time: f64,
     /// Whether bodies and spheres stay where they are in memory.
-    kept: KeptInPlace,
+    pub(crate) kept: KeptInPlace,
 }
 
 /// Whether arrays stay where they are in memory. A copy has arrays of its own, which may move.
 #[derive(Debug, Default)]
-struct KeptInPlace(bool);
+pub(crate) struct KeptInPlace(bool);
 
 impl Clone for KeptInPlace {
     fn clone(&self) -> KeptInPlace {

@@ -7,11 +7,11 @@
 //! before the contacts act, as gravity does. A force is no approach: restitution goes by the velocities at the start of the step. Its work
 //! is `h F . (v + v')/2` with the velocities at the start and at the end of the step, the contacts' impulses among what lies between.
 
-use super::InterventionError;
+use super::{InterventionError, Interventions};
 use crate::Simulation;
 use crate::lanes::{dot, plus, times};
 use crate::sweep::INVERSE_INERTIA;
-use crate::world::World;
+use crate::world::{Body, World};
 
 /// No force of a run comes near it, in SI units.
 const LARGEST: f64 = 1e30;
@@ -69,14 +69,15 @@ impl Simulation {
             self.interventions.spins_before.extend(bodies.iter().map(|body| body.scaled_spin));
         }
         for (body, &id) in bodies.iter_mut().zip(&*ids) {
-            if let Some(force) = self.interventions.forces.get(id as usize) {
-                body.velocity = plus(body.velocity, times(*force, h * body.inverse_mass));
-            }
-            if let Some(torque) = self.interventions.torques.get(id as usize) {
-                let turned = INVERSE_INERTIA * body.inverse_mass * body.inverse_radius * h;
-                body.scaled_spin = plus(body.scaled_spin, times(*torque, turned));
-            }
+            self.interventions.push(body, id, h);
         }
+    }
+
+    /// The grain at a place as the forces and torques of the step to come leave it.
+    pub(crate) fn pushed(&self, place: usize) -> Body {
+        let mut body = self.world.bodies[place];
+        self.interventions.push(&mut body, self.world.ids[place], self.settings.step);
+        body
     }
 
     /// Takes the torques of a step that is given up back; it is taken again with the same.
@@ -115,6 +116,19 @@ impl Simulation {
         self.interventions.forces.clear();
         self.interventions.torques.clear();
         self.interventions.spins_before.clear();
+    }
+}
+
+impl Interventions {
+    /// Has a grain's force and torque act on it for a step of length `h`, s.
+    fn push(&self, body: &mut Body, id: u32, h: f64) {
+        if let Some(force) = self.forces.get(id as usize) {
+            body.velocity = plus(body.velocity, times(*force, h * body.inverse_mass));
+        }
+        if let Some(torque) = self.torques.get(id as usize) {
+            let turned = INVERSE_INERTIA * body.inverse_mass * body.inverse_radius * h;
+            body.scaled_spin = plus(body.scaled_spin, times(*torque, turned));
+        }
     }
 }
 
