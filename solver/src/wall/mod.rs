@@ -267,8 +267,8 @@ impl<'a> WallsAt<'a> {
         self.ask(number, |face, pose, in_place| {
             let distance = face.distance(centre);
             let is_swept = || {
-                let path = pose.path(centre, velocity, step, in_place);
-                path.norm_squared() > radius * radius && face.time_of_impact(centre, &path, radius).is_some()
+                let path = pose.long_path(centre, velocity, step, in_place, radius);
+                path.is_some_and(|path| face.time_of_impact(centre, &path, radius).is_some())
             };
             (distance < radius + margin || is_swept(), distance)
         })
@@ -288,9 +288,8 @@ impl<'a> WallsAt<'a> {
         falling: &Vector,
     ) -> (f64, Vector, bool, [Vector; 2]) {
         self.ask(number, |face, pose, in_place| {
-            let path = pose.path(centre, velocity, step, in_place);
-            let fast = path.norm_squared() > radius * radius;
-            let impact = if fast { face.time_of_impact(centre, &path, radius) } else { None };
+            let path = pose.long_path(centre, velocity, step, in_place, radius);
+            let impact = path.and_then(|path| face.time_of_impact(centre, &path, radius));
             let (distance, normal) = match &impact {
                 Some(impact) => (impact.distance, impact.normal),
                 None => face.nearest(centre, || velocity + falling - pose.velocity_at(centre, in_place)),

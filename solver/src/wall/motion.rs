@@ -332,19 +332,39 @@ impl Pose {
     }
 
     /// The path of a point (m) that moves at `velocity` (m/s) for a step (s), as seen from a face, m.
-    ///
-    /// Every grain near a wall asks for it in every step, so what turns is kept out of the way.
-    #[inline(always)]
+    #[inline]
     pub(super) fn path(&self, from: &Vector, velocity: &Vector, step: f64, in_place: bool) -> Vector {
-        let path = (velocity - self.velocity) * step;
-        if in_place || self.turning.spin == Vector::zeros() { path } else { self.path_from_turning(from, &path, step) }
+        match in_place || self.turning.spin == Vector::zeros() {
+            true => (velocity - self.velocity) * step,
+            false => self.path_from_turning(from, velocity, step),
+        }
     }
 
-    /// The path that is `path` without the rotation, as seen from a face that turns, m.
+    /// The path where it is longer than `length` (m).
+    ///
+    /// Every grain near a wall asks for it in every step, and hardly one path is so long: the others must not go through memory.
+    #[inline(always)]
+    pub(super) fn long_path(
+        &self,
+        from: &Vector,
+        velocity: &Vector,
+        step: f64,
+        in_place: bool,
+        length: f64,
+    ) -> Option<Vector> {
+        if !in_place && self.turning.spin != Vector::zeros() {
+            return Some(self.path_from_turning(from, velocity, step))
+                .filter(|path| path.norm_squared() > length * length);
+        }
+        let path = (velocity - self.velocity) * step;
+        (path.norm_squared() > length * length).then_some(path)
+    }
+
+    /// The path as seen from a face that turns, m.
     #[inline(never)]
-    fn path_from_turning(&self, from: &Vector, path: &Vector, step: f64) -> Vector {
+    fn path_from_turning(&self, from: &Vector, velocity: &Vector, step: f64) -> Vector {
         let Turning { spin, centre } = self.turning;
-        let (end, turn) = (from + path, spin.norm());
+        let (end, turn) = (from + (velocity - self.velocity) * step, spin.norm());
         centre + Rotation::new(spin / turn, -turn * step).turn(end - centre) - from
     }
 
