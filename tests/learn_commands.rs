@@ -107,6 +107,7 @@ fn changes_that_lead_nowhere_are_refused_with_what_was_meant() {
     let folder = tempfile::tempdir().unwrap();
     for (change, code, words) in [
         ("material.grain.frction=0.3", 3, "did you mean `friction`?"),
+        ("solver.method=\"jacobi\"", 3, "write it as { kind ="),
         ("materail.grain.friction=0.3", 2, "nearest names are: material"),
         ("wall.material=shell", 2, "say which, such as wall.shell"),
         ("duration", 2, "KEY=VALUE"),

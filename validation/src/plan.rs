@@ -59,9 +59,10 @@ pub(crate) struct Tables {
     /// What is measured and when.
     #[serde(default)]
     measure: Measure,
-    /// Observables that are compared between codes, with their margins of equivalence.
+    /// What is written of frames, and how often.
     #[serde(default)]
     output: Option<Output>,
+    /// Observables that are compared between codes, with their margins of equivalence.
     #[serde(default)]
     compare: Vec<Expectation>,
 }

@@ -51,6 +51,7 @@ pub(super) struct Document {
     #[cfg_attr(feature = "schema", schemars(skip))]
     _measure: IgnoredAny,
     #[serde(default, rename = "output")]
+    #[cfg_attr(feature = "schema", schemars(skip))]
     _output: IgnoredAny,
     #[serde(default, rename = "compare")]
     #[cfg_attr(feature = "schema", schemars(skip))]

@@ -38,7 +38,7 @@ impl SceneError {
     /// What the reader of TOML says of a text.
     pub fn from_toml(text: &str, error: &toml::de::Error) -> SceneError {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
-        let problem = error.message().replace('\n', " ");
+        let problem = in_the_words_of_scenes(&error.message().replace('\n', " "));
         let kinds = || error.span().and_then(|span| kinds_at(text, span.start));
         let remedy = if problem.starts_with("unknown field") || problem.starts_with("unknown variant") {
             meant(&problem).map_or("use one of the names listed".into(), |name| format!("did you mean `{name}`?"))
@@ -46,12 +46,25 @@ impl SceneError {
             format!("add that key to the table: {kinds}")
         } else if problem.starts_with("missing field") {
             "add that key to the table".into()
+        } else if problem.contains(KIND_WANTED) {
+            "write it as { kind = \"...\" }; see the scene reference for the kinds".into()
         } else if problem.contains("expected f64") {
             "write a plain number in SI units, such as radius = 0.005 for 5 mm".into()
         } else {
             "see the scenes under reference-scenes/ for the form".into()
         };
         SceneError::Invalid(Fault { line: Some(line), ..Fault::new(Vec::new(), problem, remedy) })
+    }
+}
+
+/// What stands in a message where a value is no table with a kind.
+const KIND_WANTED: &str = "a table with a kind";
+
+/// A message without the types that read the document.
+fn in_the_words_of_scenes(message: &str) -> String {
+    match message.split_once("expected internally tagged enum ") {
+        Some((before, _)) => format!("{before}expected {KIND_WANTED}"),
+        None => message.into(),
     }
 }
 

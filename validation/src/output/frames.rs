@@ -8,10 +8,12 @@ use crate::plan::Scene;
 use makadam::checkpoint::{sync_file, sync_folder};
 use makadam::snapshot::Snapshot;
 use serde::{Deserialize, Serialize};
+#[cfg(target_os = "linux")]
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Files that are written to the disk one by one; more than these go together with whatever else waits to be written.
+#[cfg(target_os = "linux")]
 const ONE_BY_ONE: usize = 64;
 
 /// What frames are of, in the names of files.
@@ -131,16 +133,16 @@ impl FrameWriter {
             let path = path.to_path_buf();
             move |source| WriteError::new(&path, source)
         };
+        // Elsewhere many files are written one by one.
+        #[cfg(target_os = "linux")]
         if KINDS.len() * (self.count - self.synced) > ONE_BY_ONE {
             let open = File::open(&folder).map_err(refused(&folder))?;
             rustix::fs::syncfs(&open).map_err(|error| refused(&folder)(error.into()))?;
-        } else {
-            while self.sync_next()? {}
+            self.synced = self.count;
         }
+        while self.sync_next()? {}
         sync_folder(&folder).map_err(refused(&folder))?;
-        self.lists.iter().flatten().try_for_each(Collection::sync)?;
-        self.synced = self.count;
-        Ok(())
+        self.lists.iter().flatten().try_for_each(Collection::sync)
     }
 
     /// Writes the files of the next frame that is not safely on the disk there, so that a later [`FrameWriter::sync`] has less to

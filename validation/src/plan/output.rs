@@ -1,9 +1,10 @@
 //! What a run writes of its frames, and how often.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What frames hold, and how much time lies between them: the table `output` of a scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// Time between frames on disk, s; that of `measure`, if absent.
@@ -32,7 +33,7 @@ impl Output {
 }
 
 /// A quantity of grains in the frames of a run; hyphens are read as underscores.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GrainField {
     /// Place of the grain's population in the scene; -1 for a grain that the scene lists by itself.

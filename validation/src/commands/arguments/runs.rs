@@ -68,7 +68,7 @@ pub struct CompareArguments {
     /// Number of seeds, counted from 1; if absent, as many as are recorded, or 3.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
-    /// Codes to compare.
+    /// Codes to compare, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
     /// Run YADE and LIGGGHTS now instead of reading recorded numbers.

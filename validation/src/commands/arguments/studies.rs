@@ -86,7 +86,7 @@ pub struct TradeoffArguments {
     /// Number of seeds, counted from 1; if absent, 3.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
-    /// Codes to run; the converged references are Makadam's in any case.
+    /// Codes to run, separated by commas; the converged references are Makadam's in any case.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
     /// Factors on every Young's modulus; if absent, 0.5, 1, 10 and 100, or 1 with --quick. 1 is always run.
