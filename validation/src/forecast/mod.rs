@@ -197,7 +197,7 @@ mod tests {
         assert!((1e-3..5e-2).contains(&scale("expected overlap")), "{}", scale("expected overlap"));
         assert!((0.5..60.0).contains(&forecast.wall_seconds));
         assert_eq!(forecast.settings[0].why, "default");
-        assert!(forecast.moving_walls[0].contains("shell") && forecast.effects.contains(&"friction"));
+        assert!(forecast.moving_walls[0].contains("shell") && forecast.effects.contains(&"Coulomb friction"));
     }
 
     #[test]

@@ -138,7 +138,7 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
         let known = change.key[..change.key.len() - key.len()].join(".");
         return Err(change.refuse(format!("{known} is a value, which has no '{step}' of its own")));
     }
-    let mut inner = full.take().and_then(|mut full| full.get_mut(step.as_str()).map(std::mem::take));
+    let mut inner = full.take().and_then(|mut full| full.get_mut(step.as_str()).map(std::mem::take)).filter(|item| !item.is_none());
     let table = at.as_table_like_mut().expect("it is one");
     if !table.contains_key(step) && !rest.is_empty() {
         let entry = match &inner {
@@ -214,8 +214,8 @@ mod tests {
 
     #[test]
     fn a_value_is_set_where_it_stands_and_lines_keep_their_numbers() {
-        let scene = with(&["material.grain.friction=0.25", "wall.shell.motion.rate=2", "duration=1"]).unwrap();
-        assert_eq!((scene.material["grain"].friction, scene.duration), (0.25, 1.0));
+        let scene = with(&["material.grain.friction=0.25", "wall.shell.motion.rate=2", "duration=4"]).unwrap();
+        assert_eq!((scene.material["grain"].friction, scene.duration), (0.25, 4.0));
         assert!(matches!(scene.wall[0].motion, makadam::Motion::Rotating { rate: 2.0, .. }));
         let change = ["material.grain.friction=0.25".parse::<Change>().unwrap()];
         let (before, after) = (drum(), changed(&drum(), &change).unwrap());
