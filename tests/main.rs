@@ -19,6 +19,7 @@ mod resume_command;
 mod roofline_command;
 mod run_command;
 mod scaling_command;
+mod see_commands;
 mod stability;
 mod tradeoff_command;
 mod watch_command;

@@ -19,13 +19,20 @@ fn bed(walls: &str, grains: &str, duration: f64) -> Scene {
         domain = {{ min = [-0.03, -0.03, -0.01], max = [0.03, 0.03, 0.3] }}
         [material.heavy]
         density = 5000.0
+        youngs_modulus = 1e7
+        poisson_ratio = 0.3
         friction = 0.5
         restitution = 0.1
         [material.light]
         density = 1000.0
+        youngs_modulus = 1e7
+        poisson_ratio = 0.3
         friction = 0.5
         restitution = 0.1
         [material.wall]
+        density = 2500.0
+        youngs_modulus = 1e7
+        poisson_ratio = 0.3
         friction = 0.0
         restitution = 0.1
         [solver]

@@ -3,6 +3,7 @@
 mod support;
 
 mod engines;
+mod export;
 mod frames;
 mod geometry;
 mod kept_states;
@@ -11,6 +12,7 @@ mod measured_frames;
 mod observables;
 mod peers;
 mod peers_live;
+mod pictures;
 mod problem;
 mod report;
 mod scaling;
@@ -19,3 +21,4 @@ mod slopes_and_flow;
 mod sphere_volume;
 mod statistics;
 mod tradeoff;
+mod viewer;

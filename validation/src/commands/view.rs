@@ -13,13 +13,13 @@ const BESIDE: [&str; 2] = ["speed", "pressure"];
 /// Writes the page of a run and says how to open it.
 pub(super) fn view(arguments: &ViewArguments, console: &Console) -> Result<ExitCode, Failure> {
     let run = RunFrames::open(&arguments.frames.run)?;
-    let middle = run.read(run.count() / 2)?;
+    let last = run.read(run.count() - 1)?;
     let mut fields = match &arguments.field {
         Some(names) => names.clone(),
-        None => vec![telling(&middle).to_string()],
+        None => vec![telling(&last).to_string()],
     };
     if arguments.field.is_none() {
-        let known = middle.quantities();
+        let known = last.quantities();
         fields.extend(
             BESIDE.iter().filter(|name| known.iter().any(|known| known == *name)).map(|name| (*name).to_string()),
         );

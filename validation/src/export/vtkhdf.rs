@@ -115,8 +115,11 @@ pub fn write_vtkhdf(path: &Path, run: &RunFrames, kind: Kind, progress: &dyn Fn(
     Ok(files.len())
 }
 
+/// Arrays with their groups below `VTKHDF`.
+type Grouped = Vec<(&'static str, Array)>;
+
 /// Numbers of frames, and the arrays that the first one has, by their groups.
-fn survey(run: &RunFrames, files: &[(f64, PathBuf)]) -> Result<(Survey, Vec<(&'static str, Array)>), ExportError> {
+fn survey(run: &RunFrames, files: &[(f64, PathBuf)]) -> Result<(Survey, Grouped), ExportError> {
     let mut survey = Survey::default();
     for (time, file) in files {
         let data = run.read_some(file, &|_| false)?;

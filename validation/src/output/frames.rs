@@ -2,6 +2,7 @@
 
 use super::collection::Collection;
 use super::grain_fields::GrainTable;
+use super::vtk::Packer;
 use super::wall_mesh::WallMesh;
 use super::{RunFiles, WriteError, create_folder, write_durably, write_whole};
 use crate::plan::Scene;
@@ -38,6 +39,8 @@ pub struct FrameWriter {
     lists: [Option<Collection>; 3],
     grains: GrainTable,
     walls: WallMesh,
+    /// One per kind.
+    packers: [Packer; 3],
 }
 
 /// How far a [`FrameWriter`] has come, for a checkpoint.
@@ -84,7 +87,8 @@ impl FrameWriter {
             }
         }
         let (grains, walls) = (GrainTable::new(scene), WallMesh::new(scene));
-        Ok(FrameWriter { output: output.to_path_buf(), count, synced: count, lists, grains, walls })
+        let packers = KINDS.map(|_| Packer::new());
+        Ok(FrameWriter { output: output.to_path_buf(), count, synced: count, lists, grains, walls, packers })
     }
 
     /// How far it has come.
@@ -105,7 +109,7 @@ impl FrameWriter {
                 WALLS => self.walls.at(frame.time, &frame.driven_walls),
                 _ => self.grains.grains(frame),
             };
-            write_whole(&self.output.join(file_name(KINDS[kind], self.count)), &data.encode())?;
+            write_whole(&self.output.join(file_name(KINDS[kind], self.count)), &data.encode(&mut self.packers[kind]))?;
         }
         for kind in self.kinds_of(self.count) {
             if let Some(list) = &mut self.lists[kind] {

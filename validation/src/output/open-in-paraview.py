@@ -44,7 +44,6 @@ for field in ("speed", "pressure", "diameter"):
         ColorBy(shown, ("POINTS", field))
         scale = GetColorTransferFunction(field)
         scale.ApplyPreset("Viridis (matplotlib)", True)
-        shown.RescaleTransferFunctionToDataRangeOverTime()
         shown.SetScalarBarVisibility(view, True)
         bar = GetScalarBar(scale, view)
         bar.TitleColor = [0.0, 0.0, 0.0]
@@ -85,6 +84,8 @@ camera = view.CameraFocalPoint
 view.CameraViewUp = up
 view.CameraPosition = [camera[axis] - front[axis] + 0.35 * up[axis] for axis in range(3)]
 ResetCamera(view)
+Render(view)
+GetDisplayProperties(spheres, view).RescaleTransferFunctionToDataRange(False, True)
 Render(view)
 
 if len(sys.argv) > 1 and sys.argv[-1].endswith(".png"):

@@ -302,7 +302,7 @@ mod tests {
         refused(old.replace("NumberOfPoints=\"2\"", "NumberOfPoints=\"3\"").as_bytes(), "24 bytes in place of 36");
         refused(old.replace("TimeValue", "Time").as_bytes(), "no time");
         refused(old.replace("Float32", "Float16").as_bytes(), "Float16");
-        let new = decode(old.as_bytes()).unwrap().encode();
+        let new = decode(old.as_bytes()).unwrap().encode(&mut crate::output::vtk::Packer::new());
         assert!(decode(&new).is_ok());
         // Whatever byte is lost or changed, there is an answer and no panic.
         for end in 0..new.len() {
@@ -313,9 +313,10 @@ mod tests {
             changed[place] ^= 0x55;
             let _ = decode(&changed);
         }
-        let place = new.windows(2).rposition(|bytes| bytes == [0x78, 0x01]).unwrap();
+        // The first stream is that of the time, a block of eight bytes that is stored behind two bytes, a mark and two lengths.
+        let place = new.windows(2).position(|bytes| bytes == [0x78, 0x01]).unwrap();
         let mut changed = new.clone();
-        changed[place + 4] ^= 0xff;
+        changed[place + 8] ^= 0xff;
         refused(&changed, "damaged");
     }
 }

@@ -290,7 +290,17 @@ mod tests {
         min = [-1.0, -1.0, -1.0]
         max = [1.0, 1.0, 1.0]
         [material.steel]
+        density = 2500.0
+        youngs_modulus = 1e7
+        poisson_ratio = 0.3
+        friction = 0.5
+        restitution = 0.3
         [material.glass]
+        density = 2500.0
+        youngs_modulus = 1e7
+        poisson_ratio = 0.3
+        friction = 0.5
+        restitution = 0.3
         [[wall]]
         name = "slope"
         material = "steel"

@@ -70,13 +70,12 @@ impl Subject {
                 places
             };
             let strays = (grains.positions.len() as f64 * STRAYS) as usize;
-            let mut within = [Vector::zeros(); 2];
-            for axis in 0..3 {
-                let places = sorted(axis);
-                let (Some(low), Some(high)) = (places.get(strays), places.iter().nth_back(strays)) else { continue };
-                (within[0][axis], within[1][axis]) = (*low, *high);
-            }
-            let [low, high] = within;
+            let bound = |place: usize| {
+                let at = |axis: usize, _| sorted(axis).get(place).copied().unwrap_or(0.0);
+                Vector::from_fn(at)
+            };
+            let last = grains.positions.len().saturating_sub(1);
+            let [low, high] = [bound(strays), bound(last - strays.min(last))];
             let is_inside = |point: &Vector, room: f64| {
                 (0..3).all(|axis| (low[axis] - room..=high[axis] + room).contains(&point[axis]))
             };

@@ -4,6 +4,7 @@ use super::camera::Camera;
 use super::raster::{Flat, Raster, WALL};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 type Vector = Vector3<f64>;
 
@@ -85,7 +86,7 @@ impl Surface<'_> {
         let depth = f64::from(self.raster.pixels[line * self.raster.width + column].depth);
         let radius = self.camera.pixels(self.reach, depth).clamp(3.0, 160.0);
         // Each pixel turns the places by its own angle, so that they do not show.
-        let turn = 6.283 * fraction(52.982_918_9 * fraction(0.067_110_56 * column as f64 + 0.005_837_15 * line as f64));
+        let turn = TAU * fraction(52.982_918_9 * fraction(0.067_110_56 * column as f64 + 0.005_837_15 * line as f64));
         let mut hidden = 0.0;
         for number in 0..NEIGHBOURS {
             let share = (f64::from(number) + 0.5) / f64::from(NEIGHBOURS);

@@ -209,7 +209,7 @@ mod tests {
             assert!(message.contains(path) && message.contains("cannot be read: No such file"), "{message}");
         }
         let message = find("drumm", &[]).unwrap_err().to_string();
-        assert!(message.contains("no scene 'drumm'") && message.contains("drum-50k"), "{message}");
+        assert!(message.contains("no scene 'drumm'") && message.contains("did you mean drum"), "{message}");
         let folder = tempfile::tempdir().unwrap();
         let message = find(folder.path().to_str().unwrap(), &[]).unwrap_err().to_string();
         assert!(message.contains("folder without a scene.toml"), "{message}");

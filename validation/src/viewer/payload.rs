@@ -6,7 +6,7 @@
 //! others    frames x grains x u16     further fields that change
 //! once      grains x u16              fields that do not
 //! radii     grains x f32              m
-//! contacts  frames x n x 7 u16        both ends over the box, force over the largest that is shown
+//! contacts  frames x n x 7 u16        both ends over the box, force over the largest of the frame
 //! walls     n x 3 f32                 corners of triangles, and ends of edges, m; once if walls rest
 //! ```
 
@@ -16,9 +16,6 @@ use serde_json::{Value, json};
 
 /// Largest number of 16 bits.
 const FULL: f64 = 65_535.0;
-
-/// Contacts that bear less than this share of the mean force are no part of a chain and are left out.
-const WEAK: f64 = 1.0;
 
 /// Share of the contacts that bear more than the force at the end of the scale.
 const STRONGEST: f64 = 0.005;
@@ -87,8 +84,6 @@ struct Survey {
     /// Values of some frames, for the ends of the colour scale.
     samples: Vec<Vec<f64>>,
     grains: usize,
-    contacts: usize,
-    forces: Vec<f64>,
 }
 
 /// Reads the frames of a run and puts what is shown of them together. `progress` is told the share that is done.
@@ -107,7 +102,6 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
     let mut frames = Vec::new();
     let mut walls: Vec<Value> = Vec::new();
     let mut seen: Option<Walls> = None;
-    let most_force = strongest(&survey.forces);
     for (place, &number) in numbers.iter().enumerate() {
         let frame = run.read(number)?;
         let quantities: Vec<Quantity> =
@@ -133,8 +127,8 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
             }
         };
         let lines = frame.contacts.as_ref().filter(|_| contacts).map(|lines| {
-            let strong = strong(lines, survey.mean_force());
-            arrays.shorts(strong.flat_map(|line| {
+            let most_force = strongest(lines);
+            arrays.shorts(strong(lines).flat_map(|line| {
                 let [[a, b, c], [d, e, f]] = line.ends.map(|end| survey.place(&end));
                 [a, b, c, d, e, f, share(line.normal_force, [0.0, most_force])]
             }))
@@ -251,8 +245,6 @@ fn survey(
         ranges: vec![[f64::INFINITY, f64::NEG_INFINITY]; fields.len()],
         samples: vec![Vec::new(); fields.len()],
         grains: 0,
-        contacts: 0,
-        forces: Vec::new(),
     };
     let step = numbers.len().div_ceil(9).max(1);
     for (place, &number) in numbers.iter().enumerate() {
@@ -274,10 +266,6 @@ fn survey(
                 survey.samples[number].extend(values);
             }
         }
-        if contacts && (place % step == 0 || place + 1 == numbers.len()) {
-            survey.forces.extend(frame.contacts.iter().flatten().map(|line| line.normal_force));
-        }
-        survey.contacts = survey.contacts.max(frame.contacts.as_ref().map_or(0, Vec::len));
         progress((place + 1) as f64 / numbers.len() as f64);
     }
     if survey.grains > 0 {
@@ -297,21 +285,18 @@ impl Survey {
     fn place(&self, position: &[f64; 3]) -> [u16; 3] {
         std::array::from_fn(|axis| share(position[axis], [self.low[axis], self.low[axis] + self.span[axis]]))
     }
-
-    fn mean_force(&self) -> f64 {
-        self.forces.iter().sum::<f64>() / self.forces.len().max(1) as f64
-    }
 }
 
-/// Contacts that are parts of chains: those that bear at least the mean force (F. Radjai, D. E. Wolf, M. Jean and J.-J. Moreau, Bimodal
-/// character of stress transmission in granular packings, Physical Review Letters 80 (1998), 61-64).
-fn strong(lines: &[ContactLine], mean: f64) -> impl Iterator<Item = &ContactLine> {
-    lines.iter().filter(move |line| line.normal_force >= WEAK * mean && line.normal_force > 0.0)
+/// Contacts that are parts of chains: those that bear at least the mean force of their frame (F. Radjai, D. E. Wolf, M. Jean and
+/// J.-J. Moreau, Bimodal character of stress transmission in granular packings, Physical Review Letters 80 (1998), 61-64).
+fn strong(lines: &[ContactLine]) -> impl Iterator<Item = &ContactLine> {
+    let mean = lines.iter().map(|line| line.normal_force).sum::<f64>() / lines.len().max(1) as f64;
+    lines.iter().filter(move |line| line.normal_force >= mean && line.normal_force > 0.0)
 }
 
-/// The force that hardly any contact exceeds, N.
-fn strongest(forces: &[f64]) -> f64 {
-    let mut sorted = forces.to_vec();
+/// The force that hardly any contact of a frame exceeds, N.
+fn strongest(lines: &[ContactLine]) -> f64 {
+    let mut sorted: Vec<f64> = lines.iter().map(|line| line.normal_force).collect();
     sorted.sort_by(f64::total_cmp);
     let place = ((1.0 - STRONGEST) * sorted.len() as f64) as usize;
     sorted.get(place.min(sorted.len().saturating_sub(1))).copied().filter(|force| *force > 0.0).unwrap_or(1.0)

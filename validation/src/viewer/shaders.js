@@ -58,7 +58,7 @@ void main() {
   float wrap = 0.5 * dot(n, light) + 0.5;
   float gloss = 0.18 * pow(max(dot(n, normalize(light - ray)), 0.0), 40.0);
   float rim = 0.70 + 0.30 * pow(clamp(-dot(n, ray), 0.0, 1.0), 0.7);
-  colour = vec4(base * (0.34 + 0.84 * wrap * wrap) * rim + gloss, 1.0);
+  colour = vec4(base * (0.40 + 0.88 * wrap * wrap) * rim + gloss, 1.0);
   vec4 q = projection * vec4(p, 1.0);
   gl_FragDepth = 0.5 * q.z / q.w + 0.5;
 }`;
@@ -80,7 +80,7 @@ void main() {
   vec3 across = cross(axis, middle);
   side = length(across) > 0.0 ? normalize(across) : vec3(1.0, 0.0, 0.0);
   strength = force;
-  wide = thick * (0.06 + 0.55 * force);
+  wide = thick * (0.05 + 0.6 * force);
   off = corner.x;
   place = mix(a, b, 0.5 * corner.y + 0.5) + side * corner.x * wide;
   gl_Position = projection * vec4(place, 1.0);
@@ -156,6 +156,6 @@ void main() {
     hidden += max(0.0, here - away(at + reach * pixel * vec2(cos(angle), sin(angle)))) / 16.0;
   }
   gl_FragDepth = raw;
-  float shade = exp(-min(hidden, 0.02) * 45.0);
+  float shade = exp(-min(hidden, 0.02) * 30.0);
   colour = raw >= 1.0 ? vec4(paper, 1.0) : vec4(texture(image, at).rgb * shade, 1.0);
 }`;

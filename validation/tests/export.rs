@@ -1,0 +1,109 @@
+//! Exported files: the structure that their readers ask for, and the numbers of the frames.
+
+use hdf5_pure::File;
+use makadam::Simulation;
+use makadam_validation::export::{Kind, write_gsd, write_vtkhdf};
+use makadam_validation::output::FrameWriter;
+use makadam_validation::plan::Scene;
+use makadam_validation::run_frames::RunFrames;
+use std::path::Path;
+
+const FRAMES: usize = 3;
+
+/// The small scene with a lid that moves.
+fn run(folder: &Path) -> RunFrames {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
+    let lid = "[[wall]]\nname = \"lid\"\nmaterial = \"wall\"\nshape = { kind = \"disc\", centre = [0.0, 0.0, 0.29], \
+               normal = [0.0, 0.0, -1.0], radius = 0.01 }\nmotion = { kind = \"translating\", velocity = [0.0, 0.0, -0.1] }\n[[population]]";
+    let scene = Scene::parse(&std::fs::read_to_string(file).unwrap().replacen("[[population]]", lid, 1)).unwrap();
+    let mut simulation = Simulation::builder(&scene).time_step(1e-3).build().unwrap();
+    let mut frames = FrameWriter::create(folder, &scene).unwrap();
+    for _ in 0..FRAMES {
+        frames.write(&simulation.snapshot()).unwrap();
+        (0..80).for_each(|_| {
+            simulation.step();
+        });
+    }
+    RunFrames::open(folder).unwrap()
+}
+
+#[test]
+fn a_vtkhdf_file_says_where_each_frame_begins() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path());
+    for kind in Kind::ALL {
+        let path = folder.path().join(format!("{}.vtkhdf", kind.name()));
+        assert_eq!(write_vtkhdf(&path, &run, kind, &|_| {}).unwrap(), FRAMES);
+        let file = File::open(&path).unwrap();
+        let whole = |name: &str| file.dataset(&format!("VTKHDF/{name}")).unwrap().read_i64().unwrap();
+        let (points, starts) = (whole("NumberOfPoints"), whole("Steps/PointOffsets"));
+        let times = file.dataset("VTKHDF/Steps/Values").unwrap().read_f64().unwrap();
+        let coordinates = file.dataset("VTKHDF/Points").unwrap().read_f32().unwrap();
+        assert_eq!(coordinates.len() as i64, 3 * points.iter().sum::<i64>());
+        let topology = ["Vertices", "Lines", "Polygons"][kind as usize];
+        let (cells, offsets) = (whole(&format!("{topology}/NumberOfCells")), whole(&format!("{topology}/Offsets")));
+        // One more offset than cells in each frame.
+        assert_eq!(offsets.len() as i64, cells.iter().sum::<i64>() + FRAMES as i64);
+        assert_eq!(whole("Strips/Offsets"), [0; FRAMES]);
+        for number in 0..FRAMES {
+            let frame = run.read(number).unwrap();
+            assert_eq!(times[number], frame.time);
+            let own: Vec<[f64; 3]> = match kind {
+                Kind::Grains => frame.grains.positions.clone(),
+                Kind::Contacts => frame.contacts.iter().flatten().flat_map(|line| line.ends).collect(),
+                Kind::Walls => frame.walls.as_ref().unwrap().points.clone(),
+            };
+            assert_eq!(points[number], own.len() as i64);
+            let first = 3 * starts[number] as usize;
+            let stored = coordinates[first..first + 3 * own.len()].iter().map(|place| f64::from(*place));
+            assert!(stored.eq(own.into_iter().flatten()), "{kind:?}, frame {number}");
+        }
+        if kind == Kind::Grains {
+            let speeds = file.dataset("VTKHDF/PointData/speed").unwrap().read_f32().unwrap();
+            assert_eq!(speeds.len(), 200 * FRAMES);
+            assert_eq!(file.dataset("VTKHDF/PointData/stress").unwrap().shape().unwrap(), [200 * FRAMES as u64, 6]);
+            let last = run.read(2).unwrap().quantity("speed").unwrap().values;
+            assert!(speeds[400..].iter().map(|speed| f64::from(*speed)).eq(last));
+        }
+    }
+}
+
+#[test]
+fn a_gsd_file_has_the_layout_of_its_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = run(folder.path());
+    let path = folder.path().join("grains.gsd");
+    assert_eq!(write_gsd(&path, &run, &|_| {}).unwrap(), FRAMES);
+    let bytes = std::fs::read(&path).unwrap();
+    let long = |place: usize| u64::from_le_bytes(bytes[place..place + 8].try_into().unwrap());
+    assert_eq!(long(0), 0x65df_65df_65df_65df);
+    let (index, entries, names, blocks) = (long(8) as usize, long(16) as usize, long(24) as usize, long(32) as usize);
+    assert!(bytes[48..].starts_with(b"Makadam ") && bytes[112..].starts_with(b"hoomd\0"));
+    assert_eq!(bytes.len(), names + 64 * blocks);
+    let names: Vec<&str> =
+        bytes[names..].split(|byte| *byte == 0).map(|name| std::str::from_utf8(name).unwrap()).collect();
+    let frame = run.read(1).unwrap();
+    let mut seen = 0;
+    let mut before = (0, 0);
+    for entry in 0..entries {
+        let at = index + 32 * entry;
+        let (of, rows, place) = (long(at), long(at + 8) as usize, long(at + 16) as usize);
+        let columns = u32::from_le_bytes(bytes[at + 24..at + 28].try_into().unwrap()) as usize;
+        let name = u16::from_le_bytes(bytes[at + 28..at + 30].try_into().unwrap());
+        // Readers search the index by halves.
+        assert!(entry == 0 || (of, name) > before, "the index is not in order");
+        before = (of, name);
+        if of == 1 && names[usize::from(name)] == "particles/diameter" {
+            assert_eq!((rows, columns), (200, 1));
+            let diameters =
+                bytes[place..place + 800].chunks(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap()));
+            assert!(diameters.zip(&frame.grains.radii).all(|(diameter, radius)| f64::from(diameter) == 2.0 * radius));
+            seen += 1;
+        }
+        if of == 1 && names[usize::from(name)] == "particles/position" {
+            assert_eq!((rows, columns), (200, 3));
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 2);
+}
