@@ -192,7 +192,7 @@ fn the_program_alone_knows_the_reference_scenes() {
     assert!(document["provenance"]["prepared"].is_null());
     let output = run(&["run", "drumm", "--steps", "1"]);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(3) && message.contains("drum-rolling"), "{message}");
+    assert!(output.status.code() == Some(3) && message.contains("did you mean drum"), "{message}");
     let output = run(&["compare", "packing", "--record", "--codes", "yade"]);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && message.contains("no folder to record into"), "{message}");

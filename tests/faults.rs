@@ -114,7 +114,7 @@ impl Bench {
             results(&place).unwrap()
         };
         let (expected, other) = (undisturbed("expected", "1"), undisturbed("other", "2"));
-        assert!(expected != other && expected.0.len() == 11, "{:?}", expected.0.keys());
+        assert!(expected != other && expected.0.len() == 14, "{:?}", expected.0.keys());
         // Stopped after some checkpoints, with frames and rows beyond the last one.
         let stopped = place("stopped");
         let fault = [("LD_PRELOAD", library().to_str().unwrap()), ("FAULT", "rename:16:always")];

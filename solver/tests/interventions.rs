@@ -233,7 +233,7 @@ fn what_cannot_be_inserted_removed_applied_or_moved_is_refused_and_nothing_chang
     refused(&mut simulation, grain([0.03, 0.03, 0.4]), "outside the domain");
     refused(&mut simulation, grain([0.002, 0.03, 0.28]), "wall 'box'");
     refused(&mut simulation, GrainEntry { radius: 0.001, ..grain(there) }, "overlaps grain 7 by");
-    refused(&mut simulation, grain([0.03, 0.031, 0.28]), "overlaps grain 0 of those to insert");
+    refused(&mut simulation, grain([0.03, 0.031, 0.28]), "grain 0 of those to insert overlaps");
     assert_eq!(simulation.remove(&[20]), Err(InterventionError::NoGrain { id: 20, grains: 20 }));
     let message = simulation.apply_forces(&[[0.0; 3]; 19]).unwrap_err().to_string();
     assert!(message.contains("19 rows where there are 20"), "{message}");

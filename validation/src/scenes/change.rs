@@ -138,7 +138,8 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
         let known = change.key[..change.key.len() - key.len()].join(".");
         return Err(change.refuse(format!("{known} is a value, which has no '{step}' of its own")));
     }
-    let mut inner = full.take().and_then(|mut full| full.get_mut(step.as_str()).map(std::mem::take)).filter(|item| !item.is_none());
+    let mut inner =
+        full.take().and_then(|mut full| full.get_mut(step.as_str()).map(std::mem::take)).filter(|item| !item.is_none());
     let table = at.as_table_like_mut().expect("it is one");
     if !table.contains_key(step) && !rest.is_empty() {
         let entry = match &inner {
