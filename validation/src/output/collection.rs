@@ -30,11 +30,15 @@ impl Collection {
 
     /// The list that an earlier part of the run has left, as it was when its entries ended at `body`.
     pub fn go_on(path: &Path, body: u64) -> Result<Collection, WriteError> {
+        let refused = |source| WriteError::new(path, source);
         let file = open_to_grow(path)?;
         check_length(path, &file, body)?;
-        let collection = Collection { path: path.into(), file, body };
-        collection.close().map_err(|source| WriteError::new(path, source))?;
-        Ok(collection)
+        let mut whole = vec![0; body as usize];
+        file.read_exact_at(&mut whole, 0).map_err(refused)?;
+        whole.extend(TAIL.as_bytes());
+        // What stood there stays well-formed until this is: a list that cannot be shortened is no list.
+        write_whole(path, &whole)?;
+        Ok(Collection { path: path.into(), file: open_to_grow(path)?, body })
     }
 
     /// Adds an entry.
