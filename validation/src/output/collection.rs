@@ -1,6 +1,6 @@
 //! A list of files over time, which ParaView opens as one. It grows at its end and is well-formed XML after every entry.
 
-use super::{WriteError, write_whole};
+use super::{WriteError, write_durably, write_whole};
 use makadam::checkpoint::sync_file;
 use rustix::fs::OFlags;
 use std::fs::{File, OpenOptions};
@@ -36,8 +36,8 @@ impl Collection {
         let mut whole = vec![0; body as usize];
         file.read_exact_at(&mut whole, 0).map_err(refused)?;
         whole.extend(TAIL.as_bytes());
-        // What stood there stays well-formed until this is: a list that cannot be shortened is no list.
-        write_whole(path, &whole)?;
+        // What stood there stays well-formed until this is, and on the disk: a list that cannot be shortened is no list.
+        write_durably(path, &whole)?;
         Ok(Collection { path: path.into(), file: open_to_grow(path)?, body })
     }
 
