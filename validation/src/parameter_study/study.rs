@@ -65,7 +65,7 @@ pub enum ParameterError {
         /// The values.
         values: String,
         /// Why.
-        error: SceneError,
+        error: Box<SceneError>,
     },
     /// There are too many combinations.
     #[error("{0} combinations are too many; the most are {MOST_POINTS}")]
@@ -78,7 +78,7 @@ pub enum ParameterError {
         /// The seed.
         seed: u64,
         /// Why.
-        error: CodeError,
+        error: Box<CodeError>,
     },
     /// A run cannot be kept.
     #[error(transparent)]
@@ -192,7 +192,7 @@ fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
     if number > MOST_POINTS {
         return Err(ParameterError::TooMany(number));
     }
-    let refused = |values: &str, error| ParameterError::Scene { values: values.into(), error };
+    let refused = |values: &str, error| ParameterError::Scene { values: values.into(), error: Box::new(error) };
     let text = scenes::text(plan.file).map_err(|error| refused("the scene", error))?;
     let mut points = Vec::with_capacity(number);
     for mut place in 0..number {
@@ -233,7 +233,7 @@ fn run(plan: &Plan<'_>, cache: &RunCache, point: &Prepared, seed: u64) -> Result
         });
         let recording = recorded.map_err(|error| match error {
             CodeError::Interrupted { .. } => ParameterError::Interrupted,
-            error => ParameterError::Run { values: point.label.clone(), seed, error },
+            error => ParameterError::Run { values: point.label.clone(), seed, error: Box::new(error) },
         })?;
         Ok(Run { seed, wall_seconds: recording.wall_seconds, measurements: measure(&point.scene, &recording) })
     })
