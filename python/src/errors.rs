@@ -71,6 +71,7 @@ pub fn scenes_error(py: Python<'_>, error: &scenes::SceneError, origin: Option<O
     match error {
         scenes::SceneError::Unknown { .. } => exception(py, "SceneNotFoundError", &error.to_string()),
         scenes::SceneError::File(error) => scene_file_error(py, error, origin),
+        scenes::SceneError::Change(_) => exception(py, "SceneError", &error.to_string()),
     }
 }
 
