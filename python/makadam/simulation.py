@@ -12,6 +12,8 @@ import numpy as np
 
 from . import _core
 from ._core import Frame, Scene
+from .arrays import numbers, spread, whole, write
+from .callbacks import Handle, Observer, Steered, Vector
 from .errors import BusyError, InterventionError, MakadamWarning, SettingError
 
 if TYPE_CHECKING:
@@ -23,52 +25,6 @@ if TYPE_CHECKING:
     Forces = Union[ArrayLike, tuple[Optional[ArrayLike], Optional[ArrayLike]], None]
 
 __all__ = ["Handle", "Simulation"]
-
-Vector = Sequence[float]
-
-
-class Handle:
-    """What ``observe``, ``add_force`` and ``steer`` return: ``remove()`` ends it."""
-
-    def __init__(self, registered: list[Any], entry: Any) -> None:
-        self._registered, self._entry = registered, entry
-
-    def remove(self) -> None:
-        """Calls it no more; nothing happens if it was removed before."""
-        if self._entry in self._registered:
-            self._registered.remove(self._entry)
-
-
-class _Observer:
-    def __init__(self, call: Callable[[Simulation], object], steps: int, seconds: float) -> None:
-        self.call, self.steps, self.seconds = call, steps, seconds
-
-    def is_due(self, step: int, time_step: float) -> bool:
-        """Whether it is due after a step: at multiples of steps, or at the first step at or after each multiple of seconds."""
-        if self.steps:
-            return step % self.steps == 0
-
-        def intervals(steps: int) -> int:
-            # A thousandth of a step absorbs rounding where the interval is a whole number of steps.
-            return math.floor((steps + 1e-3) * time_step / self.seconds)
-
-        return intervals(step) > intervals(step - 1)
-
-    def steps_until_due(self, step: int, time_step: float, most: int) -> int:
-        """Steps after which it is due for the first time, at most so many."""
-        if self.steps:
-            return min(most, self.steps - step % self.steps)
-        next_time = (math.floor((step + 1e-3) * time_step / self.seconds) + 1) * self.seconds
-        near = max(1, int(next_time / time_step) - step - 1)
-        while near < most and not self.is_due(step + near, time_step):
-            near += 1
-        return min(most, near)
-
-
-class _Steered:
-    def __init__(self, wall: int, kind: str, call: Callable[[float], Any], about: Optional[tuple[Vector, Vector]]) -> None:
-        self.wall, self.kind, self.call, self.about = wall, kind, call, about
-
 
 class Simulation(_core.Simulation):
     """A scene in motion. SI units throughout.
@@ -101,9 +57,9 @@ class Simulation(_core.Simulation):
         makadam.SettingError: The machine or the scene does not go with a setting.
     """
 
-    _observers: list[_Observer]
+    _observers: list[Observer]
     _forces: list[Callable[[Simulation], Forces]]
-    _steered: list[_Steered]
+    _steered: list[Steered]
     _busy: threading.Lock
 
     def __init__(
@@ -167,7 +123,7 @@ class Simulation(_core.Simulation):
             makadam.WorthlessError: The state makes the numbers of the run worthless.
             makadam.BusyError: Another thread steps this simulation, or it is called from one of its callbacks.
         """
-        left = _whole(steps, "steps")
+        left = whole(steps, "steps")
         if not self._busy.acquire(blocking=False):
             raise BusyError("this simulation is being stepped: by another thread, or because this was called from a callback")
         try:
@@ -215,13 +171,13 @@ class Simulation(_core.Simulation):
         """
         if (steps is None) == (seconds is None):
             raise SettingError("give either steps or seconds between two calls")
-        if steps is not None and _whole(steps, "steps between two calls") == 0:
+        if steps is not None and whole(steps, "steps between two calls") == 0:
             raise SettingError("cannot call every 0 steps; give 1 or more")
         if seconds is not None and not (math.isfinite(seconds) and seconds > 0):
             raise SettingError(f"cannot call every {seconds!r} s; give a finite number above 0")
         if not callable(callback):
             raise TypeError("the observer cannot be called; give a function of the simulation")
-        observer = _Observer(callback, int(steps or 0), float(seconds or 0.0))
+        observer = Observer(callback, int(steps or 0), float(seconds or 0.0))
         self._observers.append(observer)
         return Handle(self._observers, observer)
 
@@ -238,7 +194,7 @@ class Simulation(_core.Simulation):
 
     @positions.setter
     def positions(self, values: ArrayLike) -> None:
-        _write(self._positions, values, "positions")
+        write(self._positions, values, "positions")
 
     @property
     def velocities(self) -> Floats:
@@ -247,7 +203,7 @@ class Simulation(_core.Simulation):
 
     @velocities.setter
     def velocities(self, values: ArrayLike) -> None:
-        _write(self._velocities, values, "velocities")
+        write(self._velocities, values, "velocities")
 
     @property
     def scaled_spins(self) -> Floats:
@@ -259,7 +215,7 @@ class Simulation(_core.Simulation):
 
     @scaled_spins.setter
     def scaled_spins(self, values: ArrayLike) -> None:
-        _write(self._scaled_spins, values, "scaled spins")
+        write(self._scaled_spins, values, "scaled spins")
 
     @property
     def spins(self) -> Floats:
@@ -274,7 +230,7 @@ class Simulation(_core.Simulation):
     @spins.setter
     def spins(self, values: ArrayLike) -> None:
         scaled = self._scaled_spins
-        _write(scaled, _numbers(values, scaled.shape, "spins") * self.radii[:, np.newaxis], "spins")
+        write(scaled, numbers(values, scaled.shape, "spins") * self.radii[:, np.newaxis], "spins")
 
     @property
     def masses(self) -> Floats:
@@ -309,8 +265,8 @@ class Simulation(_core.Simulation):
         """
         shape = (len(self), 3)
         self._apply(
-            None if forces is None else _numbers(forces, shape, "forces"),
-            None if torques is None else _numbers(torques, shape, "torques"),
+            None if forces is None else numbers(forces, shape, "forces"),
+            None if torques is None else numbers(torques, shape, "torques"),
         )
 
     def add_force(self, callback: Callable[[Simulation], Forces]) -> Handle:
@@ -334,7 +290,7 @@ class Simulation(_core.Simulation):
                 raise InterventionError("a force callback gives forces, or a pair of forces and torques")
             for place, (name, part) in enumerate(zip(("forces", "torques"), pair)):
                 if part is not None:
-                    array = _numbers(part, shape, name)
+                    array = numbers(part, shape, name)
                     before = sums[place]
                     sums[place] = array if before is None else before + array
         self._apply(*sums)
@@ -401,7 +357,7 @@ class Simulation(_core.Simulation):
         kind, call = next(iter(given.items()))
         if not callable(call):
             raise TypeError(f"{kind} cannot be called; give a function of time, or use move_wall")
-        steered = _Steered(self._wall(wall), kind, call, about)
+        steered = Steered(self._wall(wall), kind, call, about)
         self._steered.append(steered)
         return Handle(self._steered, steered)
 
@@ -430,7 +386,7 @@ class Simulation(_core.Simulation):
             if wall not in names:
                 raise InterventionError(f"there is no wall '{wall}'; the scene has {', '.join(names) or 'none'}")
             return names.index(wall)
-        number = _whole(wall, "the number of a wall")
+        number = whole(wall, "the number of a wall")
         if number >= len(names):
             raise InterventionError(f"there is no wall {number}; the scene has {len(names)}, counted from 0")
         return number
@@ -471,8 +427,8 @@ class Simulation(_core.Simulation):
         if places.ndim != 2 or places.shape[1] != 3:
             raise InterventionError(f"positions have the shape {np.shape(positions)}; give (k, 3), or (3,) for one grain")
         count = len(places)
-        size = _spread(radii, (count,), "radii")
-        motion = [_spread(0.0 if part is None else part, (count, 3), name) for part, name in ((velocities, "velocities"), (spins, "spins"))]
+        size = spread(radii, (count,), "radii")
+        motion = [spread(0.0 if part is None else part, (count, 3), name) for part, name in ((velocities, "velocities"), (spins, "spins"))]
         rows = zip(size.tolist(), places.tolist(), motion[0].tolist(), motion[1].tolist())
         first, end = self._insert([(material, *row) for row in rows])
         return range(first, end)
@@ -529,44 +485,3 @@ class Simulation(_core.Simulation):
 
     def __repr__(self) -> str:
         return f"<makadam.Simulation of '{self.scene.name}': {len(self)} grains, step {self.steps}, {self.time:.6g} s>"
-
-
-def _whole(value: Any, what: str) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise SettingError(f"{what}: {value!r} is no whole number")
-    if value < 0:
-        raise SettingError(f"{what}: {value} is below 0; give 0 or more")
-    return int(value)
-
-
-def _numbers(values: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
-    """An array of numbers of just this shape."""
-    array = _floats(values, what)
-    if array.shape != shape:
-        raise InterventionError(f"{what} have the shape {array.shape}; give {shape}, a row for each grain")
-    return array
-
-
-def _floats(values: ArrayLike, what: str) -> Floats:
-    array = np.asarray(values)
-    if array.dtype.kind not in "fiu":
-        raise InterventionError(f"{what} are of type {array.dtype}; give real numbers")
-    return np.ascontiguousarray(array, dtype=np.float64)
-
-
-def _spread(values: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
-    """An array of numbers that is spread to a shape."""
-    array = _floats(values, what)
-    try:
-        return np.broadcast_to(array, shape)
-    except ValueError:
-        raise InterventionError(f"{what} have the shape {array.shape}, which does not go with {shape}") from None
-
-
-def _write(view: Floats, values: ArrayLike, what: str) -> None:
-    if values is view:
-        return
-    array = _spread(values, view.shape, what)
-    if not np.isfinite(array).all():
-        raise InterventionError(f"{what} are not all finite; give finite numbers in SI units")
-    view[...] = array

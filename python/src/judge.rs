@@ -4,7 +4,7 @@ use crate::convert::plain;
 use crate::errors::exception;
 use crate::frame::Frame;
 use crate::scene::Scene;
-use crate::simulation::beside;
+use crate::stepping::beside;
 use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison};
 use makadam_validation::observables::{catalogue, measure, measure_frames, series};
 use makadam_validation::peers::{Code, CodeError, Job, Liggghts, Makadam, Yade};

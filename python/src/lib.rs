@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! scene.rs       scenes from dicts, texts, files and names
-//! simulation.rs  the simulation: settings, views, forces, grains that come and go
+//! settings.rs    settings in place of those of the scene and the machine
+//! simulation.rs  the simulation: views, forces, grains that come and go
 //! shared.rs      who may work on a simulation, and who looks at it
 //! stepping.rs    steps without the interpreter's lock, that a signal can stop
 //! views.rs       arrays of NumPy that lie in the memory of a simulation
@@ -17,6 +18,7 @@ mod errors;
 mod frame;
 mod judge;
 mod scene;
+mod settings;
 mod shared;
 mod simulation;
 mod statistics;

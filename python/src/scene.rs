@@ -168,7 +168,7 @@ impl Scene {
     /// Number of grains.
     #[getter]
     fn grains(&self) -> usize {
-        self.plan.grain.len() + self.plan.population.iter().map(|population| population.count).sum::<usize>()
+        self.plan.grain_count()
     }
 
     /// Names of the materials.

@@ -4,20 +4,20 @@ use crate::convert::plain;
 use crate::errors::{exception, setting_error, start_error};
 use crate::frame::{Frame, vectors};
 use crate::scene::Scene;
+use crate::settings::{adapted, execution};
 use crate::shared::Shared;
-use crate::stepping;
+use crate::stepping::{self, beside};
 use crate::views::{self, Pairs, State};
+use makadam::GrainEntry;
 use makadam::wall::WallMotion;
-use makadam::{Execution, GrainEntry, InstructionSet, Precision, Scheduler, SolverMethod};
 use makadam_validation::observables::measure_frames;
+use makadam_validation::plan;
 use makadam_validation::prepared::start;
-use makadam_validation::{interrupt, plan};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
 
 /// What `makadam.Simulation` is made of.
 #[pyclass(frozen, subclass, module = "makadam._core", name = "Simulation")]
@@ -25,101 +25,6 @@ pub struct Simulation(Arc<Shared>);
 
 /// A grain to insert: material, radius (m), position (m), velocity (m/s), angular velocity (rad/s).
 type GrainRow = (String, f64, [f64; 3], [f64; 3], [f64; 3]);
-
-/// How a simulation is carried out.
-fn execution(
-    py: Python<'_>,
-    threads: usize,
-    scheduler: Option<&str>,
-    instruction_set: Option<&str>,
-) -> PyResult<Execution> {
-    let unknown = |what: &str, given: &str, known: Vec<&str>| {
-        exception(py, "SettingError", &format!("no {what} '{given}': give one of {}", known.join(", ")))
-    };
-    let scheduler = match scheduler {
-        None if threads == 1 => Scheduler::Serial,
-        None => Scheduler::WorkStealing,
-        Some(name) => Scheduler::ALL
-            .into_iter()
-            .find(|scheduler| scheduler.name() == name.replace('_', "-"))
-            .ok_or_else(|| unknown("scheduler", name, Scheduler::ALL.map(Scheduler::name).to_vec()))?,
-    };
-    let instruction_set = match instruction_set {
-        None => InstructionSet::detect(),
-        Some(name) => InstructionSet::ALL
-            .into_iter()
-            .find(|set| set.name() == name)
-            .ok_or_else(|| unknown("instruction set", name, InstructionSet::ALL.map(InstructionSet::name).to_vec()))?,
-    };
-    if threads == 0 {
-        return Err(exception(py, "SettingError", "0 threads cannot step; give 1 or more"));
-    }
-    Ok(Execution { scheduler, threads, instruction_set, ..Execution::serial() })
-}
-
-/// The scene with settings in place of its own.
-fn adapted(
-    py: Python<'_>,
-    scene: &Bound<'_, PyAny>,
-    time_step: Option<f64>,
-    precision: Option<&str>,
-    method: Option<&str>,
-) -> PyResult<Scene> {
-    let mut scene = Scene::of(scene)?;
-    if let Some(step) = time_step {
-        scene.plan.solver.step = step;
-    }
-    if let Some(name) = precision {
-        scene.plan.solver.precision = match name {
-            "double" => Precision::Double,
-            "single" => Precision::Single,
-            _ => return Err(exception(py, "SettingError", &format!("no precision '{name}': give double or single"))),
-        };
-    }
-    if let Some(name) = method {
-        let name = name.replace('_', "-");
-        let found = SolverMethod::ALL.into_iter().find(|method| method.name() == name);
-        scene.plan.solver.method = found.ok_or_else(|| {
-            let known = SolverMethod::ALL.map(SolverMethod::name).join(", ");
-            exception(py, "SettingError", &format!("no method '{name}': give one of {known}"))
-        })?;
-    }
-    let solver = &scene.plan.solver;
-    scene.plan.goes_with(solver.method, solver.precision).map_err(|error| setting_error(py, &error))?;
-    scene.plan.check().map_err(|error| match time_step {
-        Some(step) => exception(py, "SettingError", &format!("time_step {step}: {error}")),
-        None => crate::errors::scene_error(py, &error, scene.origin()),
-    })?;
-    Ok(scene)
-}
-
-/// Does something long on another thread, and asks it to stop where a signal says so.
-pub fn beside<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
-    py.detach(|| {
-        std::thread::scope(|scope| {
-            let worker = scope.spawn(work);
-            let mut signal = Ok(());
-            while !worker.is_finished() {
-                std::thread::sleep(Duration::from_millis(5));
-                if signal.is_ok() {
-                    signal = Python::attach(|py| py.check_signals());
-                    if signal.is_err() {
-                        interrupt::handle().request();
-                    }
-                }
-            }
-            let result = worker.join();
-            if signal.is_err() {
-                interrupt::handle().clear();
-            }
-            signal?;
-            match result {
-                Ok(result) => Ok(result),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        })
-    })
-}
 
 fn rows(py: Python<'_>, what: &str, array: &PyReadonlyArray2<'_, f64>, grains: usize) -> PyResult<Vec<[f64; 3]>> {
     let shape = array.shape();

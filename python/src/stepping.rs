@@ -5,6 +5,7 @@ use crate::shared::Shared;
 use makadam::StopReason;
 use makadam::scene::Reaction;
 use makadam::watch::Alarm;
+use makadam_validation::interrupt;
 use pyo3::prelude::*;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -134,4 +135,32 @@ fn watched_from_beside(shared: &Shared, most: u64) -> PyResult<Slice> {
 pub fn count(py: Python<'_>, steps: i64) -> PyResult<u64> {
     u64::try_from(steps)
         .map_err(|_| exception(py, "SettingError", &format!("cannot take {steps} steps; give 0 or more")))
+}
+
+/// Does something long on another thread, and asks it to stop where a signal says so.
+pub fn beside<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
+    py.detach(|| {
+        std::thread::scope(|scope| {
+            let worker = scope.spawn(work);
+            let mut signal = Ok(());
+            while !worker.is_finished() {
+                std::thread::sleep(Duration::from_millis(5));
+                if signal.is_ok() {
+                    signal = Python::attach(|py| py.check_signals());
+                    if signal.is_err() {
+                        interrupt::handle().request();
+                    }
+                }
+            }
+            let result = worker.join();
+            if signal.is_err() {
+                interrupt::handle().clear();
+            }
+            signal?;
+            match result {
+                Ok(result) => Ok(result),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        })
+    })
 }

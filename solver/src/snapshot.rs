@@ -76,6 +76,13 @@ pub struct Contact {
     pub tangential_force: [f64; 3],
 }
 
+impl Contact {
+    /// Force of the first grain on its partner, N: `f_n n + f_t`.
+    pub fn force_on_partner(&self) -> Vector3<f64> {
+        Vector3::from(self.normal) * self.normal_force + Vector3::from(self.tangential_force)
+    }
+}
+
 /// One frame: the state of all grains and all contacts at a time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {

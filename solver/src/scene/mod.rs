@@ -95,7 +95,7 @@ use std::collections::BTreeMap;
 
 /// A scene: materials, walls, grains, gravity, duration and solver settings.
 ///
-/// The tables `measure`, `compare` and `prepare` of a scene's file are for who measures it: they are passed over here.
+/// The tables `prepare`, `measure`, `output` and `compare` of a scene's file are for who measures it: they are passed over here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(!from))]
 #[serde(from = "document::Document")]
@@ -177,6 +177,11 @@ impl Scene {
         let contacts: Vec<_> = self.possible_contacts().collect();
         let driven = self.wall.iter().any(|wall| wall.motion.is_driven());
         Obstacle::of_scene(EffectSet::of(contacts.iter()).torques(), driven)
+    }
+
+    /// Number of grains that the scene begins with: those that it lists, and those of its populations.
+    pub fn grain_count(&self) -> usize {
+        self.population.iter().fold(self.grain.len(), |all, population| all.saturating_add(population.count))
     }
 
     /// Whether the scene can be solved with these settings, all of them in their ranges.

@@ -50,8 +50,7 @@ pub fn populate(scene: &Scene, seed: u64) -> Result<Vec<Grain>, SceneError> {
 pub(super) fn placed(scene: &Scene, seed: u64) -> Result<Vec<Grain>, Unplaced> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut grains = Vec::new();
-    let all = scene.population.iter().fold(scene.grain.len(), |all, population| all.saturating_add(population.count));
-    reserve(&mut grains, all.min(MOST_SITES as usize))?;
+    reserve(&mut grains, scene.grain_count().min(MOST_SITES as usize))?;
     grains.extend(scene.grain.iter().map(|entry| Grain {
         material: entry.material.clone(),
         radius: entry.radius,

@@ -26,7 +26,7 @@ pub(super) fn refuse_beyond_memory(scene: &Scene, file: &Path) -> Result<(), Fai
 }
 
 fn beyond(scene: &Scene, file: &Path, available: u64) -> String {
-    let grains = scene.grain.len() + scene.population.iter().map(|population| population.count).sum::<usize>();
+    let grains = scene.grain_count();
     let gigabytes = |bytes: u64| format!("{:.1} GB", bytes as f64 * 1e-9);
     let few = (grains as f64 * available as f64 / scene.memory() as f64 / 1e3).floor() * 1e3;
     format!(

@@ -23,7 +23,7 @@ pub(super) fn list(arguments: &SceneListArguments, console: &Console) -> Result<
     for name in scenes::known(&roots) {
         let file = scenes::find(&name, &roots)?;
         let scene = scenes::load(&file)?;
-        let grains = scene.grain.len() + scene.population.iter().map(|population| population.count).sum::<usize>();
+        let grains = scene.grain_count();
         let (description, file) = (scene.description.clone(), file.display().to_string());
         named.push(Named { name, description, grains, file });
     }

@@ -11,7 +11,7 @@ mod words;
 use crate::effects::{Called, called};
 use crate::plan::Scene;
 use crate::stepping::steps_in;
-use makadam::scene::{Finding, NormalLaw, Stop, line_of, populate};
+use makadam::scene::{DocumentPath, Finding, NormalLaw, Stop, populate};
 use scales::Bed;
 use serde::Serialize;
 
@@ -135,19 +135,13 @@ fn wall_seconds(scene: &Scene, grains: usize, steps: u64) -> f64 {
 /// The settings that decide on accuracy and cost, with the reason for each.
 fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
     let solver = &scene.solver;
-    let why = |path: &[&str]| {
-        let said = line_of(text, path).filter(|line| {
-            let last = path.last().expect("a path has an end");
-            text.lines().nth(line - 1).is_some_and(|line| line.contains(last))
-        });
-        match said {
-            Some(line) => format!("line {line}"),
-            None => "default".into(),
-        }
+    let why = |table: &'static str, key: &'static str| {
+        let line = DocumentPath::default().key(table).key(key).line(text);
+        line.map_or("default".into(), |line| format!("line {line}"))
     };
-    let by_accuracy = |path: &[&str]| match scene.accuracy {
+    let by_accuracy = |table, key| match scene.accuracy {
         Some(_) => "follows from accuracy".into(),
-        None => why(path),
+        None => why(table, key),
     };
     let stop = match solver.stop {
         Stop::Sweeps { sweeps } => format!("{sweeps} sweeps"),
@@ -165,13 +159,13 @@ fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
     };
     let setting = |key, value: String, why: String| Setting { key, value, why };
     vec![
-        setting("solver.step", format!("{:e} s", solver.step), by_accuracy(&["solver", "step"])),
-        setting("solver.stop", stop, by_accuracy(&["solver", "stop"])),
-        setting("solver.method", solver.method.name().into(), why(&["solver", "method"])),
-        setting("solver.normal_law", law, why(&["solver", "normal_law"])),
-        setting("measure.interval", format!("{} s", scene.measure.interval), why(&["measure", "interval"])),
+        setting("solver.step", format!("{:e} s", solver.step), by_accuracy("solver", "step")),
+        setting("solver.stop", stop, by_accuracy("solver", "stop")),
+        setting("solver.method", solver.method.name().into(), why("solver", "method")),
+        setting("solver.normal_law", law, why("solver", "normal_law")),
+        setting("measure.interval", format!("{} s", scene.measure.interval), why("measure", "interval")),
         match scene.measure.from {
-            Some(from) => setting("measure.from", format!("{from} s"), why(&["measure", "from"])),
+            Some(from) => setting("measure.from", format!("{from} s"), why("measure", "from")),
             None => setting("measure.from", "the last frame alone is measured".into(), "default".into()),
         },
     ]

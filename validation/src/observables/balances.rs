@@ -3,7 +3,7 @@
 use super::measurement::{Quantity, Readings};
 use super::setting::Setting;
 use super::view::View;
-use makadam::snapshot::{Contact, Particle, Partner};
+use makadam::snapshot::{Particle, Partner};
 use nalgebra::Vector3;
 
 const WALL_FORCE: Quantity = Quantity::mean("wall_force_over_weight", "");
@@ -28,7 +28,7 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     let grains = &view.frame.particles;
     if let Some(up) = setting.up.filter(|_| !view.frame.contacts.is_empty()) {
         let walls = view.frame.contacts.iter().filter(|contact| matches!(contact.second, Partner::Wall(_)));
-        let push: f64 = walls.map(|contact| -force_on_partner(contact).dot(&up)).sum();
+        let push: f64 = walls.map(|contact| -contact.force_on_partner().dot(&up)).sum();
         let weight: f64 = grains.iter().map(|grain| setting.mass(grain) * setting.gravity).sum();
         readings.add(WALL_FORCE, push / weight);
     }
@@ -51,11 +51,6 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     readings.add(COULOMB_EXCESS, excess);
 
     readings.add(KINETIC_ENERGY, grains.iter().map(|grain| kinetic_energy(setting, grain)).sum());
-}
-
-/// Force of the first grain on its partner, N.
-pub fn force_on_partner(contact: &Contact) -> Vector3<f64> {
-    Vector3::from(contact.normal) * contact.normal_force + Vector3::from(contact.tangential_force)
 }
 
 /// Kinetic energy of a solid sphere, J.

@@ -1,6 +1,5 @@
 //! Flow in a rotating drum: slip at the shell, the flowing layer, torque, mixing.
 
-use super::balances::force_on_partner;
 use super::bed_surface::{BedFields, surface};
 use super::drum::Drum;
 use super::field::Field;
@@ -46,7 +45,7 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     let turning = (view.frame.contacts.iter())
         .filter(|contact| matches!(contact.second, Partner::Wall(wall) if drum.walls.contains(&wall)));
     let torque: f64 = turning
-        .map(|contact| (Vector3::from(contact.point) - drum.centre).cross(&force_on_partner(contact)).dot(&drum.axis))
+        .map(|contact| (Vector3::from(contact.point) - drum.centre).cross(&contact.force_on_partner()).dot(&drum.axis))
         .sum();
     if !view.frame.contacts.is_empty() {
         readings.add(TORQUE, -torque * sense(drum));

@@ -3,7 +3,7 @@
 use super::vtk::{Array, Cells, Kind, PolyData};
 use crate::plan::{GrainField, Output, Scene};
 use makadam::effects::period::Period;
-use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -198,7 +198,7 @@ fn volume(particle: &Particle) -> f64 {
 fn loads(frame: &Snapshot, period: Period) -> Vec<Loads> {
     let mut loads = vec![Loads::default(); frame.particles.len()];
     for contact in &frame.contacts {
-        let on_second = force_on_partner(contact);
+        let on_second = contact.force_on_partner();
         let mut bear = |id: u32, force: Vector| {
             let centre = Vector::from(frame.particles[id as usize].position);
             let branch = period.arm(&centre, &Vector::from(contact.point));
@@ -210,11 +210,6 @@ fn loads(frame: &Snapshot, period: Period) -> Vec<Loads> {
         }
     }
     loads
-}
-
-/// N.
-fn force_on_partner(contact: &Contact) -> Vector {
-    Vector::from(contact.normal) * contact.normal_force + Vector::from(contact.tangential_force)
 }
 
 impl Loads {

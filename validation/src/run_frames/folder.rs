@@ -138,9 +138,11 @@ impl RunFrames {
     /// # Errors
     /// [`RunFolderError::Damaged`] if one of its files is missing or is not what it should be.
     pub fn read(&self, number: usize) -> Result<RunFrame, RunFolderError> {
-        let [grains, contacts, walls] = self.read_files(number)?;
-        let file = &self.grains[number].1;
-        let grains = grains.ok_or_else(|| damaged(file, "it is missing".into()))?;
+        let (time, file) = &self.grains[number];
+        let contacts = self.contacts.iter().find(|(of, _)| of == time).map(|(_, file)| read(file)).transpose()?;
+        // Walls that rest are written once, with the first frame.
+        let walls = self.walls.iter().rev().find(|(of, _)| of <= time).map(|(_, file)| read(file)).transpose()?;
+        let grains = read(file)?;
         frame::assemble(grains, contacts, walls).map_err(|problem| damaged(file, problem))
     }
 
@@ -157,15 +159,6 @@ impl RunFrames {
     pub(crate) fn read_some(&self, file: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Outline, RunFolderError> {
         let bytes = std::fs::read(file).map_err(|error| damaged(file, error.to_string()))?;
         outline_vtk(&bytes, wanted).map_err(|problem| damaged(file, problem))
-    }
-
-    /// The files of a frame.
-    fn read_files(&self, number: usize) -> Result<[Option<PolyData>; 3], RunFolderError> {
-        let (time, file) = &self.grains[number];
-        let contacts = self.contacts.iter().find(|(of, _)| of == time).map(|(_, file)| read(file)).transpose()?;
-        // Walls that rest are written once, with the first frame.
-        let walls = self.walls.iter().rev().find(|(of, _)| of <= time).map(|(_, file)| read(file)).transpose()?;
-        Ok([Some(read(file)?), contacts, walls])
     }
 
     /// A field that was asked for, by its name with hyphens or underscores.

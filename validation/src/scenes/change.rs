@@ -39,8 +39,7 @@ impl FromStr for Change {
         if key.iter().any(String::is_empty) || value.trim().is_empty() {
             return Err(refuse(form));
         }
-        let value = value.trim().parse::<Value>().unwrap_or_else(|_| Value::from(value.trim()));
-        Ok(Change { key, value, written: written.into() })
+        Ok(Change { written: written.into(), ..Change::new(&key, value) })
     }
 }
 

@@ -77,7 +77,7 @@ impl Study {
             version: JSON_VERSION,
             command: "tradeoff".into(),
             scene: scene.name.clone(),
-            particles: scene.grain.len() + scene.population.iter().map(|population| population.count).sum::<usize>(),
+            particles: scene.grain_count(),
             complete: !outcome.interrupted,
             quick: terms.quick,
             seeds: terms.seeds,

@@ -300,7 +300,7 @@ impl State {
 
     /// The world of a scene with the grains in the order of their ids.
     fn world(&self, scene: &Scene) -> Result<World, String> {
-        let expected = scene.grain.len() + scene.population.iter().map(|group| group.count).sum::<usize>();
+        let expected = scene.grain_count();
         if self.grains.len() != expected && !self.altered.other_grains {
             return Err(format!("holds {} grains where the scene has {expected}", self.grains.len()));
         }

@@ -9,6 +9,7 @@ use crate::Simulation;
 use crate::lanes::{minus, plus};
 use crate::scene::{GrainEntry, MOST_GRAINS, Scene};
 use crate::simulation::checkpoint::state::State;
+use crate::wall::WallsAt;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -61,8 +62,10 @@ impl Simulation {
         if all as f64 > MOST_GRAINS {
             return Err(InterventionError::TooMany { grains: all, most: MOST_GRAINS as usize });
         }
+        let poses: Vec<_> = self.world.walls.poses(self.world.time).collect();
+        let walls = self.world.walls.placed(&poses);
         for (index, grain) in grains.iter().enumerate() {
-            self.check_grain(scene, grain).map_err(|(problem, remedy)| InterventionError::Insertion {
+            self.check_grain(scene, &walls, grain).map_err(|(problem, remedy)| InterventionError::Insertion {
                 index,
                 problem,
                 remedy,
@@ -130,7 +133,12 @@ impl Simulation {
     }
 
     /// Whether a grain can be inserted, but for its neighbours.
-    fn check_grain(&self, scene: &Scene, grain: &GrainEntry) -> Result<(), (String, &'static str)> {
+    fn check_grain(
+        &self,
+        scene: &Scene,
+        walls: &WallsAt<'_>,
+        grain: &GrainEntry,
+    ) -> Result<(), (String, &'static str)> {
         let known = self.world.table.find(&grain.material).is_some() && scene.material.contains_key(&grain.material);
         if !known {
             let names: Vec<&str> = scene.material.keys().map(String::as_str).collect();
@@ -150,8 +158,7 @@ impl Simulation {
         if (0..3).any(|axis| grain.position[axis] < low[axis] || grain.position[axis] > high[axis]) {
             return Err((format!("lies at {:?}, outside the domain", grain.position), "move it inside"));
         }
-        let poses: Vec<_> = self.world.walls.poses(self.world.time).collect();
-        let (walls, centre) = (self.world.walls.placed(&poses), Vector3::from(grain.position));
+        let centre = Vector3::from(grain.position);
         let mut deepest: Option<(f64, u32)> = None;
         for face in 0..self.world.walls.faces() as u32 {
             let overlap = grain.radius - walls.distance(face, &centre);

@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let output = arguments.output.folder(&file_stem(&scene.name));
     let execution = Execution {
         scheduler: arguments.scheduler.into(),
-        threads: arguments.threads.map_or_else(|| threads_for(grains_of(&scene)), usize::from),
+        threads: arguments.threads.map_or_else(|| threads_for(scene.grain_count()), usize::from),
         instruction_set: arguments.isa.map_or_else(InstructionSet::detect, InstructionSet::from),
         prefetch: arguments.prefetch.map(usize::from),
         ..Execution::serial()
@@ -107,11 +107,6 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     console.result(&if arguments.output.json { json(&summary) } else { describe(&summary) })?;
     ended?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Number of grains that a scene begins with.
-fn grains_of(scene: &Scene) -> usize {
-    scene.population.iter().fold(scene.grain.len(), |all, population| all.saturating_add(population.count))
 }
 
 /// What was asked for.

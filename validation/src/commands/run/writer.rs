@@ -107,12 +107,17 @@ impl MarksToCome {
 
 /// The thread, as the run sees it.
 pub(super) struct Writer {
-    orders: Option<Sender<Order>>,
-    /// Takes one token: that of the frame that is under way.
-    under_way: Option<SyncSender<()>>,
-    thread: Option<JoinHandle<(Outputs, Result<(), Failure>)>>,
-    /// What the thread has given back.
+    /// Absent once it has ended.
+    working: Option<Working>,
+    /// What it has given back then.
     ended: Option<Outputs>,
+}
+
+struct Working {
+    orders: Sender<Order>,
+    /// Takes one token: that of the frame that is under way.
+    under_way: SyncSender<()>,
+    thread: JoinHandle<(Outputs, Result<(), Failure>)>,
 }
 
 impl Writer {
@@ -121,7 +126,7 @@ impl Writer {
         let (orders, taken) = channel();
         let (under_way, done) = sync_channel(1);
         let thread = std::thread::spawn(move || work(&scene, outputs, &taken, &done));
-        Writer { orders: Some(orders), under_way: Some(under_way), thread: Some(thread), ended: None }
+        Writer { working: Some(Working { orders, under_way, thread }), ended: None }
     }
 
     /// Waits until the frame before is written; the next one may be made then.
@@ -129,7 +134,7 @@ impl Writer {
     /// # Errors
     /// What failed since the run last came by.
     pub fn wait_for_room(&mut self) -> Result<(), Failure> {
-        match self.under_way.as_ref().is_some_and(|under_way| under_way.send(()).is_ok()) {
+        match self.working.as_ref().is_some_and(|working| working.under_way.send(()).is_ok()) {
             true => Ok(()),
             false => Err(self.failure()),
         }
@@ -170,7 +175,7 @@ impl Writer {
     }
 
     fn order(&mut self, order: Order) -> Result<(), Failure> {
-        match self.orders.as_ref().is_some_and(|orders| orders.send(order).is_ok()) {
+        match self.working.as_ref().is_some_and(|working| working.orders.send(order).is_ok()) {
             true => Ok(()),
             false => Err(self.failure()),
         }
@@ -183,8 +188,9 @@ impl Writer {
     }
 
     fn join(&mut self) -> Result<(), Failure> {
-        (self.orders, self.under_way) = (None, None);
-        let Some(thread) = self.thread.take() else { return Ok(()) };
+        let Some(Working { orders, under_way, thread }) = self.working.take() else { return Ok(()) };
+        // Nothing more comes: what is under way is finished.
+        drop((orders, under_way));
         let (outputs, ended) = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         self.ended = Some(outputs);
         ended

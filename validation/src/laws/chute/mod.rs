@@ -18,7 +18,6 @@ use super::{Case, Law, LawError, Mean, Run, Values, reported};
 use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker};
 use crate::draw::plot::{Axis, Key, Plot};
-use crate::observables::balances::force_on_partner;
 use crate::sketch::{GRAVITY, Sketch};
 use crate::study::Finding;
 use makadam::scene::{Axis as Periodic, Motion, Population, RadiusDistribution, Region, Shape, Wall};
@@ -249,7 +248,7 @@ fn case(angle: f64, layer: Layer, coarseness: f64) -> Case {
 /// Force on all walls, N.
 fn force_on_walls(frame: &Snapshot) -> [f64; 3] {
     let on_walls = frame.contacts.iter().filter(|contact| matches!(contact.second, Partner::Wall(_)));
-    on_walls.map(force_on_partner).sum::<Vector3<f64>>().into()
+    on_walls.map(|contact| contact.force_on_partner()).sum::<Vector3<f64>>().into()
 }
 
 /// Kinetic energy of translation over the density, m5/s2.

@@ -6,7 +6,6 @@
 
 use super::super::fit::{least, line};
 use super::{DIAMETER, PERIOD};
-use crate::observables::balances::force_on_partner;
 use crate::sketch::DENSITY;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use std::f64::consts::PI;
@@ -89,7 +88,7 @@ impl Profile {
     }
 
     fn add_contact(&mut self, contact: &Contact, first: &Particle, second: &Particle) {
-        let force = force_on_partner(contact);
+        let force = contact.force_on_partner();
         let branch = contact.normal.map(|component| (first.radius + second.radius) * component);
         let bin = self.bin(contact.point[2]);
         for (sum, (i, j)) in bin.virial.iter_mut().zip(COMPONENTS) {
