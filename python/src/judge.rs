@@ -60,6 +60,7 @@ impl Recording {
             wall_seconds,
             simulated_seconds: (last.0.time - first.0.time).max(f64::MIN_POSITIVE),
             frames: frames.iter().map(|frame| (*frame.0).clone()).collect(),
+            lacks: Vec::new(),
         };
         Ok(Recording { scene, recording: Arc::new(recording) })
     }
@@ -299,6 +300,7 @@ pub fn compare<'py>(
             scene: &scene.plan,
             scene_file: &scene.file,
             codes,
+            judged: "Makadam",
             live,
             seeds,
             rayleigh_fraction,

@@ -16,6 +16,7 @@ pub mod effects;
 pub mod execution;
 pub mod export;
 pub mod forecast;
+pub mod import;
 pub mod interrupt;
 pub mod laws;
 pub mod observables;

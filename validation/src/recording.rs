@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// First bytes of a file; the last one is the version of the format.
-const MARK: [u8; 8] = *b"mkd-rec\x01";
+const MARK: [u8; 8] = *b"mkd-rec\x02";
 
 /// One run of a scene in one code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,6 +33,37 @@ pub struct Recording {
     pub simulated_seconds: f64,
     /// Frames, in the order of time, the last one at the end of the run.
     pub frames: Vec<Snapshot>,
+    /// What the frames do not tell; what needs it is not measured.
+    pub lacks: Vec<Content>,
+}
+
+/// What a frame may hold beside the places and sizes of its grains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Content {
+    /// Velocities.
+    Velocities,
+    /// Angular velocities.
+    Spins,
+    /// Contacts between grains, with their forces.
+    Contacts,
+    /// Contacts with walls, with their forces.
+    WallContacts,
+    /// How far driven walls have moved.
+    DrivenWalls,
+}
+
+impl Content {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Content::Velocities => "velocities",
+            Content::Spins => "angular velocities",
+            Content::Contacts => "contacts between grains",
+            Content::WallContacts => "contacts with walls",
+            Content::DrivenWalls => "the motion of driven walls",
+        }
+    }
 }
 
 /// Why a recording file could not be written or read.
@@ -154,6 +185,7 @@ mod tests {
             wall_seconds: 2.0,
             simulated_seconds: 0.2,
             frames: vec![Snapshot { particles: vec![grain], ..Snapshot::default() }],
+            lacks: vec![Content::Spins],
         };
         let sealed = recording.to_bytes();
         assert_eq!(Recording::parse(&sealed).unwrap(), recording);

@@ -2,10 +2,11 @@
 
 use makadam::scene::{Domain, Shape};
 use makadam::snapshot::{Contact, Partner};
-use makadam_validation::peers::liggghts::{loop_seconds, read_dump};
+use makadam_validation::import::{merge_wall_contacts, read_dump};
+use makadam_validation::peers::liggghts::loop_seconds;
 use makadam_validation::peers::mesh::{Mesh, wall_mesh};
 use makadam_validation::peers::yade::read_frames;
-use makadam_validation::peers::{Code, CodeError, Job, Liggghts, Yade, merge_wall_contacts};
+use makadam_validation::peers::{Code, CodeError, Job, Liggghts, Yade};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;

@@ -166,6 +166,7 @@ impl Code for Rapier {
             wall_seconds: wall.as_secs_f64(),
             simulated_seconds: steps as f64 * self.settings.step,
             frames,
+            lacks: Vec::new(),
         })
     }
 }

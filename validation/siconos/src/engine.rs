@@ -215,6 +215,7 @@ impl Code for Siconos {
             wall_seconds: result.seconds,
             simulated_seconds: steps as f64 * step,
             frames,
+            lacks: Vec::new(),
         })
     }
 }

@@ -39,26 +39,43 @@ pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result
 }
 
 fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
+    let CompareArguments { json, output, .. } = arguments;
     let one_scene = OneScene {
         scene,
         scene_file: file,
         codes: codes(&arguments.codes),
+        judged: "Makadam",
         live: arguments.live,
         seeds: arguments.seeds,
         rayleigh_fraction: arguments.rayleigh_fraction,
         time_limit: Duration::from_secs_f64(arguments.time_limit),
         announce: &announce(console),
     };
+    tell(one_scene, &Wanted { command: "compare", json: *json, output: output.as_deref() }, console)
+}
+
+/// How a judgement is told.
+pub(super) struct Wanted<'a> {
+    /// The command.
+    pub command: &'static str,
+    /// Whether as JSON.
+    pub json: bool,
+    /// Folder of the report, if one is written.
+    pub output: Option<&'a Path>,
+}
+
+/// Judges and tells.
+pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Console) -> Result<ExitCode, Failure> {
     let Judged { qualification, failure } = one_scene.judge()?;
     let verdict = qualification.verdict();
     let comparison = &qualification.comparisons[0];
-    let mut text = match arguments.json {
-        true => json(&document(comparison, &verdict, &qualification.provenance)),
+    let mut text = match wanted.json {
+        true => json(&document(wanted.command, comparison, &verdict, &qualification.provenance)),
         false => format!("{}\n{}", report::comparison_table(comparison, console.colour()), verdict.sentence),
     };
-    if let Some(folder) = &arguments.output {
+    if let Some(folder) = wanted.output {
         let paths = report::write(&qualification, folder)?;
-        if !arguments.json {
+        if !wanted.json {
             text += &format!("\nreport: {}", paths.html.display());
         }
     }
@@ -73,13 +90,14 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
 }
 
 fn document<'a>(
+    command: &'static str,
     comparison: &'a Comparison,
     verdict: &'a Verdict,
     provenance: &'a BTreeMap<String, String>,
 ) -> CompareDocument<'a> {
     CompareDocument {
         version: JSON_VERSION,
-        command: "compare",
+        command,
         scene: &comparison.scene.name,
         verdict,
         rows: &comparison.rows,

@@ -1,20 +1,56 @@
-//! `makadam export`: the frames of a run for other programs.
+//! `makadam export`: the frames of a run for other programs, and scenes for other codes.
 
-use super::arguments::{ExportArguments, ExportFormat};
-use super::{Console, Failure};
+use super::arguments::{CodeName, ExportArguments, ExportFormat, load};
+use super::{Console, Failure, codes};
 use crate::export::{ExportError, Kind, write_gsd, write_vtkhdf};
-use crate::output::create_folder;
+use crate::output::{create_folder, file_stem};
+use crate::peers::Job;
 use crate::run_frames::RunFrames;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Writes the files and says which.
 pub(super) fn export(arguments: &ExportArguments, console: &Console) -> Result<ExitCode, Failure> {
-    let run = RunFrames::open(&arguments.frames.run)?;
+    match (arguments.code, arguments.format) {
+        (Some(code), _) => export_scene(arguments, code, console),
+        (None, Some(format)) => export_run(arguments, format, console),
+        (None, None) => {
+            Err(Failure::Usage("give --format for the frames of a run, or --for and a code for a scene".into()))
+        }
+    }
+}
+
+/// Writes what a code runs the scene from.
+fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) -> Result<ExitCode, Failure> {
+    let (file, scene) = load(&arguments.what, &arguments.changes)?;
+    let Some(code) = codes(&[code]).pop().filter(|code| code.name() != "Makadam") else {
+        return Err(Failure::Usage("Makadam runs scenes as they are; name another code".into()));
+    };
+    let name = format!("{}-{}", file_stem(&scene.name), code.name().to_lowercase());
+    let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(name));
+    let job = Job {
+        scene: &scene,
+        scene_file: &file,
+        seed: arguments.seed.unwrap_or(scene.seed),
+        stiffness_factor: 1.0,
+        rayleigh_fraction: arguments.rayleigh_fraction,
+        work_folder: &folder,
+        time_limit: Duration::ZERO,
+        progress: &|_| {},
+    };
+    let command = code.write_input(&job)?;
+    console.result(&format!("{}; run it there with: {command}", folder.display()))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn export_run(arguments: &ExportArguments, format: ExportFormat, console: &Console) -> Result<ExitCode, Failure> {
+    let run = RunFrames::open(Path::new(&arguments.what))?;
     let folder = arguments.output.clone().unwrap_or_else(|| run.folder().to_path_buf());
     create_folder(&folder)?;
     let bar = console.bar("exporting");
     let mut said = Vec::new();
-    match arguments.format {
+    match format {
         ExportFormat::Vtkhdf => {
             for kind in Kind::ALL {
                 let path = folder.join(format!("{}.vtkhdf", kind.name()));

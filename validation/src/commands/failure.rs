@@ -3,6 +3,7 @@
 use crate::compare::{RecordError, ReferenceError};
 use crate::effects::AblationError;
 use crate::execution::MeasureError;
+use crate::import::ImportError;
 use crate::output::WriteError;
 use crate::parameter_study::ParameterError;
 use crate::peers::CodeError;
@@ -32,6 +33,9 @@ pub enum Failure {
     /// A file holds no contact problem that could be solved.
     #[error(transparent)]
     Problem(#[from] ProblemFileError),
+    /// A file holds no frames that could be measured.
+    #[error("{0}")]
+    Frames(#[from] ImportError),
     /// What is wrong with one combination of values.
     #[error("{0}: {1}")]
     Combination(String, Box<Failure>),
@@ -57,7 +61,7 @@ impl Failure {
             // The scene is sound, and runs where there is more.
             Failure::Scene(SceneError::File(SceneFileError::Memory { .. })) => 1,
             Failure::Usage(_) | Failure::Scene(SceneError::Change(_)) => 2,
-            Failure::Scene(_) | Failure::Problem(_) => 3,
+            Failure::Scene(_) | Failure::Problem(_) | Failure::Frames(_) => 3,
             Failure::MissingCode(_) => 5,
             Failure::Combination(_, failure) => failure.exit_code(),
         }

@@ -9,8 +9,10 @@ mod convergence;
 mod effects;
 mod export;
 mod failure;
+mod judge;
 mod laws;
 mod manual;
+mod measure;
 mod new;
 mod observables;
 mod picture;
@@ -71,6 +73,8 @@ pub fn main() -> ExitCode {
         Command::Picture(picture) => picture::picture(picture, &console),
         Command::Animate(animate) => picture::animate(animate, &console),
         Command::View(view) => view::view(view, &console),
+        Command::Judge(arguments) => judge::judge(arguments, &console),
+        Command::Measure(measure) => measure::measure(measure, &console),
         Command::Export(export) => export::export(export, &console),
         Command::Problem(problem) => problem::problem(problem, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),

@@ -101,6 +101,7 @@ mod tests {
                 wall_seconds: 1.0,
                 simulated_seconds: 0.4,
                 frames: Vec::new(),
+                lacks: Vec::new(),
             })
         }
     }

@@ -106,12 +106,22 @@ pub struct FinalState {
     pub particles: Vec<Particle>,
 }
 
+/// Who is judged where nobody else is named.
+pub(crate) const MAKADAM: &str = "Makadam";
+
+fn makadam() -> String {
+    MAKADAM.into()
+}
+
 /// Everything that a comparison of one scene yields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// The scene.
     pub scene: Scene,
-    /// Makadam against each peer, then the first peer against the second, an observable after the other.
+    /// The code that is judged.
+    #[serde(default = "makadam")]
+    pub judged: String,
+    /// The judged code against each other one, then the first of these against the next, an observable after the other.
     pub rows: Vec<Row>,
     /// How each code was run.
     pub codes: Vec<CodeSummary>,

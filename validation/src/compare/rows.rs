@@ -1,5 +1,6 @@
 //! From runs to rows: means, differences, verdicts, the bias of soft grains, live runs against the recorded spread.
 
+use super::comparison::MAKADAM;
 use super::{CodeRuns, Comparison, MeasuredRun, Row};
 use crate::plan::{Expectation, Scene};
 use crate::statistics::Outcome;
@@ -8,10 +9,11 @@ use crate::statistics::{Ensemble, equivalence, inside_recorded_spread};
 /// Stiffness at which the bias of soft grains is measured, over the scene's.
 pub const STIFF: f64 = 10.0;
 
-/// Puts together what was measured of several codes, the judged one first.
+/// Puts together what was measured of several codes, Makadam first, which is the one that is judged.
 pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comparison {
     Comparison {
         scene: scene.clone(),
+        judged: MAKADAM.into(),
         rows: scene.compare.iter().flat_map(|expectation| rows(scene, expectation, codes)).collect(),
         codes: codes.iter().filter_map(CodeRuns::summary).collect(),
         series: codes.iter().flat_map(|code| code.series.iter().cloned()).collect(),

@@ -156,6 +156,7 @@ fn as_kind(array: &Array, kind: Number) -> Vec<u8> {
         (_, Number::Float32) => array.values().iter().flat_map(|value| (*value as f32).to_le_bytes()).collect(),
         (_, Number::Float64) => array.values().iter().flat_map(|value| value.to_le_bytes()).collect(),
         (_, Number::Int32) => array.values().iter().flat_map(|value| (*value as i32).to_le_bytes()).collect(),
+        (_, Number::Int64) => array.values().iter().flat_map(|value| (*value as i64).to_le_bytes()).collect(),
         (_, Number::UInt8) => array.values().iter().map(|value| *value as u8).collect(),
     }
 }
@@ -245,6 +246,8 @@ fn numbers(dataset: &mut DatasetBuilder, bytes: &[u8], kind: Number) {
         Number::UInt8 => dataset.with_u8_data(bytes),
         Number::Int32 => dataset
             .with_i32_data(&bytes.as_chunks().0.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect::<Vec<_>>()),
+        Number::Int64 => dataset
+            .with_i64_data(&bytes.as_chunks().0.iter().map(|bytes| i64::from_le_bytes(*bytes)).collect::<Vec<_>>()),
         Number::Float32 => dataset
             .with_f32_data(&bytes.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect::<Vec<_>>()),
         Number::Float64 => dataset

@@ -3,6 +3,7 @@
 pub use super::definitions::Definition;
 use super::definitions::GROUPS;
 use crate::plan::{Observable, Scene};
+use crate::recording::Content;
 use makadam::scene::nearest;
 use makadam::scene::{SceneFileError, line_of};
 use std::path::Path;
@@ -17,6 +18,12 @@ pub fn definitions() -> impl Iterator<Item = (&'static str, &'static Definition)
     GROUPS.iter().flat_map(|(_, group, quantities)| quantities.iter().map(|quantity| (*group, quantity)))
 }
 
+/// What a quantity needs of frames and these lack, if anything.
+pub fn missing(quantity: &str, lacks: &[Content]) -> Option<Content> {
+    let (_, definition) = definitions().find(|(_, definition)| definition.name == quantity)?;
+    definition.needs.iter().find(|need| lacks.contains(need)).copied()
+}
+
 /// The page of all quantities, in Markdown.
 pub fn page() -> String {
     let mut page = String::from(
@@ -26,7 +33,7 @@ pub fn page() -> String {
          grains would be left). Every number follows from positions, velocities and contacts alone, by one code for every simulator.\n",
     );
     let mut group = "";
-    for (own, Definition { name, symbol, unit, formula, source }) in definitions() {
+    for (own, Definition { name, symbol, unit, formula, source, .. }) in definitions() {
         if own != group {
             page += &format!("\n## {own}\n\n| name | symbol | unit | definition |\n| --- | --- | --- | --- |\n");
             group = own;

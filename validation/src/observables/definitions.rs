@@ -1,6 +1,7 @@
 //! What each measured number is: its symbol, its unit, how it is computed, and where the definition comes from.
 
 use crate::plan::Observable;
+use crate::recording::Content;
 use serde::Serialize;
 
 /// A number that can be measured.
@@ -16,6 +17,15 @@ pub struct Definition {
     pub formula: &'static str,
     /// Where the definition comes from; empty where it is this program's own or follows from its words.
     pub source: &'static str,
+    /// What frames must hold beside the places and sizes of their grains.
+    pub needs: &'static [Content],
+}
+
+impl Definition {
+    /// The same, where frames must hold more than places and sizes of grains.
+    const fn needs(self, needs: &'static [Content]) -> Definition {
+        Definition { needs, ..self }
+    }
 }
 
 const fn define(
@@ -25,8 +35,14 @@ const fn define(
     formula: &'static str,
     source: &'static str,
 ) -> Definition {
-    Definition { name, symbol, unit, formula, source }
+    Definition { name, symbol, unit, formula, source, needs: &[] }
 }
+
+const CONTACTS: &[Content] = &[Content::Contacts];
+const WALL_CONTACTS: &[Content] = &[Content::WallContacts];
+const ALL_CONTACTS: &[Content] = &[Content::Contacts, Content::WallContacts];
+const VELOCITIES: &[Content] = &[Content::Velocities];
+const MOTION: &[Content] = &[Content::Velocities, Content::Spins];
 
 /// A group of numbers: what measures them, its name in `measure.observables`, and the numbers.
 pub(super) type Group = (Observable, &'static str, &'static [Definition]);
@@ -107,31 +123,37 @@ const COORDINATION: [Definition; 5] = [
         "",
         "contacts with f_n > 0 per grain of the bulk, with grains and walls",
         "",
-    ),
+    )
+    .needs(ALL_CONTACTS),
     define("bulk_grains", "N_b", "", "grains in the bulk: two mean diameters from walls and free surface", ""),
 ];
 
 const CONTACT_FORCES: [Definition; 8] = [
-    define("share_below_mean", "s", "", "share of contacts between grains of the bulk with f_n < ⟨f_n⟩", ""),
-    define("gini", "G", "", "Gini coefficient of f_n: Σ_ij |f_i − f_j| / (2 N² ⟨f⟩); 0 where all are equal", ""),
-    define("force_second_moment", "M_2", "", "⟨f_n²⟩ / ⟨f_n⟩²", ""),
+    define("share_below_mean", "s", "", "share of contacts between grains of the bulk with f_n < ⟨f_n⟩", "")
+        .needs(CONTACTS),
+    define("gini", "G", "", "Gini coefficient of f_n: Σ_ij |f_i − f_j| / (2 N² ⟨f⟩); 0 where all are equal", "")
+        .needs(CONTACTS),
+    define("force_second_moment", "M_2", "", "⟨f_n²⟩ / ⟨f_n⟩²", "").needs(CONTACTS),
     define(
         "weak_load_share",
         "w",
         "",
         "Σ f_n over contacts below the mean, over Σ f_n of all: the load on the weak network",
         "Radjai et al., Phys. Rev. Lett. 77, 274 (1996)",
-    ),
-    define("friction_mobilisation", "I_m", "", "⟨f_t / (μ f_n)⟩", ""),
-    define("sliding_share", "χ_s", "", "share of contacts with f_t ≥ 0.99 μ f_n", ""),
+    )
+    .needs(CONTACTS),
+    define("friction_mobilisation", "I_m", "", "⟨f_t / (μ f_n)⟩", "").needs(CONTACTS),
+    define("sliding_share", "χ_s", "", "share of contacts with f_t ≥ 0.99 μ f_n", "").needs(CONTACTS),
     define(
         "fabric_anisotropy",
         "a_c",
         "",
         "√(3/2 a:a) with a = 15/2 (⟨n nᵀ⟩ − 1/3) over contact normals n",
         "Guo & Zhao, J. Mech. Phys. Solids 61, 1 (2013)",
-    ),
-    define("mean_normal_force", "⟨f_n⟩", "N", "mean normal force of contacts between grains of the bulk", ""),
+    )
+    .needs(CONTACTS),
+    define("mean_normal_force", "⟨f_n⟩", "N", "mean normal force of contacts between grains of the bulk", "")
+        .needs(CONTACTS),
 ];
 
 const BALANCES: [Definition; 5] = [
@@ -141,7 +163,8 @@ const BALANCES: [Definition; 5] = [
         "",
         "force of the grains on all walls along gravity over the weight of the grains; 1 in balance",
         "",
-    ),
+    )
+    .needs(WALL_CONTACTS),
     define("largest_overlap", "δ_max", "radius", "largest overlap of two grains over the smaller radius", ""),
     define("mean_overlap", "⟨δ⟩", "radius", "mean overlap of pairs that overlap, over the smaller radius", ""),
     define(
@@ -150,8 +173,9 @@ const BALANCES: [Definition; 5] = [
         "",
         "largest f_t / (μ f_n) − 1 over contacts with friction; at most 0 where Coulomb's law holds",
         "",
-    ),
-    define("kinetic_energy", "E_k", "J", "Σ ½ m v² + ½ (2/5 m r²) ω²", ""),
+    )
+    .needs(ALL_CONTACTS),
+    define("kinetic_energy", "E_k", "J", "Σ ½ m v² + ½ (2/5 m r²) ω²", "").needs(MOTION),
 ];
 
 const DRUM_FLOW: [Definition; 5] = [
@@ -161,22 +185,26 @@ const DRUM_FLOW: [Definition; 5] = [
         "",
         "angular speed of the grains at the shell over the drum's; 1 where they turn with it",
         "",
-    ),
+    )
+    .needs(VELOCITIES),
     define(
         "wall_torque",
         "T",
         "N m",
         "torque of the turning walls on the grains about the axis, positive in the sense of rotation",
         "",
-    ),
+    )
+    .needs(WALL_CONTACTS),
     define(
         "flowing_layer_thickness",
         "h_f",
         "diameter",
         "depth below the middle of the surface at which the velocity along the surface changes sign",
         "",
-    ),
-    define("surface_speed", "v_s", "m/s", "velocity down the slope in the uppermost half diameter there", ""),
+    )
+    .needs(VELOCITIES),
+    define("surface_speed", "v_s", "m/s", "velocity down the slope in the uppermost half diameter there", "")
+        .needs(VELOCITIES),
     define(
         "lacey_mixing_index",
         "M",
@@ -223,7 +251,8 @@ const DRIVEN_WALL: [Definition; 1] = [define(
     "m or rad",
     "how far a force or a torque has moved the first driven wall, along or about its axis",
     "",
-)];
+)
+.needs(&[Content::DrivenWalls])];
 
 const DISCHARGE: [Definition; 2] = [
     define(

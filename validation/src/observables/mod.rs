@@ -92,10 +92,12 @@ use setting::Setting;
 use static_angle::HeapFields;
 use view::View;
 
-/// Measures a recording: [`measure_frames`] of its [`measured_frames`]; nothing where it has none.
+/// Measures a recording: [`measure_frames`] of its [`measured_frames`]; nothing where it has none. What needs something that its frames
+/// do not tell is left out.
 pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
     let Ok(measured) = measure_frames(scene, &measured_frames(scene, recording)[..]);
-    measured.unwrap_or_default()
+    let is_told = |measurement: &Measurement| catalogue::missing(&measurement.observable, &recording.lacks).is_none();
+    measured.unwrap_or_default().into_iter().filter(is_told).collect()
 }
 
 /// Measures frames: the quantities of `scene.measure.observables`, over all of them. `None` if there is no frame, so that what

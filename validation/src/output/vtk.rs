@@ -31,6 +31,8 @@ pub(crate) enum Kind {
     UInt8,
     /// Integers of 32 bits.
     Int32,
+    /// Integers of 64 bits, which other codes write.
+    Int64,
     /// Single precision.
     Float32,
     /// Double precision.
@@ -38,13 +40,14 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    pub const ALL: [Kind; 4] = [Kind::UInt8, Kind::Int32, Kind::Float32, Kind::Float64];
+    pub const ALL: [Kind; 5] = [Kind::UInt8, Kind::Int32, Kind::Int64, Kind::Float32, Kind::Float64];
 
     /// Its name in a file.
     pub fn name(self) -> &'static str {
         match self {
             Kind::UInt8 => "UInt8",
             Kind::Int32 => "Int32",
+            Kind::Int64 => "Int64",
             Kind::Float32 => "Float32",
             Kind::Float64 => "Float64",
         }
@@ -55,7 +58,7 @@ impl Kind {
         match self {
             Kind::UInt8 => 1,
             Kind::Int32 | Kind::Float32 => 4,
-            Kind::Float64 => 8,
+            Kind::Int64 | Kind::Float64 => 8,
         }
     }
 }
@@ -76,24 +79,19 @@ pub(crate) struct Array {
 impl Array {
     /// Single precision is far finer than a pixel and halves the files.
     pub fn floats(name: &str, components: usize, values: impl Iterator<Item = f64>) -> Array {
-        let bytes = values.flat_map(|value| (value as f32).to_le_bytes()).collect();
+        let bytes = bytes_of(values.map(|value| (value as f32).to_le_bytes()));
         Array { name: name.into(), components, kind: Kind::Float32, bytes }
     }
 
     /// In double precision.
     pub fn doubles(name: &str, components: usize, values: impl Iterator<Item = f64>) -> Array {
-        let bytes = values.flat_map(f64::to_le_bytes).collect();
+        let bytes = bytes_of(values.map(f64::to_le_bytes));
         Array { name: name.into(), components, kind: Kind::Float64, bytes }
     }
 
     /// Integers, one a tuple.
     pub fn integers(name: &str, values: impl Iterator<Item = i32>) -> Array {
-        Array {
-            name: name.into(),
-            components: 1,
-            kind: Kind::Int32,
-            bytes: values.flat_map(i32::to_le_bytes).collect(),
-        }
+        Array { name: name.into(), components: 1, kind: Kind::Int32, bytes: bytes_of(values.map(i32::to_le_bytes)) }
     }
 
     /// Coordinates, in single precision as everything else, unless that would shift points by more than a thousandth of what has to be
@@ -119,10 +117,18 @@ impl Array {
         match self.kind {
             Kind::UInt8 => each(&self.bytes, |[byte]: [u8; 1]| f64::from(byte)),
             Kind::Int32 => each(&self.bytes, |bytes| f64::from(i32::from_le_bytes(bytes))),
+            Kind::Int64 => each(&self.bytes, |bytes| i64::from_le_bytes(bytes) as f64),
             Kind::Float32 => each(&self.bytes, |bytes| f64::from(f32::from_le_bytes(bytes))),
             Kind::Float64 => each(&self.bytes, f64::from_le_bytes),
         }
     }
+}
+
+/// The bytes of numbers one after the other, a number at a time.
+fn bytes_of<const SIZE: usize>(numbers: impl Iterator<Item = [u8; SIZE]>) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(SIZE * numbers.size_hint().0);
+    numbers.for_each(|number| bytes.extend_from_slice(&number));
+    bytes
 }
 
 /// What connects the points of a file.

@@ -1,10 +1,14 @@
-//! Reading the VTK files that runs write, those of today and the uncompressed ones of earlier versions.
+//! Reading VTK's XML files: those that runs write, of today and of earlier versions, and what other codes write as polygonal data or as an
+//! unstructured grid: appended as it is or in base64, in place as base64 or as words, compressed by zlib or not.
 
 use super::vtk::{Array, Cells, Kind, PolyData};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Decompress, FlushDecompress, Status};
 use roxmltree::{Document, Node};
+
+/// What VTK calls an unstructured grid.
+const GRID: &str = "UnstructuredGrid";
 
 /// Where what is appended begins.
 const APPENDED: &[u8] = b"<AppendedData";
@@ -15,7 +19,11 @@ const BEST_COMPRESSION: usize = 1100;
 /// What holds the arrays of a document.
 struct Source<'a> {
     appended: &'a [u8],
+    /// Whether what is appended is text.
+    in_base64: bool,
     compressed: bool,
+    /// Bytes of the integers in front of an array.
+    header: usize,
 }
 
 /// The polygonal data in the bytes of a file.
@@ -24,6 +32,7 @@ struct Source<'a> {
 /// What is wrong with them.
 pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
     let Outline { time, points, cells, topology, corners, mut sections } = outline(bytes, &|_| true)?;
+    let time = time.ok_or("it has no time")?;
     let mut take = |name: &str| match sections.iter().position(|(of, _)| *of == name) {
         None => Vec::new(),
         Some(place) => std::mem::take(&mut sections[place].1),
@@ -56,8 +65,8 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
 /// What a file holds, as far as it was asked for.
 #[derive(Debug)]
 pub(crate) struct Outline {
-    /// Simulated time, s.
-    pub time: f64,
+    /// Simulated time, s; none where the file does not tell it.
+    pub time: Option<f64>,
     /// Number of points.
     pub points: usize,
     /// Number of cells.
@@ -87,7 +96,10 @@ pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Out
     let kinds = [("Verts", 1), ("Lines", 2), ("Polys", 3)];
     let some = |(name, _): &(&str, usize)| count(&format!("NumberOf{name}")).is_ok_and(|cells| cells > 0);
     let (topology, corners) = kinds.into_iter().find(some).unwrap_or(("Verts", 1));
-    let cells = count(&format!("NumberOf{topology}"))?;
+    let cells = match root.attribute("type") {
+        Some(GRID) => count("NumberOfCells")?,
+        _ => count(&format!("NumberOf{topology}"))?,
+    };
     let mut sections = Vec::new();
     for (name, tuples) in [("Points", points), ("PointData", points), ("CellData", cells), ("Polys", corners * cells)] {
         // Offsets of polygons have another number of tuples, and say nothing of triangles.
@@ -97,7 +109,7 @@ pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Out
     let time = named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
     let time = time.into_iter().find(|node| node.attribute("Name") == Some("TimeValue"));
     let time = time.map(|node| array(&source, node, 1)).transpose()?.and_then(|array| array.values().first().copied());
-    let time = time.filter(|time| time.is_finite()).ok_or("it has no time")?;
+    let time = time.filter(|time| time.is_finite());
     Ok(Outline { time, points, cells, topology, corners, sections })
 }
 
@@ -107,13 +119,16 @@ fn split(bytes: &[u8]) -> Result<(String, &[u8]), String> {
         None => (bytes, &[][..]),
         Some(place) => {
             let rest = &bytes[place..];
-            let start = rest.iter().position(|byte| *byte == b'_').ok_or("nothing stands behind the document")?;
-            (&bytes[..place], &rest[start + 1..])
+            // The mark comes behind the attributes, which may have marks in their names.
+            let open = rest.iter().position(|byte| *byte == b'>').ok_or("nothing stands behind the document")?;
+            let start =
+                rest[open..].iter().position(|byte| *byte == b'_').ok_or("nothing stands behind the document")?;
+            (&bytes[..place + open + 1], &rest[open + start + 1..])
         }
     };
     let mut text = String::from_utf8(head.to_vec()).map_err(|_| "it is no text".to_string())?;
     if head.len() < bytes.len() {
-        text += "</VTKFile>";
+        text += "</AppendedData></VTKFile>";
     }
     Ok((text, appended))
 }
@@ -123,10 +138,21 @@ fn root<'a, 'input>(
     appended: &'a [u8],
 ) -> Result<(Node<'a, 'input>, Source<'a>), String> {
     let root = document.root_element();
-    match root.attribute("type") {
-        Some("PolyData") => Ok((root, Source { appended, compressed: root.attribute("compressor").is_some() })),
-        _ => Err("it holds no polygonal data".into()),
+    if !matches!(root.attribute("type"), Some("PolyData" | GRID)) {
+        return Err("it holds no polygonal data, and no unstructured grid".into());
     }
+    if root.attribute("byte_order") == Some("BigEndian") {
+        return Err("its numbers are in big endian".into());
+    }
+    let compressed = match root.attribute("compressor") {
+        None => false,
+        Some("vtkZLibDataCompressor") => true,
+        Some(other) => return Err(format!("it is compressed by {other}; only zlib is read")),
+    };
+    let header = if root.attribute("header_type") == Some("UInt64") { 8 } else { 4 };
+    let section = document.descendants().find(|node| node.has_tag_name("AppendedData"));
+    let in_base64 = section.is_some_and(|node| node.attribute("encoding") == Some("base64"));
+    Ok((root, Source { appended, in_base64, compressed, header }))
 }
 
 /// Named texts.
@@ -206,33 +232,93 @@ fn array(source: &Source<'_>, node: Node<'_, '_>, tuples: usize) -> Result<Array
         "appended" => {
             let offset = attribute("offset").parse::<usize>().ok();
             let rest = offset.and_then(|offset| source.appended.get(offset..));
-            blocks(rest.ok_or_else(|| wrong("it lies beyond the end of the file"))?, source.compressed, size)
+            let rest = rest.ok_or_else(|| wrong("it lies beyond the end of the file"))?;
+            match source.in_base64 {
+                true => from_base64(source, rest, size).and_then(|bytes| blocks(source, &bytes, size)),
+                false => blocks(source, rest, size),
+            }
         }
-        "binary" if !source.compressed => {
+        "binary" => {
             let text = node.text().unwrap_or_default().trim();
-            let bytes = STANDARD.decode(text).map_err(|error| wrong(&format!("it is no base64: {error}")))?;
-            blocks(&bytes, false, size)
+            from_base64(source, text.as_bytes(), size).and_then(|bytes| blocks(source, &bytes, size))
         }
+        "ascii" => in_words(kind, node.text().unwrap_or_default(), components * tuples),
         other => Err(format!("its format '{other}' is not that of a run")),
     };
     Ok(Array { bytes: bytes.map_err(|what| wrong(&what))?, name, components, kind })
 }
 
-/// What an array of `size` bytes is made from: a size and bytes, or blocks of zlib behind the table of their sizes.
-fn blocks(bytes: &[u8], compressed: bool, size: usize) -> Result<Vec<u8>, String> {
-    let cut = || "the file ends within it".to_string();
-    let number = |place: usize| {
-        let bytes = bytes.get(8 * place..8 * place + 8).ok_or_else(cut)?;
-        let number = u64::from_le_bytes(bytes.try_into().expect("eight bytes"));
-        usize::try_from(number).map_err(|_| cut())
+fn cut() -> String {
+    "the file ends within it".into()
+}
+
+/// An integer of `header` bytes in front of an array.
+fn header_number(bytes: &[u8], header: usize, place: usize) -> Result<usize, String> {
+    let own = bytes.get(header * place..header * (place + 1)).ok_or_else(cut)?;
+    let mut eight = [0; 8];
+    eight[..header].copy_from_slice(own);
+    usize::try_from(u64::from_le_bytes(eight)).map_err(|_| cut())
+}
+
+/// The bytes of an array that begins a text in base64. Compressed ones have their header encoded by itself.
+fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>, String> {
+    let decoded = |start: usize, bytes: usize| {
+        let letters = bytes.checked_add(2).map(|bytes| bytes / 3 * 4).ok_or_else(cut)?;
+        let own = text.get(start..start.saturating_add(letters)).ok_or_else(cut)?;
+        let decoded = STANDARD.decode(own).map_err(|error| format!("it is no base64: {error}"))?;
+        Ok::<_, String>((decoded, start + letters))
     };
+    let header = source.header;
+    if !source.compressed {
+        return decoded(0, header.saturating_add(size)).map(|(bytes, _)| bytes);
+    }
+    // Nine bytes and twelve letters are whole groups: enough for the number of blocks.
+    let count =
+        header_number(&STANDARD.decode(text.get(..12).ok_or_else(cut)?).map_err(|_| "it is no base64")?, header, 0)?;
+    if count > text.len() {
+        return Err(cut());
+    }
+    let (mut bytes, start) = decoded(0, header * (3 + count))?;
+    let mut packed = 0_usize;
+    for block in 0..count {
+        packed = packed.saturating_add(header_number(&bytes, header, 3 + block)?);
+    }
+    bytes.extend(decoded(start, packed)?.0);
+    Ok(bytes)
+}
+
+/// The bytes of numbers that stand as words.
+fn in_words(kind: Kind, text: &str, count: usize) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let mut found = 0;
+    for word in text.split_ascii_whitespace() {
+        let number: f64 = word.parse().map_err(|_| format!("'{word}' is no number"))?;
+        match kind {
+            Kind::UInt8 => bytes.push(number as u8),
+            Kind::Int32 => bytes.extend((number as i32).to_le_bytes()),
+            Kind::Int64 => bytes.extend((number as i64).to_le_bytes()),
+            Kind::Float32 => bytes.extend((number as f32).to_le_bytes()),
+            Kind::Float64 => bytes.extend(number.to_le_bytes()),
+        }
+        found += 1;
+    }
+    match found == count {
+        true => Ok(bytes),
+        false => Err(format!("it has {found} numbers in place of {count}")),
+    }
+}
+
+/// What an array of `size` bytes is made from: a size and bytes, or blocks of zlib behind the table of their sizes.
+fn blocks(source: &Source<'_>, bytes: &[u8], size: usize) -> Result<Vec<u8>, String> {
+    let header = source.header;
+    let number = |place: usize| header_number(bytes, header, place);
     let other = |found: usize| format!("it has {found} bytes in place of {size}");
-    if !compressed {
+    if !source.compressed {
         let found = number(0)?;
         if found != size {
             return Err(other(found));
         }
-        return bytes.get(8..8 + size).map(<[u8]>::to_vec).ok_or_else(cut);
+        return bytes.get(header..header + size).map(<[u8]>::to_vec).ok_or_else(cut);
     }
     let (count, whole, last) = (number(0)?, number(1)?, number(2)?);
     let found = match (count, last) {
@@ -246,7 +332,7 @@ fn blocks(bytes: &[u8], compressed: bool, size: usize) -> Result<Vec<u8>, String
     if size > bytes.len().saturating_mul(BEST_COMPRESSION) || count > bytes.len() {
         return Err(cut());
     }
-    let mut start = 24 + 8 * count;
+    let mut start = header * (3 + count);
     let mut unpacked = Vec::with_capacity(size);
     for block in 0..count {
         let length = number(3 + block)?;

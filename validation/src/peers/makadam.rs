@@ -56,6 +56,7 @@ impl Code for Makadam {
             wall_seconds: wall.as_secs_f64(),
             simulated_seconds: simulation.time() - started,
             frames,
+            lacks: Vec::new(),
         })
     }
 }

@@ -1,16 +1,17 @@
 //! The codes that are compared: one trait, one file a code.
 
-mod assemble;
+pub mod external;
 pub mod liggghts;
 mod makadam;
 pub mod mesh;
 mod palette;
 mod plan;
 mod process;
+mod stl;
 pub mod yade;
 mod yade_rolling;
 
-pub use assemble::merge_wall_contacts;
+pub use external::{DescriptionError, External};
 pub use liggghts::Liggghts;
 pub use makadam::Makadam;
 pub use yade::Yade;
@@ -45,10 +46,18 @@ pub struct Job<'a> {
 
 /// A code that can simulate a scene.
 pub trait Code: Sync {
-    /// Its name: "Makadam", "YADE" or "LIGGGHTS".
+    /// Its name, such as "Makadam" or "YADE".
     fn name(&self) -> &'static str;
     /// Its version, or `None` if it is not installed.
     fn version(&self) -> Option<String>;
+    /// Writes the files from which it runs the scene into the job's folder, and returns the command that runs it there.
+    ///
+    /// # Errors
+    /// [`CodeError`], also where it needs no files.
+    fn write_input(&self, job: &Job<'_>) -> Result<String, CodeError> {
+        let _ = job;
+        Err(CodeError::Unsupported { code: self.name(), reason: "there are no files to be exported".into() })
+    }
     /// Runs the scene on one core and returns its frames.
     ///
     /// # Errors
@@ -141,6 +150,16 @@ pub enum CodeError {
         /// What the system said.
         source: std::io::Error,
     },
+}
+
+/// Writes files into a folder, which is made.
+fn write_files(folder: &Path, files: Vec<(String, String)>) -> Result<(), CodeError> {
+    std::fs::create_dir_all(folder).map_err(|source| process::io(folder, source))?;
+    for (name, text) in files {
+        let path = folder.join(name);
+        std::fs::write(&path, text).map_err(|source| process::io(&path, source))?;
+    }
+    Ok(())
 }
 
 /// Refuses a scene that calls for an effect that a code lacks, as far as grains and walls that are there have it.

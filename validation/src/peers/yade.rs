@@ -1,12 +1,12 @@
 //! YADE: a job file for `yade_driver.py`, which runs inside it, and the frames that come back.
 
-use super::assemble::{contact_from_force, measurable, merge_wall_contacts};
 use super::mesh::{Triangle, wall_mesh};
 use super::palette::Palette;
 use super::plan::{MotionPhase, Plan};
 use super::process::{self, Program, Run, io};
 use super::yade_rolling::{Rolling, rolling};
 use super::{Code, CodeError, Job};
+use crate::import::{contact_from_force, measurable, merge_wall_contacts};
 use crate::recording::Recording;
 use crate::scenes::in_file;
 use makadam::effects::catalogue::{
@@ -153,32 +153,17 @@ impl Code for Yade {
         self.program.version(&["--version"], version_in)
     }
 
+    fn write_input(&self, job: &Job<'_>) -> Result<String, CodeError> {
+        write_input(job).map(|_| "yade -j1 -n -x yade_driver.py job.json".into())
+    }
+
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
-        let scene = job.scene;
-        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
-        super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
-        if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
-            return Err(CodeError::Unsupported { code: NAME, reason: "a wall is driven by a torque".into() });
-        }
-        let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
-
-        let folder = job.work_folder;
-        std::fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
-        let write = |name: &str, text: &[u8]| {
-            let path = folder.join(name);
-            std::fs::write(&path, text).map_err(|source| io(&path, source))
-        };
+        let (scene, folder) = (job.scene, job.work_folder);
         for stale in ["frames.bin", "driven.bin", "result.json", "progress.txt"] {
             let _ = std::fs::remove_file(folder.join(stale));
         }
-        let palette = Palette::new(scene, &grains);
-        let rolling = rolling(&palette, &grains).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
-        let cohesion = surface_energy(&palette).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
-        let job_text = serde_json::to_vec(&job_file(job, &grains, &plan, &palette, (rolling, cohesion)))
-            .map_err(|error| io(&folder.join("job.json"), error.into()))?;
-        write("job.json", &job_text)?;
-        write("yade_driver.py", DRIVER.as_bytes())?;
+        let (grains, plan) = write_input(job)?;
 
         let progress_file = folder.join("progress.txt");
         Run {
@@ -231,8 +216,29 @@ impl Code for Yade {
             wall_seconds: result.seconds,
             simulated_seconds: plan.steps as f64 * plan.time_step,
             frames,
+            lacks: Vec::new(),
         })
     }
+}
+
+/// Writes job and driver into the job's folder: the grains and the steps of the run.
+fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
+    let scene = job.scene;
+    let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
+    super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
+    let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };
+    if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
+        return Err(unsupported("a wall is driven by a torque".into()));
+    }
+    let plan = Plan::new(scene, job.rayleigh_fraction * scene.rayleigh_step(&grains));
+    let palette = Palette::new(scene, &grains);
+    let rolling = rolling(&palette, &grains).map_err(unsupported)?;
+    let cohesion = surface_energy(&palette).map_err(unsupported)?;
+    let text = serde_json::to_string(&job_file(job, &grains, &plan, &palette, (rolling, cohesion)))
+        .map_err(|error| io(&job.work_folder.join("job.json"), error.into()))?;
+    let files = vec![("job.json".to_string(), text), ("yade_driver.py".to_string(), DRIVER.to_string())];
+    super::write_files(job.work_folder, files)?;
+    Ok((grains, plan))
 }
 
 /// The version in the words "Yade version: 2023.02a".

@@ -1,6 +1,6 @@
 //! One scene in several codes, judged.
 
-use crate::compare::{Announce, CodeRuns, FEW_SEEDS, Reference, ReferenceError, Runs, comparison};
+use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison};
 use crate::peers::{Code, CodeError};
 use crate::plan::Scene;
 use crate::provenance::account;
@@ -15,8 +15,10 @@ pub struct OneScene<'a> {
     pub scene: &'a Scene,
     /// Its file.
     pub scene_file: &'a Path,
-    /// The codes.
+    /// The codes, the judged one first.
     pub codes: Vec<Box<dyn Code>>,
+    /// Name of the code that is judged, which is always run.
+    pub judged: &'a str,
     /// Whether codes other than Makadam are run, in place of what is recorded of them.
     pub live: bool,
     /// Number of seeds, counted from 1; absent, as many as are recorded, or [`FEW_SEEDS`].
@@ -91,7 +93,7 @@ impl OneScene<'_> {
         let (mut notes, mut recorded) = (Vec::new(), Vec::new());
         let mut live: Vec<Box<dyn Code>> = Vec::new();
         for code in self.codes {
-            if code.name() == "Makadam" || self.live {
+            if ["Makadam", self.judged].contains(&code.name()) || self.live {
                 if code.version().is_none() {
                     return Err(CodeError::Missing { code: code.name() }.into());
                 }
@@ -119,7 +121,7 @@ impl OneScene<'_> {
         let qualification = Qualification {
             title: format!("Comparison of codes on the scene {}", scene.name),
             tier: "compare".into(),
-            comparisons: vec![comparison(scene, &measured, notes)],
+            comparisons: vec![Comparison { judged: self.judged.into(), ..comparison(scene, &measured, notes) }],
             wall_seconds: clock.elapsed().as_secs_f64(),
             provenance: account(rayon::current_num_threads(), &[scene]),
             notes: Vec::new(),

@@ -1,6 +1,5 @@
 //! Intervals of differences against the margins: one line an observable and pair of codes, in units of the margin.
 
-use super::qualification::JUDGED;
 use super::words;
 use crate::compare::{Comparison, Row};
 use crate::draw::names;
@@ -70,7 +69,7 @@ pub(super) fn figure(comparison: &Comparison) -> Option<String> {
         y += HEADING;
         drawing.text("heading", [0.0, y - 8.0], Anchor::Start, &names::observable(observable));
         for row in rows.iter().filter(|r| r.observable == observable) {
-            line(&mut drawing, row, y + LINE / 2.0 - 4.0, reach, &x);
+            line(&mut drawing, row, row.code == comparison.judged, y + LINE / 2.0 - 4.0, reach, &x);
             y += LINE;
         }
     }
@@ -81,12 +80,11 @@ fn interval(row: &Row) -> Option<[f64; 2]> {
     row.interval_of_verdict.or(row.interval90)
 }
 
-fn line(drawing: &mut Drawing, row: &Row, y: f64, reach: f64, x: &impl Fn(f64) -> f64) {
+fn line(drawing: &mut Drawing, row: &Row, judged: bool, y: f64, reach: f64, x: &impl Fn(f64) -> f64) {
     let (Some(difference), Some(margin), Some(reference)) = (row.difference, row.margin, row.reference_code.as_deref())
     else {
         return;
     };
-    let judged = row.code == JUDGED;
     let style = names::code_style(if judged { reference } else { "" });
     let label = format!("{} − {reference}", row.code);
     drawing.text(if judged { "name" } else { "name faint" }, [LEFT - 10.0, y + 4.0], Anchor::End, &label);

@@ -6,9 +6,6 @@ use crate::statistics::Outcome;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Name of the code that is judged.
-pub(super) const JUDGED: &str = "Makadam";
-
 /// One qualification: every scene that was compared, and where the numbers came from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Qualification {
@@ -51,7 +48,7 @@ pub enum Standing {
     NothingCompared,
 }
 
-/// The verdict of a qualification, counted over the tests of Makadam against its references.
+/// The verdict of a qualification, counted over the tests of the judged code against the others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// What it comes to.
@@ -95,8 +92,8 @@ impl Qualification {
         for comparison in &self.comparisons {
             let mut tested = false;
             // Where the judged code took no part, what the others lack still is no success.
-            let judged = comparison.rows.iter().any(|row| row.code == JUDGED);
-            for row in comparison.rows.iter().filter(|row| row.code == JUDGED || !judged) {
+            let judged = comparison.rows.iter().any(|row| row.code == comparison.judged);
+            for row in comparison.rows.iter().filter(|row| row.code == comparison.judged || !judged) {
                 let Some(outcome) = row.outcome else { continue };
                 if outcome == Outcome::NotMeasured {
                     verdict.not_measured += 1;
@@ -127,7 +124,8 @@ impl Qualification {
             (_, 0, _) => Standing::Undecided,
             _ => Standing::Disagree,
         };
-        verdict.sentence = sentence(&verdict, &references, scenes);
+        let judged = self.comparisons.first().map_or("", |comparison| &comparison.judged);
+        verdict.sentence = sentence(&verdict, judged, &references, scenes);
         verdict
     }
 }
@@ -138,12 +136,12 @@ pub(super) fn floor_exceeds_margin(comparison: &Comparison, row: &Row) -> bool {
     comparison
         .rows
         .iter()
-        .filter(|floor| floor.code != JUDGED && floor.observable == row.observable)
+        .filter(|floor| floor.code != comparison.judged && floor.observable == row.observable)
         .filter_map(|floor| floor.difference)
         .any(|difference| difference.abs() > margin)
 }
 
-fn sentence(verdict: &Verdict, references: &[&str], scenes: usize) -> String {
+fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize) -> String {
     let tests = verdict.agree + verdict.disagree + verdict.undecided + verdict.not_measured;
     let lacking = match verdict.not_measured {
         0 => String::new(),
@@ -163,15 +161,15 @@ fn sentence(verdict: &Verdict, references: &[&str], scenes: usize) -> String {
             "Not measured: of {over} against {names}, {agree} agree, none disagrees, and {} could not be made, for want of values.",
             verdict.not_measured,
         ),
-        (1, 0, 0) => format!("{JUDGED} agrees with {names} in the one test that was made."),
-        (_, 0, 0) => format!("{JUDGED} agrees with {names} within the margins in all {over}."),
+        (1, 0, 0) => format!("{judged} agrees with {names} in the one test that was made."),
+        (_, 0, 0) => format!("{judged} agrees with {names} within the margins in all {over}."),
         (agree, 0, undecided) => format!(
             "{}: of {over} against {names}, {agree} agree, none disagrees, and {undecided} {} too few seeds to tell.{lacking}",
             if lacking.is_empty() { "Undecided" } else { "Not measured" },
             if undecided == 1 { "has" } else { "have" },
         ),
         (agree, disagree, undecided) => format!(
-            "{JUDGED} disagrees with {names} in {disagree} of {over}; {agree} agree{}.{lacking}",
+            "{judged} disagrees with {names} in {disagree} of {over}; {agree} agree{}.{lacking}",
             if undecided > 0 { format!(" and {undecided} {} undecided", is(undecided)) } else { String::new() },
         ),
     };

@@ -1,7 +1,7 @@
 //! Makadam's speed against each peer. A ratio is taken only between runs of one qualification on one processor, each of which was
 //! timed alone: runs side by side share memory and caches, so that their wall times are no measure of speed.
 
-use super::qualification::{JUDGED, join};
+use super::qualification::join;
 use super::{tables, words};
 use crate::compare::{CodeSummary, Comparison, Source, Timing};
 use crate::draw::numbers::{compact, duration, two_digits};
@@ -79,7 +79,9 @@ pub fn speed_sentence(comparison: &Comparison) -> Option<String> {
         return None;
     }
     let head = heads.join("; ");
-    let Some(judged) = timed.iter().find(|code| code.code == JUDGED) else { return Some(format!("{head}.")) };
+    let Some(judged) = timed.iter().find(|code| code.code == comparison.judged) else {
+        return Some(format!("{head}."));
+    };
     let ratios: Vec<(&str, f64)> =
         timed.iter().filter_map(|peer| ratio(judged, peer).map(|r| (peer.code.as_str(), r))).collect();
     if timed.len() == 1 {
@@ -101,7 +103,7 @@ pub fn speed_sentence(comparison: &Comparison) -> Option<String> {
     if !slower.is_empty() {
         parts.push(words(&slower, |r| 1.0 / r, "slower"));
     }
-    Some(format!("{head}: {JUDGED} is {}.", join(&parts)))
+    Some(format!("{head}: {} is {}.", judged.code, join(&parts)))
 }
 
 fn processor(code: &CodeSummary) -> &str {
@@ -115,7 +117,7 @@ pub(super) fn table(comparisons: &[Comparison]) -> Option<Table> {
     let mut table = table.of_class("wide");
     for comparison in comparisons {
         let timed = timed(comparison);
-        let judged = timed.iter().copied().find(|code| code.code == JUDGED);
+        let judged = timed.iter().copied().find(|code| code.code == comparison.judged);
         table.group(&comparison.scene.name, timed, |code| {
             let ratio =
                 judged.and_then(|judged| ratio(judged, code)).map(|ratio| format!("{} times", two_digits(ratio)));
@@ -145,7 +147,7 @@ pub(super) fn slow_settings(comparisons: &[Comparison]) -> Vec<String> {
     let mut found = Vec::new();
     for comparison in comparisons {
         let timed = timed(comparison);
-        let Some(judged) = timed.iter().copied().find(|c| c.code == JUDGED) else { continue };
+        let Some(judged) = timed.iter().copied().find(|c| c.code == comparison.judged) else { continue };
         for peer in timed.iter().filter(|peer| ratio(judged, peer).is_some()) {
             if peer.rayleigh_fraction.is_some_and(|f| f < 0.199) && !found.contains(&peer.code) {
                 found.push(peer.code.clone());

@@ -1,6 +1,6 @@
 //! The tables of a scene: values and differences, how each code was run, the bias of soft grains.
 
-use super::qualification::{JUDGED, floor_exceeds_margin, join, plural};
+use super::qualification::{floor_exceeds_margin, join, plural};
 use super::{speed, words};
 use crate::compare::{Comparison, Row};
 use crate::draw::names;
@@ -46,12 +46,12 @@ pub(super) fn codes(comparison: &Comparison) -> Vec<&str> {
     ))
 }
 
-/// Pairs of codes that rows compare, Makadam's first.
-pub(super) fn pairs(rows: &[Row]) -> Vec<Pair> {
+/// Pairs of codes that rows compare, those of the judged code first.
+pub(super) fn pairs(comparison: &Comparison, rows: &[Row]) -> Vec<Pair> {
     let mut pairs: Vec<Pair> = Vec::new();
     for row in rows {
         let Some(reference) = &row.reference_code else { continue };
-        let pair = Pair { code: row.code.clone(), reference: reference.clone(), floor: row.code != JUDGED };
+        let pair = Pair { code: row.code.clone(), reference: reference.clone(), floor: row.code != comparison.judged };
         if !pairs.contains(&pair) {
             pairs.push(pair);
         }
@@ -68,7 +68,7 @@ pub(super) fn code(name: &str) -> Cell {
 /// Values and differences of a scene; nothing where no observable was measured.
 pub(super) fn results(comparison: &Comparison) -> Option<Table> {
     let names = codes(comparison);
-    let pairs = pairs(&comparison.rows);
+    let pairs = pairs(comparison, &comparison.rows);
     let source =
         |name: &str| comparison.codes.iter().find(|code| code.code == name).map(|code| words::source(code.source));
     let heads = names.iter().map(|&name| (code(name).above(source(name).map(String::from)), ""));
@@ -88,15 +88,17 @@ pub(super) fn results(comparison: &Comparison) -> Option<Table> {
 
 /// Every observable with a margin, of every scene, over common columns of pairs; nothing where nothing was tested.
 pub(super) fn summary(comparisons: &[Comparison]) -> Option<Table> {
-    let tested = |row: &&Row| row.outcome.is_some() && row.code == JUDGED;
     let mut columns: Vec<Pair> = Vec::new();
     for comparison in comparisons {
-        columns.extend(pairs(&comparison.rows).into_iter().filter(|pair| !columns.contains(pair)).collect::<Vec<_>>());
+        columns.extend(
+            pairs(comparison, &comparison.rows).into_iter().filter(|pair| !columns.contains(pair)).collect::<Vec<_>>(),
+        );
     }
     columns.sort_by_key(|pair| pair.floor);
     let table = Table::new(&["scene", "observable"], &["margin"]).styled("summary");
     let mut table = table.with_columns(columns.iter().map(Pair::head));
     for comparison in comparisons {
+        let tested = |row: &&Row| row.outcome.is_some() && row.code == comparison.judged;
         let observables = distinct(comparison.rows.iter().filter(tested).map(|row| row.observable.as_str()));
         table.group(&comparison.scene.name, observables, |observable| {
             let line = Line::of(comparison, observable);
@@ -250,7 +252,7 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
         comparison
             .rows
             .iter()
-            .filter(|row| row.code == JUDGED && floor_exceeds_margin(comparison, row))
+            .filter(|row| row.code == comparison.judged && floor_exceeds_margin(comparison, row))
             .map(|row| row.observable.as_str()),
     );
     for observable in exceeded {
@@ -266,8 +268,11 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
     if !single.is_empty() {
         limits.push(format!("{} ran with one seed: a spread over seeds is not known.", join(&single)));
     }
-    let missing =
-        comparison.rows.iter().filter(|row| row.outcome == Some(Outcome::Undecided) && row.code == JUDGED).count();
+    let missing = comparison
+        .rows
+        .iter()
+        .filter(|row| row.outcome == Some(Outcome::Undecided) && row.code == comparison.judged)
+        .count();
     if missing > 0 {
         limits.push(format!("{} undecided: too few seeds for the spread.", plural(missing, "test")));
     }

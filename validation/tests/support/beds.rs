@@ -82,6 +82,7 @@ pub fn recording(frames: Vec<Snapshot>) -> Recording {
         wall_seconds: 1.0,
         simulated_seconds: 1.0,
         frames,
+        lacks: Vec::new(),
     }
 }
 

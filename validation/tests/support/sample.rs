@@ -194,6 +194,7 @@ pub fn drum(recorded_yade: bool) -> Comparison {
     all.extend(rows(&scene, "shell_layer_speed_ratio", "", [0.841, 0.846, 0.838], 0.006, 5));
     all.extend(rows(&scene, "wall_torque", "N m", [2.31e-4, 2.35e-4, 2.29e-4], 4e-6, 5));
     Comparison {
+        judged: "Makadam".into(),
         rows: all,
         codes: vec![code(0, Source::Live, 0.917), code(1, Source::Live, 3.13), code(2, yade, 14.2)],
         series,
@@ -239,6 +240,7 @@ pub fn packing() -> Comparison {
     let mut soft = soft_bias(&scene, "packing_fraction", "", [0.5846, 0.5862, 0.5871], -0.0034);
     soft.extend(soft_bias(&scene, "coordination_number", "", [4.81, 5.06, 5.09], -0.03));
     Comparison {
+        judged: "Makadam".into(),
         rows: all,
         codes: vec![code(0, Source::Live, 0.31), code(1, Source::Live, 4.5), code(2, Source::Live, 23.0)],
         series: Vec::new(),
@@ -279,6 +281,7 @@ pub fn alone() -> Comparison {
     };
     let only = CodeSummary { seeds: vec![1], ..code(0, Source::Live, 0.42) };
     Comparison {
+        judged: "Makadam".into(),
         rows: vec![row],
         codes: vec![only],
         series: Vec::new(),

@@ -1,5 +1,6 @@
 //! The command line: every command's arguments, and the words that they take.
 
+mod frames;
 mod learn;
 mod pictures;
 mod problem;
@@ -8,6 +9,7 @@ mod shared;
 mod studies;
 mod values;
 
+pub use frames::{JudgeArguments, MeasureArguments};
 pub use learn::{
     CheckArguments, CompletionsArguments, ManualArguments, NewArguments, ObservablesArguments, SceneListArguments,
     SchemaArguments, SweepArguments,
@@ -26,7 +28,7 @@ pub use values::{BoundArgument, CodeName};
 
 use clap::{Parser, Subcommand};
 
-const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene or problem file, \
+const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, problem or frame file, \
     4 outside tolerance, undecided or not measured, 5 a reference code is missing.";
 
 /// Granular matter by non-smooth contact dynamics, judged against YADE and LIGGGHTS.
@@ -61,8 +63,12 @@ pub enum Command {
     Run(RunArguments),
     /// Run a scene over values of some of its keys, several seeds each; write one table of means.
     Sweep(SweepArguments),
+    /// Measure frames that any code has left, as Makadam's own are measured: dumps, VTK, CSV, VTKHDF.
+    Measure(MeasureArguments),
     /// Compare Makadam with YADE and LIGGGHTS on one scene.
     Compare(CompareArguments),
+    /// Judge a code of your own on one scene, as Makadam and its peers are judged.
+    Judge(JudgeArguments),
     /// Judge Makadam on the reference scenes and write one report.
     Qualify(QualifyArguments),
     /// Measure how a scene's step scales with threads, and replay it on more cores than this machine has.
@@ -85,7 +91,7 @@ pub enum Command {
     Animate(AnimateArguments),
     /// Write a run as one HTML file to turn, cut and play in a browser; needs no network.
     View(ViewArguments),
-    /// Write the frames of a run for other programs: VTKHDF for ParaView, GSD for OVITO.
+    /// Write the frames of a run for other programs (VTKHDF for ParaView, GSD for OVITO), or a scene for another code.
     Export(ExportArguments),
     /// Write the contact problem of one step to a file, and solve it with every available solver.
     Problem(ProblemArguments),

@@ -1,7 +1,8 @@
 //! Arguments of the commands that show what a run has left.
 
-use super::values::positive;
+use super::values::{CodeName, positive, rayleigh_fraction};
 use crate::pictures::{Cut, Style, View};
+use crate::scenes::Change;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -123,13 +124,25 @@ pub enum ExportFormat {
 /// Arguments of `makadam export`.
 #[derive(Debug, Args)]
 pub struct ExportArguments {
-    /// The run.
-    #[command(flatten)]
-    pub frames: FramesArguments,
-    /// Format.
-    #[arg(long, value_enum)]
-    pub format: ExportFormat,
-    /// Folder to write into; that of the run, if absent.
+    /// Folder of a run, or the name of one below results; with --for, a scene.
+    #[arg(value_name = "RUN or SCENE")]
+    pub what: String,
+    /// Format of the frames of a run.
+    #[arg(long, value_enum, required_unless_present = "code")]
+    pub format: Option<ExportFormat>,
+    /// Code for which a scene is written: deck or driver, grains, meshes of walls.
+    #[arg(long = "for", id = "code", value_enum, value_name = "CODE", conflicts_with = "format")]
+    pub code: Option<CodeName>,
+    /// With --for, replace a value of the scene; can be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "code")]
+    pub changes: Vec<Change>,
+    /// With --for, seed of the initial positions; if absent, the scene's.
+    #[arg(long, requires = "code")]
+    pub seed: Option<u64>,
+    /// With --for, time step of the code, as a fraction of the Rayleigh step.
+    #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction, requires = "code")]
+    pub rayleigh_fraction: f64,
+    /// Folder to write into; that of the run, or one named after scene and code, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
 }

@@ -3,6 +3,7 @@
 use crate::peers::mesh::{Mesh, reach};
 use crate::peers::palette::Palette;
 use crate::peers::plan::Plan;
+use crate::peers::stl::stl;
 use crate::plan::Scene;
 use makadam::scene::{Grain, Motion};
 use nalgebra::Vector3;
@@ -44,20 +45,6 @@ pub(super) fn files(
         files.push((format!("wall{wall}.stl"), stl(mesh)));
     }
     Ok(files)
-}
-
-fn stl(mesh: &Mesh) -> String {
-    let mut text = String::from("solid wall\n");
-    for [a, b, c] in &mesh.triangles {
-        let (p, q, r) = (Vector3::from(*a), Vector3::from(*b), Vector3::from(*c));
-        let normal = (q - p).cross(&(r - p)).normalize();
-        let _ = writeln!(text, "facet normal {} {} {}\nouter loop", normal.x, normal.y, normal.z);
-        for [x, y, z] in [a, b, c] {
-            let _ = writeln!(text, "vertex {x:.12e} {y:.12e} {z:.12e}");
-        }
-        text += "endloop\nendfacet\n";
-    }
-    text + "endsolid wall\n"
 }
 
 /// The simulation box holds whatever meshes reach into.

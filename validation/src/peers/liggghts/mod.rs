@@ -1,15 +1,12 @@
 //! LIGGGHTS: a deck, wall meshes and initial grains go in; dumps and a log come back.
 
 mod deck;
-mod dump;
 
-pub use dump::{DumpFault, DumpFrame, read_dump};
-
-use super::assemble::{contact_from_force, measurable, merge_wall_contacts};
 use super::mesh::{Mesh, wall_mesh};
 use super::plan::Plan;
 use super::process::{self, Program, Run, io};
 use super::{Code, CodeError, Job};
+use crate::import::{DumpFrame, contact_from_force, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::Recording;
 use crate::scenes::in_file;
@@ -58,23 +55,14 @@ impl Code for Liggghts {
         self.program.version(&["-help", "-log", "none"], version_in)
     }
 
+    fn write_input(&self, job: &Job<'_>) -> Result<String, CodeError> {
+        write_input(job).map(|_| "liggghts -in deck.in".into())
+    }
+
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
-        let scene = job.scene;
-        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
-        super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
-        let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
-        let plan = Plan::new(scene, largest_step);
-        let meshes = meshes_of(scene, &grains);
-
-        let folder = job.work_folder;
-        std::fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
-        let files = deck::files(scene, &grains, &meshes, &plan)
-            .map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
-        for (name, text) in files {
-            let path = folder.join(name);
-            std::fs::write(&path, text).map_err(|source| io(&path, source))?;
-        }
+        let (scene, folder) = (job.scene, job.work_folder);
+        let Input { grains, largest_step, plan } = write_input(job)?;
         let dumps = ["grains", "pairs", "walls"].map(|name| folder.join(format!("{name}.dump")));
         for stale in &dumps {
             let _ = std::fs::remove_file(stale);
@@ -117,8 +105,31 @@ impl Code for Liggghts {
             wall_seconds: loop_seconds(&String::from_utf8_lossy(&text)),
             simulated_seconds: plan.steps as f64 * plan.time_step,
             frames,
+            lacks: Vec::new(),
         })
     }
+}
+
+/// What a run is made of, beside its files.
+struct Input {
+    grains: Vec<Grain>,
+    /// What the time step may be at most, s.
+    largest_step: f64,
+    plan: Plan,
+}
+
+/// Writes deck, grains and meshes into the job's folder.
+fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
+    let scene = job.scene;
+    let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
+    super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
+    let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
+    let plan = Plan::new(scene, largest_step);
+    let meshes = meshes_of(scene, &grains);
+    let files =
+        deck::files(scene, &grains, &meshes, &plan).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
+    super::write_files(job.work_folder, files)?;
+    Ok(Input { grains, largest_step, plan })
 }
 
 /// The version in the words "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled ...".

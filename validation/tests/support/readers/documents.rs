@@ -274,6 +274,7 @@ pub fn recordings() -> Vec<Vec<u8>> {
         wall_seconds: 2.0,
         simulated_seconds: 0.2,
         frames: vec![frame(0.1), frame(0.15), frame(0.2)],
+        lacks: Vec::new(),
     };
     vec![recording.to_bytes()]
 }

@@ -52,7 +52,7 @@ fn sum(a: &Contact, b: &Contact) -> Contact {
 }
 
 /// The frame, if its contacts are finite numbers: huge ones pass as numbers in a file, and overflow in products.
-pub(super) fn measurable(frame: Snapshot) -> Result<Snapshot, String> {
+pub(crate) fn measurable(frame: Snapshot) -> Result<Snapshot, String> {
     let finite = |contact: &Contact| {
         let vectors = [contact.normal, contact.tangential_force, contact.point];
         contact.normal_force.is_finite() && vectors.iter().flatten().all(|component| component.is_finite())
@@ -64,7 +64,7 @@ pub(super) fn measurable(frame: Snapshot) -> Result<Snapshot, String> {
 }
 
 /// A contact from the force on its first grain; `None` if it bears none.
-pub(super) fn contact_from_force(
+pub(crate) fn contact_from_force(
     first: u32,
     second: Partner,
     point: [f64; 3],

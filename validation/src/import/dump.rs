@@ -1,12 +1,16 @@
-//! LIGGGHTS's dumps: nine header lines a frame, then rows of numbers. Not always valid UTF-8.
+//! Dumps of LIGGGHTS and LAMMPS: header lines before each frame, then rows of numbers. Not always valid UTF-8.
 
 use std::io::BufRead;
 
 /// One frame of a dump.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DumpFrame {
-    /// Time step.
+    /// Number of the time step.
     pub step: u64,
+    /// Simulated time, s, where the dump tells it (`dump_modify time yes` of LAMMPS).
+    pub time: Option<f64>,
+    /// Names of the columns as the dump gives them; computed ones such as `c_pairs[1]` say nothing of what they are.
+    pub names: Vec<String>,
     /// Line of its first row in the file, from 1.
     pub line: usize,
     columns: usize,
@@ -14,9 +18,14 @@ pub struct DumpFrame {
 }
 
 impl DumpFrame {
+    /// The numbers of its rows, one row after the other.
+    pub(super) fn into_values(self) -> Vec<f64> {
+        self.values
+    }
+
     /// Its rows.
     pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
-        self.values.chunks_exact(self.columns)
+        self.values.chunks_exact(self.columns.max(1))
     }
 }
 
@@ -34,11 +43,31 @@ pub struct DumpFault {
 /// # Errors
 /// [`DumpFault`] for anything that is not a whole dump of finite numbers.
 pub fn read_dump(reader: impl BufRead, columns: usize) -> Result<Vec<DumpFrame>, DumpFault> {
+    frames_of(reader, Some(columns.max(1)))
+}
+
+/// Reads every frame of a dump, with as many numbers a row as its head has names.
+///
+/// # Errors
+/// As [`read_dump`].
+pub fn read_named_dump(reader: impl BufRead) -> Result<Vec<DumpFrame>, DumpFault> {
+    frames_of(reader, None)
+}
+
+fn frames_of(reader: impl BufRead, columns: Option<usize>) -> Result<Vec<DumpFrame>, DumpFault> {
     let mut lines = Lines { reader, number: 0, text: String::new(), bytes: Vec::new() };
-    let columns = columns.max(1);
     let mut frames = Vec::new();
     while lines.advance()? {
-        lines.expect("ITEM: TIMESTEP")?;
+        let mut time = None;
+        while !lines.text.starts_with("ITEM: TIMESTEP") {
+            // LAMMPS can say units and time before.
+            match lines.text.trim_end() {
+                "ITEM: UNITS" => lines.next()?,
+                "ITEM: TIME" => time = Some(lines.number()?),
+                _ => lines.expect("ITEM: TIMESTEP")?,
+            }
+            lines.next()?;
+        }
         let step = lines.integer()?;
         lines.next()?;
         lines.expect("ITEM: NUMBER OF ")?;
@@ -50,6 +79,9 @@ pub fn read_dump(reader: impl BufRead, columns: usize) -> Result<Vec<DumpFrame>,
         }
         lines.next()?;
         lines.expect("ITEM: ")?;
+        // "ITEM: ATOMS id x y z" or "ITEM: ENTRIES c_pairs[1] ...".
+        let names: Vec<String> = lines.text.split_ascii_whitespace().skip(2).map(String::from).collect();
+        let columns = columns.unwrap_or(names.len());
         let line = lines.number + 1;
         let mut values = Vec::new();
         for _ in 0..count {
@@ -66,7 +98,7 @@ pub fn read_dump(reader: impl BufRead, columns: usize) -> Result<Vec<DumpFrame>,
                 return Err(lines.fault(format!("{} numbers where {columns} belong", values.len() - before)));
             }
         }
-        frames.push(DumpFrame { step, line, columns, values });
+        frames.push(DumpFrame { step, time, names, line, columns, values });
     }
     Ok(frames)
 }
@@ -106,6 +138,12 @@ impl<R: BufRead> Lines<R> {
             true => Ok(()),
             false => Err(self.fault(format!("'{start}' belongs here"))),
         }
+    }
+
+    fn number(&mut self) -> Result<f64, DumpFault> {
+        self.next()?;
+        let number = self.text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| self.fault("a number belongs here".into()))
     }
 
     fn integer(&mut self) -> Result<u64, DumpFault> {

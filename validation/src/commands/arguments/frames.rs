@@ -1,0 +1,80 @@
+//! Arguments of the commands that take frames of any code.
+
+use super::shared::{SourceArguments, ThreadArguments};
+use super::values::{CodeName, rayleigh_fraction, seconds, time_limit};
+use crate::scenes::Change;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `makadam measure`.
+#[derive(Debug, Args)]
+pub struct MeasureArguments {
+    /// Files of grains: dumps of LIGGGHTS or LAMMPS, VTK or text of YADE, CSV, VTKHDF; or the folder of a run of Makadam.
+    #[arg(required = true, value_name = "FILES")]
+    pub grains: Vec<PathBuf>,
+    /// Scene that was simulated: a file, a name (see `makadam scenes`), or - for standard input.
+    #[arg(long)]
+    pub scene: String,
+    /// Replace a value of the scene, such as measure.from=0.5; can be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub changes: Vec<Change>,
+    /// Files of contacts, of grains and of walls.
+    #[arg(long, num_args = 1.., value_name = "FILES")]
+    pub contacts: Vec<PathBuf>,
+    /// Names of the columns of grains in place of those in the files, such as id,_,x,y,z,radius; _ for what is not wanted.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub columns: Vec<String>,
+    /// Names of the columns of contacts, such as first,second,_,fx,fy,fz,px,py,pz.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub contact_columns: Vec<String>,
+    /// Time step (s) of frames or files that are numbered by steps.
+    #[arg(long, value_parser = seconds)]
+    pub time_step: Option<f64>,
+    /// Time (s) between frames that tell neither time nor step; the first is at 0.
+    #[arg(long, value_parser = seconds, conflicts_with = "time_step")]
+    pub interval: Option<f64>,
+    /// Seed of the initial positions: of the grains whose radii are taken where files have none; if absent, the scene's.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Name of the code that left the frames.
+    #[arg(long, default_value = "frames")]
+    pub name: String,
+    /// Print the measurements as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `makadam judge`.
+#[derive(Debug, Args)]
+pub struct JudgeArguments {
+    /// The scene; what it names under [[compare]] is judged.
+    #[command(flatten)]
+    pub source: SourceArguments,
+    /// TOML file that describes the code: name, version, command, and where it leaves its frames.
+    #[arg(long, value_name = "FILE")]
+    pub code: PathBuf,
+    /// Codes that it is held against, separated by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
+    pub against: Vec<CodeName>,
+    /// Run YADE and LIGGGHTS now instead of reading recorded numbers.
+    #[arg(long)]
+    pub live: bool,
+    /// Number of seeds, counted from 1; if absent, as many as are recorded, or 3.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: Option<u64>,
+    /// Time step of YADE and LIGGGHTS, as a fraction of the Rayleigh step.
+    #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
+    pub rayleigh_fraction: f64,
+    /// Wall time after which a run is stopped, s.
+    #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
+    pub time_limit: f64,
+    /// How many threads.
+    #[command(flatten)]
+    pub side_by_side: ThreadArguments,
+    /// Folder for report.html, report.json and rows.csv; if absent, nothing is written.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the judgement as JSON.
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,31 @@
+//! `makadam judge`: a code of the user's own against Makadam and its peers, by the same measures and margins.
+
+use super::arguments::JudgeArguments;
+use super::compare::{Wanted, tell};
+use super::{Console, Failure, announce, codes};
+use crate::peers::{Code, External};
+use crate::qualify::OneScene;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Runs the code and says whether it agrees with the others.
+pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<ExitCode, Failure> {
+    arguments.side_by_side.apply()?;
+    let external = External::load(&arguments.code).map_err(|error| Failure::Usage(error.to_string()))?;
+    let (file, scene) = arguments.source.load()?;
+    let judged = external.name();
+    let mut all: Vec<Box<dyn Code>> = vec![Box::new(external)];
+    all.extend(codes(&arguments.against));
+    let one_scene = OneScene {
+        scene: &scene,
+        scene_file: &file,
+        codes: all,
+        judged,
+        live: arguments.live,
+        seeds: arguments.seeds,
+        rayleigh_fraction: arguments.rayleigh_fraction,
+        time_limit: Duration::from_secs_f64(arguments.time_limit),
+        announce: &announce(console),
+    };
+    tell(one_scene, &Wanted { command: "judge", json: arguments.json, output: arguments.output.as_deref() }, console)
+}

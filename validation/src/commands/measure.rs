@@ -1,0 +1,115 @@
+//! `makadam measure`: frames of any code, measured as those of Makadam are.
+
+use super::arguments::{MeasureArguments, load};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
+use crate::import::{Assembly, Imported, Tables};
+use crate::observables::catalogue::{definitions, group_of, missing};
+use crate::observables::{Measurement, measure as measure_recording, measured_frames};
+use crate::output::JSON_VERSION;
+use crate::plan::Scene;
+use crate::recording::Recording;
+use crate::study::{Table, cells};
+use serde::Serialize;
+use std::process::ExitCode;
+
+/// What `makadam measure --json` prints; its documentation is `validation/docs/json.md`.
+#[derive(Serialize)]
+struct MeasureDocument<'a> {
+    version: u32,
+    command: &'static str,
+    scene: &'a str,
+    code: &'a str,
+    frames: usize,
+    measured_frames: usize,
+    measurements: &'a [Measurement],
+    not_measured: &'a [NotMeasured],
+    notes: &'a [String],
+}
+
+/// A number that was asked for and has no value.
+#[derive(Serialize)]
+struct NotMeasured {
+    observable: &'static str,
+    reason: String,
+}
+
+/// Reads the files and prints the numbers.
+pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result<ExitCode, Failure> {
+    let (_, scene) = load(&arguments.scene, &arguments.changes)?;
+    let mut tables = Tables::default();
+    for path in &arguments.grains {
+        tables.add_grains(path, &arguments.columns)?;
+    }
+    for path in &arguments.contacts {
+        tables.add_contacts(path, &arguments.contact_columns)?;
+    }
+    let assembly = Assembly {
+        scene: &scene,
+        code: &arguments.name,
+        version: "",
+        seed: arguments.seed.unwrap_or(scene.seed),
+        time_step: arguments.time_step,
+        interval: arguments.interval,
+    };
+    let Imported { recording, notes } = assembly.assemble(&tables)?;
+    let frames = measured_frames(&scene, &recording).len();
+    if frames == 0 {
+        let (last, from) = (recording.simulated_seconds, scene.measure.from.unwrap_or(0.0));
+        return Err(Failure::Usage(format!(
+            "no frame is measured: the last one is at {last} s, and {} measures from {from} s on; give --set measure.from=TIME",
+            scene.name
+        )));
+    }
+    let measurements = measure_recording(&scene, &recording);
+    let not_measured = not_measured(&scene, &recording, &measurements);
+    let text = match arguments.json {
+        true => json(&MeasureDocument {
+            version: JSON_VERSION,
+            command: "measure",
+            scene: &scene.name,
+            code: &arguments.name,
+            frames: recording.frames.len(),
+            measured_frames: frames,
+            measurements: &measurements,
+            not_measured: &not_measured,
+            notes: &notes,
+        }),
+        false => text(&recording, frames, &measurements, &not_measured),
+    };
+    notes.iter().for_each(|note| console.note(note));
+    console.result(&text)?;
+    let is_compared = |one: &NotMeasured| scene.compare.iter().any(|expected| expected.observable == one.observable);
+    match not_measured.iter().any(is_compared) {
+        true => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
+        false => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// What the scene measures and these frames have no value of.
+fn not_measured(scene: &Scene, recording: &Recording, measurements: &[Measurement]) -> Vec<NotMeasured> {
+    let is_asked = |name: &str| group_of(name).is_some_and(|(group, _)| scene.measure.observables.contains(&group));
+    let is_measured = |name: &str| measurements.iter().any(|measured| measured.observable == name);
+    let asked = definitions().filter(|(_, definition)| is_asked(definition.name) && !is_measured(definition.name));
+    let reason = |name: &str| match missing(name, &recording.lacks) {
+        Some(content) => format!("the frames have no {}", content.words()),
+        None => "it has no value in these frames".into(),
+    };
+    asked.map(|(_, definition)| NotMeasured { observable: definition.name, reason: reason(definition.name) }).collect()
+}
+
+fn text(recording: &Recording, frames: usize, measurements: &[Measurement], not_measured: &[NotMeasured]) -> String {
+    let table = Table::new(&["observable"], &["value", "standard error"]).with_words("unit").of(measurements, |one| {
+        let error = one.standard_error.map(|error| format!("{error:.2e}"));
+        cells![one.observable.as_str(), format!("{:.6}", one.value), error, one.unit.as_str()]
+    });
+    let all = recording.frames.len();
+    let mut text = format!(
+        "{}\n{frames} of {all} frames measured, {} grains",
+        table.text(),
+        recording.frames[all - 1].particles.len()
+    );
+    for NotMeasured { observable, reason } in not_measured {
+        text += &format!("\nnot measured: {observable}: {reason}");
+    }
+    text
+}

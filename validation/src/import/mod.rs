@@ -1,0 +1,162 @@
+//! Frames that any code has left, read by what their files say of themselves.
+//!
+//! ```text
+//! file ─> dump, text, VTK ─> FrameTable: named columns ─> assemble, with the scene ─> Recording, as of a run
+//! ```
+//!
+//! What a file does not tell is not made up: the [`Recording`](crate::recording::Recording) says what its frames lack, and what would need that is not measured.
+
+mod assemble;
+mod columns;
+mod contacts;
+mod dump;
+mod frame_table;
+mod text;
+mod vtk;
+
+pub use assemble::{Assembly, Imported};
+pub use columns::{Column, column_of};
+pub use contacts::merge_wall_contacts;
+pub(crate) use contacts::{contact_from_force, measurable};
+pub use dump::{DumpFault, DumpFrame, read_dump, read_named_dump};
+pub use frame_table::{FrameTable, ImportError};
+
+use crate::run_frames::RunFrames;
+use std::path::{Path, PathBuf};
+
+/// Columns of a dump of contacts between grains as LIGGGHTS's `compute pair/gran/local id force contactPoint` has them.
+const PAIR_DUMP: [&str; 9] = ["first", "second", "periodic", "fx", "fy", "fz", "px", "py", "pz"];
+
+/// Columns of a dump of contacts with meshes as LIGGGHTS's `compute wall/gran/local pos id force` has them.
+const WALL_DUMP: [&str; 12] = ["px", "py", "pz", "cx", "cy", "cz", "wall", "triangle", "first", "fx", "fy", "fz"];
+
+/// Grains and contacts as tables, as files hold them.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    /// Frames of grains.
+    pub grains: Vec<FrameTable>,
+    /// Frames of contacts.
+    pub contacts: Vec<FrameTable>,
+}
+
+impl Tables {
+    /// Adds the frames of a file of grains, or those of the folder of a run of Makadam, with their contacts. `columns` name the columns
+    /// anew, if given.
+    ///
+    /// # Errors
+    /// [`ImportError`] with file and line.
+    pub fn add_grains(&mut self, path: &Path, columns: &[String]) -> Result<(), ImportError> {
+        if !path.is_dir() {
+            self.grains.extend(renamed(read(path)?, columns)?);
+            return Ok(());
+        }
+        let fault = |problem: String| ImportError::new(path, 1, problem);
+        let run = RunFrames::open(path).map_err(|error| fault(error.to_string()))?;
+        let timed = |files: &[(f64, PathBuf)]| -> Result<Vec<FrameTable>, ImportError> {
+            let mut frames = Vec::new();
+            for (time, file) in files {
+                frames.extend(read(file)?.into_iter().map(|frame| FrameTable { time: Some(*time), ..frame }));
+            }
+            Ok(frames)
+        };
+        self.grains.extend(timed(run.files("grains"))?);
+        self.contacts.extend(timed(run.files("contacts"))?);
+        Ok(())
+    }
+
+    /// Adds the frames of a file of contacts.
+    ///
+    /// # Errors
+    /// [`ImportError`] with file and line.
+    pub fn add_contacts(&mut self, path: &Path, columns: &[String]) -> Result<(), ImportError> {
+        self.contacts.extend(renamed(read(path)?, columns)?);
+        Ok(())
+    }
+}
+
+/// The frames of a file.
+fn read(path: &Path) -> Result<Vec<FrameTable>, ImportError> {
+    let bytes = std::fs::read(path).map_err(|error| ImportError::new(path, 1, error.to_string()))?;
+    parse(path, bytes)
+}
+
+/// The frames in the bytes of a file, of whatever format they show themselves to be; any bytes are either frames or an error.
+///
+/// # Errors
+/// [`ImportError`] with file and line.
+pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Vec<FrameTable>, ImportError> {
+    let begins = |mark: &str| bytes.starts_with(mark.as_bytes());
+    let mut frames = if bytes.is_empty() {
+        return Err(ImportError::new(path, 1, "the file is empty"));
+    } else if begins("ITEM:") {
+        dumped(path, &bytes)?
+    } else if begins("\u{89}HDF") || bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
+        vtk::hdf(path, bytes)?
+    } else if begins("<?xml") || begins("<VTKFile") {
+        vtk::xml(path, &bytes)?
+    } else if begins("# vtk DataFile") {
+        text::legacy_vtk(path, &bytes)?
+    } else if begins("#format ") {
+        text::yade(path, &bytes)?
+    } else {
+        text::csv(path, &bytes)?
+    };
+    if let [single] = &mut frames[..]
+        && single.step.is_none()
+    {
+        single.step = number_in(path);
+    }
+    Ok(frames)
+}
+
+fn dumped(path: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportError> {
+    let frames = read_named_dump(bytes).map_err(|fault| ImportError::new(path, fault.line, fault.problem))?;
+    let table = |frame: DumpFrame| {
+        let (line, time, step) = (frame.line, frame.time, Some(frame.step));
+        let known: Option<&[&str]> = match frame.names.len() {
+            9 => Some(&PAIR_DUMP),
+            12 => Some(&WALL_DUMP),
+            _ => None,
+        };
+        // Local computes have no names of their own: c_pairs[1] and so on.
+        let nameless = frame.names.iter().all(|name| name.contains('['));
+        let columns = match known.filter(|_| nameless) {
+            Some(names) => names.iter().map(ToString::to_string).collect(),
+            None => frame.names.clone(),
+        };
+        FrameTable { file: path.into(), line, time, step, columns, values: frame.into_values() }
+    };
+    Ok(frames.into_iter().map(table).collect())
+}
+
+/// The last number in the name of a file, before its extension: codes number their files by time steps.
+fn number_in(path: &Path) -> Option<u64> {
+    let stem = path.file_stem()?.to_str()?;
+    let end = stem.rfind(|letter: char| letter.is_ascii_digit())? + 1;
+    let start = stem[..end]
+        .rfind(|letter: char| !letter.is_ascii_digit())
+        .map_or(0, |place| place + stem[place..].chars().next().map_or(1, char::len_utf8));
+    stem[start..end].parse().ok()
+}
+
+/// The same frames with other names of the columns, if there are some.
+fn renamed(frames: Vec<FrameTable>, columns: &[String]) -> Result<Vec<FrameTable>, ImportError> {
+    if columns.is_empty() {
+        return Ok(frames);
+    }
+    let rename = |frame: FrameTable| match frame.columns.len() == columns.len() {
+        true => Ok(FrameTable { columns: columns.to_vec(), ..frame }),
+        false => {
+            let problem = format!(
+                "its rows have {} numbers, and {} columns are named; name each, those that are not wanted with _",
+                frame.columns.len(),
+                columns.len()
+            );
+            Err(frame.fault(0, problem))
+        }
+    };
+    frames.into_iter().map(rename).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,295 @@
+use super::*;
+use crate::observables::{Measurement, measure};
+use crate::plan::Scene;
+use crate::recording::{Content, Recording};
+use crate::scenes;
+use makadam::Simulation;
+use makadam::snapshot::{Contact, Partner, Snapshot};
+use std::fmt::Write;
+
+/// Time between frames, s.
+const INTERVAL: f64 = 0.02;
+
+/// A small packing and some frames of it at the end of its fall.
+fn packing() -> (Scene, Vec<Snapshot>) {
+    let mut scene = scenes::load(&scenes::find("packing-100", &[]).unwrap()).unwrap();
+    scene.measure.from = Some(0.2);
+    scene.measure.interval = INTERVAL;
+    let mut simulation = Simulation::new(&scene, 1).unwrap();
+    let steps = (INTERVAL / simulation.time_step()).round() as usize;
+    let mut frames = vec![simulation.snapshot()];
+    for _ in 0..15 {
+        (0..steps).for_each(|_| _ = simulation.step());
+        frames.push(simulation.snapshot());
+    }
+    (scene, frames)
+}
+
+fn recording(frames: Vec<Snapshot>, lacks: Vec<Content>) -> Recording {
+    Recording {
+        scene: "packing".into(),
+        code: "Makadam".into(),
+        version: String::new(),
+        seed: 1,
+        time_step: 1e-3,
+        rayleigh_fraction: None,
+        stiffness_factor: 1.0,
+        threads: 1,
+        wall_seconds: 0.0,
+        simulated_seconds: 0.3,
+        frames,
+        lacks,
+    }
+}
+
+fn grain_rows(frame: &Snapshot, with: &dyn Fn(&mut String), to: &mut String) {
+    for grain in frame.particles.iter().rev() {
+        with(to);
+        let numbers = [grain.position, grain.velocity, grain.spin].concat();
+        let _ = write!(to, "{} {:e}", grain.id + 7, grain.radius);
+        numbers.iter().for_each(|number| _ = write!(to, " {number:e}"));
+        to.push('\n');
+    }
+}
+
+/// Contacts as the force on the first grain.
+fn contact_rows(frame: &Snapshot, with: &dyn Fn(&mut String), to: &mut String) {
+    for contact in &frame.contacts {
+        with(to);
+        let force = -contact.force_on_partner();
+        let (second, wall) = match contact.second {
+            Partner::Grain(id) => (i64::from(id) + 7, -1),
+            Partner::Wall(wall) => (-1, i64::from(wall)),
+        };
+        let _ = write!(to, "{} {second} {wall}", contact.first + 7);
+        let numbers = [force.into(), contact.point, contact.normal].concat();
+        numbers.iter().for_each(|number| _ = write!(to, " {number:e}"));
+        to.push('\n');
+    }
+}
+
+/// Writes the rows of a frame, each behind what is to stand in front of it.
+type Rows<'a> = &'a dyn Fn(&Snapshot, &dyn Fn(&mut String), &mut String);
+
+const GRAINS: &str = "id radius x y z vx vy vz wx wy wz";
+const CONTACTS: &str = "first second wall fx fy fz px py pz nx ny nz";
+
+fn assembled(scene: &Scene, tables: &Tables) -> Result<Imported, ImportError> {
+    let assembly =
+        Assembly { scene, code: "frames", version: "", seed: 1, time_step: Some(INTERVAL / 100.0), interval: None };
+    assembly.assemble(tables)
+}
+
+fn tables(grains: &[(&str, String)], contacts: &[(&str, String)]) -> Result<Tables, ImportError> {
+    let all = |files: &[(&str, String)]| -> Result<Vec<FrameTable>, ImportError> {
+        let mut frames = Vec::new();
+        for (name, text) in files {
+            frames.extend(parse(Path::new(name), text.clone().into_bytes())?);
+        }
+        Ok(frames)
+    };
+    Ok(Tables { grains: all(grains)?, contacts: all(contacts)? })
+}
+
+/// Where a table has no normals, they are taken from the centres, which have moved on since the contacts were found.
+const MOVED_ON: f64 = 1e-3;
+
+fn same(found: &[Measurement], wanted: &[Measurement], within: f64) {
+    let names = |all: &[Measurement]| all.iter().map(|one| one.observable.clone()).collect::<Vec<_>>();
+    assert_eq!(names(found), names(wanted));
+    // With normals that have moved on, Coulomb's bound is no edge any more.
+    let at_the_edge = |name: &str| within == MOVED_ON && ["coulomb_excess", "sliding_share"].contains(&name);
+    let pairs = found.iter().zip(wanted).filter(|(found, _)| !at_the_edge(&found.observable));
+    for (found, wanted) in pairs {
+        let scale = wanted.value.abs().max(1e-6);
+        assert!((found.value - wanted.value).abs() <= within * scale, "{found:?} {wanted:?}");
+    }
+}
+
+/// Contacts whose force vanishes are in no table of forces.
+fn bearing(frames: &[Snapshot]) -> Vec<Snapshot> {
+    let bears = |contact: &&Contact| contact.force_on_partner().norm() > 0.0;
+    let keep = |frame: &Snapshot| Snapshot {
+        contacts: frame.contacts.iter().filter(bears).copied().collect(),
+        ..frame.clone()
+    };
+    frames.iter().map(keep).collect()
+}
+
+#[test]
+fn tables_of_any_code_are_measured_as_the_frames_that_they_were_written_from() {
+    let (scene, frames) = packing();
+    let wanted = measure(&scene, &recording(bearing(&frames), vec![]));
+    assert!(wanted.len() > 15, "{}", wanted.len());
+    // CSV: one file with a column of times.
+    let csv = |head: &str, rows: Rows| {
+        let mut text = format!("time {head}\n");
+        for frame in &frames {
+            rows(frame, &|to| _ = write!(to, "{:e} ", frame.time), &mut text);
+        }
+        text.replace(' ', ",")
+    };
+    let (grains, contacts) = (csv(GRAINS, &grain_rows), csv(CONTACTS, &contact_rows));
+    let imported =
+        assembled(&scene, &tables(&[("grains.csv", grains)], &[("contacts.csv", contacts)]).unwrap()).unwrap();
+    assert_eq!(imported.recording.lacks, [Content::DrivenWalls]);
+    same(&measure(&scene, &imported.recording), &wanted, 1e-9);
+    // Dumps: pairs and walls apart, in the columns that LIGGGHTS gives them.
+    let dump = |what: &str, rows: &dyn Fn(&Snapshot, &mut String)| {
+        let mut text = String::new();
+        for (place, frame) in frames.iter().enumerate() {
+            let mut own = String::new();
+            rows(frame, &mut own);
+            let count = own.lines().count();
+            let _ = write!(
+                text,
+                "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: {what}\n{own}",
+                place * 100
+            );
+        }
+        text
+    };
+    let names = |name: &str, count: usize| {
+        format!("ENTRIES {}", (1..=count).map(|at| format!("c_{name}[{at}]")).collect::<Vec<_>>().join(" "))
+    };
+    let pairs = |frame: &Snapshot, to: &mut String| {
+        for contact in frame.contacts.iter().filter(|contact| contact.second.is_grain()) {
+            let Partner::Grain(second) = contact.second else { continue };
+            let ([f, g, h], [x, y, z]): ([f64; 3], _) = ((-contact.force_on_partner()).into(), contact.point);
+            let _ = writeln!(to, "{} {} 0 {f:e} {g:e} {h:e} {x:e} {y:e} {z:e}", contact.first + 7, second + 7);
+        }
+    };
+    let walls = |frame: &Snapshot, to: &mut String| {
+        for contact in &frame.contacts {
+            let Partner::Wall(wall) = contact.second else { continue };
+            let ([f, g, h], [x, y, z]): ([f64; 3], _) = ((-contact.force_on_partner()).into(), contact.point);
+            let _ = writeln!(to, "{x:e} {y:e} {z:e} 0 0 0 {wall} 3 {} {f:e} {g:e} {h:e}", contact.first + 7);
+        }
+    };
+    let grains = dump(&format!("ATOMS {}", GRAINS.replace('w', "omega")), &|frame, to| grain_rows(frame, &|_| {}, to));
+    let contacts =
+        [("pairs.dump", dump(&names("pairs", 9), &pairs)), ("walls.dump", dump(&names("walls", 12), &walls))];
+    let imported = assembled(&scene, &tables(&[("grains.dump", grains.clone())], &contacts).unwrap()).unwrap();
+    same(&measure(&scene, &imported.recording), &wanted, MOVED_ON);
+    // Without contacts, what needs none is the same, and the rest is left out.
+    let imported = assembled(&scene, &tables(&[("grains.dump", grains)], &[]).unwrap()).unwrap();
+    let lacks = [Content::DrivenWalls, Content::Contacts, Content::WallContacts];
+    assert_eq!(imported.recording.lacks, lacks);
+    let told = measure(&scene, &recording(frames.clone(), lacks.to_vec()));
+    assert!(told.len() > 5 && told.len() < wanted.len());
+    same(&measure(&scene, &imported.recording), &told, 1e-9);
+}
+
+/// What an observable is said to need is what it takes: with anything else lost it keeps its value.
+#[test]
+fn observables_need_what_they_say() {
+    let (scene, frames) = packing();
+    let stripped = |lost: Content, frame: &Snapshot| {
+        let mut frame = frame.clone();
+        match lost {
+            Content::Velocities => frame.particles.iter_mut().for_each(|grain| grain.velocity = [7.0, -3.0, 2.0]),
+            Content::Spins => frame.particles.iter_mut().for_each(|grain| grain.spin = [70.0, 1.0, 20.0]),
+            Content::Contacts => frame.contacts.retain(|contact| !contact.second.is_grain()),
+            Content::WallContacts => frame.contacts.retain(|contact| contact.second.is_grain()),
+            Content::DrivenWalls => {}
+        }
+        frame
+    };
+    let whole = measure(&scene, &recording(frames.clone(), vec![]));
+    for lost in [Content::Velocities, Content::Spins, Content::Contacts, Content::WallContacts] {
+        let poor: Vec<Snapshot> = frames.iter().map(|frame| stripped(lost, frame)).collect();
+        // Nothing is said to be missing: whatever depends on it shows.
+        let changed = measure(&scene, &recording(poor, vec![]));
+        let told = measure(&scene, &recording(frames.clone(), vec![lost]));
+        for one in &whole {
+            let find = |all: &[Measurement]| {
+                all.iter().find(|other| other.observable == one.observable).map(|other| other.value)
+            };
+            let is_told = find(&told).is_some();
+            if find(&changed) != Some(one.value) {
+                assert!(!is_told, "{} changes without {lost:?}", one.observable);
+            }
+        }
+        assert!(told.len() < whole.len(), "{lost:?}");
+    }
+}
+
+/// Files that YADE 2023.02a has written of one state of sixty grains.
+#[test]
+fn files_of_yade_tell_the_same_grains() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/frames/yade");
+    let read = |name: &str| {
+        let file = folder.join(name);
+        let mut frames = parse(&file, std::fs::read(&file).unwrap()).unwrap();
+        assert_eq!(frames.len(), 1, "{name}");
+        frames.remove(0)
+    };
+    let column = |frame: &FrameTable, wanted: Column| -> Vec<f64> {
+        let place = frame.columns.iter().position(|name| column_of(name) == Some(wanted)).unwrap();
+        frame.rows().map(|row| row[place]).collect()
+    };
+    let vtu = read("spheres.400.vtu");
+    assert_eq!((vtu.step, vtu.rows().count()), (Some(400), 60));
+    for name in ["plain.txt", "attributes.txt", "spheres.vtk"] {
+        let other = read(name);
+        for wanted in [Column::Position(0), Column::Position(2), Column::Radius, Column::Velocity(2)] {
+            let is_untold =
+                matches!((name, wanted), ("plain.txt", Column::Velocity(_)) | ("spheres.vtk", Column::Radius));
+            if !is_untold {
+                let (a, b) = (column(&vtu, wanted), column(&other, wanted));
+                let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs() / (1e-3 + a.abs())).fold(0.0, f64::max);
+                assert!(a.len() == b.len() && off < 2e-3, "{name} {wanted:?}: {off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_is_told_with_file_line_and_remedy() {
+    let (scene, _) = packing();
+    let refused = |grains: &[(&str, &str)], contacts: &[(&str, &str)], words: &str| {
+        let owned = |files: &[(&'static str, &str)]| -> Vec<(&'static str, String)> {
+            files.iter().map(|(name, text)| (*name, text.to_string())).collect()
+        };
+        let leak = |files: &[(&str, &str)]| -> Vec<(&'static str, &'static str)> {
+            files.iter().map(|(name, text)| (&*name.to_string().leak(), &*text.to_string().leak())).collect()
+        };
+        let (grains, contacts) = (leak(grains), leak(contacts));
+        let found = tables(&owned(&grains), &owned(&contacts)).and_then(|tables| assembled(&scene, &tables));
+        let error = found.expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    };
+    refused(&[("a.csv", "")], &[], "a.csv: line 1: the file is empty");
+    refused(&[("a.csv", "1,2,3,4\n")], &[], "the first row must name the columns");
+    refused(&[("a.csv", "x,y,z,r\n0,0,0,1\n0,0,nan,1\n")], &[], "a.csv: line 3: 'nan' is not finite");
+    refused(&[("a.csv", "x,y,z,r\n0,0,0,1\n0,0,1\n")], &[], "a.csv: line 3:");
+    refused(&[("a.csv", "x,y,r\n0,0,1\n")], &[], "no columns x, y, z among x, y, r");
+    refused(&[("a.csv", "x,y,z\n0,0,0\n")], &[], "no column radius or diameter");
+    refused(&[("a.csv", "x,y,z,r\n0,0,0,-1\n")], &[], "a radius of -1 m");
+    refused(&[("a.csv", "id,x,y,z,r\n1,0,0,0,1\n1,0,0,0,1\n")], &[], "two grains of a frame have one number");
+    refused(&[("a.csv", "x,y,z,r\n0,0,0,1\n"), ("b.csv", "x,y,z,r\n0,0,0,1\n")], &[], "give --time-step");
+    let grain = ("a.csv", "id,x,y,z,r\n1,0,0,0,1\n2,0,0,1.9,1\n");
+    refused(&[grain], &[("c.csv", "first,second,fx,fy,fz\n1,3,0,0,1\n")], "c.csv: line 2: there is no grain 3");
+    refused(&[grain], &[("c.csv", "first,wall,fx,fy,fz,px,py,pz\n1,9,0,0,1,0,0,0\n")], "there is no wall 9");
+    refused(&[grain], &[("c.csv", "first,wall,fx,fy,fz\n1,0,0,0,1\n")], "needs its point");
+    refused(&[grain], &[("c.csv", "first,second\n1,2\n")], "no column fx, fy, fz");
+    refused(&[("a.dump", "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\n")], &[], "a.dump: line 5");
+    refused(
+        &[(
+            "a.dump",
+            "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS\n0 1\n0 1\n0 1\nITEM: ATOMS id xs ys zs\n1 0 0 0\n",
+        )],
+        &[],
+        "scaled to the box",
+    );
+}
+
+#[test]
+fn files_are_numbered_by_the_last_number_of_their_names() {
+    let number = |name: &str| number_in(Path::new(name));
+    assert_eq!(number("run3/spheres.2000.vtu"), Some(2000));
+    assert_eq!(number("v-spheres-0400.vtk"), Some(400));
+    assert_eq!(number("größe7.csv"), Some(7));
+    assert_eq!(number("grains.csv"), None);
+    assert_eq!(number("99999999999999999999999.csv"), None);
+}

@@ -1,0 +1,206 @@
+//! Tables in text: CSV of any code, what YADE's `export.text` and `export.textExt` write, and YADE's legacy VTK files.
+
+use super::frame_table::{FrameTable, ImportError};
+use std::path::Path;
+
+/// Frames of a table with names in its first row. Rows whose times differ are frames of their own.
+///
+/// # Errors
+/// [`ImportError`] with the line.
+pub(super) fn csv(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportError> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
+    let heads = reader.headers().map_err(|error| ImportError::new(file, 1, error.to_string()))?.clone();
+    let columns: Vec<String> = heads.iter().map(String::from).collect();
+    if columns.iter().any(|name| name.parse::<f64>().is_ok()) {
+        return Err(ImportError::new(file, 1, "the first row must name the columns, such as id,x,y,z,radius,vx,vy,vz"));
+    }
+    let (mut values, mut lines) = (Vec::new(), Vec::new());
+    for record in reader.records() {
+        let record = record.map_err(|error| {
+            let line = error.position().map_or(1, |position| position.line() as usize);
+            ImportError::new(file, line, error.to_string())
+        })?;
+        let line = record.position().map_or(1, |position| position.line() as usize);
+        for cell in &record {
+            values.push(number(cell).map_err(|problem| ImportError::new(file, line, problem))?);
+        }
+        lines.push(line);
+    }
+    let table = FrameTable { file: file.into(), line: 2, time: None, step: None, columns, values };
+    Ok(by_time(table, &lines))
+}
+
+/// One frame a value of the column of times, in the order in which they first come; the whole table, if it has no such column.
+fn by_time(table: FrameTable, lines: &[usize]) -> Vec<FrameTable> {
+    let Some(place) = table.columns.iter().position(|name| ["time", "t"].contains(&name.to_lowercase().as_str()))
+    else {
+        return vec![table];
+    };
+    let mut frames: Vec<FrameTable> = Vec::new();
+    for (row, line) in table.rows().zip(lines) {
+        let time = row[place];
+        let known = frames.iter().rposition(|frame| frame.time == Some(time));
+        let known = known.unwrap_or_else(|| {
+            frames.push(FrameTable { time: Some(time), line: *line, values: Vec::new(), ..table.clone() });
+            frames.len() - 1
+        });
+        frames[known].values.extend(row);
+    }
+    frames
+}
+
+/// What YADE writes in columns; the first line names the format.
+///
+/// # Errors
+/// [`ImportError`] with the line.
+pub(super) fn yade(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportError> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut columns: Vec<String> = Vec::new();
+    let (mut values, mut first) = (Vec::new(), 0);
+    for (number_before, line) in text.lines().enumerate() {
+        let at = number_before + 1;
+        if let Some(comment) = line.trim_start().strip_prefix('#') {
+            if let Some(format) = comment.trim().strip_prefix("format ") {
+                columns = format.trim().split('_').map(String::from).collect();
+            } else if columns.last().is_some_and(|last| last == "attrs") {
+                // The last line of the comment names what the format calls attributes.
+                let names: Vec<String> = comment.split_whitespace().map(String::from).collect();
+                if names.starts_with(&["x", "y", "z", "r"].map(String::from)) {
+                    columns = names;
+                }
+            }
+            continue;
+        }
+        if line.trim().is_empty() {
+            continue;
+        }
+        if first == 0 {
+            first = at;
+        }
+        let before = values.len();
+        for word in line.split_whitespace() {
+            values.push(number(word).map_err(|problem| ImportError::new(file, at, problem))?);
+        }
+        let found = values.len() - before;
+        if columns.last().is_some_and(|last| last == "attrs") {
+            columns.pop();
+        }
+        // Attributes without a comment have no names.
+        while columns.len() < found && columns.len() >= 4 && first == at {
+            columns.push(format!("unnamed{}", columns.len() + 1));
+        }
+        if found != columns.len() {
+            let problem = format!("{found} numbers where {} belong ({})", columns.len(), columns.join(", "));
+            return Err(ImportError::new(file, at, problem));
+        }
+    }
+    Ok(vec![FrameTable { file: file.into(), line: first.max(1), time: None, step: None, columns, values }])
+}
+
+/// A legacy VTK file in ASCII, as YADE's `VTKExporter` writes it: points, and numbers of points.
+///
+/// # Errors
+/// [`ImportError`] with the line.
+pub(super) fn legacy_vtk(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportError> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut words = text
+        .lines()
+        .enumerate()
+        // Before the third line there are words of whoever wrote it.
+        .skip(2)
+        .flat_map(|(line, text)| text.split_ascii_whitespace().map(move |word| (line + 1, word)))
+        .peekable();
+    let fault = |line: usize, problem: &str| ImportError::new(file, line, problem);
+    match words.next() {
+        Some((_, "ASCII")) => {}
+        Some((line, _)) => {
+            return Err(fault(line, "only legacy VTK files in ASCII are read; write XML (.vtu, .vtp) instead"));
+        }
+        None => return Err(fault(3, "the file ends here")),
+    }
+    let mut count = 0;
+    let mut arrays: Vec<(Vec<String>, Vec<f64>)> = Vec::new();
+    let (mut first, mut of_points) = (1, true);
+    while let Some((line, word)) = words.next() {
+        let mut next = |what: &str| words.next().ok_or_else(|| fault(line, &format!("{what} belongs behind {word}")));
+        let (name, components) = match word {
+            "POINTS" => {
+                count =
+                    next("a number of points")?.1.parse::<usize>().map_err(|_| fault(line, "no number of points"))?;
+                next("a type of numbers")?;
+                first = line + 1;
+                ("points".to_string(), 3)
+            }
+            "POINT_DATA" | "CELL_DATA" => {
+                of_points = word == "POINT_DATA";
+                continue;
+            }
+            "SCALARS" => {
+                let name = next("a name")?.1.to_string();
+                next("a type of numbers")?;
+                // A number of components may stand before the table of colours.
+                let components = match words.next() {
+                    Some((_, "LOOKUP_TABLE")) => 1,
+                    Some((_, number)) => {
+                        words.next();
+                        number.parse::<usize>().ok().filter(|components| (1..=9).contains(components)).unwrap_or(1)
+                    }
+                    None => return Err(fault(line, "the file ends here")),
+                };
+                words.next();
+                (name, components)
+            }
+            "VECTORS" | "NORMALS" => {
+                let name = next("a name")?.1.to_string();
+                next("a type of numbers")?;
+                (name, 3)
+            }
+            _ => continue,
+        };
+        if !of_points {
+            continue;
+        }
+        let wanted = count.checked_mul(components).filter(|wanted| *wanted <= bytes.len());
+        let wanted = wanted.ok_or_else(|| fault(line, "more numbers than the file can hold"))?;
+        let mut numbers = Vec::with_capacity(wanted);
+        for _ in 0..wanted {
+            let (line, word) =
+                words.next().ok_or_else(|| fault(line, &format!("{name} ends before its last number")))?;
+            numbers.push(number(word).map_err(|problem| fault(line, &problem))?);
+        }
+        arrays.push((component_names(&name, components), numbers));
+    }
+    if arrays.is_empty() {
+        return Err(fault(1, "it holds no points"));
+    }
+    Ok(vec![join(file, first, count, arrays)])
+}
+
+/// Names of the columns that an array becomes.
+pub(super) fn component_names(name: &str, components: usize) -> Vec<String> {
+    match components {
+        1 => vec![name.to_string()],
+        _ => (0..components).map(|axis| format!("{name}_{axis}")).collect(),
+    }
+}
+
+/// One table from arrays of as many tuples.
+pub(super) fn join(file: &Path, line: usize, count: usize, arrays: Vec<(Vec<String>, Vec<f64>)>) -> FrameTable {
+    let mut values = Vec::new();
+    for tuple in 0..count {
+        for (names, numbers) in &arrays {
+            values.extend(&numbers[tuple * names.len()..(tuple + 1) * names.len()]);
+        }
+    }
+    let columns = arrays.into_iter().flat_map(|(names, _)| names).collect();
+    FrameTable { file: file.into(), line, time: None, step: None, columns, values }
+}
+
+/// A finite number.
+fn number(word: &str) -> Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) => Err(format!("'{word}' is not finite: the run has blown up")),
+        Err(_) => Err(format!("'{word}' is not a number")),
+    }
+}

@@ -1,0 +1,289 @@
+//! Any code before the judge: a command that is told where the scene is and leaves frames as files.
+//!
+//! ```text
+//! code.toml ─> folder with scene.json, grains.csv, frames.csv, wall0.stl ... ─> the command ─> files of frames ─> import ─> Recording
+//! ```
+
+use super::mesh::wall_mesh;
+use super::plan::Plan;
+use super::process::{Run, io, locate};
+use super::stl::stl;
+use super::{Code, CodeError, Job};
+use crate::import::{Assembly, ImportError, Imported, Tables};
+use crate::observables::{is_measured, measured_frames};
+use crate::output::{cells::csv_below, shown};
+use crate::recording::Recording;
+use crate::scenes::in_file;
+use makadam::scene::{Grain, populate};
+use serde::Deserialize;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Names that this program gives to the codes that it drives itself.
+const TAKEN: [&str; 4] = ["makadam", "yade", "liggghts", "lammps"];
+
+/// What a file says of a code.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct Description {
+    /// Name of the code, in tables and pictures.
+    name: String,
+    /// Its version.
+    #[serde(default = "unknown")]
+    version: String,
+    /// Program and arguments; `{seed}`, `{folder}` and `{here}` stand for the seed, the folder in which it runs, and that of this file.
+    command: Vec<String>,
+    /// Files of grains that it leaves, below the folder; `*` stands for any letters of a file's name.
+    grains: Vec<String>,
+    /// Files of contacts.
+    #[serde(default)]
+    contacts: Vec<String>,
+    /// Names of the columns of grains, in place of those in the files.
+    #[serde(default)]
+    columns: Vec<String>,
+    /// Names of the columns of contacts.
+    #[serde(default)]
+    contact_columns: Vec<String>,
+    /// Time step by which frames or files are numbered, s.
+    time_step: Option<f64>,
+    /// Time between frames that tell neither time nor step, s.
+    interval: Option<f64>,
+}
+
+fn unknown() -> String {
+    "unknown".into()
+}
+
+/// A code that is described by a file.
+pub struct External {
+    name: &'static str,
+    description: Description,
+    /// Folder of the file.
+    here: PathBuf,
+}
+
+/// Why a description cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {problem}", file.display())]
+pub struct DescriptionError {
+    /// The file.
+    pub file: PathBuf,
+    /// What is wrong, and the remedy.
+    pub problem: String,
+}
+
+impl External {
+    /// Reads the description of a code.
+    ///
+    /// # Errors
+    /// [`DescriptionError`].
+    pub fn load(file: &Path) -> Result<External, DescriptionError> {
+        let fault = |problem: String| DescriptionError { file: file.to_path_buf(), problem };
+        let text = std::fs::read_to_string(file).map_err(|error| fault(error.to_string()))?;
+        let description: Description = toml::from_str(&text).map_err(|error| {
+            let line = error.span().map_or(1, |span| text[..span.start].lines().count().max(1));
+            fault(format!("line {line}: {}", error.message()))
+        })?;
+        let Description { name, command, grains, .. } = &description;
+        if name.trim().is_empty() || TAKEN.contains(&name.to_lowercase().as_str()) {
+            return Err(fault(format!("'{name}' is no name for a code of your own; give another one")));
+        }
+        if command.is_empty() || grains.is_empty() {
+            return Err(fault("command and grains name at least a program and a file".into()));
+        }
+        if [description.time_step, description.interval]
+            .into_iter()
+            .flatten()
+            .any(|time| !time.is_finite() || time <= 0.0)
+        {
+            return Err(fault("time-step and interval are times above zero, in seconds".into()));
+        }
+        let known =
+            External { name: "", here: folder_of(file).map_err(|error| fault(error.to_string()))?, description };
+        let program = known.program();
+        if locate(OsStr::new(&program)).is_none() {
+            return Err(fault(format!(
+                "there is no program '{program}'; give a name on PATH, or a path, where {{here}} is the folder of this file"
+            )));
+        }
+        let External { here, description, .. } = known;
+        // Codes are known by names that live as long as the program; one is judged at a time.
+        let name = Box::leak(shown(&description.name, false).into_owned().into_boxed_str());
+        Ok(External { name, description, here })
+    }
+
+    /// A word of the command with what stands in braces filled in.
+    fn fill(&self, word: &str, job: &Job<'_>) -> OsString {
+        let text = |path: &Path| path.display().to_string();
+        word.replace("{seed}", &job.seed.to_string())
+            .replace("{folder}", &text(job.work_folder))
+            .replace("{here}", &text(&self.here))
+            .into()
+    }
+
+    /// Files below the folder that patterns name, in the order of their names.
+    fn files(&self, folder: &Path, patterns: &[String]) -> Result<Vec<PathBuf>, CodeError> {
+        let mut found = Vec::new();
+        for pattern in patterns {
+            let whole = Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(pattern);
+            let missing = |problem: String| self.output(folder, 1, problem);
+            let paths = glob::glob(&whole.display().to_string()).map_err(|error| missing(error.to_string()))?;
+            let mut own: Vec<PathBuf> = paths.filter_map(Result::ok).filter(|path| path.is_file()).collect();
+            if own.is_empty() {
+                return Err(missing(format!("the run has left no file {pattern}")));
+            }
+            own.sort();
+            found.extend(own);
+        }
+        Ok(found)
+    }
+
+    fn output(&self, file: &Path, line: usize, problem: String) -> CodeError {
+        CodeError::Output { code: self.name, file: file.to_path_buf(), line, problem }
+    }
+
+    /// The frames that the run has left.
+    fn recording(&self, job: &Job<'_>, plan: &Plan, wall_seconds: f64) -> Result<Recording, CodeError> {
+        let Description { columns, contact_columns, time_step, interval, version, .. } = &self.description;
+        let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
+        let mut tables = Tables::default();
+        for path in self.files(job.work_folder, &self.description.grains)? {
+            tables.add_grains(&path, columns).map_err(refused)?;
+        }
+        for path in self.files(job.work_folder, &self.description.contacts)? {
+            tables.add_contacts(&path, contact_columns).map_err(refused)?;
+        }
+        let assembly = Assembly {
+            scene: job.scene,
+            code: self.name,
+            version,
+            seed: job.seed,
+            time_step: *time_step,
+            interval: *interval,
+        };
+        let Imported { recording, .. } = assembly.assemble(&tables).map_err(refused)?;
+        self.check_times(job, plan, &recording)?;
+        Ok(Recording {
+            rayleigh_fraction: None,
+            stiffness_factor: job.stiffness_factor,
+            wall_seconds,
+            simulated_seconds: plan.steps as f64 * plan.time_step,
+            ..recording
+        })
+    }
+
+    /// Refuses a run that has not left the frames that are measured: a mean over others is another number.
+    fn check_times(&self, job: &Job<'_>, plan: &Plan, recording: &Recording) -> Result<(), CodeError> {
+        let slack = 0.01 * job.scene.measure.interval;
+        let has = |time: f64| recording.frames.iter().any(|frame| (frame.time - time).abs() <= slack);
+        let asked = asked(job, plan);
+        match asked.iter().find(|time| !has(**time)) {
+            None if measured_frames(job.scene, recording).len() == asked.len() => Ok(()),
+            None => {
+                let (found, wanted) = (measured_frames(job.scene, recording).len(), asked.len());
+                Err(self.output(
+                    job.work_folder,
+                    1,
+                    format!("{found} frames where {wanted} are measured; leave those of frames.csv"),
+                ))
+            }
+            Some(time) => Err(self.output(
+                job.work_folder,
+                1,
+                format!("no frame at {time} s; leave one at each time of frames.csv"),
+            )),
+        }
+    }
+}
+
+/// Times of the frames that are measured, s.
+fn asked(job: &Job<'_>, plan: &Plan) -> Vec<f64> {
+    let times: Vec<f64> = plan.frames().iter().map(|step| *step as f64 * plan.time_step).collect();
+    match job.scene.measure.from {
+        Some(_) => times.into_iter().filter(|time| is_measured(job.scene, *time)).collect(),
+        None => times.last().copied().into_iter().collect(),
+    }
+}
+
+impl Code for External {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn version(&self) -> Option<String> {
+        Some(self.description.version.clone())
+    }
+
+    fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
+        let scene = job.scene;
+        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
+        // It has a time step of its own; frames are due at those of the scene.
+        let plan = Plan::new(scene, scene.measure.interval);
+        let folder = job.work_folder;
+        std::fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
+        for (name, bytes) in input(job, &grains, &plan) {
+            let path = folder.join(name);
+            std::fs::write(&path, bytes).map_err(|source| io(&path, source))?;
+        }
+        let program = self.program();
+        let arguments: Vec<OsString> = self.description.command[1..].iter().map(|word| self.fill(word, job)).collect();
+        let clock = Instant::now();
+        Run {
+            code: self.name,
+            program: OsStr::new(&program),
+            arguments: &arguments,
+            folder,
+            log: folder.join("code.log"),
+            own_logs: &[],
+            limit: job.time_limit,
+            watch: &|| {},
+        }
+        .execute()?;
+        let wall_seconds = clock.elapsed().as_secs_f64();
+        let recording = self.recording(job, &plan, wall_seconds)?;
+        (job.progress)(1.0);
+        Ok(recording)
+    }
+}
+
+impl External {
+    /// The program, with the folder of the description filled in.
+    fn program(&self) -> String {
+        self.description.command[0].replace("{here}", &self.here.display().to_string())
+    }
+}
+
+/// The folder in which a file lies, from the root.
+fn folder_of(file: &Path) -> std::io::Result<PathBuf> {
+    std::path::absolute(file).map(|file| file.parent().unwrap_or(Path::new("/")).to_path_buf())
+}
+
+/// What a code is given: names and contents of files.
+fn input(job: &Job<'_>, grains: &[Grain], plan: &Plan) -> Vec<(String, Vec<u8>)> {
+    let scene = job.scene;
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let row = |(id, grain): (usize, &Grain)| {
+        let ([x, y, z], [u, v, w], [p, q, r]) = (grain.position, grain.velocity, grain.spin);
+        let density = scene.material[&grain.material].density;
+        (id, x, y, z, grain.radius, u, v, w, p, q, r, density, grain.material.clone())
+    };
+    let heads = ["id", "x", "y", "z", "radius", "vx", "vy", "vz", "wx", "wy", "wz", "density", "material"];
+    let numbers = "rows of numbers and names make a table";
+    let scene_text = serde_json::to_string_pretty(scene).expect("a scene holds only numbers, plain text and lists");
+    let mut files = vec![
+        ("scene.json".to_string(), scene_text.into_bytes()),
+        ("grains.csv".to_string(), csv_below(&heads, grains.iter().enumerate().map(row)).expect(numbers)),
+        (
+            "frames.csv".to_string(),
+            csv_below(&["time"], asked(job, plan).into_iter().map(|time| [time])).expect(numbers),
+        ),
+    ];
+    for (place, wall) in scene.wall.iter().enumerate() {
+        let mesh = wall_mesh(&wall.shape, &scene.domain, smallest);
+        if !mesh.triangles.is_empty() {
+            files.push((format!("wall{place}.stl"), stl(&mesh).into_bytes()));
+        }
+    }
+    files
+}
