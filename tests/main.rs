@@ -10,6 +10,7 @@ mod convergence_command;
 mod defect_scenes;
 mod effects_command;
 mod faults;
+mod foreign_commands;
 mod laws_command;
 mod learn_commands;
 mod output_folder;

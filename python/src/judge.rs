@@ -61,6 +61,7 @@ impl Recording {
             simulated_seconds: (last.0.time - first.0.time).max(f64::MIN_POSITIVE),
             frames: frames.iter().map(|frame| (*frame.0).clone()).collect(),
             lacks: Vec::new(),
+            alarms: Vec::new(),
         };
         Ok(Recording { scene, recording: Arc::new(recording) })
     }

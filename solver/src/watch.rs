@@ -171,6 +171,8 @@ pub struct Watchdog {
     /// Steps that the simulation had taken when this took note of one for the last time, and when it looked.
     noted: u64,
     looked: Option<u64>,
+    /// The first of each kind.
+    noticed: Vec<Alarm>,
     /// Gravity at the end of the last step, m/s2.
     gravity: Vector3<f64>,
     /// What walls and changes of gravity have given the grains so far, J.
@@ -197,6 +199,7 @@ impl Watchdog {
             available: f64::INFINITY,
             kinetic: 0.0,
             residual: f64::INFINITY,
+            noticed: Vec::new(),
         }
     }
 
@@ -272,7 +275,17 @@ impl Watchdog {
         if measured {
             alarms.extend(self.look(simulation));
         }
+        for alarm in &alarms {
+            if self.noticed.iter().all(|known| known.trouble.kind() != alarm.trouble.kind()) {
+                self.noticed.push(*alarm);
+            }
+        }
         alarms.into_iter().find(|alarm| alarm.reaction == Reaction::Stop).map_or(Ok(()), Err)
+    }
+
+    /// What [`Watchdog::check`] has noticed so far, the first of each kind: also what did not end the run.
+    pub fn noticed(&self) -> &[Alarm] {
+        &self.noticed
     }
 
     /// Adds what walls and gravity that changes gave in the last step.

@@ -2,6 +2,7 @@
 
 use makadam::checkpoint::{open, seal, write_atomically};
 use makadam::snapshot::{Partner, Snapshot};
+use makadam::watch::Watchdog;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -35,6 +36,33 @@ pub struct Recording {
     pub frames: Vec<Snapshot>,
     /// What the frames do not tell; what needs it is not measured.
     pub lacks: Vec<Content>,
+    /// What a watchdog noticed on the way, the first of each kind.
+    pub alarms: Vec<Noticed>,
+}
+
+/// What a watchdog noticed and did not end the run for.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Noticed {
+    /// What, where and when.
+    pub what: String,
+    /// Whether it makes the numbers of the run worthless.
+    pub grave: bool,
+}
+
+impl Noticed {
+    /// What a watchdog has noticed so far.
+    pub fn by(watchdog: &Watchdog) -> Vec<Noticed> {
+        let noticed = watchdog.noticed().iter();
+        noticed.map(|alarm| Noticed { what: alarm.to_string(), grave: alarm.trouble.is_grave() }).collect()
+    }
+
+    /// In a sentence.
+    pub fn words(&self) -> String {
+        match self.grave {
+            true => format!("THESE NUMBERS ARE WORTHLESS: {}", self.what),
+            false => format!("NOT SOUND: {}", self.what),
+        }
+    }
 }
 
 /// What a frame may hold beside the places and sizes of its grains.
@@ -186,6 +214,7 @@ mod tests {
             simulated_seconds: 0.2,
             frames: vec![Snapshot { particles: vec![grain], ..Snapshot::default() }],
             lacks: vec![Content::Spins],
+            alarms: vec![Noticed { what: "deep".into(), grave: true }],
         };
         let sealed = recording.to_bytes();
         assert_eq!(Recording::parse(&sealed).unwrap(), recording);

@@ -167,6 +167,7 @@ impl Code for Rapier {
             simulated_seconds: steps as f64 * self.settings.step,
             frames,
             lacks: Vec::new(),
+            alarms: Vec::new(),
         })
     }
 }

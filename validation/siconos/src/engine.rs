@@ -216,6 +216,7 @@ impl Code for Siconos {
             simulated_seconds: steps as f64 * step,
             frames,
             lacks: Vec::new(),
+            alarms: Vec::new(),
         })
     }
 }

@@ -1,6 +1,7 @@
 //! What is told before a scene runs: what its settings are not expected to bear, and whether there is memory for it.
 
 use super::{Console, Failure};
+use crate::observables::impossible;
 use crate::plan::Scene;
 use crate::scenes;
 use makadam::scene::Finding;
@@ -9,7 +10,8 @@ use std::path::{Path, PathBuf};
 /// Tells what a scene is not expected to bear, on standard error; the findings go to `run.json` as well.
 pub(super) fn tell_findings(scene: &Scene, file: &Path, console: &Console) -> Vec<Finding> {
     let text = scenes::text(file).ok();
-    let findings = scene.findings(text.as_deref());
+    let mut findings = scene.findings(text.as_deref());
+    findings.extend(impossible(scene, text.as_deref()));
     for finding in &findings {
         let line = finding.line.map(|line| format!(":{line}")).unwrap_or_default();
         console.warn(&format!("{}{line}: {finding}", file.display()));

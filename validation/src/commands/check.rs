@@ -4,7 +4,7 @@ use super::arguments::CheckArguments;
 use super::beforehand::tell_findings;
 use super::{Console, Failure, json};
 use crate::forecast::Forecast;
-use crate::scenes;
+use crate::scenes::{self, Change};
 use std::process::ExitCode;
 
 /// Says what will run.
@@ -15,7 +15,13 @@ pub(super) fn check(arguments: &CheckArguments, console: &Console) -> Result<Exi
         scene.ask(accuracy);
     }
     let text = scenes::text(&file)?;
-    let forecast = Forecast::of(&scene, &text).map_err(scenes::in_file(&file))?;
+    let mut forecast = Forecast::of(&scene, &text).map_err(scenes::in_file(&file))?;
+    for setting in &mut forecast.settings {
+        let is_set = |change: &Change| format!("{}.", change.key()).starts_with(&format!("{}.", setting.key));
+        if arguments.scene.source.changes.iter().any(is_set) {
+            setting.why = "given by --set".into();
+        }
+    }
     if !arguments.json {
         tell_findings(&scene, &file, console);
     }

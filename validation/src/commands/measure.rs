@@ -2,11 +2,10 @@
 
 use super::arguments::{MeasureArguments, load};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
+use crate::draw::numbers::significant;
 use crate::import::{Assembly, Imported, Tables};
-use crate::observables::catalogue::{definitions, group_of, missing};
-use crate::observables::{Measurement, measure as measure_recording, measured_frames};
+use crate::observables::{Measurement, Unmeasured, measure as measure_recording, measured_frames, unmeasured};
 use crate::output::JSON_VERSION;
-use crate::plan::Scene;
 use crate::recording::Recording;
 use crate::study::{Table, cells};
 use serde::Serialize;
@@ -22,15 +21,8 @@ struct MeasureDocument<'a> {
     frames: usize,
     measured_frames: usize,
     measurements: &'a [Measurement],
-    not_measured: &'a [NotMeasured],
+    not_measured: &'a [Unmeasured],
     notes: &'a [String],
-}
-
-/// A number that was asked for and has no value.
-#[derive(Serialize)]
-struct NotMeasured {
-    observable: &'static str,
-    reason: String,
 }
 
 /// Reads the files and prints the numbers.
@@ -61,7 +53,7 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
         )));
     }
     let measurements = measure_recording(&scene, &recording);
-    let not_measured = not_measured(&scene, &recording, &measurements);
+    let not_measured = unmeasured(&scene, &recording.lacks, &measurements);
     let text = match arguments.json {
         true => json(&MeasureDocument {
             version: JSON_VERSION,
@@ -78,29 +70,17 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
     };
     notes.iter().for_each(|note| console.note(note));
     console.result(&text)?;
-    let is_compared = |one: &NotMeasured| scene.compare.iter().any(|expected| expected.observable == one.observable);
+    let is_compared = |one: &Unmeasured| scene.compare.iter().any(|expected| expected.observable == one.observable);
     match not_measured.iter().any(is_compared) {
         true => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
         false => Ok(ExitCode::SUCCESS),
     }
 }
 
-/// What the scene measures and these frames have no value of.
-fn not_measured(scene: &Scene, recording: &Recording, measurements: &[Measurement]) -> Vec<NotMeasured> {
-    let is_asked = |name: &str| group_of(name).is_some_and(|(group, _)| scene.measure.observables.contains(&group));
-    let is_measured = |name: &str| measurements.iter().any(|measured| measured.observable == name);
-    let asked = definitions().filter(|(_, definition)| is_asked(definition.name) && !is_measured(definition.name));
-    let reason = |name: &str| match missing(name, &recording.lacks) {
-        Some(content) => format!("the frames have no {}", content.words()),
-        None => "it has no value in these frames".into(),
-    };
-    asked.map(|(_, definition)| NotMeasured { observable: definition.name, reason: reason(definition.name) }).collect()
-}
-
-fn text(recording: &Recording, frames: usize, measurements: &[Measurement], not_measured: &[NotMeasured]) -> String {
+fn text(recording: &Recording, frames: usize, measurements: &[Measurement], not_measured: &[Unmeasured]) -> String {
     let table = Table::new(&["observable"], &["value", "standard error"]).with_words("unit").of(measurements, |one| {
         let error = one.standard_error.map(|error| format!("{error:.2e}"));
-        cells![one.observable.as_str(), format!("{:.6}", one.value), error, one.unit.as_str()]
+        cells![one.observable.as_str(), significant(one.value), error, one.unit.as_str()]
     });
     let all = recording.frames.len();
     let mut text = format!(
@@ -108,7 +88,7 @@ fn text(recording: &Recording, frames: usize, measurements: &[Measurement], not_
         table.text(),
         recording.frames[all - 1].particles.len()
     );
-    for NotMeasured { observable, reason } in not_measured {
+    for Unmeasured { observable, reason } in not_measured {
         text += &format!("\nnot measured: {observable}: {reason}");
     }
     text

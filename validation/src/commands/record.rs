@@ -102,6 +102,7 @@ mod tests {
                 simulated_seconds: 0.4,
                 frames: Vec::new(),
                 lacks: Vec::new(),
+                alarms: Vec::new(),
             })
         }
     }

@@ -4,7 +4,7 @@ use super::arguments::SweepArguments;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, refuse_time_budget};
 use crate::observables::catalogue::group_of;
 use crate::output::write_whole;
-use crate::parameter_study::{Plan, Study};
+use crate::parameter_study::{Failed, Plan, Study};
 use crate::provenance::account;
 use std::process::ExitCode;
 
@@ -50,6 +50,16 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
             format!("{}\nmeans and standard deviations over seeds; tables: {}", study.text(&shown), folder.display())
         }
     })?;
+    for point in &study.points {
+        for (run, alarm) in point.runs.iter().flat_map(|run| run.alarms.iter().map(move |alarm| (run, alarm))) {
+            console.warn(&format!("{}, seed {}: {}", point.values.join(", "), run.seed, alarm.words()));
+        }
+    }
+    if let [first, others @ ..] = &study.failed[..] {
+        let Failed { values, seed, problem } = first;
+        let more = if others.is_empty() { String::new() } else { format!("; {} more: see sweep.json", others.len()) };
+        return Err(Failure::Running(format!("{}, seed {seed}: {problem}{more}", values.join(", "))));
+    }
     if study.points.iter().any(|point| point.observables.is_empty()) {
         console.warn("some combinations have no value of any observable: see runs.csv");
         return Ok(ExitCode::from(OUTSIDE_TOLERANCE));

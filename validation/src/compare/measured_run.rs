@@ -5,7 +5,7 @@ use crate::observables::Series;
 use crate::observables::{ForcePool, Measurement, measure, series};
 use crate::plan::Scene;
 use crate::provenance::processor;
-use crate::recording::Recording;
+use crate::recording::{Noticed, Recording};
 use serde::{Deserialize, Serialize};
 
 /// One run of one code, measured.
@@ -55,6 +55,8 @@ pub struct Harvest {
     pub series: Vec<Series>,
     /// Its grains at the end.
     pub final_state: Option<FinalState>,
+    /// What was noticed on the way.
+    pub alarms: Vec<Noticed>,
 }
 
 impl Harvest {
@@ -78,6 +80,7 @@ impl Harvest {
                 measurements: measure(scene, recording),
             },
             forces,
+            alarms: recording.alarms.clone(),
             series: series(scene, recording),
             final_state: recording.frames.last().map(|frame| FinalState {
                 code: recording.code.clone(),

@@ -109,6 +109,13 @@ pub(crate) fn superscript(exponent: i32) -> String {
         .collect()
 }
 
+/// A value to six significant digits.
+pub(crate) fn significant(value: f64) -> String {
+    // Adding zero takes the sign of a negative zero away.
+    let rounded = format!("{value:.5e}").parse().unwrap_or(value) + 0.0;
+    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
 /// A positive number to two significant digits, or to the unit above 100: 0.092, 3.1, 14, 230.
 pub(crate) fn two_digits(value: f64) -> String {
     if !value.is_finite() {

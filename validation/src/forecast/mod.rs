@@ -9,6 +9,7 @@ mod scales;
 mod words;
 
 use crate::effects::{Called, called};
+use crate::observables::impossible;
 use crate::plan::Scene;
 use crate::stepping::steps_in;
 use makadam::scene::{DocumentPath, Finding, NormalLaw, Stop, populate};
@@ -111,14 +112,20 @@ impl Forecast {
             effects: active.map(|called| called.effect).collect(),
             seconds: scene.duration,
             steps,
-            frames: 1 + (scene.duration / scene.measure.interval).ceil() as u64,
+            frames: frames(scene),
             settings: settings(scene, text),
             scales: bed.scales(scene, &grains),
             bytes: scene.memory(),
             wall_seconds: wall_seconds(scene, grains.len(), steps),
-            findings: scene.findings(Some(text)),
+            findings: scene.findings(Some(text)).into_iter().chain(impossible(scene, Some(text))).collect(),
         })
     }
+}
+
+/// Frames on disk: one at the start, those that are due, one at the end. No two come nearer than a step.
+fn frames(scene: &Scene) -> u64 {
+    let interval = scene.output_interval().max(scene.solver.step);
+    1 + (scene.duration / interval - 1e-6).ceil().max(1.0) as u64
 }
 
 fn wall_seconds(scene: &Scene, grains: usize, steps: u64) -> f64 {
@@ -132,6 +139,23 @@ fn wall_seconds(scene: &Scene, grains: usize, steps: u64) -> f64 {
     (steps + prepared) as f64 * grains as f64 * (once + sweep * sweeps)
 }
 
+/// Step and stopping rule, in words.
+pub fn chosen(scene: &Scene) -> String {
+    format!("a step of {:e} s and solves that end at {}", scene.solver.step, stop_of(&scene.solver.stop))
+}
+
+fn stop_of(stop: &Stop) -> String {
+    match stop {
+        Stop::Sweeps { sweeps } => format!("{sweeps} sweeps"),
+        Stop::Residual { tolerance, max_sweeps } => {
+            format!("residual below {tolerance:.1e} g h, at most {max_sweeps} sweeps")
+        }
+        Stop::TimeBudget { seconds, max_sweeps } => {
+            format!("{seconds} s of wall time, at most {max_sweeps} sweeps: not reproducible")
+        }
+    }
+}
+
 /// The settings that decide on accuracy and cost, with the reason for each.
 fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
     let solver = &scene.solver;
@@ -143,15 +167,6 @@ fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
         Some(_) => "follows from accuracy".into(),
         None => why(table, key),
     };
-    let stop = match solver.stop {
-        Stop::Sweeps { sweeps } => format!("{sweeps} sweeps"),
-        Stop::Residual { tolerance, max_sweeps } => {
-            format!("residual below {tolerance:.1e} g h, at most {max_sweeps} sweeps")
-        }
-        Stop::TimeBudget { seconds, max_sweeps } => {
-            format!("{seconds} s of wall time, at most {max_sweeps} sweeps: not reproducible")
-        }
-    };
     let law = match solver.normal_law {
         NormalLaw::Rigid => "rigid".into(),
         NormalLaw::Linear { stiffness } => format!("linear, {stiffness:e} N/m"),
@@ -160,7 +175,7 @@ fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
     let setting = |key, value: String, why: String| Setting { key, value, why };
     vec![
         setting("solver.step", format!("{:e} s", solver.step), by_accuracy("solver", "step")),
-        setting("solver.stop", stop, by_accuracy("solver", "stop")),
+        setting("solver.stop", stop_of(&solver.stop), by_accuracy("solver", "stop")),
         setting("solver.method", solver.method.name().into(), why("solver", "method")),
         setting("solver.normal_law", law, why("solver", "normal_law")),
         setting("measure.interval", format!("{} s", scene.measure.interval), why("measure", "interval")),

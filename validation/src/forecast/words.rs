@@ -8,8 +8,8 @@ use std::fmt::Write;
 impl Forecast {
     /// All of it, as a text of several lines.
     pub fn text(&self) -> String {
-        let mut text =
-            format!("{}: {}\n\n", self.scene, if self.description.is_empty() { "-" } else { &self.description });
+        let colon = if self.description.is_empty() { "" } else { ": " };
+        let mut text = format!("{}{colon}{}\n\n", self.scene, self.description);
         let size = self.radii.map_or(String::new(), |[least, mean, most]| {
             let millimetres = |length: f64| compact(1e3 * length);
             format!(

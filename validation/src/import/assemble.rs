@@ -100,6 +100,7 @@ impl Assembly<'_> {
             simulated_seconds,
             frames,
             lacks,
+            alarms: Vec::new(),
         };
         Ok(Imported { recording, notes })
     }

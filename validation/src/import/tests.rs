@@ -39,6 +39,7 @@ fn recording(frames: Vec<Snapshot>, lacks: Vec<Content>) -> Recording {
         simulated_seconds: 0.3,
         frames,
         lacks,
+        alarms: Vec::new(),
     }
 }
 

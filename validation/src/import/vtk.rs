@@ -18,7 +18,9 @@ type Named = (Vec<String>, Vec<f64>);
 /// [`ImportError`].
 pub(super) fn xml(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportError> {
     let outline = outline_vtk(bytes, &|_| true).map_err(|problem| ImportError::new(file, 1, problem))?;
-    let lines = outline.topology == "Lines";
+    let told = |section: &str| outline.sections.iter().any(|(name, arrays)| *name == section && !arrays.is_empty());
+    // A frame without contacts has no lines, and is told by what it says of them.
+    let lines = outline.topology == "Lines" || (outline.points == 0 && !told("PointData") && told("CellData"));
     let (wanted, count) =
         if lines { (&["CellData"][..], outline.cells) } else { (&["Points", "PointData"][..], outline.points) };
     let of_kind = outline.sections.iter().filter(|(section, _)| wanted.contains(section));

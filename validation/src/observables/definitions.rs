@@ -259,9 +259,9 @@ const DISCHARGE: [Definition; 2] = [
         "mass_flow_rate",
         "W",
         "kg/s",
-        "(m(t_n) − m(t_1)) / (t_n − t_1) of the mass m beyond the first disc with a hole, over the measured frames; standard error over \
+        "(m(t_n) − m(t_1)) / (t_n − t_1) of the mass m below the first disc with a hole, over the measured frames; standard error over \
          blocks of time",
         "",
     ),
-    define("discharged_mass", "m", "kg", "mass beyond the first disc with a hole at the last measured frame", ""),
+    define("discharged_mass", "m", "kg", "mass below the first disc with a hole at the last measured frame", ""),
 ];

@@ -69,6 +69,7 @@ pub mod measurement;
 pub mod mixing;
 pub mod neighbours;
 pub mod packing_fraction;
+pub mod possible;
 mod series;
 pub mod setting;
 pub mod sphere_volume;
@@ -79,6 +80,7 @@ pub mod walls;
 pub use force_distribution::{ForceDistribution, ForcePool, force_distribution};
 pub use measurement::Measurement;
 pub use neighbours::close_pairs;
+pub use possible::{Unmeasured, impossible, unmeasured};
 pub use series::Series;
 
 use crate::plan::{Observable, Scene};

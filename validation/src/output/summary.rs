@@ -67,6 +67,9 @@ pub struct RunSummary {
     pub observables: std::collections::BTreeMap<String, Measured>,
     /// Why nothing was measured, where the run ended before the state that the scene wants measured.
     pub not_measured: Option<String>,
+    /// What the scene measures and has no value of, by name, with why.
+    #[serde(default)]
+    pub without_value: std::collections::BTreeMap<String, String>,
     /// Folder of frames, CSV and JSON.
     pub output: String,
     /// Frames written.

@@ -269,12 +269,16 @@ fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>,
         Ok::<_, String>((decoded, start + letters))
     };
     let header = source.header;
+    // Nine bytes and twelve letters are whole groups: enough for the first number of a header.
+    let begin =
+        STANDARD.decode(text.get(..12).ok_or_else(cut)?).map_err(|error| format!("it is no base64: {error}"))?;
+    let count = header_number(&begin, header, 0)?;
     if !source.compressed {
-        return decoded(0, header.saturating_add(size)).map(|(bytes, _)| bytes);
+        return match count == size {
+            true => decoded(0, header + size).map(|(bytes, _)| bytes),
+            false => Err(format!("it has {count} bytes in place of {size}")),
+        };
     }
-    // Nine bytes and twelve letters are whole groups: enough for the number of blocks.
-    let count =
-        header_number(&STANDARD.decode(text.get(..12).ok_or_else(cut)?).map_err(|_| "it is no base64")?, header, 0)?;
     if count > text.len() {
         return Err(cut());
     }

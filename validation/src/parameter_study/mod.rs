@@ -7,4 +7,4 @@
 mod study;
 mod table;
 
-pub use study::{ParameterError, Plan, Point, Range, Run, Study};
+pub use study::{Failed, ParameterError, Plan, Point, Range, Run, Study};

@@ -5,7 +5,8 @@ use crate::observables::{Measurement, measure};
 use crate::output::{WriteError, file_stem};
 use crate::peers::{Code, CodeError, Job, Makadam};
 use crate::plan::Scene;
-use crate::provenance::scene_hash;
+use crate::provenance::{Build, scene_hash};
+use crate::recording::Noticed;
 use crate::scenes::{self, Change, ChangeError, SceneError};
 use crate::statistics::Ensemble;
 use crate::study::{Key, RunCache};
@@ -46,7 +47,12 @@ impl FromStr for Range {
             // Words without quotes.
             _ => values.split(',').map(|value| value.trim().to_string()).collect(),
         };
-        if let Some(place) = (1..values.len()).find(|&place| values[..place].contains(&values[place])) {
+        let same = |one: &String, other: &String| match (one.parse::<f64>(), other.parse::<f64>()) {
+            (Ok(one), Ok(other)) => one == other,
+            _ => one == other,
+        };
+        let known = |place: usize| values[..place].iter().any(|value| same(value, &values[place]));
+        if let Some(place) = (1..values.len()).find(|&place| known(place)) {
             return Err(format!("{key}: {} is given twice", values[place]));
         }
         Ok(Range { key: key.into(), values })
@@ -59,6 +65,14 @@ pub enum ParameterError {
     /// A key leads nowhere.
     #[error("--over {0}")]
     Change(#[from] ChangeError),
+    /// A key that cannot be varied here.
+    #[error("--over {key}: {problem}")]
+    Key {
+        /// The key.
+        key: String,
+        /// Why, and what would be right.
+        problem: &'static str,
+    },
     /// A scene with these values is refused.
     #[error("{values}: {error}")]
     Scene {
@@ -113,6 +127,19 @@ pub struct Run {
     pub wall_seconds: f64,
     /// What was measured.
     pub measurements: Vec<Measurement>,
+    /// What a watchdog noticed on the way.
+    pub alarms: Vec<Noticed>,
+}
+
+/// A run that came to no end.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Failed {
+    /// Values, in the order of the keys.
+    pub values: Vec<String>,
+    /// Seed of the initial positions.
+    pub seed: u64,
+    /// Why.
+    pub problem: String,
 }
 
 /// A combination of values, over its seeds.
@@ -141,6 +168,8 @@ pub struct Study {
     pub units: BTreeMap<String, String>,
     /// One a combination.
     pub points: Vec<Point>,
+    /// Runs that came to no end; the means are over the others.
+    pub failed: Vec<Failed>,
     /// Where the numbers came from, by name.
     pub provenance: BTreeMap<String, String>,
 }
@@ -153,25 +182,34 @@ struct Prepared {
 }
 
 impl Study {
-    /// Runs what is not kept yet, as many runs at a time as the thread pool has threads.
+    /// Runs what is not kept yet, as many runs at a time as the thread pool has threads. A run that comes to no end is listed as such,
+    /// and the others go on.
     ///
     /// # Errors
-    /// [`ParameterError`]: before anything runs if a combination is refused; afterwards what ran is kept.
+    /// [`ParameterError`]: before anything runs if a combination is refused; afterwards, if runs cannot be kept or the user asks to stop:
+    /// what ran is kept.
     pub fn make(plan: &Plan<'_>, scene: &Scene, provenance: BTreeMap<String, String>) -> Result<Study, ParameterError> {
         let points = prepare(plan)?;
         let cache = RunCache::open(&plan.folder.join("runs"))?;
         let jobs: Vec<(&Prepared, u64)> =
             points.iter().flat_map(|point| plan.seeds.iter().map(move |&seed| (point, seed))).collect();
-        let runs: Result<Vec<Run>, ParameterError> =
-            jobs.par_iter().map(|(point, seed)| run(plan, &cache, point, *seed)).collect();
-        let runs = runs?;
+        let ended = jobs.par_iter().map(|(point, seed)| match run(plan, &cache, point, *seed) {
+            Ok(run) => Ok(Ok(run)),
+            Err(ParameterError::Run { error, .. }) => {
+                Ok(Err(Failed { values: point.values.clone(), seed: *seed, problem: error.to_string() }))
+            }
+            Err(error) => Err(error),
+        });
+        let ended = ended.collect::<Result<Vec<Result<Run, Failed>>, ParameterError>>()?;
+        let failed = ended.iter().filter_map(|ended| ended.as_ref().err()).cloned().collect();
+        let runs: Vec<&Run> = ended.iter().flatten().collect();
         let mut units = BTreeMap::new();
         for measurement in runs.iter().flat_map(|run| &run.measurements) {
             units.insert(measurement.observable.clone(), measurement.unit.clone());
         }
-        let mut runs = runs.into_iter();
+        let mut ended = ended.into_iter();
         let points = points.into_iter().map(|point| {
-            let own: Vec<Run> = runs.by_ref().take(plan.seeds.len()).collect();
+            let own: Vec<Run> = ended.by_ref().take(plan.seeds.len()).flatten().collect();
             Point { values: point.values, observables: means(&own), runs: own }
         });
         Ok(Study {
@@ -181,6 +219,7 @@ impl Study {
             keys: plan.ranges.iter().map(|range| range.key.clone()).collect(),
             units,
             points: points.collect(),
+            failed,
             provenance,
         })
     }
@@ -188,6 +227,15 @@ impl Study {
 
 /// Every combination, read and checked.
 fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
+    let refuse = |range: &Range, problem| Err(ParameterError::Key { key: range.key.clone(), problem });
+    for (place, range) in plan.ranges.iter().enumerate() {
+        if scenes::key_of(&range.key) == ["seed"] {
+            return refuse(range, "--seeds varies the seed, from the scene's on (--set seed=N)");
+        }
+        if plan.ranges[..place].iter().any(|other| scenes::key_of(&other.key) == scenes::key_of(&range.key)) {
+            return refuse(range, "it is given twice; give all its values at once");
+        }
+    }
     let number: usize = plan.ranges.iter().map(|range| range.values.len()).product();
     if number > MOST_POINTS {
         return Err(ParameterError::TooMany(number));
@@ -215,7 +263,10 @@ fn prepare(plan: &Plan<'_>) -> Result<Vec<Prepared>, ParameterError> {
 
 fn run(plan: &Plan<'_>, cache: &RunCache, point: &Prepared, seed: u64) -> Result<Run, ParameterError> {
     let hash = format!("{:016x}", scene_hash(&point.scene));
-    let key = Key::new(format!("{}-s{seed}", file_stem(&point.scene.name)), &[&hash, &seed.to_string(), BUILD]).apart();
+    // What is watched for decides on how a run ends, and the judge on what is measured.
+    let watch = serde_json::to_string(&point.scene.watch).expect("a watch holds numbers and words");
+    let parts = [&hash, &seed.to_string(), BUILD, &Build::here().summary(), &watch];
+    let key = Key::new(format!("{}-s{seed}", file_stem(&point.scene.name)), &parts).apart();
     cache.take(&key, plan.again, || {
         if crate::interrupt::requested() {
             return Err(ParameterError::Interrupted);
@@ -235,7 +286,8 @@ fn run(plan: &Plan<'_>, cache: &RunCache, point: &Prepared, seed: u64) -> Result
             CodeError::Interrupted { .. } => ParameterError::Interrupted,
             error => ParameterError::Run { values: point.label.clone(), seed, error: Box::new(error) },
         })?;
-        Ok(Run { seed, wall_seconds: recording.wall_seconds, measurements: measure(&point.scene, &recording) })
+        let measurements = measure(&point.scene, &recording);
+        Ok(Run { seed, wall_seconds: recording.wall_seconds, measurements, alarms: recording.alarms })
     })
 }
 
@@ -272,7 +324,7 @@ mod tests {
         assert_eq!(values("friction=0.1, 0.3"), ["0.1", "0.3"]);
         assert_eq!(values("gravity=[0,0,-9.81],[0,0,-1.62]").len(), 2);
         assert_eq!(values("wall.box.material=glass,steel"), ["glass", "steel"]);
-        for wrong in ["friction", "=1,2", "friction=", "friction=1,1"] {
+        for wrong in ["friction", "=1,2", "friction=", "friction=1,1", "friction=0.1,0.10"] {
             assert!(wrong.parse::<Range>().is_err(), "{wrong}");
         }
     }
@@ -288,6 +340,21 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path().join("runs")).unwrap().count(), 8);
         let csv = String::from_utf8(study.points_csv()).unwrap();
         assert!(csv.starts_with("duration,solver.step,seeds,") && csv.lines().count() == 5, "{csv}");
+    }
+
+    #[test]
+    fn a_run_that_fails_leaves_the_others_their_table() {
+        let folder = tempfile::tempdir().unwrap();
+        // Grains that leave the domain end the run, unless nobody watches.
+        let ranges = ["duration=0.02", "domain.max=[1,1,1],[0.05,0.05,0.05]"];
+        let watched = study(&ranges, &[1, 2], folder.path());
+        let found = watched.unwrap_or_else(|error| panic!("{error}"));
+        let runs: Vec<usize> = found.points.iter().map(|point| point.runs.len()).collect();
+        assert_eq!(runs.iter().sum::<usize>() + found.failed.len(), 4, "{:?}", found.failed);
+        for (over, words) in [("seed=1,5", "--seeds"), ("duration=0.02", "twice")] {
+            let error = study(&["duration=0.03", over], &[1], folder.path()).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
     }
 
     #[test]

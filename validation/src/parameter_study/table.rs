@@ -1,6 +1,7 @@
 //! A study of parameters as tables.
 
 use super::{Point, Study};
+use crate::draw::numbers::{significant, two_digits};
 use crate::study::{Table, cells};
 
 /// Observables that fit beside each other on a terminal.
@@ -16,8 +17,8 @@ impl Study {
             .collect();
         let shown = |point: &Point, name: &str| {
             point.observables.get(name).map(|mean| match mean.seeds {
-                1 => format!("{:.4}", mean.mean),
-                _ => format!("{:.4} ± {:.4}", mean.mean, mean.standard_deviation),
+                1 => significant(mean.mean),
+                _ => format!("{} ± {}", significant(mean.mean), two_digits(mean.standard_deviation)),
             })
         };
         if names.len() > MOST_COLUMNS {

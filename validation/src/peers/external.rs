@@ -82,7 +82,7 @@ impl External {
         let fault = |problem: String| DescriptionError { file: file.to_path_buf(), problem };
         let text = std::fs::read_to_string(file).map_err(|error| fault(error.to_string()))?;
         let description: Description = toml::from_str(&text).map_err(|error| {
-            let line = error.span().map_or(1, |span| text[..span.start].lines().count().max(1));
+            let line = error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
             fault(format!("line {line}: {}", error.message()))
         })?;
         let Description { name, command, grains, .. } = &description;

@@ -5,7 +5,7 @@ use crate::execution::Execution;
 use crate::output::WriteError;
 use crate::prepared::{StartError, start};
 use crate::provenance::Build;
-use crate::recording::Recording;
+use crate::recording::{Noticed, Recording};
 use crate::stepping::{Halt, Stepping, Taken, steps_in};
 use makadam::Simulation;
 use makadam::watch::Watchdog;
@@ -57,6 +57,7 @@ impl Code for Makadam {
             simulated_seconds: simulation.time() - started,
             frames,
             lacks: Vec::new(),
+            alarms: Noticed::by(&watchdog),
         })
     }
 }

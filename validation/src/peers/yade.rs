@@ -217,6 +217,7 @@ impl Code for Yade {
             simulated_seconds: plan.steps as f64 * plan.time_step,
             frames,
             lacks: Vec::new(),
+            alarms: Vec::new(),
         })
     }
 }

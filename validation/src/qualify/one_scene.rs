@@ -112,6 +112,10 @@ impl OneScene<'_> {
                 }
                 failure = failure.or(Some(error));
             }
+            for harvest in &simulated.harvests {
+                let own = harvest.alarms.iter();
+                notes.extend(own.map(|alarm| format!("{code}, seed {}: {}", harvest.run.seed, alarm.words())));
+            }
             measured.push(CodeRuns::live(code, side_by_side, simulated.harvests));
         }
         if let Some(error @ CodeError::Scene(_)) = failure {

@@ -8,6 +8,9 @@ use std::fmt;
 use std::str::FromStr;
 use toml_edit::{DocumentMut, Item, Key, Table, Value};
 
+/// Tables that a scene may leave out, and that have no defaults to be spelt out.
+const OPTIONAL: [&str; 4] = ["accuracy", "output", "prepare", "watch"];
+
 /// A value for one key.
 #[derive(Clone, Debug)]
 pub struct Change {
@@ -62,6 +65,11 @@ impl Change {
     pub fn new(key: &[String], value: &str) -> Change {
         let parsed = value.trim().parse::<Value>().unwrap_or_else(|_| Value::from(value.trim()));
         Change { key: key.to_vec(), value: parsed, written: format!("{}={}", key.join("."), value.trim()) }
+    }
+
+    /// The key, with dots between its steps.
+    pub fn key(&self) -> String {
+        self.key.join(".")
     }
 
     fn refuse(&self, problem: String) -> ChangeError {
@@ -144,7 +152,7 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
         let entry = match &inner {
             // What the text leaves out is spelt out, so that one of its values can be another.
             Some(item) if item.is_table_like() => item.clone(),
-            None if key.len() == change.key.len() => {
+            None if key.len() == change.key.len() && !OPTIONAL.contains(&step.as_str()) => {
                 let names: Vec<String> = table.iter().map(|(name, _)| name.to_string()).collect();
                 let near = nearest(step, names.iter().map(String::as_str), 3).join(", ");
                 return Err(change.refuse(format!("the scene has no '{step}'; the nearest names are: {near}")));
@@ -222,6 +230,14 @@ mod tests {
         assert_eq!(before.lines().count(), after.lines().count());
         let other: Vec<_> = before.lines().zip(after.lines()).filter(|(a, b)| a != b).collect();
         assert_eq!(other, [("friction = 0.5", "friction = 0.25")]);
+    }
+
+    #[test]
+    fn tables_that_the_text_leaves_out_come_into_being() {
+        let scene = with(&["output.interval=0.5", "watch.on_escape=ignore"]).unwrap();
+        assert_eq!(scene.output_interval(), 0.5);
+        assert_eq!(scene.watch.on_escape, makadam::scene::Reaction::Ignore);
+        assert!(with(&["outputs.interval=0.5"]).unwrap_err().to_string().contains("output"), "a name that is none");
     }
 
     #[test]

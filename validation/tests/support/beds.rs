@@ -83,6 +83,7 @@ pub fn recording(frames: Vec<Snapshot>) -> Recording {
         simulated_seconds: 1.0,
         frames,
         lacks: Vec::new(),
+        alarms: Vec::new(),
     }
 }
 

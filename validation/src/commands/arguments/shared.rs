@@ -56,7 +56,8 @@ pub fn load(name: &str, changes: &[Change]) -> Result<(PathBuf, Scene), Failure>
 /// Where the results of a command go.
 #[derive(Debug, Args)]
 pub struct OutputArguments {
-    /// Folder to write to, and to reuse finished runs from; if absent, one under results/, named after command and scene.
+    /// Folder to write to; studies take the runs that they finished there before. If absent, one under results/, named after command
+    /// and scene.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the results as JSON.

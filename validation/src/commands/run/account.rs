@@ -79,6 +79,7 @@ impl<'a> Account<'a> {
             balance: simulation.balance(),
             observables: BTreeMap::new(),
             not_measured: Some("the run is not at its end".into()),
+            without_value: BTreeMap::new(),
             output: self.plan.shown.clone(),
             frames: self.frames,
             provenance: self.plan.provenance.clone(),

@@ -1,15 +1,8 @@
 //! A run's summary for people.
 
-use crate::draw::numbers::two_digits;
+use crate::draw::numbers::{significant, two_digits};
 use crate::output::RunSummary;
 use makadam::Balance;
-
-/// A value to six significant digits.
-fn significant(value: f64) -> String {
-    // Adding zero takes the sign of a negative zero away.
-    let rounded = format!("{value:.5e}").parse().unwrap_or(value) + 0.0;
-    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
-}
 
 /// The summary for people.
 pub(super) fn describe(summary: &RunSummary) -> String {
@@ -72,6 +65,9 @@ pub(super) fn describe(summary: &RunSummary) -> String {
     for (name, measured) in &summary.observables {
         let error = measured.standard_error.map_or(String::new(), |error| format!(" ± {}", two_digits(error)));
         text += &format!("{name:<36} {}{error} {}\n", significant(measured.value), measured.unit);
+    }
+    for (name, why) in &summary.without_value {
+        text += &format!("{name:<36} no value: {why}\n");
     }
     text + &format!("frames, observables.csv and run.json: {}", summary.output)
 }

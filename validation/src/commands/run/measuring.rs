@@ -2,7 +2,7 @@
 
 use super::measured::MeasuredFrames;
 use crate::commands::Failure;
-use crate::observables;
+use crate::observables::{self, unmeasured};
 use crate::output::Measured;
 use crate::plan::Scene;
 use makadam::snapshot::Snapshot;
@@ -14,6 +14,8 @@ pub(super) struct Measurements {
     pub observables: BTreeMap<String, Measured>,
     /// Why there are none, where the run ended before the state that the scene wants measured.
     pub not_measured: Option<String>,
+    /// What the scene measures and has no value of, with why, where anything was measured.
+    pub without_value: BTreeMap<String, String>,
 }
 
 /// What the frames come to. `complete`: whether the run has reached its last step; `ended`: how long it had gone then, s.
@@ -41,12 +43,18 @@ pub(super) fn measure(
             true => "there are no grains".into(),
             false => format!("the run ended after {ended:.4} s, before {before}"),
         };
-        return Ok(Measurements { observables: BTreeMap::new(), not_measured: Some(not_measured) });
+        return Ok(Measurements {
+            observables: BTreeMap::new(),
+            not_measured: Some(not_measured),
+            without_value: BTreeMap::new(),
+        });
     };
+    let without = unmeasured(scene, &[], &measured).into_iter();
+    let without_value = without.map(|one| (one.observable.to_string(), one.reason)).collect();
     let finite = measured.into_iter().filter(|m| m.value.is_finite());
     let observables =
         finite.map(|m| (m.observable, Measured { value: m.value, standard_error: m.standard_error, unit: m.unit }));
-    Ok(Measurements { observables: observables.collect(), not_measured: None })
+    Ok(Measurements { observables: observables.collect(), not_measured: None, without_value })
 }
 
 /// What can be measured of one frame alone.

@@ -16,6 +16,7 @@ use super::arguments::RunArguments;
 use super::beforehand::tell_findings;
 use super::{Console, Failure, begin, json};
 use crate::execution::{Execution, threads_for};
+use crate::forecast::chosen;
 use crate::output::file_stem;
 use crate::output::{FolderLock, LockError, RunFiles, RunSummary, create_folder};
 use crate::plan::Scene;
@@ -40,6 +41,7 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     let (file, mut scene, seed) = arguments.scene.load()?;
     if let Some(accuracy) = arguments.accuracy {
         scene.ask(accuracy);
+        console.note(&format!("--accuracy chose {}", chosen(&scene)));
     }
     if arguments.time_budget.is_some() {
         scene.ask(budget::COARSEST);

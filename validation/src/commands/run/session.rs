@@ -293,6 +293,7 @@ impl<'a> Session<'a> {
         let mut summary = account.summary(ended.as_ref().err().map(ToString::to_string));
         if let Some(measured) = measured {
             (summary.observables, summary.not_measured) = (measured.observables, measured.not_measured);
+            summary.without_value = measured.without_value;
         }
         let file = plan.output.join(RunFiles::SUMMARY);
         let written = write_durably(&file, json(&summary).as_bytes());

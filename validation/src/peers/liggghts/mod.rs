@@ -106,6 +106,7 @@ impl Code for Liggghts {
             simulated_seconds: plan.steps as f64 * plan.time_step,
             frames,
             lacks: Vec::new(),
+            alarms: Vec::new(),
         })
     }
 }

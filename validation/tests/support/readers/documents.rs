@@ -275,6 +275,7 @@ pub fn recordings() -> Vec<Vec<u8>> {
         simulated_seconds: 0.2,
         frames: vec![frame(0.1), frame(0.15), frame(0.2)],
         lacks: Vec::new(),
+        alarms: Vec::new(),
     };
     vec![recording.to_bytes()]
 }

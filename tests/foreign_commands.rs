@@ -1,0 +1,132 @@
+//! Frames and codes from elsewhere: `measure`, `judge`, `export --for`.
+
+use crate::support::makadam;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Exit code, standard output and standard error.
+fn outcome(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let output = makadam(folder).args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+fn data(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../").join(name).display().to_string()
+}
+
+/// A packing of a hundred grains, and what is varied of it.
+const SCENE: [&str; 3] = ["packing-100", "--set", "measure.from=0.3"];
+
+#[test]
+fn a_run_is_measured_from_its_frames_as_it_measured_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = ["run", "--quiet", "-o", "out"].iter().chain(&SCENE).copied().collect::<Vec<_>>();
+    let (code, _, errors) = outcome(folder.path(), &run);
+    assert_eq!(code, 0, "{errors}");
+    let summary: Value = serde_json::from_slice(&std::fs::read(folder.path().join("out/run.json")).unwrap()).unwrap();
+    let wanted = summary["observables"].as_object().unwrap();
+    let (code, text, errors) =
+        outcome(folder.path(), &["measure", "out", "--scene", SCENE[0], SCENE[1], SCENE[2], "--json"]);
+    assert_eq!(code, 0, "{errors}");
+    let found: Value = serde_json::from_str(&text).unwrap();
+    let measured = found["measurements"].as_array().unwrap();
+    assert_eq!(measured.len(), wanted.len(), "{text}");
+    for one in measured {
+        let name = one["observable"].as_str().unwrap();
+        // Frames on disk are in single precision: what is at an edge, or a difference of nearly equal numbers, tells that.
+        if ["coulomb_excess", "sliding_share", "largest_overlap", "mean_overlap"].contains(&name) {
+            continue;
+        }
+        let (own, other) = (one["value"].as_f64().unwrap(), wanted[name]["value"].as_f64().unwrap());
+        assert!((own - other).abs() <= 2e-3 * other.abs().max(1e-6), "{name}: {own} and {other}");
+    }
+    let (code, text, _) = outcome(folder.path(), &["measure", "out", "--scene", "packing-100"]);
+    assert!(code == 0 && text.contains("kinetic_energy") && text.contains("1 of 13 frames"), "{code}: {text}");
+}
+
+#[test]
+fn files_of_other_codes_are_measured_and_what_they_lack_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = data("validation/tests/frames/yade/plain.txt");
+    let (code, text, errors) = outcome(folder.path(), &["measure", &plain, "--scene", "packing-100"]);
+    // Forces are compared in this scene, and there are none.
+    assert_eq!(code, 4, "{text}{errors}");
+    assert!(text.contains("not measured: gini: the frames have no contacts between grains"), "{text}");
+    assert!(text.contains("largest_overlap"), "{text}");
+    let vtu = data("validation/tests/frames/yade/spheres.400.vtu");
+    let (_, text, _) = outcome(folder.path(), &["measure", &vtu, "--scene", "packing-100", "--time-step", "1e-2"]);
+    assert!(!text.contains("kinetic_energy: "), "velocities and spins are there: {text}");
+    let refused: [(&[&str], i32, &str); 4] = [
+        (&["measure", "nothing.csv", "--scene", "packing-100"], 3, "nothing.csv: line 1:"),
+        (&["measure", &plain, "--scene", "packing-101"], 3, "packing-100"),
+        (&["measure", &plain, "--scene", "packing-100", "--columns", "x,y"], 3, "4 numbers, and 2 columns"),
+        (
+            &["measure", &plain, "--scene", "packing-100", "--interval", "1", "--set", "measure.from=0.4"],
+            2,
+            "no frame is measured",
+        ),
+    ];
+    for (arguments, wanted, words) in refused {
+        let (code, _, errors) = outcome(folder.path(), arguments);
+        assert!(code == wanted && errors.contains(words), "{arguments:?}: {code}: {errors}");
+    }
+}
+
+#[test]
+fn a_code_of_ones_own_is_judged_and_found_to_disagree() {
+    let folder = tempfile::tempdir().unwrap();
+    let described = data("tests/codes/dropped.toml");
+    let scene = [
+        "--set",
+        "measure.observables=[\"packing-fraction\"]",
+        "--set",
+        "compare=[{observable=\"packing_fraction\", margin=0.01}]",
+    ];
+    let mut command =
+        vec!["judge", "packing-100", "--code", &described, "--against", "makadam", "--seeds", "3", "-o", "report"];
+    command.extend(scene);
+    let (code, text, errors) = outcome(folder.path(), &command);
+    assert_eq!(code, 4, "{text}{errors}");
+    assert!(text.contains("Dropped disagrees with Makadam in 1 of 1 test"), "{text}");
+    let report = std::fs::read_to_string(folder.path().join("report/report.html")).unwrap();
+    assert!(report.contains("Dropped"));
+    let write = |name: &str, text: &str| {
+        let file = folder.path().join(name);
+        std::fs::write(&file, text).unwrap();
+        file.display().to_string()
+    };
+    let toml = std::fs::read_to_string(&described).unwrap();
+    let here = PathBuf::from(&described).parent().unwrap().display().to_string();
+    let toml = toml.replace("{here}", &here);
+    let refused = [
+        (toml.replace("out.csv", "other.csv"), 1, "the run has left no file other.csv"),
+        (toml.replace("python3", "no-such-program"), 2, "there is no program 'no-such-program'"),
+        (toml.replace("\"Dropped\"", "\"yade\""), 2, "is no name for a code of your own"),
+        (toml.replace("version", "versoin"), 2, "line 3: unknown field `versoin`"),
+        (toml.replace("\"{folder}\"", "\"/nowhere\""), 1, "Dropped failed"),
+    ];
+    for (text, wanted, words) in refused {
+        let file = write("code.toml", &text);
+        let (code, _, errors) =
+            outcome(folder.path(), &["judge", "packing-100", "--code", &file, "--against", "makadam", "--seeds", "1"]);
+        assert!(code == wanted && errors.contains(words), "{code} in place of {wanted}: {errors}");
+    }
+}
+
+#[test]
+fn scenes_are_written_for_other_codes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, text, errors) = outcome(folder.path(), &["export", "packing-100", "--for", "liggghts", "-o", "deck"]);
+    assert_eq!(code, 0, "{errors}");
+    assert!(text.contains("liggghts -in deck.in"), "{text}");
+    for name in ["deck.in", "grains.data", "wall0.stl"] {
+        assert!(folder.path().join("deck").join(name).is_file(), "{name}");
+    }
+    let (code, text, _) = outcome(folder.path(), &["export", "packing-100", "--for", "yade"]);
+    assert!(code == 0 && text.contains("yade -j1 -n -x yade_driver.py"), "{code}: {text}");
+    let (code, _, errors) = outcome(folder.path(), &["export", "packing-100", "--for", "makadam"]);
+    assert!(code == 2 && errors.contains("name another code"), "{code}: {errors}");
+    let (code, _, errors) = outcome(folder.path(), &["export", "packing-100"]);
+    assert!(code == 2 && errors.contains("--format"), "{code}: {errors}");
+}

@@ -1,0 +1,91 @@
+//! What a scene asks to be measured and cannot have: told before it runs, and afterwards of what has no value.
+
+use super::catalogue::{definitions, group_of, missing};
+use super::drum::Drum;
+use super::measurement::Measurement;
+use crate::plan::{Observable, Scene};
+use crate::recording::Content;
+use makadam::scene::{DocumentPath, Finding, Severity, Shape};
+use serde::Serialize;
+
+/// A number that was asked for and has no value.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Unmeasured {
+    /// Its name.
+    pub observable: &'static str,
+    /// Why.
+    pub reason: String,
+}
+
+/// Groups that a scene measures and that have nothing to measure in it, as warnings. `text` is that of its file, for lines.
+pub fn impossible(scene: &Scene, text: Option<&str>) -> Vec<Finding> {
+    let root = DocumentPath::default();
+    let at = root.key("measure").key("observables");
+    let found = scene.measure.observables.iter().filter_map(|group| {
+        let (name, lacks) = lack(scene, *group)?;
+        Some(Finding {
+            severity: Severity::Warning,
+            problem: format!("measure.observables: {name} has nothing to measure: {lacks}"),
+            remedy: "leave it out, or add what it needs".into(),
+            line: text.and_then(|text| at.line(text)),
+        })
+    });
+    found.collect()
+}
+
+/// The name of a group, and what the scene lacks for it.
+fn lack(scene: &Scene, group: Observable) -> Option<(&'static str, &'static str)> {
+    let any = |wanted: fn(&Shape) -> bool| scene.wall.iter().any(|wall| wanted(&wall.shape));
+    let drum = "no cylinder turns about its own axis, across gravity";
+    let (is_there, lacks) = match group {
+        Observable::DynamicAngleOfRepose | Observable::DrumFlow => (Drum::find(scene).is_some(), drum),
+        Observable::Discharge => {
+            (any(|shape| matches!(shape, Shape::Disc { hole, .. } if *hole > 0.0)), "no wall is a disc with a hole")
+        }
+        Observable::DrivenWall => {
+            (scene.wall.iter().any(|wall| wall.motion.is_driven()), "no wall is driven by a force or a torque")
+        }
+        Observable::StaticAngleOfRepose => {
+            (scene.gravity != [0.0; 3] || !scene.gravity_changes.is_empty(), "there is no gravity")
+        }
+        _ => (true, ""),
+    };
+    let name = definitions().find(|(_, definition)| group_of(definition.name).is_some_and(|(of, _)| of == group));
+    (!is_there).then(|| (name.map_or("", |(name, _)| name), lacks))
+}
+
+/// What a scene measures and has no value of; `lacks` is what the frames did not tell.
+pub fn unmeasured(scene: &Scene, lacks: &[Content], measurements: &[Measurement]) -> Vec<Unmeasured> {
+    let asked = |name: &str| group_of(name).filter(|(group, _)| scene.measure.observables.contains(group));
+    let has = |name: &str| measurements.iter().any(|measured| measured.observable == name);
+    let without = definitions().filter_map(|(_, definition)| Some((definition.name, asked(definition.name)?.0)));
+    let reason = |name: &str, group: Observable| match (missing(name, lacks), lack(scene, group)) {
+        (Some(content), _) => format!("the frames have no {}", content.words()),
+        (None, Some((_, lacks))) => lacks.into(),
+        (None, None) => "it has no value in these frames".into(),
+    };
+    let without = without.filter(|(name, _)| !has(name));
+    without.map(|(observable, group)| Unmeasured { observable, reason: reason(observable, group) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_scene_cannot_have_is_said_with_its_line() {
+        let text = include_str!("../../templates/silo.toml");
+        let mut scene = Scene::parse(text).unwrap();
+        assert_eq!(impossible(&scene, Some(text)), []);
+        use Observable::{Discharge, DrivenWall, DrumFlow, DynamicAngleOfRepose, PackingFraction};
+        scene.measure.observables = vec![DynamicAngleOfRepose, DrumFlow, DrivenWall, PackingFraction, Discharge];
+        let found = impossible(&scene, Some(text));
+        let said: Vec<&str> = found.iter().filter_map(|one| one.problem.split(' ').nth(1)).collect();
+        assert_eq!(said, ["dynamic-angle-of-repose", "drum-flow", "driven-wall"]);
+        assert!(found.iter().all(|one| one.line.is_some()), "{found:?}");
+        let left = unmeasured(&scene, &[Content::DrivenWalls], &[]);
+        assert!(left.iter().any(|one| one.observable == "wall_torque" && one.reason.contains("cylinder")));
+        assert!(left.iter().any(|one| one.observable == "driven_wall_displacement" && one.reason.contains("driven")));
+        assert!(left.iter().all(|one| one.observable != "gini"), "it was not asked for");
+    }
+}
