@@ -10,6 +10,7 @@ use makadam_validation::recording::Recording;
 use makadam_validation::study::{Key, sealed};
 use makadam_validation::tradeoff::{Configuration, KeptRun, Knobs, run_key};
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// What the line in front of a part of a document starts with; the part's name follows.
@@ -329,6 +330,24 @@ pub fn liggghts_dumps() -> Vec<Vec<u8>> {
     let dump = |rows: &[String]| [0, 2, 3, 4].map(|step| frame(step, rows)).concat();
     let document = [("grains", dump(&grains)), ("pairs", dump(&pairs)), ("walls", dump(&walls))];
     vec![document.map(|(name, text)| format!("{PART}{name}\n{text}")).concat().into_bytes()]
+}
+
+/// Frames of other codes in every format that is read, by what stands at their beginning.
+pub fn foreign_frames() -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/frames/yade");
+    let file = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    let dump = "ITEM: UNITS\nsi\nITEM: TIME\n0.15\nITEM: TIMESTEP\n3\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
+                ITEM: ATOMS id x y z radius vx vy vz\n1 0 0 0 0.005 0 0 0\n2 0.01 0 0 0.005 1 0 0\n";
+    vec![
+        b"time,id,x,y,z,radius,vx,vy,vz,first,second,wall,fx,fy,fz,px,py,pz\n\
+          0.15,0,0,0,0,0.005,0,0,0,0,1,-1,0.5,0,0,0.005,0,0\n0.15,1,0.01,0,0,0.005,0,0,0,1,-1,0,0,0.25,0,0.01,0.005,0\n"
+            .to_vec(),
+        dump.into(),
+        file("plain.txt"),
+        file("attributes.txt"),
+        file("spheres.vtk"),
+        file("spheres.400.vtu"),
+    ]
 }
 
 /// The end of a log.

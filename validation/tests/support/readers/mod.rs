@@ -10,7 +10,7 @@ use makadam::checkpoint::seal;
 use makadam::scene::{Grain, Region, Stop, populate};
 use makadam::snapshot::Snapshot;
 use makadam_validation::compare::{Reference, physics_hash};
-use makadam_validation::import::read_dump;
+use makadam_validation::import::{Assembly, Tables, parse, read_dump};
 use makadam_validation::observables::{force_distribution, measure, series};
 use makadam_validation::peers::liggghts::{self, loop_seconds};
 use makadam_validation::peers::yade;
@@ -33,7 +33,7 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 10] = [
+pub const READERS: [Reader; 11] = [
     Reader { name: "scene", documents: documents::scenes, read: scene },
     Reader { name: "checkpoint", documents: documents::checkpoints, read: checkpoint },
     Reader { name: "recording", documents: documents::recordings, read: recording },
@@ -42,6 +42,7 @@ pub const READERS: [Reader; 10] = [
     Reader { name: "yade_result", documents: documents::yade_results, read: yade_result },
     Reader { name: "liggghts_frames", documents: documents::liggghts_dumps, read: liggghts_frames },
     Reader { name: "liggghts_log", documents: documents::liggghts_logs, read: liggghts_log },
+    Reader { name: "foreign_frames", documents: documents::foreign_frames, read: foreign_frames },
     Reader { name: "reference", documents: documents::references, read: reference },
     Reader { name: "kept_run", documents: documents::kept_runs, read: kept_run },
 ];
@@ -221,6 +222,38 @@ fn liggghts_frames(bytes: &[u8]) -> bool {
         }
         Err(error) => refused(&error.to_string()),
     }
+}
+
+/// Files of any code: a document is read by itself, as grains and as contacts, and what comes of it is measured.
+fn foreign_frames(bytes: &[u8]) -> bool {
+    let file = Path::new("fuzzed-3.frames");
+    let frames = match parse(file, bytes.to_vec()) {
+        Ok(frames) => frames,
+        Err(error) => {
+            let message = error.to_string();
+            assert!(message.starts_with("fuzzed-3.frames: line "), "no file and line: {message}");
+            return refused(&message);
+        }
+    };
+    let assembly =
+        Assembly { scene: &WALLED, code: "fuzzed", version: "", seed: 1, time_step: Some(0.05), interval: None };
+    let rows: usize = frames.iter().map(|frame| frame.rows().count()).sum();
+    if rows > 10_000 {
+        return true;
+    }
+    let both = Tables { grains: frames.clone(), contacts: frames.clone() };
+    for tables in [Tables { grains: frames, contacts: Vec::new() }, both] {
+        match assembly.assemble(&tables) {
+            Ok(imported) => {
+                imported.recording.frames.iter().for_each(documents::check_contacts);
+                for measured in measure(&WALLED, &imported.recording) {
+                    assert!(measured.value.is_finite(), "{measured:?}");
+                }
+            }
+            Err(error) => _ = refused(&error.to_string()),
+        }
+    }
+    true
 }
 
 fn liggghts_log(bytes: &[u8]) -> bool {
