@@ -3,7 +3,8 @@
 use crate::support::sample;
 use makadam_validation::compare::{CodeSummary, Comparison, Row, Source, Timing};
 use makadam_validation::report::{
-    Qualification, REPORT_VERSION, ReportDocument, Standing, comparison_table, speed_sentence, write,
+    Changes, Qualification, REPORT_VERSION, ReportDocument, Standing, TestName, comparison_table, read, speed_sentence,
+    write,
 };
 use makadam_validation::statistics::Outcome;
 use makadam_validation::study::DocumentError;
@@ -467,4 +468,57 @@ fn published_laws_stand_beside_the_verdict_and_not_in_it() {
     }
     let without = page(&Qualification { laws: Vec::new(), ..qualification });
     assert!(!without.contains("Published laws") && without.contains("This report contains none"));
+}
+
+#[test]
+fn a_test_on_record_that_was_not_made_is_no_pass() {
+    let whole = all(Outcome::Agree);
+    assert_eq!(whole.verdict().standing, Standing::Agree);
+    let row = whole.comparisons[0].rows.iter().find(|row| row.reference_code.is_some()).expect("a pair");
+    let test = TestName {
+        scene: row.scene.clone(),
+        observable: row.observable.clone(),
+        reference_code: row.reference_code.clone().expect("a reference"),
+    };
+    let on_record = vec![test.clone(), TestName { observable: "packing_factor".into(), ..test }];
+    let verdict = Qualification { on_record: on_record.clone(), ..whole.clone() }.verdict();
+    assert_eq!((verdict.standing, verdict.not_measured), (Standing::NotMeasured, 1));
+    assert!(verdict.sentence.contains("A test on record was not made: packing_factor of"), "{}", verdict.sentence);
+    // A margin that is gone is a test that is gone.
+    let mut bare = Qualification { on_record: on_record[..1].to_vec(), ..whole };
+    bare.comparisons[0].rows.iter_mut().for_each(|row| row.margin = None);
+    assert_eq!(bare.lost().len(), 1);
+    assert_ne!(bare.verdict().standing, Standing::Agree);
+}
+
+#[test]
+fn a_report_is_there_for_machines_too() {
+    let mut qualification = all(Outcome::Agree);
+    qualification.outside_spread = vec!["packing: a live run lies <outside>".into()];
+    qualification.comparisons[0].rows[0].outcome = Some(Outcome::Disagree);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let paths = write(&qualification, folder.path()).expect("a report");
+    let junit = fs::read_to_string(folder.path().join("junit.xml")).expect("the tests");
+    assert!(junit.contains("failures=\"2\"") && junit.contains("&lt;outside&gt;"), "{junit}");
+    let badge = fs::read_to_string(folder.path().join("badge.svg")).expect("the badge");
+    assert!(badge.contains("7 of 8 tests agree"), "{badge}");
+    assert_eq!(read(&paths.json).expect("the data"), qualification);
+    assert!(read(&paths.csv).unwrap_err().contains("give the report.json"));
+}
+
+#[test]
+fn what_is_different_from_an_earlier_report_is_told() {
+    let earlier = all(Outcome::Agree);
+    assert_eq!(Changes::between(&earlier, &earlier), Changes::default());
+    let mut now = earlier.clone();
+    let rows = &mut now.comparisons[0].rows;
+    let gone = rows.iter().position(|row| row.reference_code.is_some()).expect("a pair");
+    rows.remove(gone);
+    let moved = rows.iter_mut().find(|row| row.standard_deviation.is_some() && row.seeds > 1).expect("a mean");
+    moved.mean = moved.mean.zip(moved.standard_deviation).map(|(mean, deviation)| mean + 10.0 * deviation);
+    let changes = Changes::between(&earlier, &now);
+    assert!(changes.has_lost() && changes.lost.len() == 1, "{changes:?}");
+    assert!(changes.moved.len() == 1 && changes.gained.is_empty(), "{changes:?}");
+    let back = Changes::between(&now, &earlier);
+    assert!(!back.has_lost() && back.gained.len() == 1, "{back:?}");
 }

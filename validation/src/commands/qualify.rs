@@ -6,7 +6,7 @@ use crate::compare::Comparison;
 use crate::output::JSON_VERSION;
 use crate::qualify::{Qualified, QualifyError, Settings, quick};
 use crate::report::published::PublishedLaw;
-use crate::report::{self, Verdict};
+use crate::report::{self, Changes, Verdict};
 use crate::scenes;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -27,6 +27,7 @@ struct QualifyDocument<'a> {
     laws: &'a [PublishedLaw],
     wall_seconds: f64,
     report: String,
+    against: Option<&'a Changes>,
     rows: Vec<&'a crate::compare::Row>,
     codes: BTreeMap<&'a str, &'a [crate::compare::CodeSummary]>,
     notes: &'a [String],
@@ -39,6 +40,7 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     let folder = arguments.output.folder("qualification");
     // Minutes of work are not begun for a report that cannot be written.
     crate::output::create_folder(&folder)?;
+    let earlier = arguments.against.as_ref().map(|file| report::read(file).map_err(Failure::Usage)).transpose()?;
     let announce = announce(console);
     let settings = Settings {
         roots: scenes::roots(),
@@ -53,18 +55,28 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     let paths = report::write(&qualified.qualification, &folder)?;
     let verdict = qualified.qualification.verdict();
     let report = paths.html.display().to_string();
+    let changes = earlier.map(|earlier| Changes::between(&earlier, &qualified.qualification));
     let text = match arguments.output.json {
-        true => json(&document(&qualified, &verdict, report)),
-        false => describe(&qualified, &verdict, &report, console),
+        true => json(&document(&qualified, &verdict, report, changes.as_ref())),
+        false => {
+            let changed = changes.as_ref().map_or(String::new(), |changes| format!("{}\n", changes.text()));
+            changed + &describe(&qualified, &verdict, &report, console)
+        }
     };
     console.result(&text)?;
     if !qualified.failed.is_empty() {
         return Err(Failure::Running(qualified.failed.join("; ")));
     }
-    Ok(if qualified.passes() { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+    let lost = changes.is_some_and(|changes| changes.has_lost());
+    Ok(if qualified.passes() && !lost { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
 }
 
-fn document<'a>(qualified: &'a Qualified, verdict: &'a Verdict, report: String) -> QualifyDocument<'a> {
+fn document<'a>(
+    qualified: &'a Qualified,
+    verdict: &'a Verdict,
+    report: String,
+    against: Option<&'a Changes>,
+) -> QualifyDocument<'a> {
     let qualification = &qualified.qualification;
     let comparisons: &[Comparison] = &qualification.comparisons;
     QualifyDocument {
@@ -79,6 +91,7 @@ fn document<'a>(qualified: &'a Qualified, verdict: &'a Verdict, report: String) 
         laws: &qualification.laws,
         wall_seconds: qualification.wall_seconds,
         report,
+        against,
         rows: comparisons.iter().flat_map(|comparison| &comparison.rows).collect(),
         codes: comparisons
             .iter()

@@ -1,8 +1,10 @@
 //! The whole judgement: every reference scene against the recorded references, live runs of the peers, one report.
 
 mod one_scene;
+mod record;
 
 pub use one_scene::{JudgeError, Judged, OneScene};
+pub use record::on_record;
 
 use crate::compare::{
     Announce, CodeRuns, CodeSummary, Comparison, Harvest, Reference, ReferenceError, Runs, Timing, comparison,
@@ -159,6 +161,7 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
         outside_spread: against_recorded.outside,
         unchecked: against_recorded.unchecked,
         laws: crate::laws::published(),
+        on_record: on_record(),
     };
     Ok(Qualified { qualification, failed })
 }

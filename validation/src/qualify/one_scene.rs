@@ -132,6 +132,7 @@ impl OneScene<'_> {
             outside_spread: Vec::new(),
             unchecked: Vec::new(),
             laws: Vec::new(),
+            on_record: Vec::new(),
         };
         Ok(Judged { qualification, failure })
     }

@@ -3,15 +3,18 @@
 //! ```text
 //! Qualification ─> verdict ─┐
 //! Comparison ─> tables      ├─> page ──> report.html
-//!            ─> plots       │   ──────> report.json, rows.csv
+//!            ─> plots       │   ──────> report.json, rows.csv, junit.xml, badge.svg
 //!            ─> pictures    ┘
 //! ```
 //!
 //! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures show what the
 //! comparison says and compute no verdict of their own.
 
+mod against;
+mod badge;
 mod forces;
 mod forest;
+mod junit;
 mod outlines;
 mod page;
 mod pictures;
@@ -25,7 +28,8 @@ mod terminal;
 mod words;
 mod write;
 
-pub use qualification::{Qualification, Standing, Verdict};
+pub use against::Changes;
+pub use qualification::{Qualification, Standing, TestName, Verdict};
 pub use speed::speed_sentence;
 pub use terminal::comparison_table;
-pub use write::{REPORT_VERSION, ReportDocument, ReportPaths, write};
+pub use write::{REPORT_VERSION, ReportDocument, ReportPaths, read, write};

@@ -1,7 +1,7 @@
 //! The files of a report: rendered whole in memory, then written together.
 
 use super::qualification::{Qualification, Verdict};
-use super::{page, rows};
+use super::{badge, junit, page, rows};
 use crate::study::{DocumentError, write_together};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -31,9 +31,9 @@ pub struct ReportPaths {
     pub csv: PathBuf,
 }
 
-/// Writes `report.html`, `report.json` and `rows.csv` into a folder, which is made if it is not there.
+/// Writes `report.html`, `report.json`, `rows.csv`, `junit.xml` and `badge.svg` into a folder, which is made if it is not there.
 ///
-/// All three are complete on disk under temporary names before the first is renamed, so an earlier report stays
+/// All of them are complete on disk under temporary names before the first is renamed, so an earlier report stays
 /// whole if this one fails.
 ///
 /// # Errors
@@ -53,7 +53,23 @@ pub fn write(qualification: &Qualification, folder: &Path) -> Result<ReportPaths
         ("report.html".to_string(), page::render(qualification)?.into_bytes()),
         ("report.json".to_string(), serde_json::to_vec(&document)?),
         rows::table(qualification).csv("rows")?,
+        ("junit.xml".to_string(), junit::document(qualification)?.into_bytes()),
+        ("badge.svg".to_string(), badge::svg(qualification).into_bytes()),
     ];
     write_together(folder, &files)?;
     Ok(paths)
+}
+
+/// Reads the `report.json` of an earlier report.
+///
+/// # Errors
+/// What is wrong with the file, in words.
+pub fn read(file: &Path) -> Result<Qualification, String> {
+    let fault = |problem: String| format!("{}: {problem}; give the report.json of a report", file.display());
+    let bytes = std::fs::read(file).map_err(|error| fault(error.to_string()))?;
+    let document: ReportDocument = serde_json::from_slice(&bytes).map_err(|error| fault(error.to_string()))?;
+    match document.version == REPORT_VERSION {
+        true => Ok(document.qualification),
+        false => Err(fault(format!("its version is {}, not {REPORT_VERSION}", document.version))),
+    }
 }

@@ -340,5 +340,6 @@ pub fn qualification(comparisons: Vec<Comparison>) -> Qualification {
         outside_spread: Vec::new(),
         unchecked: Vec::new(),
         laws: Vec::new(),
+        on_record: Vec::new(),
     }
 }

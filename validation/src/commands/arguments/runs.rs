@@ -117,6 +117,10 @@ pub struct QualifyArguments {
     /// Extent of the qualification.
     #[arg(long, value_enum, default_value = "quick")]
     pub tier: Tier,
+    /// report.json of an earlier qualification: says which tests came or went and which numbers moved beyond noise. A test that is gone
+    /// is exit code 4.
+    #[arg(long, value_name = "REPORT")]
+    pub against: Option<PathBuf>,
     /// Require live runs of YADE and LIGGGHTS in addition to the recorded numbers.
     #[arg(long)]
     pub live: bool,

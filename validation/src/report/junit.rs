@@ -1,0 +1,61 @@
+//! The tests of a qualification as JUnit XML, for whatever collects the results of tests.
+
+use super::qualification::Qualification;
+use super::words;
+use crate::compare::Row;
+use crate::statistics::Outcome;
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+
+/// One suite a scene, one case a test of equivalence; undecided tests and those that were not made are errors, not skipped.
+pub(super) fn document(qualification: &Qualification) -> Result<String, quick_junit::SerializeError> {
+    let mut report = Report::new(qualification.title.as_str());
+    for comparison in &qualification.comparisons {
+        let mut suite = TestSuite::new(comparison.scene.name.as_str());
+        for row in comparison.rows.iter().filter(|row| row.code == comparison.judged) {
+            let (Some(reference), Some(outcome)) = (&row.reference_code, row.outcome) else { continue };
+            let name = format!("{} against {reference}", row.observable);
+            let mut case = TestCase::new(name, status(row, outcome));
+            case.set_classname(format!("{}.{}", qualification.tier, comparison.scene.name));
+            suite.add_test_case(case);
+        }
+        report.add_test_suite(suite);
+    }
+    let lost = qualification.lost();
+    if !lost.is_empty() {
+        let mut suite = TestSuite::new("tests on record");
+        for test in lost {
+            suite.add_test_case(TestCase::new(test.to_string(), failed(NonSuccessKind::Error, "it was not made")));
+        }
+        report.add_test_suite(suite);
+    }
+    let sentences = qualification.outside_spread.iter().map(|words| (words, NonSuccessKind::Failure));
+    let sentences: Vec<_> =
+        sentences.chain(qualification.unchecked.iter().map(|words| (words, NonSuccessKind::Error))).collect();
+    if !sentences.is_empty() {
+        let mut suite = TestSuite::new("live runs");
+        for (place, (words, kind)) in sentences.into_iter().enumerate() {
+            suite.add_test_case(TestCase::new(format!("live run {}", place + 1), failed(kind, words)));
+        }
+        report.add_test_suite(suite);
+    }
+    report.to_string()
+}
+
+fn failed(kind: NonSuccessKind, message: &str) -> TestCaseStatus {
+    let mut status = TestCaseStatus::non_success(kind);
+    status.set_message(message);
+    status
+}
+
+fn status(row: &Row, outcome: Outcome) -> TestCaseStatus {
+    let number = |value: Option<f64>| value.map_or("none".into(), |value| format!("{value:.6}"));
+    let said =
+        format!("{}: difference {}, margin {}", words::outcome(outcome), number(row.difference), number(row.margin));
+    match outcome {
+        Outcome::Agree => TestCaseStatus::success(),
+        Outcome::Disagree => failed(NonSuccessKind::Failure, &said),
+        Outcome::Undecided | Outcome::NotMeasured => {
+            failed(NonSuccessKind::Error, row.missing.as_deref().unwrap_or(&said))
+        }
+    }
+}
