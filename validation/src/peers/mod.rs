@@ -1,6 +1,8 @@
 //! The codes that are compared: one trait, one file a code.
 
 mod assemble;
+mod data_file;
+pub mod lammps;
 pub mod liggghts;
 mod makadam;
 pub mod mesh;
@@ -11,6 +13,7 @@ pub mod yade;
 mod yade_rolling;
 
 pub use assemble::merge_wall_contacts;
+pub use lammps::Lammps;
 pub use liggghts::Liggghts;
 pub use makadam::Makadam;
 pub use yade::Yade;
@@ -45,7 +48,7 @@ pub struct Job<'a> {
 
 /// A code that can simulate a scene.
 pub trait Code: Sync {
-    /// Its name: "Makadam", "YADE" or "LIGGGHTS".
+    /// Its name: "Makadam", "YADE", "LIGGGHTS" or "LAMMPS".
     fn name(&self) -> &'static str;
     /// Its version, or `None` if it is not installed.
     fn version(&self) -> Option<String>;
