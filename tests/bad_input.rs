@@ -256,7 +256,7 @@ fn compare_with(peer: &str, body: &str, limit: &str) -> (i32, String, String) {
 
 #[test]
 fn a_peer_that_crashes() {
-    for peer in ["yade", "liggghts"] {
+    for peer in ["yade", "liggghts", "lammps"] {
         let (code, results, message) = compare_with(peer, "echo 'Segmentation fault'; exit 139", "60");
         assert_eq!(code, 1, "{message}");
         for word in ["failed", "Segmentation fault", "log"] {
@@ -269,7 +269,7 @@ fn a_peer_that_crashes() {
 
 #[test]
 fn a_peer_that_hangs() {
-    for peer in ["yade", "liggghts"] {
+    for peer in ["yade", "liggghts", "lammps"] {
         let clock = std::time::Instant::now();
         let (code, results, message) = compare_with(peer, "sleep 600", "1");
         assert_eq!(code, 1, "{message}");

@@ -83,8 +83,8 @@ def compare(
     Args:
         scene: A scene with ``[[compare]]``.
         runs: Runs that were made already, one per seed, in place of Makadam's; they are held against what is recorded of the others.
-        codes: The codes: ``makadam``, ``yade``, ``liggghts``.
-        live: Whether YADE and LIGGGHTS are run here and now, in place of what is recorded of them.
+        codes: The codes: ``makadam``, ``yade``, ``liggghts``, ``lammps``; of the last nothing is recorded.
+        live: Whether the other codes are run here and now, in place of what is recorded of them.
         seeds: Number of seeds, counted from 1; as many as are recorded where none is given.
         rayleigh_fraction: Time step of the explicit codes over the Rayleigh step.
         time_limit: Wall time after which a run of another code is stopped, s.

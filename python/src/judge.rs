@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::stepping::beside;
 use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison};
 use makadam_validation::observables::{catalogue, measure, measure_frames, series};
-use makadam_validation::peers::{Code, CodeError, Job, Liggghts, Makadam, Yade};
+use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Makadam, Yade};
 use makadam_validation::provenance::{Build, utc};
 use makadam_validation::qualify::OneScene;
 use makadam_validation::recording;
@@ -155,8 +155,9 @@ fn code_of(py: Python<'_>, name: &str) -> PyResult<Box<dyn Code + Send>> {
         "makadam" => Box::new(Makadam),
         "yade" => Box::new(Yade::default()),
         "liggghts" => Box::new(Liggghts::default()),
+        "lammps" => Box::new(Lammps::default()),
         _ => {
-            let message = format!("no code '{name}': give makadam, yade or liggghts");
+            let message = format!("no code '{name}': give makadam, yade, liggghts or lammps");
             return Err(exception(py, "JudgeError", &message));
         }
     })
@@ -167,7 +168,7 @@ fn code_of(py: Python<'_>, name: &str) -> PyResult<Box<dyn Code + Send>> {
 /// Args:
 ///     scene: A scene, or what `makadam.Scene` takes.
 ///     seed: Seed of the positions and radii; the scene's where none is given.
-///     code: `makadam`, `yade` or `liggghts`; the latter two where they are installed.
+///     code: `makadam`, `yade`, `liggghts` or `lammps`; other codes than Makadam where they are installed.
 ///     rayleigh_fraction: Time step of the explicit codes over the Rayleigh step.
 ///     time_limit: Wall time after which another code is stopped, s.
 ///

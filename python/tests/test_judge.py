@@ -93,7 +93,7 @@ def test_codes_are_compared_here_and_now():
     assert compared.to_pandas().shape[0] == len(compared.rows)
 
 
-@pytest.mark.parametrize("code", ["yade", "liggghts"])
+@pytest.mark.parametrize("code", ["yade", "liggghts", "lammps"])
 def test_a_peer_that_is_installed_runs_here(code):
     scene = bin_scene(count=20, duration=0.1, measure={"interval": 0.05, "from": 0.0, "observables": ["balances"]})
     try:
@@ -101,7 +101,7 @@ def test_a_peer_that_is_installed_runs_here(code):
     except makadam.JudgeError as error:
         assert "is not installed" in str(error)
         pytest.skip(f"{code} is not installed")
-    assert recording.code == {"yade": "YADE", "liggghts": "LIGGGHTS"}[code]
+    assert recording.code == code.upper()
     own = makadam.simulate(scene, seed=2)
     start, end = recording.frames[0], recording.frames[-1]
     assert end.time == pytest.approx(0.1, rel=1e-3) and len(end) == 20

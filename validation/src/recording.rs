@@ -14,7 +14,7 @@ const MARK: [u8; 8] = *b"mkd-rec\x02";
 pub struct Recording {
     /// Name of the scene.
     pub scene: String,
-    /// Name of the code: "Makadam", "YADE" or "LIGGGHTS".
+    /// Name of the code: "Makadam", "YADE", "LIGGGHTS" or "LAMMPS".
     pub code: String,
     /// Version that the code reports of itself.
     pub version: String,

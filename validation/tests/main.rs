@@ -7,6 +7,7 @@ mod export;
 mod frames;
 mod geometry;
 mod kept_states;
+mod lammps;
 mod measured_bits;
 mod measured_frames;
 mod observables;

@@ -6,7 +6,7 @@ use makadam_validation::import::{merge_wall_contacts, read_dump};
 use makadam_validation::peers::liggghts::loop_seconds;
 use makadam_validation::peers::mesh::{Mesh, wall_mesh};
 use makadam_validation::peers::yade::read_frames;
-use makadam_validation::peers::{Code, CodeError, Job, Liggghts, Yade};
+use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Yade, lammps};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
@@ -170,6 +170,9 @@ fn stepping_time_leaves_output_out() {
     let log = "Loop time of 12.5 on 1 procs for 100 steps\nPair  time (%) = 3 (2)\nOutpt time (%) = 0.5 (4)\n\
                Loop time of 2 on 1 procs\n";
     assert!((loop_seconds(log) - 14.0).abs() < 1e-12);
+    let log = "Loop time of 12.5 on 1 procs for 100 steps with 8 atoms\nSection |  min time  |  avg time\n\
+               Pair    | 3 | 3 | 3 |   0.0 | 24\nOutput  | 0.5 | 0.5 | 0.5 |   0.0 |  4.00\n";
+    assert!((lammps::loop_seconds(log) - 12.0).abs() < 1e-12);
 }
 
 proptest! {
@@ -178,6 +181,7 @@ proptest! {
         let _ = read_dump(&bytes[..], columns);
         let _ = read_frames(&bytes, &[0.1, 0.2], 1);
         let _ = loop_seconds(&String::from_utf8_lossy(&bytes));
+        let _ = lammps::loop_seconds(&String::from_utf8_lossy(&bytes));
     }
 
     #[test]
@@ -238,7 +242,7 @@ fn fake(folder: &Path, deed: &str) -> PathBuf {
     let file = folder.join("fake");
     let text = format!(
         "#!/bin/sh\ncase \"$1\" in\n--version) echo 'Yade version: 1.2'; exit;;\n\
-         -help) echo 'LIGGGHTS (Version LIGGGHTS-PUBLIC 1.2, compiled'; exit;;\nesac\n{deed}\n"
+         -help) echo 'LIGGGHTS (Version LIGGGHTS-PUBLIC 1.2, compiled'; echo 'Parallel Simulator - 1.2'; exit;;\nesac\n{deed}\n"
     );
     write_program(&file, &text);
     file
@@ -252,14 +256,14 @@ fn write_program(file: &Path, text: &str) {
     assert!(Command::new("install").args(["-m", "755"]).args([&draft, file]).status().unwrap().success());
 }
 
-fn both(program: &Path) -> [Box<dyn Code>; 2] {
-    [Box::new(Yade::new(program)), Box::new(Liggghts::new(program))]
+fn all(program: &Path) -> [Box<dyn Code>; 3] {
+    [Box::new(Yade::new(program)), Box::new(Liggghts::new(program)), Box::new(Lammps::new(program))]
 }
 
 #[test]
 fn a_code_that_is_not_there_is_missing() {
     let folder = tempfile::tempdir().unwrap();
-    for code in both(Path::new("/nowhere/peer")) {
+    for code in all(Path::new("/nowhere/peer")) {
         assert_eq!(code.version(), None);
         let error = simulate(&*code, &one_grain(), 0.2, folder.path(), 5.0).unwrap_err();
         assert!(matches!(error, CodeError::Missing { .. }) && error.to_string().contains("install-peers"));
@@ -269,7 +273,7 @@ fn a_code_that_is_not_there_is_missing() {
 #[test]
 fn a_code_that_crashes_leaves_its_last_words() {
     let folder = tempfile::tempdir().unwrap();
-    for code in both(&fake(folder.path(), "echo 'segmentation of the bed'; kill -SEGV $$")) {
+    for code in all(&fake(folder.path(), "echo 'segmentation of the bed'; kill -SEGV $$")) {
         assert_eq!(code.version().as_deref(), Some("1.2"));
         match simulate(&*code, &one_grain(), 0.2, folder.path(), 5.0).unwrap_err() {
             CodeError::Crashed { log, tail, status, .. } => {
@@ -298,7 +302,7 @@ fn a_reason_in_the_own_log_of_a_code_is_told_and_stands_in_the_log_that_is_named
 fn a_code_that_stops_early_or_writes_nonsense_is_told() {
     let folder = tempfile::tempdir().unwrap();
     for deed in ["exit 0", "for f in grains pairs walls; do echo nonsense > $f.dump; done; echo '{}' > result.json"] {
-        for code in both(&fake(folder.path(), deed)) {
+        for code in all(&fake(folder.path(), deed)) {
             let error = simulate(&*code, &one_grain(), 0.2, folder.path(), 5.0).unwrap_err();
             assert!(matches!(error, CodeError::Output { .. } | CodeError::Io { .. }), "{error}");
         }
@@ -308,7 +312,7 @@ fn a_code_that_stops_early_or_writes_nonsense_is_told() {
 #[test]
 fn a_code_that_hangs_is_stopped_with_its_children() {
     let folder = tempfile::tempdir().unwrap();
-    for code in both(&fake(folder.path(), "sleep 600 & echo $! > child; wait")) {
+    for code in all(&fake(folder.path(), "sleep 600 & echo $! > child; wait")) {
         let start = Instant::now();
         let error = simulate(&*code, &one_grain(), 0.2, folder.path(), 0.5).unwrap_err();
         assert!(matches!(error, CodeError::TimedOut { .. }), "{error}");
@@ -327,7 +331,7 @@ fn a_code_that_hangs_is_stopped_with_its_children() {
 fn a_folder_that_cannot_be_written_is_an_io_error() {
     let folder = tempfile::tempdir().unwrap();
     let program = fake(folder.path(), "exit 0");
-    for code in both(&program) {
+    for code in all(&program) {
         let error = simulate(&*code, &one_grain(), 0.2, &program.join("run"), 5.0).unwrap_err();
         assert!(matches!(error, CodeError::Io { .. }), "{error}");
     }

@@ -2,7 +2,7 @@
 
 use makadam::scene::Cohesion;
 use makadam::snapshot::{Contact, Partner, Snapshot};
-use makadam_validation::peers::{Code, Job, Liggghts, Yade};
+use makadam_validation::peers::{Code, Job, Lammps, Liggghts, Yade};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
@@ -19,7 +19,7 @@ fn mass() -> f64 {
 
 /// Runs a scene in every code that is installed and hands each recording over.
 fn in_each(scene: &Scene, fraction: f64, check: impl Fn(&str, &Recording)) {
-    in_these(&[&Yade::default(), &Liggghts::default()], scene, fraction, check);
+    in_these(&[&Yade::default(), &Liggghts::default(), &Lammps::default()], scene, fraction, check);
 }
 
 /// The same in some codes.
@@ -363,7 +363,7 @@ fn two_grains_that_roll_on_each_other_bear_a_torque_of_the_effective_radius() {
     // The more an impact is damped the longer the force attracts at its end, and the cap goes with its magnitude.
     scene.material.values_mut().for_each(|material| material.restitution = 0.9);
     // YADE has no cap where its normal force is zero, as it is at the end of a damped impact: there its spring turns on.
-    in_these(&[&Liggghts::default()], &scene, 0.02, |code, recording| {
+    in_these(&[&Liggghts::default(), &Lammps::default()], &scene, 0.02, |code, recording| {
         let last = recording.frames.last().unwrap();
         // Half the mass, 1 + e, twice the speed; half the radius; I = 2/5 m r^2.
         let lost = coefficient * 0.5 * RADIUS * 1.9 * speed / (0.4 * RADIUS * RADIUS);

@@ -35,7 +35,7 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 use crate::compare::Share;
 use crate::execution::Execution;
 use crate::output::cache_folder;
-use crate::peers::{Code, Liggghts, Makadam, Yade};
+use crate::peers::{Code, Lammps, Liggghts, Makadam, Yade};
 use crate::plan::Scene;
 use crate::prepared::{Start, is_ready, start};
 use crate::scenes;
@@ -219,10 +219,11 @@ fn json(value: &impl serde::Serialize) -> String {
 
 /// The codes that are asked for, each once, Makadam first.
 fn codes(names: &[CodeName]) -> Vec<Box<dyn Code>> {
-    let all: [(CodeName, Box<dyn Code>); 3] = [
+    let all: [(CodeName, Box<dyn Code>); 4] = [
         (CodeName::Makadam, Box::new(Makadam)),
         (CodeName::Yade, Box::new(Yade::default())),
         (CodeName::Liggghts, Box::new(Liggghts::default())),
+        (CodeName::Lammps, Box::new(Lammps::default())),
     ];
     all.into_iter().filter(|(name, _)| names.contains(name)).map(|(_, code)| code).collect()
 }

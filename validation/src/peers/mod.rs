@@ -1,6 +1,8 @@
 //! The codes that are compared: one trait, one file a code.
 
+mod data_file;
 pub mod external;
+pub mod lammps;
 pub mod liggghts;
 mod makadam;
 pub mod mesh;
@@ -12,6 +14,7 @@ pub mod yade;
 mod yade_rolling;
 
 pub use external::{DescriptionError, External};
+pub use lammps::Lammps;
 pub use liggghts::Liggghts;
 pub use makadam::Makadam;
 pub use yade::Yade;
@@ -153,7 +156,7 @@ pub enum CodeError {
 }
 
 /// Writes files into a folder, which is made.
-fn write_files(folder: &Path, files: Vec<(String, String)>) -> Result<(), CodeError> {
+fn write_files(folder: &Path, files: impl IntoIterator<Item = (impl AsRef<Path>, String)>) -> Result<(), CodeError> {
     std::fs::create_dir_all(folder).map_err(|source| process::io(folder, source))?;
     for (name, text) in files {
         let path = folder.join(name);

@@ -6,7 +6,7 @@ use makadam::scene::{SolverMethod, SolverSettings, Stop};
 use std::collections::BTreeMap;
 
 /// Time of a grain's step before anything has run, s: of the right order on a processor of the 2020s.
-const GUESSES: [(&str, f64); 3] = [("Makadam", 1e-7), ("LIGGGHTS", 3e-7), ("YADE", 9e-7)];
+const GUESSES: [(&str, f64); 4] = [("Makadam", 1e-7), ("LIGGGHTS", 3e-7), ("LAMMPS", 5e-7), ("YADE", 9e-7)];
 
 /// Cost of one sweep over the contacts of a grain, over that of everything else in a step of Makadam.
 const SWEEP: f64 = 0.17;

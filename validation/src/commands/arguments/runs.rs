@@ -71,16 +71,16 @@ pub struct CompareArguments {
     /// Codes to compare, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
-    /// Run YADE and LIGGGHTS now instead of reading recorded numbers.
+    /// Run the other codes now instead of reading recorded numbers.
     #[arg(long)]
     pub live: bool,
-    /// Time step of YADE and LIGGGHTS, as a fraction of the Rayleigh step.
+    /// Time step of the other codes, as a fraction of the Rayleigh step.
     #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
     pub rayleigh_fraction: f64,
-    /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
+    /// Wall time after which a run of another code is stopped, s.
     #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
     pub time_limit: f64,
-    /// Record results of YADE and LIGGGHTS as the scene's references. Only seeds not yet recorded for the same scene, version and
+    /// Record results of the other codes as the scene's references. Only seeds not yet recorded for the same scene, version and
     /// time step are measured from raw recordings or run.
     #[arg(long, conflicts_with = "json")]
     pub record: bool,

@@ -77,6 +77,8 @@ pub enum CodeName {
     Yade,
     /// LIGGGHTS.
     Liggghts,
+    /// LAMMPS; nothing is recorded of it.
+    Lammps,
 }
 
 /// A tolerated deviation of an observable.

@@ -1,6 +1,7 @@
 //! The input of LIGGGHTS: deck, initial grains, one mesh file a wall.
 
-use crate::peers::mesh::{Mesh, reach};
+use crate::peers::data_file::{data, neighbours};
+use crate::peers::mesh::Mesh;
 use crate::peers::palette::Palette;
 use crate::peers::plan::Plan;
 use crate::peers::stl::stl;
@@ -19,13 +20,6 @@ pub(super) const PAIR_COLUMNS: usize = 9;
 /// The keyword `contactPoint` gives zeros there.
 pub(super) const WALL_COLUMNS: usize = 12;
 
-/// Reach of the neighbour list over the smallest radius; a matter of speed alone.
-const SKIN: f64 = 0.25;
-
-/// Most bins a grain. LIGGGHTS clears them all whenever it makes its list anew: a single grain in 2 m of air took 300 times as long with
-/// bins of its own size.
-const MOST_BINS: f64 = 100.0;
-
 /// Lines of progress in the log.
 const REPORTS: u64 = 100;
 
@@ -39,46 +33,12 @@ pub(super) fn files(
     let palette = Palette::new(scene, grains);
     let mut files = vec![
         ("deck.in".to_string(), deck(scene, grains, meshes, plan, &palette)?),
-        ("grains.data".to_string(), data(scene, grains, &palette)),
+        ("grains.data".to_string(), data(scene, grains, &palette, palette.len())),
     ];
     for (wall, mesh) in meshes {
         files.push((format!("wall{wall}.stl"), stl(mesh)));
     }
     Ok(files)
-}
-
-/// The simulation box holds whatever meshes reach into.
-fn data(scene: &Scene, grains: &[Grain], palette: &Palette<'_>) -> String {
-    let limits = reach(&scene.domain);
-    let mut text = format!("Initial grains\n\n{} atoms\n{} atom types\n", grains.len(), palette.len());
-    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-        let (low, high) = (limits.min[axis], limits.max[axis]);
-        let margin = 0.05 * (high - low);
-        let _ = writeln!(text, "{:e} {:e} {name}lo {name}hi", low - margin, high + margin);
-    }
-    text += "\nAtoms\n\n";
-    for (index, grain) in grains.iter().enumerate() {
-        let [x, y, z] = grain.position;
-        let kind = palette.index(&grain.material, false) + 1;
-        let (diameter, density) = (2.0 * grain.radius, scene.material[&grain.material].density);
-        let _ = writeln!(text, "{} {kind} {diameter:e} {density:e} {x:e} {y:e} {z:e}", index + 1);
-    }
-    text += "\nVelocities\n\n";
-    for (index, grain) in grains.iter().enumerate() {
-        let ([u, v, w], [p, q, r]) = (grain.velocity, grain.spin);
-        let _ = writeln!(text, "{} {u:e} {v:e} {w:e} {p:e} {q:e} {r:e}", index + 1);
-    }
-    text
-}
-
-/// Size of bins where those that LIGGGHTS would take by itself, half the reach of its list, were too many, m.
-fn wide_bins(scene: &Scene, grains: &[Grain], skin: f64) -> Option<f64> {
-    let limits = reach(&scene.domain);
-    let volume: f64 = (0..3).map(|axis| limits.max[axis] - limits.min[axis]).product();
-    let largest = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
-    let usual = largest + 0.5 * skin;
-    let sparing = (volume / (MOST_BINS * grains.len() as f64)).cbrt();
-    (sparing > usual).then_some(sparing)
 }
 
 fn deck(
@@ -99,12 +59,7 @@ fn deck(
         text += "soft_particles yes\n";
     }
     text += "read_data grains.data\n";
-    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
-    let _ = write!(text, "neighbor {:e} bin\nneigh_modify delay 0 every 1 check yes", SKIN * smallest);
-    match wide_bins(scene, grains, SKIN * smallest) {
-        Some(size) => _ = writeln!(text, " binsize {size:e}"),
-        None => text.push('\n'),
-    }
+    text += &neighbours(scene, grains);
 
     properties(&mut text, palette)?;
     // Off: a limited force changes restitution (0.3 becomes 0.4). No tangential damping, as in the other codes.

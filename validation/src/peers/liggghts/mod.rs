@@ -155,7 +155,7 @@ pub fn loop_seconds(log: &str) -> f64 {
 }
 
 /// The last step of which the log tells.
-fn last_step(log: &Path) -> Option<u64> {
+pub(super) fn last_step(log: &Path) -> Option<u64> {
     let mut file = File::open(log).ok()?;
     let length = file.metadata().ok()?.len();
     file.seek(SeekFrom::Start(length.saturating_sub(400))).ok()?;
@@ -247,11 +247,11 @@ fn meshes_of(scene: &Scene, grains: &[Grain]) -> Vec<(usize, Mesh)> {
     meshes.enumerate().filter(|(_, mesh)| !mesh.triangles.is_empty()).collect()
 }
 
-fn vector(row: &[f64]) -> Vector3<f64> {
+pub(super) fn vector(row: &[f64]) -> Vector3<f64> {
     Vector3::new(row[0], row[1], row[2])
 }
 
-fn contact(
+pub(super) fn contact(
     first: &Particle,
     second: Partner,
     point: [f64; 3],
@@ -262,11 +262,11 @@ fn contact(
 }
 
 /// The grain of an id as LIGGGHTS counts, from 1.
-fn particle(particles: &[Particle], id: f64) -> Option<&Particle> {
+pub(super) fn particle(particles: &[Particle], id: f64) -> Option<&Particle> {
     if id >= 1.0 { particles.get(id as usize - 1) } else { None }
 }
 
-fn particles_of(state: &DumpFrame, grains: &[Grain]) -> Result<Vec<Particle>, (usize, String)> {
+pub(super) fn particles_of(state: &DumpFrame, grains: &[Grain]) -> Result<Vec<Particle>, (usize, String)> {
     let mut found: Vec<Option<Particle>> = vec![None; grains.len()];
     for (row, r) in state.rows().enumerate() {
         let index = r[0] - 1.0;

@@ -317,19 +317,36 @@ pub const PEER_STEP: f64 = 0.05;
 
 /// The three dumps of a run of the walled scene.
 pub fn liggghts_dumps() -> Vec<Vec<u8>> {
-    let frame = |step: u64, rows: &[String]| {
+    let pairs = "1 2 0 -0.5 0.1 0 0.001 0 0\n3 2 0 0.25 0 0 0.002 0 0\n";
+    let walls = "0 0.05 0 1 1 1 0 1 4 0.5 0 0.1\n0 0.05 0.001 1 1 1 0 2 4 0.5 0 0\n";
+    dumps(&[("grains", &grain_rows()), ("pairs", pairs), ("walls", walls)])
+}
+
+/// The dumps of a run of the walled scene: a drum, a cap, and a box of which five faces are closed.
+pub fn lammps_dumps() -> Vec<Vec<u8>> {
+    let grains = grain_rows();
+    let pairs = "1 2 -0.5 0.1 0 0.1 0.2 0\n3 2 0.25 0 0 0 0 0\n";
+    let mut named =
+        vec![("grains.dump", grains.as_str()), ("pairs.dump", pairs), ("wall0.dump", "4 0.5 0 0.1 0 0.05 0\n")];
+    named.push(("wall1.dump", "4 0 0.5 0 0 -0.03 0\n5 0 0 0 0 0 0\n"));
+    named.extend(["wall2.dump", "wall3.dump", "wall4.dump", "wall5.dump", "wall6.dump"].map(|name| (name, "")));
+    dumps(&named)
+}
+
+fn grain_rows() -> String {
+    (0..8).map(|id| format!("{} 0.00{id} 0 0 0.1 0 0 0 2 0\n", id + 1)).collect()
+}
+
+/// Dumps of the walled scene's frames, all with the same rows, in one document.
+fn dumps(named: &[(&str, &str)]) -> Vec<Vec<u8>> {
+    let frame = |step: u64, rows: &str| {
         format!(
-            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n{}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ENTRIES c\n{}",
-            rows.len(),
-            rows.concat()
+            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n{}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ENTRIES c\n{rows}",
+            rows.lines().count(),
         )
     };
-    let grains: Vec<String> = (0..8).map(|id| format!("{} 0.00{id} 0 0 0.1 0 0 0 2 0\n", id + 1)).collect();
-    let pairs = ["1 2 0 -0.5 0.1 0 0.001 0 0\n".to_string(), "3 2 0 0.25 0 0 0.002 0 0\n".into()];
-    let walls = ["0 0.05 0 1 1 1 0 1 4 0.5 0 0.1\n".to_string(), "0 0.05 0.001 1 1 1 0 2 4 0.5 0 0\n".into()];
-    let dump = |rows: &[String]| [0, 2, 3, 4].map(|step| frame(step, rows)).concat();
-    let document = [("grains", dump(&grains)), ("pairs", dump(&pairs)), ("walls", dump(&walls))];
-    vec![document.map(|(name, text)| format!("{PART}{name}\n{text}")).concat().into_bytes()]
+    let dump = |rows: &str| [0, 2, 3, 4].map(|step| frame(step, rows)).concat();
+    vec![named.iter().map(|(name, rows)| format!("{PART}{name}\n{}", dump(rows))).collect::<String>().into_bytes()]
 }
 
 /// Frames of other codes in every format that is read, by what stands at their beginning.
@@ -356,6 +373,15 @@ pub fn liggghts_logs() -> Vec<Vec<u8>> {
         b"Step Atoms KinEng\n 0 8 1e-3\n 4000 8 1e-4\nLoop time of 12.5 on 1 procs for 4000 steps\nOutpt time (%) = 0.5 (4)\n"
             .to_vec(),
     ]
+}
+
+/// The end of a log of LAMMPS.
+pub fn lammps_logs() -> Vec<Vec<u8>> {
+    let text = "   Step          Atoms         KinEng\n      4000   8   1e-4\n\
+                Loop time of 12.5 on 1 procs for 4000 steps with 8 atoms\n\
+                Section |  min time  |  avg time  |  max time  |%varavg| %total\n\
+                Output  | 0.5        | 0.5        | 0.5        |   0.0 |  4.00\n";
+    vec![text.as_bytes().to_vec()]
 }
 
 /// The files of a folder of references.

@@ -13,7 +13,7 @@ use makadam_validation::compare::{Reference, physics_hash};
 use makadam_validation::import::{Assembly, Tables, parse, read_dump};
 use makadam_validation::observables::{force_distribution, measure, series};
 use makadam_validation::peers::liggghts::{self, loop_seconds};
-use makadam_validation::peers::yade;
+use makadam_validation::peers::{lammps, yade};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use makadam_validation::study::unseal;
@@ -33,7 +33,7 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 11] = [
+pub const READERS: [Reader; 13] = [
     Reader { name: "scene", documents: documents::scenes, read: scene },
     Reader { name: "checkpoint", documents: documents::checkpoints, read: checkpoint },
     Reader { name: "recording", documents: documents::recordings, read: recording },
@@ -43,6 +43,8 @@ pub const READERS: [Reader; 11] = [
     Reader { name: "liggghts_frames", documents: documents::liggghts_dumps, read: liggghts_frames },
     Reader { name: "liggghts_log", documents: documents::liggghts_logs, read: liggghts_log },
     Reader { name: "foreign_frames", documents: documents::foreign_frames, read: foreign_frames },
+    Reader { name: "lammps_frames", documents: documents::lammps_dumps, read: lammps_frames },
+    Reader { name: "lammps_log", documents: documents::lammps_logs, read: lammps_log },
     Reader { name: "reference", documents: documents::references, read: reference },
     Reader { name: "kept_run", documents: documents::kept_runs, read: kept_run },
 ];
@@ -257,7 +259,29 @@ fn foreign_frames(bytes: &[u8]) -> bool {
 }
 
 fn liggghts_log(bytes: &[u8]) -> bool {
-    let seconds = loop_seconds(&String::from_utf8_lossy(bytes));
+    is_time(loop_seconds(&String::from_utf8_lossy(bytes)))
+}
+
+/// The dumps of grains, of pairs and of each surface in one document.
+fn lammps_frames(bytes: &[u8]) -> bool {
+    static GRAINS: LazyLock<Vec<Grain>> = LazyLock::new(|| populate(&WALLED, 1).expect("the scene is sound"));
+    let parts = documents::parts(bytes);
+    let open = |file: &Path| Ok(parts.get(file.to_str().unwrap_or_default()).copied().unwrap_or_default());
+    match lammps::read_frames(&WALLED, &GRAINS, documents::PEER_STEP, Path::new(""), open) {
+        Ok(frames) => {
+            frames.iter().for_each(documents::check_contacts);
+            true
+        }
+        Err(error) => refused(&error.to_string()),
+    }
+}
+
+fn lammps_log(bytes: &[u8]) -> bool {
+    is_time(lammps::loop_seconds(&String::from_utf8_lossy(bytes)))
+}
+
+/// Whether a wall time was found, which is a number in any case.
+fn is_time(seconds: f64) -> bool {
     assert!(seconds.is_finite() && seconds >= 0.0, "{seconds} s");
     seconds > 0.0
 }

@@ -1,0 +1,241 @@
+//! LAMMPS: a deck and initial grains go in; dumps and a log come back.
+
+mod deck;
+mod surfaces;
+
+use super::liggghts::{contact, last_step, particle, particles_of, vector};
+use super::palette::Palette;
+use super::plan::Plan;
+use super::process::{self, Program, Run, io};
+use super::{Code, CodeError, Job};
+use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
+use crate::plan::Scene;
+use crate::recording::Recording;
+use crate::scenes::in_file;
+use makadam::effects::catalogue::{
+    CHANGING_GRAVITY, COHESION, DRIVEN_WALLS, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
+};
+use makadam::scene::{Grain, populate};
+use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use nalgebra::Vector3;
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use surfaces::{Surface, surfaces};
+
+const NAME: &str = "LAMMPS";
+/// Effects that it has not, or that are left out of the comparison.
+const LACKS: [&Effect; 7] =
+    [&CHANGING_GRAVITY, &DRIVEN_WALLS, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &COHESION, &TWISTING];
+
+/// LAMMPS with its package GRANULAR, an explicit soft-sphere code.
+pub struct Lammps {
+    program: Program,
+}
+
+impl Default for Lammps {
+    fn default() -> Self {
+        Self { program: Program::from_environment("MAKADAM_LAMMPS", "lmp") }
+    }
+}
+
+impl Lammps {
+    /// LAMMPS under another name or path.
+    pub fn new(program: impl Into<OsString>) -> Self {
+        Self { program: Program::new(program) }
+    }
+}
+
+impl Code for Lammps {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn version(&self) -> Option<String> {
+        self.program.version(&["-help", "-log", "none"], version_in)
+    }
+
+    fn write_input(&self, job: &Job<'_>) -> Result<String, CodeError> {
+        write_input(job).map(|_| "lmp -in deck.in".into())
+    }
+
+    fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
+        let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
+        let (scene, folder) = (job.scene, job.work_folder);
+        let Input { grains, largest_step, plan, dumps } = write_input(job)?;
+        let dumps: Vec<PathBuf> = dumps.into_iter().map(|name| folder.join(name)).collect();
+        for stale in &dumps {
+            let _ = std::fs::remove_file(stale);
+        }
+        let engine_log = folder.join("engine.log");
+        Run {
+            code: NAME,
+            program: self.program.path(),
+            arguments: &["-in", "deck.in", "-log", "engine.log", "-nocite"].map(OsString::from),
+            folder,
+            log: folder.join("lammps.log"),
+            own_logs: std::slice::from_ref(&engine_log),
+            limit: job.time_limit,
+            watch: &|| {
+                if let Some(step) = last_step(&engine_log) {
+                    (job.progress)((step as f64 / plan.steps as f64).clamp(0.0, 1.0));
+                }
+            },
+        }
+        .execute()?;
+        process::disk_has_room(folder)?;
+
+        let open = |file: &Path| File::open(file).map(BufReader::new).map_err(|source| io(file, source));
+        let frames = read_frames(scene, &grains, largest_step, folder, open)?;
+        let text = std::fs::read(&engine_log).map_err(|source| io(&engine_log, source))?;
+        for dump in &dumps {
+            let _ = std::fs::remove_file(dump);
+        }
+        (job.progress)(1.0);
+        Ok(Recording {
+            scene: scene.name.clone(),
+            code: NAME.into(),
+            version,
+            seed: job.seed,
+            time_step: plan.time_step,
+            rayleigh_fraction: Some(job.rayleigh_fraction),
+            stiffness_factor: job.stiffness_factor,
+            threads: 1,
+            wall_seconds: loop_seconds(&String::from_utf8_lossy(&text)),
+            simulated_seconds: plan.steps as f64 * plan.time_step,
+            frames,
+            lacks: Vec::new(),
+            alarms: Vec::new(),
+        })
+    }
+}
+
+/// What a run is made of, beside its files.
+struct Input {
+    grains: Vec<Grain>,
+    /// What the time step may be at most, s.
+    largest_step: f64,
+    plan: Plan,
+    /// Names of the dumps that it leaves.
+    dumps: Vec<String>,
+}
+
+/// Writes deck and grains into the job's folder.
+fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
+    let scene = job.scene;
+    let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
+    super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
+    let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
+    let plan = Plan::new(scene, largest_step);
+    let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };
+    let surfaces = surfaces(&scene.wall, &grains).map_err(unsupported)?;
+    let files = deck::files(scene, &grains, &surfaces, &plan).map_err(unsupported)?;
+    super::write_files(job.work_folder, files)?;
+    let dumps = dump_names(scene, &grains, &surfaces).collect();
+    Ok(Input { grains, largest_step, plan, dumps })
+}
+
+/// The version in the words "... Massively Parallel Simulator - 22 Jul 2025 - Update 4", without the dashes.
+fn version_in(words: &str) -> Option<&str> {
+    let after = words.split_once("Parallel Simulator - ")?.1;
+    after.lines().next().map(str::trim).filter(|version| !version.is_empty())
+}
+
+/// Sum of the stepping times of a log, without the time of output, s; numbers that are not finite do not count.
+pub fn loop_seconds(log: &str) -> f64 {
+    let number = |word: Option<&str>| word.and_then(|word| word.trim().parse::<f64>().ok()).filter(|n| n.is_finite());
+    let of = |line: &str| match line.strip_prefix("Loop time of ") {
+        Some(rest) => number(rest.split(' ').next()).unwrap_or(0.0),
+        // Section, least, mean and largest time of the processes, of which there is one.
+        None if line.starts_with("Output ") => -number(line.split('|').nth(2)).unwrap_or(0.0),
+        None => 0.0,
+    };
+    let sum: f64 = log.lines().map(of).sum();
+    if sum.is_finite() { sum.max(0.0) } else { 0.0 }
+}
+
+/// Names of the dumps: of grains, of pairs, and one for each surface and kind of grain.
+fn dump_names(scene: &Scene, grains: &[Grain], surfaces: &[Surface]) -> impl Iterator<Item = String> {
+    let meetings = deck::meetings(surfaces, deck::kinds(&Palette::new(scene, grains))).len();
+    let walls = (0..meetings).map(|number| format!("wall{number}.dump"));
+    ["grains.dump", "pairs.dump"].map(String::from).into_iter().chain(walls)
+}
+
+/// The frames that a run of the scene leaves in the dumps of a folder: `grains.dump`, `pairs.dump`, and `wall0.dump` and so on, one for
+/// each smooth surface and each material of grains. `time_step` (s) is the largest one that the run may have had; `open` gives a dump.
+/// Any bytes are either frames or an error.
+///
+/// # Errors
+/// [`CodeError::Output`] with file and line, [`CodeError::Unsupported`] for a scene that LAMMPS cannot have run, or what `open` says.
+pub fn read_frames<R: BufRead>(
+    scene: &Scene,
+    grains: &[Grain],
+    time_step: f64,
+    folder: &Path,
+    open: impl Fn(&Path) -> Result<R, CodeError>,
+) -> Result<Vec<Snapshot>, CodeError> {
+    let plan = Plan::new(scene, time_step);
+    let asked = plan.frames();
+    let surfaces = surfaces(&scene.wall, grains).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
+    let meetings = deck::meetings(&surfaces, deck::kinds(&Palette::new(scene, grains)));
+    let fault = |file: &Path, line: usize, problem: String| CodeError::Output {
+        code: NAME,
+        file: file.to_path_buf(),
+        line,
+        problem,
+    };
+    let read = |file: &Path, columns: usize| -> Result<Vec<DumpFrame>, CodeError> {
+        let mut frames = read_dump(open(file)?, columns).map_err(|found| fault(file, found.line, found.problem))?;
+        // Both ends of the run are dumped by two dumps.
+        frames.dedup_by_key(|frame| frame.step);
+        match frames.iter().map(|frame| frame.step).eq(asked.iter().copied()) {
+            true => Ok(frames),
+            false => {
+                let problem = format!("not the {} frames that were asked for, but {}", asked.len(), frames.len());
+                Err(fault(file, 1, problem))
+            }
+        }
+    };
+    let dumps: Vec<PathBuf> = dump_names(scene, grains, &surfaces).map(|name| folder.join(name)).collect();
+    let states = read(&dumps[0], deck::GRAIN_COLUMNS)?;
+    let pairs = read(&dumps[1], deck::PAIR_COLUMNS)?;
+    let walls = dumps[2..].iter().map(|dump| read(dump, deck::WALL_COLUMNS)).collect::<Result<Vec<_>, _>>()?;
+    let mut frames = Vec::with_capacity(states.len());
+    for (index, state) in states.iter().enumerate() {
+        let time = state.step as f64 * plan.time_step;
+        let particles = particles_of(state, grains).map_err(|(row, what)| fault(&dumps[0], state.line + row, what))?;
+        let mut contacts = Vec::new();
+        for (row, r) in pairs[index].rows().enumerate() {
+            let ids = (particle(&particles, r[0]), particle(&particles, r[1]));
+            let (Some(a), Some(b)) = ids else {
+                return Err(fault(&dumps[1], pairs[index].line + row, format!("no grains {} and {}", r[0], r[1])));
+            };
+            contacts.extend(between(a, b, vector(&r[2..]) + vector(&r[5..])));
+        }
+        for ((meeting, dump), file) in meetings.iter().zip(&walls).zip(&dumps[2..]) {
+            let wall = surfaces[meeting.surface].wall as u32;
+            for (row, r) in dump[index].rows().enumerate() {
+                let Some(a) = particle(&particles, r[0]) else {
+                    return Err(fault(file, dump[index].line + row, format!("no grain {}", r[0])));
+                };
+                let point = vector(&r[4..]);
+                let normal = point - Vector3::from(a.position);
+                contacts.extend(contact(a, Partner::Wall(wall), point.into(), normal, &r[1..]));
+            }
+        }
+        let contacts = merge_wall_contacts(contacts);
+        let frame = Snapshot { time, particles, contacts, ..Snapshot::default() };
+        frames.push(measurable(frame).map_err(|problem| fault(&dumps[1], pairs[index].line, problem))?);
+    }
+    Ok(frames)
+}
+
+/// The contact of two grains, from the force on the first; it acts in the middle of the overlap.
+fn between(a: &Particle, b: &Particle, force: Vector3<f64>) -> Option<Contact> {
+    let (from, to) = (Vector3::from(a.position), Vector3::from(b.position));
+    let apart = to - from;
+    let overlap = a.radius + b.radius - apart.norm();
+    let point = from + apart.try_normalize(0.0)? * (a.radius - 0.5 * overlap);
+    contact(a, Partner::Grain(b.id), point.into(), apart, force.as_slice())
+}

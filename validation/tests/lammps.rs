@@ -1,0 +1,198 @@
+//! LAMMPS without the program: what it is told, what it is not asked, and how its dumps are read.
+
+use makadam::scene::populate;
+use makadam::snapshot::Partner;
+use makadam_validation::peers::lammps::read_frames;
+use makadam_validation::peers::{Code, CodeError, Job, Lammps};
+use makadam_validation::plan::Scene;
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+const STEP: f64 = 0.05;
+
+fn scene(materials: &str, body: &str) -> Scene {
+    let text = format!(
+        "name = 'lammps'\ndescription = 'x'\nduration = 0.2\ngravity = [0, 0, -9.81]\n\
+         domain = {{ min = [-0.3, -0.3, -0.3], max = [0.3, 0.3, 0.3] }}\n\
+         [measure]\ninterval = 0.05\nfrom = 0.1\n{materials}{body}"
+    );
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn material(name: &str, modulus: f64, friction: f64, more: &str) -> String {
+    format!(
+        "[material.{name}]\ndensity = 2500\nyoungs_modulus = {modulus:e}\npoisson_ratio = 0.3\nfriction = {friction}\n\
+         restitution = 0.3\n{more}\n"
+    )
+}
+
+fn wall(name: &str, shape: &str, motion: &str) -> String {
+    format!("[[wall]]\nname = '{name}'\nmaterial = 'soft'\nshape = {{ {shape} }}\nmotion = {{ {motion} }}\n")
+}
+
+fn grain(material: &str, x: f64) -> String {
+    format!("[[grain]]\nmaterial = '{material}'\nradius = 0.005\nposition = [{x}, 0, 0]\n")
+}
+
+const FIXED: &str = "kind = 'fixed'";
+
+/// What LAMMPS is told of a scene, or why it is not asked: a program stands in that fails at once.
+fn deck(scene: &Scene) -> Result<String, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let (draft, program) = (folder.path().join("draft"), folder.path().join("lmp"));
+    std::fs::write(&draft, "#!/bin/sh\nexit 1\n").unwrap();
+    // Installed by another process: the system runs no file that one of this process's children may still hold open for writing.
+    assert!(Command::new("install").args(["-m", "755"]).args([&draft, &program]).status().unwrap().success());
+    let job = Job {
+        scene,
+        scene_file: Path::new("lammps.toml"),
+        seed: 1,
+        stiffness_factor: 1.0,
+        rayleigh_fraction: 0.2,
+        work_folder: &folder.path().join("run"),
+        time_limit: Duration::from_secs(10),
+        progress: &|_| {},
+    };
+    match Lammps::new(&program).simulate(&job).unwrap_err() {
+        CodeError::Crashed { .. } => Ok(std::fs::read_to_string(folder.path().join("run/deck.in")).unwrap()),
+        error => Err(error.to_string()),
+    }
+}
+
+/// The numbers behind a word of the deck's first line that begins with another.
+fn numbers(deck: &str, line: &str, word: &str, count: usize) -> Vec<f64> {
+    let line = deck.lines().find(|text| text.starts_with(line)).unwrap_or_else(|| panic!("no {line} in\n{deck}"));
+    let words = line.split(' ').skip_while(|text| *text != word).skip(1).take(count);
+    words.map(|number| number.parse().unwrap_or_else(|_| panic!("{number} in {line}"))).collect()
+}
+
+fn close(values: &[f64], expected: &[f64]) {
+    assert_eq!(values.len(), expected.len(), "{values:?}");
+    for (value, expected) in values.iter().zip(expected) {
+        assert!((value - expected).abs() <= 1e-12 * expected.abs().max(1e-3), "{values:?}, not {expected:?}");
+    }
+}
+
+#[test]
+fn hertz_and_mindlin_have_the_moduli_of_both_materials() {
+    let materials = material("hard", 1e8, 0.5, "") + &material("soft", 1e7, 0.2, "");
+    let floor = wall("floor", "kind = 'plane', point = [0, 0, -0.1], normal = [0, 0, 1]", FIXED);
+    let deck = deck(&scene(&materials, &(floor + &grain("hard", 0.0) + &grain("soft", 0.1)))).unwrap();
+    let softness = |modulus: f64| 0.91 / modulus;
+    let shear = |modulus: f64| 2.0 * 1.7 * 1.3 / modulus;
+    let pairs = [("pair_coeff 1 1", 1e8, 1e8), ("pair_coeff 1 2", 1e8, 1e7), ("pair_coeff 2 2", 1e7, 1e7)];
+    let walls = [("fix wall0 kind1", 1e8, 1e7), ("fix wall1 kind2", 1e7, 1e7)];
+    for (line, a, b) in pairs.into_iter().chain(walls) {
+        close(&numbers(&deck, line, "hertz", 2), &[4.0 / 3.0 / (softness(a) + softness(b)), 0.3]);
+        let tangential = numbers(&deck, line, "mindlin", 3);
+        close(&tangential[..1], &[8.0 / (shear(a) + shear(b))]);
+        // Nothing damps the tangential spring, as in the other codes.
+        assert_eq!(tangential[1], 0.0);
+    }
+    assert!(!deck.contains("rolling") && !deck.contains("limit_damping"), "{deck}");
+    assert!(deck.contains("group kind2 type 2\n") && deck.contains("stride2(0,"), "{deck}");
+}
+
+#[test]
+fn walls_are_regions_of_one_surface_each() {
+    let materials = material("soft", 1e7, 0.5, "");
+    let body = wall("box", "kind = 'box', min = [-0.2, -0.2, -0.2], max = [0.2, 0.2, 0.2], open = ['+z', '-x']", FIXED)
+        + &wall(
+            "drum",
+            "kind = 'cylinder', base = [0.01, 0.05, 0.02], axis = [0, -2, 0], radius = 0.05, length = 0.1",
+            "kind = 'rotating', point = [0, 0, 0.02], axis = [0, 3, 0], rate = 5.0, start = 0.05, stop = 0.15, reverse = 0.1",
+        )
+        + &wall("slope", "kind = 'disc', centre = [0.1, 0, 0.1], normal = [1, 0, 1], radius = 0.03", FIXED)
+        + &wall(
+            "lift",
+            "kind = 'disc', centre = [-0.1, 0, 0], normal = [0, 0, 1], radius = 0.03",
+            "kind = 'vibrating', amplitude = [0, 0, 0.001], frequency = 10",
+        )
+        + &grain("soft", 0.0);
+    let deck = deck(&scene(&materials, &body)).unwrap();
+    for (face, point, normal) in [(0, [0.2, 0.2, 0.2], [-1.0, 0.0, 0.0]), (3, [-0.2, -0.2, -0.2], [0.0, 0.0, 1.0])] {
+        close(&numbers(&deck, &format!("region surface{face} "), "plane", 6), &[point, normal].concat());
+    }
+    // Its base is at the upper end; the coordinates of its axis are x and z.
+    close(&numbers(&deck, "region surface4 cylinder y", "y", 5), &[0.01, 0.02, 0.05, -0.05, 0.05]);
+    let drum = deck.lines().find(|line| line.starts_with("region surface4 ")).unwrap();
+    assert!(drum.contains("open 1 open 2 units box rotate v_turn1 "), "{drum}");
+    close(&numbers(&deck, "region surface4 ", "v_turn1", 6), &[0.0, 0.0, 0.02, 0.0, 1.0, 0.0]);
+    let turn = deck.lines().find(|line| line.starts_with("variable turn1 equal (5.0")).unwrap();
+    assert!(turn.contains("(1)*((step>") && turn.contains("+(-1)*((step>"), "{turn}");
+    // Turned from z to where it looks; its upper end is the disc.
+    close(&numbers(&deck, "variable tilt5", "equal", 1), &[std::f64::consts::FRAC_PI_4]);
+    close(&numbers(&deck, "region surface5 ", "v_tilt5", 6), &[0.1, 0.0, 0.1, 0.0, 1.0, 0.0]);
+    let disc = numbers(&deck, "region surface5 cylinder z", "z", 5);
+    assert!(disc[4] == 0.1 && (0.0..1e-8).contains(&(disc[4] - disc[3])), "{disc:?}");
+    let lift = deck.lines().find(|line| line.starts_with("region surface6 ")).unwrap();
+    assert!(lift.contains("side out units box move v_x3 v_y3 v_z3"), "{lift}");
+    assert!(deck.contains("variable z3 equal (1.00000000000000002e-3)*sin("), "{deck}");
+}
+
+#[test]
+fn grains_resist_rolling_up_to_the_cap_of_the_scene() {
+    let materials = material("soft", 1e7, 0.5, "rolling_friction = 0.1");
+    let floor = wall("floor", "kind = 'plane', point = [0, 0, -0.1], normal = [0, 0, 1]", FIXED);
+    let deck = deck(&scene(&materials, &(floor + &grain("soft", 0.0)))).unwrap();
+    for line in ["pair_coeff 1 1", "fix wall0 kind1"] {
+        close(&numbers(&deck, line, "sds", 3)[1..], &[0.0, 0.1]);
+    }
+}
+
+#[test]
+fn what_has_no_region_is_refused_with_the_reason() {
+    let materials = material("soft", 1e7, 0.5, "");
+    let turning = "kind = 'rotating', point = [0, 0, 0], axis = [0, 1, 1], rate = 5.0";
+    let cases = [
+        (
+            wall("silo", "kind = 'disc', centre = [0, 0, 0], normal = [0, 0, 1], radius = 0.1, hole = 0.02", FIXED),
+            "hole",
+        ),
+        (
+            wall("kiln", "kind = 'cylinder', base = [0, 0, 0], axis = [0, 1, 1], radius = 0.1, length = 0.2", turning),
+            "kiln",
+        ),
+        (wall("bed", "kind = 'spheres', centres = [[0, 0, -0.1]], radius = 0.01", FIXED), "spheres"),
+    ];
+    for (body, reason) in cases {
+        let refused = deck(&scene(&materials, &(body + &grain("soft", 0.0)))).unwrap_err();
+        assert!(refused.contains("LAMMPS cannot express") && refused.contains(reason), "{refused}");
+    }
+    let mut dead = scene(&materials, &(grain("soft", 0.0) + &grain("soft", 0.1)));
+    dead.material.values_mut().for_each(|one| one.restitution = 0.0);
+    assert!(deck(&dead).unwrap_err().contains("restitution above 0"));
+}
+
+#[test]
+fn contacts_have_the_force_on_the_partner_and_the_point_in_the_overlap() {
+    let floor = wall("floor", "kind = 'plane', point = [0, 0, -0.006], normal = [0, 0, 1]", FIXED);
+    let scene = scene(&material("soft", 1e7, 0.5, ""), &(floor + &grain("soft", 0.0) + &grain("soft", 0.011)));
+    let grains = populate(&scene, 1).unwrap();
+    let rows = |file: &Path| match file.to_str().unwrap() {
+        "grains.dump" => "2 0.0098 0 0 0 0 0 0 0 0\n1 0 0 0 0 0 0 0 0 0\n",
+        "pairs.dump" => "2 1 3 0 0 0 0.5 0\n",
+        "wall0.dump" => "1 0.25 0 2 0 0 -0.0049\n",
+        other => panic!("{other}"),
+    };
+    let open = |file: &Path| {
+        let (rows, header) = (rows(file), "ITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS");
+        let frame = |step: u64| {
+            format!("ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{}\n{header}\n{rows}", rows.lines().count())
+        };
+        // Both ends of the run are there twice.
+        Ok(std::io::Cursor::new([0, 0, 2, 3, 4, 4].map(frame).concat()))
+    };
+    let frames = read_frames(&scene, &grains, STEP, Path::new(""), open).unwrap();
+    assert_eq!(frames.len(), 4);
+    let [pair, wall] = &frames[3].contacts[..] else { panic!("{:?}", frames[3].contacts) };
+    assert_eq!((pair.first, pair.second, wall.first, wall.second), (1, Partner::Grain(0), 0, Partner::Wall(0)));
+    close(&pair.normal, &[-1.0, 0.0, 0.0]);
+    close(&pair.point, &[0.0049, 0.0, 0.0]);
+    close(&[pair.normal_force], &[3.0]);
+    close(&pair.tangential_force, &[0.0, -0.5, 0.0]);
+    close(&wall.normal, &[0.0, 0.0, -1.0]);
+    close(&[wall.normal_force], &[2.0]);
+    close(&wall.tangential_force, &[-0.25, 0.0, 0.0]);
+}
