@@ -67,6 +67,17 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
     Ok(warnings)
 }
 
+/// Has the watchdog look at the state that the last step has left; returns what is no more than a warning.
+pub fn look(py: Python<'_>, shared: &Shared) -> PyResult<Vec<String>> {
+    let simulation = shared.lock(py)?;
+    let mut watchdog = shared.watchdog.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let alarms = watchdog.as_mut().map_or_else(Vec::new, |watchdog| watchdog.look(&simulation));
+    match alarms.iter().find(|alarm| alarm.reaction == Reaction::Stop) {
+        Some(alarm) => Err(exception(py, "WorthlessError", &alarm.to_string())),
+        None => Ok(alarms.iter().map(ToString::to_string).collect()),
+    }
+}
+
 /// Steps until the slice is over.
 fn slice(shared: &Shared, most: u64) -> Slice {
     let begun = Instant::now();

@@ -4,6 +4,7 @@
 //! step ─> watchdog ─> frame, if one is due ─> progress ─> interrupted? out of time?
 //! ```
 
+use makadam::scene::Reaction;
 use makadam::watch::{Alarm, Watchdog};
 use makadam::{Simulation, StepReport};
 use std::time::{Duration, Instant};
@@ -36,6 +37,7 @@ pub struct Stepping<'a> {
     steps: u64,
     interval: Option<f64>,
     watchdog: Option<&'a mut Watchdog>,
+    told: Option<&'a mut dyn FnMut(Alarm)>,
     tolerated: fn(&Alarm) -> bool,
     limit: Option<Duration>,
     progress: &'a dyn Fn(f64),
@@ -44,7 +46,7 @@ pub struct Stepping<'a> {
 impl<'a> Stepping<'a> {
     /// So many steps; `progress` is told the share that is done.
     pub fn new(steps: u64, progress: &'a dyn Fn(f64)) -> Stepping<'a> {
-        Stepping { steps, interval: None, watchdog: None, tolerated: |_| false, limit: None, progress }
+        Stepping { steps, interval: None, watchdog: None, told: None, tolerated: |_| false, limit: None, progress }
     }
 
     /// The same with frames at an interval, s.
@@ -55,6 +57,11 @@ impl<'a> Stepping<'a> {
     /// The same under the eyes of a watchdog, which looks at each state that a frame is taken of.
     pub fn watched(self, watchdog: &'a mut Watchdog) -> Stepping<'a> {
         Stepping { watchdog: Some(watchdog), ..self }
+    }
+
+    /// The same, but somebody is told what the watchdog notices, also of what ends nothing.
+    pub fn telling(self, told: &'a mut dyn FnMut(Alarm)) -> Stepping<'a> {
+        Stepping { told: Some(told), ..self }
     }
 
     /// The same, but what the watchdog notices does not end it where this says so.
@@ -76,7 +83,7 @@ impl<'a> Stepping<'a> {
         simulation: &mut Simulation,
         mut each: impl FnMut(&Simulation, &Taken),
     ) -> Result<Duration, Halt> {
-        let Stepping { steps, interval, mut watchdog, tolerated, limit, progress } = self;
+        let Stepping { steps, interval, mut watchdog, mut told, tolerated, limit, progress } = self;
         let (start, step_seconds, mut wall) = (Instant::now(), simulation.time_step(), Duration::ZERO);
         for number in 1..=steps {
             let clock = Instant::now();
@@ -85,8 +92,18 @@ impl<'a> Stepping<'a> {
             wall += took;
             let framed =
                 number == steps || interval.is_some_and(|interval| frame_is_due(number, step_seconds, interval));
-            let alarm = watchdog.as_mut().and_then(|watchdog| watchdog.check(simulation, &report, framed).err());
-            if let Some(alarm) = alarm.filter(|alarm| !tolerated(alarm)) {
+            let mut alarms = Vec::new();
+            if let Some(watchdog) = watchdog.as_mut() {
+                alarms = watchdog.observe(simulation, &report);
+                if framed {
+                    alarms.extend(watchdog.look(simulation));
+                }
+            }
+            if let Some(told) = told.as_mut() {
+                alarms.iter().for_each(|alarm| told(*alarm));
+            }
+            let stops = alarms.into_iter().find(|alarm| alarm.reaction == Reaction::Stop);
+            if let Some(alarm) = stops.filter(|alarm| !tolerated(alarm)) {
                 return Err(Halt::Worthless(alarm));
             }
             each(simulation, &Taken { report, seconds: took.as_secs_f64(), number, framed });

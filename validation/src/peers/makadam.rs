@@ -8,7 +8,7 @@ use crate::provenance::Build;
 use crate::recording::Recording;
 use crate::stepping::{Halt, Stepping, Taken, steps_in};
 use makadam::Simulation;
-use makadam::watch::Watchdog;
+use makadam::watch::{Alarm, Watchdog};
 
 /// Makadam, in this process, on one thread.
 pub struct Makadam;
@@ -23,6 +23,16 @@ impl Code for Makadam {
     }
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
+        Makadam.simulate_telling(job, &mut |_| {})
+    }
+}
+
+impl Makadam {
+    /// Runs the scene as [`Code::simulate`] does; `told` is told what is noticed on the way and, as the scene wants it, ends nothing.
+    ///
+    /// # Errors
+    /// As of [`Code::simulate`].
+    pub fn simulate_telling(&self, job: &Job<'_>, told: &mut dyn FnMut(Alarm)) -> Result<Recording, CodeError> {
         let scene = job.scene;
         let interrupted = || CodeError::Interrupted { code: "Makadam" };
         let (mut simulation, _) =
@@ -38,7 +48,8 @@ impl Code for Makadam {
         let steps = steps_in(scene.duration, step_seconds);
         let mut frames = vec![simulation.snapshot()];
         let mut watchdog = Watchdog::new(&scene.watch, &simulation);
-        let stepping = Stepping::new(steps, job.progress).framed(scene.measure.interval).watched(&mut watchdog);
+        let stepping =
+            Stepping::new(steps, job.progress).framed(scene.measure.interval).watched(&mut watchdog).telling(told);
         let keep = |simulation: &Simulation, taken: &Taken| frames.extend(taken.framed.then(|| simulation.snapshot()));
         let wall = stepping.carry_out(&mut simulation, keep).map_err(|halt| match halt {
             Halt::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },

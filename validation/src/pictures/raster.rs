@@ -1,6 +1,7 @@
 //! What is seen through each pixel: the foremost grain, or the foremost of the walls that hide what is behind them.
 
 use super::{Sight, camera::Camera};
+use crate::interrupt;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -58,6 +59,9 @@ pub(super) fn draw(sight: &Sight<'_>, camera: &Camera, [width, height]: [usize; 
     let discs: Vec<Disc> = discs(sight, camera, plane);
     let mut pixels = vec![NOTHING; width * height];
     pixels.par_chunks_mut(BAND * width).enumerate().for_each(|(band, pixels)| {
+        if interrupt::requested() {
+            return;
+        }
         let first = band * BAND;
         let lines = [first as f64, (first + pixels.len() / width) as f64];
         for disc in discs.iter().filter(|disc| disc.lines[1] >= lines[0] && disc.lines[0] <= lines[1]) {

@@ -5,5 +5,5 @@ mod frame;
 mod quantity;
 
 pub use folder::{RunFolderError, RunFrames};
-pub use frame::{ContactLine, Grains, RunFrame, Walls};
+pub use frame::{ContactLine, Grains, Repeats, RunFrame, Walls};
 pub use quantity::{Quantity, unit_of};
