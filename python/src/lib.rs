@@ -7,6 +7,7 @@
 //! simulation.rs  the simulation: views, forces, grains that come and go
 //! shared.rs      who may work on a simulation, and who looks at it
 //! stepping.rs    steps without the interpreter's lock, that a signal can stop
+//! crowd.rs       grains that were put to one place
 //! views.rs       arrays of NumPy that lie in the memory of a simulation
 //! frame.rs       copies of the state by id
 //! judge.rs       recordings, observables
@@ -17,6 +18,7 @@
 
 mod comparison;
 mod convert;
+mod crowd;
 mod errors;
 mod frame;
 mod judge;

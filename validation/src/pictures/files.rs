@@ -84,7 +84,7 @@ const MOST_KNOWN: usize = 1 << 20;
 
 enum Format {
     Gif { encoder: Encoder<BufWriter<File>>, colours: Box<NeuQuant>, known: Known, delay: u16 },
-    Apng { writer: png::Writer<BufWriter<File>> },
+    Apng { writer: png::Writer<BufWriter<File>>, milliseconds: u16 },
 }
 
 impl Animation {
@@ -125,7 +125,7 @@ impl Animation {
                     .set_animated(frames as u32, 0)
                     .and_then(|()| encoder.set_frame_delay(milliseconds, 1000))
                     .and_then(|()| encoder.write_header());
-                Format::Apng { writer: begun.map_err(|error| refused(path, error))? }
+                Format::Apng { writer: begun.map_err(|error| refused(path, error))?, milliseconds }
             }
         };
         Ok(Animation { path: path.to_path_buf(), draft, format })
@@ -136,6 +136,14 @@ impl Animation {
         let mut samples: Vec<usize> = (0..SAMPLES).map(|part| part * (frames - 1) / (SAMPLES - 1).max(1)).collect();
         samples.dedup();
         samples
+    }
+
+    /// How long a frame is shown, s: the format's nearest to what was asked for.
+    pub fn seconds_per_frame(&self) -> f64 {
+        match &self.format {
+            Format::Gif { delay, .. } => 0.01 * f64::from(*delay),
+            Format::Apng { milliseconds, .. } => 1e-3 * f64::from(*milliseconds),
+        }
     }
 
     /// Adds a frame.
@@ -151,7 +159,7 @@ impl Animation {
                 frame.buffer = indices(picture, colours, known).into();
                 encoder.write_frame(&frame).map_err(|error| refused(&self.path, error))
             }
-            Format::Apng { writer } => {
+            Format::Apng { writer, .. } => {
                 writer.write_image_data(&picture.bytes).map_err(|error| refused(&self.path, error))
             }
         };
@@ -169,7 +177,7 @@ impl Animation {
                 let mut file = encoder.into_inner().map_err(|error| refused(&path, error))?;
                 file.flush().map_err(|source| WriteError::new(&path, source))?;
             }
-            Format::Apng { writer } => writer.finish().map_err(|error| refused(&path, error))?,
+            Format::Apng { writer, .. } => writer.finish().map_err(|error| refused(&path, error))?,
         }
         Ok(std::fs::rename(&draft.0, &path).map_err(|source| WriteError::new(&path, source))?)
     }

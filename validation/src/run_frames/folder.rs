@@ -73,6 +73,11 @@ pub enum RunFolderError {
     },
 }
 
+/// A number without the digits that sums of steps leave at its end, for messages.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
+}
+
 /// The frames that a run has left, listed but not yet read.
 #[derive(Clone, Debug)]
 pub struct RunFrames {
@@ -149,7 +154,13 @@ impl RunFrames {
         let slack = 1e-6 * (last - first).abs().max(1e-9);
         if !(first - slack..=last + slack).contains(&time) {
             let folder = self.folder.display().to_string();
-            return Err(RunFolderError::OutOfRange { folder, time, count: self.count(), first, last });
+            return Err(RunFolderError::OutOfRange {
+                folder,
+                time,
+                count: self.count(),
+                first: rounded(first),
+                last: rounded(last),
+            });
         }
         let off = |number: &usize| (self.time(*number) - time).abs();
         Ok((0..self.count()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0))
