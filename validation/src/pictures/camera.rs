@@ -261,9 +261,15 @@ impl Camera {
         self.focal * length / depth
     }
 
-    /// The point at a distance along the line of sight (m) that a place on the picture shows.
-    pub(super) fn unproject(&self, x: f64, y: f64, depth: f64) -> Vector {
-        self.eye + self.ray(x, y) * depth
+    /// The point at a distance along the line of sight (m) that a place on the picture shows: to the right of the eye, below it, before it.
+    pub(super) fn seen_at(&self, x: f64, y: f64, depth: f64) -> [f64; 3] {
+        let share = depth / self.focal;
+        [(x - self.middle[0]) * share, (y - self.middle[1]) * share, depth]
+    }
+
+    /// A direction as [`Camera::seen_at`] has points.
+    pub(super) fn turned(&self, direction: &Vector) -> [f64; 3] {
+        [direction.dot(&self.right), -direction.dot(&self.up), direction.dot(&self.forward)]
     }
 
     /// Vector from the eye through a place on the picture; its part along the line of sight is one.

@@ -73,9 +73,9 @@ impl Surface<'_> {
         colours
     }
 
-    fn point(&self, column: usize, line: usize) -> Vector {
-        let depth = f64::from(self.raster.pixels[line * self.raster.width + column].depth);
-        self.camera.unproject(column as f64 + 0.5, line as f64 + 0.5, depth)
+    /// The point that a pixel shows, as the camera has it, m.
+    fn point(&self, column: usize, line: usize, depth: f64) -> [f64; 3] {
+        self.camera.seen_at(column as f64 + 0.5, line as f64 + 0.5, depth)
     }
 
     fn lit(&self, base: Colour, place: usize) -> Colour {
@@ -97,8 +97,8 @@ impl Surface<'_> {
     /// Share of the sky that a pixel sees, from what stands before it nearby: M. McGuire, B. Osman, M. Bukowski and P. Hennessy, The
     /// Alchemy screen-space ambient obscurance algorithm, High Performance Graphics 2011, 25-32.
     fn openness(&self, column: usize, line: usize, normal: &Vector) -> f64 {
-        let here = self.point(column, line);
         let depth = f64::from(self.raster.pixels[line * self.raster.width + column].depth);
+        let (here, normal) = (self.point(column, line, depth), self.camera.turned(normal));
         let radius = self.camera.pixels(self.reach, depth).clamp(3.0, 160.0);
         // Each pixel turns the places by its own angle, so that they do not show.
         let turn = TAU * fraction(52.982_918_9 * fraction(0.067_110_56 * column as f64 + 0.005_837_15 * line as f64));
@@ -112,12 +112,15 @@ impl Surface<'_> {
             }
             let (x, y) = (x as usize, y as usize);
             // What is too far away along the line of sight alone hides nothing, nor does paper, which is infinitely far.
-            if (f64::from(self.raster.pixels[y * self.raster.width + x].depth) - depth).abs() >= self.reach {
+            let there = f64::from(self.raster.pixels[y * self.raster.width + x].depth);
+            if (there - depth).abs() >= self.reach {
                 continue;
             }
-            let arm = self.point(x, y) - here;
-            let square = arm.norm_squared();
-            let above = (arm.dot(normal) - 0.02 * self.reach).max(0.0);
+            let point = self.point(x, y, there);
+            let arm: [f64; 3] = std::array::from_fn(|axis| point[axis] - here[axis]);
+            let dot = |other: &[f64; 3]| arm[0] * other[0] + arm[1] * other[1] + arm[2] * other[2];
+            let square = dot(&arm);
+            let above = (dot(&normal) - 0.02 * self.reach).max(0.0);
             if square < self.reach * self.reach {
                 hidden += above * self.reach / (square + 0.02 * self.reach * self.reach)
                     * (1.0 - square / (self.reach * self.reach));
