@@ -39,6 +39,33 @@ fn in_an_empty_folder_a_new_scene_is_checked_and_run() {
 }
 
 #[test]
+fn a_new_scene_goes_to_standard_output_and_a_full_disk_leaves_nothing_in_the_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = said(folder.path(), &["new", "drum", "-"]);
+    assert!(text.contains("[[wall]]"), "{text}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    // A disk that takes nothing: no file may grow.
+    let script = format!("trap '' XFSZ; ulimit -f 0; exec {} new drum", env!("CARGO_BIN_EXE_makadam"));
+    let output = std::process::Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(1) && errors.contains("drum.toml") && errors.contains("the disk has room"),
+        "{errors}"
+    );
+    said(folder.path(), &["new", "drum"]);
+}
+
+#[test]
+fn help_and_manual_begin_with_what_the_program_does() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [["--help"], ["manual"]] {
+        let text = said(folder.path(), &arguments);
+        assert!(text.contains("Simulates grains in contact") && !text.contains("Judges Makadam against"), "{text}");
+    }
+    assert!(said(folder.path(), &["--help"]).starts_with("Simulates grains"));
+}
+
+#[test]
 fn check_is_a_document_too_and_says_what_accuracy_decides() {
     let folder = tempfile::tempdir().unwrap();
     let text = said(folder.path(), &["check", "packing", "--accuracy", "packing_fraction=0.002", "--json"]);

@@ -83,13 +83,43 @@ fn what_cannot_be_shown_is_refused_with_what_to_do() {
     refused(&["picture", "small", "--range", "2,1"], 2, &["LOW,HIGH"]);
     refused(&["picture", "small", "-o", "a.jpg"], 2, &["a.jpg", ".png"]);
     refused(&["animate", "small", "-o", "a.mp4"], 2, &["a.mp4", ".gif"]);
-    refused(&["picture", "small", "-o", "missing/a.png"], 1, &["missing/a.png", "writable"]);
+    refused(&["picture", "small", "-o", "results/small/run.json/a.png"], 1, &["run.json", "writable"]);
+    refused(&["view", "small", "-o", "x.txt"], 2, &["x.txt", ".html"]);
+    refused(&["picture", "small", "--field", "stress"], 2, &["'stress' is in the frames", "6 numbers", "pressure"]);
     let frame = folder.join("results/small/frames/grains-00002.vtp");
     let bytes = std::fs::read(&frame).unwrap();
     std::fs::write(&frame, &bytes[..bytes.len() / 2]).unwrap();
-    refused(&["picture", "small", "--time", "0.1"], 1, &["grains-00002.vtp", "run the scene again"]);
+    refused(&["picture", "small", "--time", "0.1"], 1, &["grains-00002.vtp", "run the scene again", "another --time"]);
     std::fs::remove_file(&frame).unwrap();
     refused(&["view", "small"], 1, &["grains-00002.vtp"]);
+    let output = call(folder, &["view", "small"]);
+    assert!(!String::from_utf8_lossy(&output.stderr).contains("another"), "a page has no --time");
+    assert!(!folder.join("results/small/view.html").exists());
+}
+
+#[test]
+fn what_is_left_out_or_otherwise_than_asked_for_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    simulate(folder);
+    let noted = |arguments: &[&str], words: &str| {
+        let output = call(folder, arguments);
+        let (said, notes) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success() && notes.contains(words), "{arguments:?}: no '{words}' in {notes}");
+        said.into_owned()
+    };
+    noted(&["picture", "small", "--size", "64x64", "-o", "new/folder/a.png"], "too narrow for a colour scale");
+    assert!(folder.join("new/folder/a.png").is_file());
+    let fast = ["animate", "small", "--size", "64x64", "--rate", "1e9", "-o", "fast.gif"];
+    let said = noted(&fast, "cannot show 1000000000 frames a second: it shows 100");
+    assert!(said.contains("4 frames, 0.04 s"), "{said}");
+    let said = noted(&["view", "small", "--megabytes", "0.001", "-o", "a b/v.html"], "more than --megabytes 0.001");
+    assert!(said.contains("/a%20b/v.html") && folder.join("a b/v.html").is_file(), "{said}");
+    let scene = std::fs::read_to_string(smoke()).unwrap() + "\n[output]\nfields = [\"speed\"]\n";
+    std::fs::write(folder.join("few.toml"), scene).unwrap();
+    done(folder, &["run", "few.toml", "--steps", "3", "--output", "results/few"]);
+    noted(&["export", "few", "--format", "gsd"], "the frames hold no mass");
+    noted(&["export", "few", "--format", "gsd"], "its readers take 0");
 }
 
 /// A browser without a screen, if there is one.

@@ -21,6 +21,8 @@ def whole(value: Any, what: str) -> int:
         raise SettingError(f"{what}: {value!r} is no whole number")
     if value < 0:
         raise SettingError(f"{what}: {value} is below 0; give 0 or more")
+    if value >= 2**63:
+        raise SettingError(f"{what}: {value} is beyond any that can be; give less than 2**63")
     return int(value)
 
 

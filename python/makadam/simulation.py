@@ -6,7 +6,7 @@ import math
 import os
 import threading
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Literal, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Literal, Mapping, NoReturn, Optional, Sequence, Union
 
 import numpy as np
 
@@ -93,13 +93,15 @@ class Simulation(_core.Simulation):
         method: Optional[str] = None,
         watch: bool = True,
     ) -> Simulation:
-        """Goes on from a checkpoint of the same scene with the same time step, bit for bit as if it had never stopped.
+        """Goes on from a checkpoint of the same scene with the same settings, bit for bit as if it had never stopped.
+
+        The seed is that of the checkpoint. What is measured, written, compared and watched for may be another than at the start.
 
         Grains that were inserted, written states and the places of walls that were moved are in it. Forces of the step to come and
         callbacks are not: they are given again.
 
         Raises:
-            makadam.CheckpointError: The bytes are damaged, or of another version or scene.
+            makadam.CheckpointError: The bytes are damaged, or of another version, scene, seed, time step, precision or method.
         """
         resumed: Simulation = cls._resume(
             cls, scene, checkpoint, seed, threads, scheduler, instruction_set, time_step, precision, method, watch
@@ -109,6 +111,12 @@ class Simulation(_core.Simulation):
     def copy(self) -> Simulation:
         """Another simulation with the same state, which goes its own way. It has no observers, forces or steered walls of this one."""
         return type(self)(self._copy())
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            "a simulation is neither pickled nor deep-copied, since its callbacks are not part of its state: copy() makes another one, and "
+            "checkpoint() gives bytes, from which Simulation.resume goes on"
+        )
 
     # Steps
 
@@ -128,6 +136,9 @@ class Simulation(_core.Simulation):
             raise BusyError("this simulation is being stepped: by another thread, or because this was called from a callback")
         try:
             self._step_and_call(left)
+            # Who asks for single steps has them watched every so many; who asks for many is told what the last one has left.
+            if left > 1:
+                self._tell(self._look(), 4)
         finally:
             self._busy.release()
 
@@ -156,11 +167,18 @@ class Simulation(_core.Simulation):
         """Takes the steps of a duration, s: as many whole steps as are nearest to it. Errors as of ``step``."""
         if not (isinstance(duration, (int, float, np.number)) and math.isfinite(duration) and duration >= 0):
             raise SettingError(f"cannot run for {duration!r} s; give a finite number of seconds, 0 or more")
-        self.step(round(float(duration) / self.time_step))
+        steps = float(duration) / self.time_step
+        if steps >= 2.0**63:
+            raise SettingError(f"cannot run for {duration!r} s: that is {steps:.3g} steps; give less")
+        self.step(round(steps))
 
     def _take(self, steps: int) -> None:
-        for message in self._step(steps):
-            warnings.warn(message, MakadamWarning, stacklevel=5)
+        self._tell(self._step(steps), 6)
+
+    def _tell(self, messages: list[str], above: int) -> None:
+        """Warns whoever called so many functions above this one."""
+        for message in messages:
+            warnings.warn(message, MakadamWarning, stacklevel=above)
 
     def observe(self, callback: Callable[[Simulation], object], *, steps: Optional[int] = None, seconds: Optional[float] = None) -> Handle:
         """Calls ``callback(simulation)`` every so many steps, or every so many seconds of simulated time.

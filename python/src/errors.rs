@@ -13,6 +13,12 @@ pub fn exception(py: Python<'_>, class: &str, message: &str) -> PyErr {
     with_details(py, class, message, |_| Ok(()))
 }
 
+/// Warns the caller, by the class of the package's warnings.
+pub fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let class = py.import("makadam.errors")?.getattr("MakadamWarning")?;
+    py.import("warnings")?.call_method1("warn", (message, class, 2)).map(|_| ())
+}
+
 /// The same with attributes.
 fn with_details(
     py: Python<'_>,

@@ -1,11 +1,18 @@
 //! Frames: copies of the state by id, and the contacts of the last step.
 
+use crate::errors::exception;
+use crate::scene::Scene;
+use makadam::checkpoint::{open, seal};
 use makadam::snapshot::{Contact, Partner, Snapshot};
+use makadam_validation::recording::frame_belongs_to;
 use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
+
+/// First bytes of a frame by itself; the last one is the version of the format.
+const MARK: [u8; 8] = *b"mkd-frm\x01";
 
 /// Grains and contacts at a time, copied: nothing that happens later changes it. Rows are grains in the order of their ids.
 #[pyclass(frozen, module = "makadam", name = "Frame")]
@@ -16,6 +23,16 @@ impl Frame {
     pub fn of(snapshot: Snapshot) -> Frame {
         Frame(Arc::new(snapshot))
     }
+}
+
+/// Refuses frames that cannot be of the scene.
+pub fn check_frames(py: Python<'_>, scene: &Scene, frames: &[PyRef<'_, Frame>]) -> PyResult<()> {
+    let fits = frames.iter().try_for_each(|frame| frame_belongs_to(&frame.0, &scene.plan));
+    fits.map_err(|problem| {
+        let way = "give the scene that the frames were made of (frames of a simulation in which grains came or went are measured by its \
+                   own `measure`)";
+        exception(py, "JudgeError", &format!("{problem}; {way}"))
+    })
 }
 
 /// Rows of three numbers.
@@ -100,6 +117,19 @@ impl Frame {
     /// `normal_force`, positive where it pushes (N); `tangential_force` on the partner (N), (c, 3).
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         contact_columns(py, &self.0.contacts)
+    }
+
+    /// The frame that `__reduce__` has taken apart.
+    #[staticmethod]
+    fn _of_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Frame> {
+        let refuse = |problem: String| exception(py, "JudgeError", &format!("the bytes of a frame: {problem}"));
+        let body = open(MARK, bytes).map_err(refuse)?;
+        postcard::from_bytes(body).map(Frame::of).map_err(|error| refuse(error.to_string()))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let bytes = postcard::to_stdvec(&*slf.get().0).expect("a frame holds only numbers");
+        Ok((slf.get_type().getattr("_of_bytes")?, (PyBytes::new(slf.py(), &seal(MARK, &bytes)),)))
     }
 
     fn __repr__(&self) -> String {

@@ -1,22 +1,20 @@
-//! The judge: recordings, observables, comparison with the peers.
+//! The judge: recordings, and what is measured of them.
 
 use crate::convert::plain;
-use crate::errors::exception;
-use crate::frame::Frame;
+use crate::errors::{exception, warn};
+use crate::frame::{Frame, check_frames};
 use crate::scene::Scene;
+use crate::settings::{Whole, seed_of};
 use crate::stepping::beside;
-use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison};
 use makadam_validation::observables::{catalogue, measure, measure_frames, series};
 use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Makadam, Yade};
-use makadam_validation::provenance::{Build, utc};
-use makadam_validation::qualify::OneScene;
+use makadam_validation::provenance::Build;
 use makadam_validation::recording;
-use makadam_validation::report::Qualification;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 /// One run of a scene: its frames, and where they came from. `makadam.simulate` makes them, and `Recording.load` reads them.
 ///
@@ -29,7 +27,7 @@ use std::time::{Duration, SystemTime};
 #[pyclass(frozen, module = "makadam", name = "Recording")]
 pub struct Recording {
     scene: Scene,
-    recording: Arc<recording::Recording>,
+    pub recording: Arc<recording::Recording>,
 }
 
 #[pymethods]
@@ -48,6 +46,7 @@ impl Recording {
         let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
             return Err(exception(py, "JudgeError", "a recording needs at least one frame"));
         };
+        check_frames(py, &scene, &frames)?;
         let recording = recording::Recording {
             scene: scene.plan.name.clone(),
             code: "Makadam".into(),
@@ -69,13 +68,17 @@ impl Recording {
     /// Reads a recording from a file that `save`, or `makadam` itself, has written.
     ///
     /// Raises:
-    ///     makadam.Error: The file cannot be read, or is damaged.
+    ///     makadam.JudgeError: The file cannot be read, is damaged, or holds a recording of another scene.
     #[staticmethod]
     fn load(scene: &Bound<'_, PyAny>, file: PathBuf) -> PyResult<Recording> {
         let py = scene.py();
+        let scene = Scene::of(scene)?;
         let recording =
             recording::Recording::load(&file).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
-        Ok(Recording { scene: Scene::of(scene)?, recording: Arc::new(recording) })
+        recording.belongs_to(&scene.plan).map_err(|problem| {
+            exception(py, "JudgeError", &format!("{}: {problem}; give the scene that was recorded", file.display()))
+        })?;
+        Ok(Recording { scene, recording: Arc::new(recording) })
     }
 
     /// Writes the recording to a file, with a seal by which damage is seen.
@@ -122,6 +125,9 @@ impl Recording {
     /// What the scene measures of the frames from `measure.from` on: a list of rows, each a dict of `observable`, `unit`, `value`,
     /// `standard_error` (within the run, over blocks of time; None for too few frames) and `frames`. What cannot be measured is left out.
     fn measure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(first) = self.recording.alarms.iter().find(|alarm| alarm.grave) {
+            warn(py, &first.words())?;
+        }
         let measured = py.detach(|| measure(&self.scene.plan, &self.recording));
         plain(py, &measured)
     }
@@ -133,6 +139,22 @@ impl Recording {
         plain(py, &found)
     }
 
+    /// The recording that `__reduce__` has taken apart.
+    #[staticmethod]
+    fn _of_bytes(scene: &Bound<'_, PyAny>, bytes: &[u8]) -> PyResult<Recording> {
+        let read = recording::Recording::parse(bytes);
+        let recording =
+            read.map_err(|problem| exception(scene.py(), "JudgeError", &format!("the recording {problem}")))?;
+        Ok(Recording { scene: Scene::of(scene)?, recording: Arc::new(recording) })
+    }
+
+    #[allow(clippy::type_complexity)] // What Python's pickle wants.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Scene, Bound<'py, PyBytes>))> {
+        let Recording { scene, recording } = slf.get();
+        let bytes = PyBytes::new(slf.py(), &recording.to_bytes());
+        Ok((slf.get_type().getattr("_of_bytes")?, (scene.clone(), bytes)))
+    }
+
     fn __repr__(&self) -> String {
         let recording::Recording { scene, code, seed, frames, .. } = &*self.recording;
         format!("<makadam.Recording of {scene} by {code}, seed {seed}: {} frames>", frames.len())
@@ -140,7 +162,7 @@ impl Recording {
 }
 
 /// Why a code gave nothing, as an exception.
-fn code_error(py: Python<'_>, error: &CodeError) -> PyErr {
+pub fn code_error(py: Python<'_>, error: &CodeError) -> PyErr {
     match error {
         CodeError::Scene(error) => crate::errors::scenes_error(py, error, None),
         CodeError::Execution(error) => crate::errors::setting_error(py, error),
@@ -150,7 +172,7 @@ fn code_error(py: Python<'_>, error: &CodeError) -> PyErr {
     }
 }
 
-fn code_of(py: Python<'_>, name: &str) -> PyResult<Box<dyn Code + Send>> {
+pub fn code_of(py: Python<'_>, name: &str) -> PyResult<Box<dyn Code + Send>> {
     Ok(match name.to_lowercase().as_str() {
         "makadam" => Box::new(Makadam),
         "yade" => Box::new(Yade::default()),
@@ -179,7 +201,7 @@ fn code_of(py: Python<'_>, name: &str) -> PyResult<Box<dyn Code + Send>> {
 #[pyo3(signature = (scene, seed=None, *, code="makadam", rayleigh_fraction=0.2, time_limit=86400.0))]
 pub fn simulate(
     scene: &Bound<'_, PyAny>,
-    seed: Option<u64>,
+    seed: Option<Whole>,
     code: &str,
     rayleigh_fraction: f64,
     time_limit: f64,
@@ -191,11 +213,11 @@ pub fn simulate(
         return Err(code_error(py, &CodeError::Missing { code: code.name() }));
     }
     let work_folder = std::env::temp_dir().join(format!("makadam-{}", std::process::id()));
-    let seed = seed.unwrap_or(scene.plan.seed);
+    let seed = seed_of(py, seed)?.unwrap_or(scene.plan.seed);
     let limit = Duration::try_from_secs_f64(time_limit)
         .map_err(|error| exception(py, "JudgeError", &format!("time_limit {time_limit}: {error}")))?;
     let recorded = beside(py, || {
-        code.simulate(&Job {
+        let job = Job {
             scene: &scene.plan,
             scene_file: &scene.file,
             seed,
@@ -204,9 +226,13 @@ pub fn simulate(
             work_folder: &work_folder,
             time_limit: limit,
             progress: &|_| {},
-        })
+        };
+        code.simulate(&job)
     })?;
     let recording = recorded.map_err(|error| code_error(py, &error))?;
+    for alarm in &recording.alarms {
+        warn(py, &alarm.words())?;
+    }
     Ok(Recording { scene, recording: Arc::new(recording) })
 }
 
@@ -219,6 +245,7 @@ pub fn measure_of_frames<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = scene.py();
     let scene = Scene::of(scene)?;
+    check_frames(py, &scene, &frames)?;
     let snapshots: Vec<_> = frames.iter().map(|frame| frame.0.clone()).collect();
     let measured = py.detach(|| {
         let frames: Vec<_> = snapshots.iter().map(|snapshot| &**snapshot).collect();
@@ -236,136 +263,4 @@ pub fn observables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         found.set_item(name, catalogue::group_of(name).map(|(_, group)| group))?;
     }
     Ok(found)
-}
-
-/// What is recorded of the peers on a scene: rows, each a dict of code, seed, observable, value and its standard error within the run.
-#[pyfunction]
-#[pyo3(name = "_reference")]
-pub fn reference<'py>(scene: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
-    let py = scene.py();
-    let scene = Scene::of(scene)?;
-    let found = Reference::of_scene(&scene.file).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
-    let rows = PyList::empty(py);
-    let Some(found) = found else { return Ok(rows) };
-    for runs in found.codes().iter().filter_map(|code| found.code(code)) {
-        for run in &runs.runs {
-            for measured in &run.measurements {
-                let row = PyDict::new(py);
-                row.set_item("code", &run.code)?;
-                row.set_item("version", &run.version)?;
-                row.set_item("seed", run.seed)?;
-                row.set_item("observable", &measured.observable)?;
-                row.set_item("unit", &measured.unit)?;
-                row.set_item("value", measured.value)?;
-                row.set_item("standard_error", measured.standard_error)?;
-                row.set_item("frames", measured.frames)?;
-                rows.append(row)?;
-            }
-        }
-    }
-    Ok(rows)
-}
-
-/// A comparison as a dict of rows, codes, notes and the verdict.
-fn document<'py>(py: Python<'py>, qualification: &Qualification) -> PyResult<Bound<'py, PyDict>> {
-    let comparison = &qualification.comparisons[0];
-    let found = PyDict::new(py);
-    found.set_item("rows", plain(py, &comparison.rows)?)?;
-    found.set_item("codes", plain(py, &comparison.codes)?)?;
-    found.set_item("notes", plain(py, &comparison.notes)?)?;
-    found.set_item("verdict", plain(py, &qualification.verdict())?)?;
-    Ok(found)
-}
-
-/// Runs a scene in several codes, or takes what is recorded of the peers, and compares.
-#[pyfunction]
-#[pyo3(name = "_compare")]
-pub fn compare<'py>(
-    scene: &Bound<'py, PyAny>,
-    codes: Vec<String>,
-    live: bool,
-    seeds: Option<u64>,
-    rayleigh_fraction: f64,
-    time_limit: f64,
-) -> PyResult<Bound<'py, PyDict>> {
-    let py = scene.py();
-    let scene = Scene::of(scene)?;
-    let limit = Duration::try_from_secs_f64(time_limit)
-        .map_err(|error| exception(py, "JudgeError", &format!("time_limit {time_limit}: {error}")))?;
-    let mut asked: Vec<Box<dyn Code + Send>> = Vec::new();
-    for code in &codes {
-        asked.push(code_of(py, code)?);
-    }
-    let judged = beside(py, || {
-        let codes = asked.into_iter().map(|code| code as Box<dyn Code>).collect();
-        OneScene {
-            scene: &scene.plan,
-            scene_file: &scene.file,
-            codes,
-            judged: "Makadam",
-            live,
-            seeds,
-            rayleigh_fraction,
-            time_limit: limit,
-            announce: &|_| Box::new(|_| {}),
-        }
-        .judge()
-        .map_err(|error| error.to_string())
-    })?;
-    let judged = judged.map_err(|message| exception(py, "JudgeError", &message))?;
-    match &judged.failure {
-        Some(failure) => Err(code_error(py, failure)),
-        None => document(py, &judged.qualification),
-    }
-}
-
-/// Compares runs that were made here with what is recorded of the peers.
-#[pyfunction]
-#[pyo3(name = "_compare_runs")]
-pub fn compare_runs<'py>(
-    scene: &Bound<'py, PyAny>,
-    runs: Vec<PyRef<'py, Recording>>,
-    codes: Vec<String>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let py = scene.py();
-    let scene = Scene::of(scene)?;
-    if scene.plan.compare.is_empty() {
-        let message = format!("{} names nothing to compare; add observables under [[compare]]", scene.plan.name);
-        return Err(exception(py, "JudgeError", &message));
-    }
-    let found = Reference::of_scene(&scene.file).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
-    let recordings: Vec<_> = runs.iter().map(|run| run.recording.clone()).collect();
-    let harvests = py.detach(|| {
-        recordings.iter().map(|run| Harvest::of(&scene.plan, run, utc(SystemTime::now()))).collect::<Vec<_>>()
-    });
-    let name = recordings.first().map_or("Makadam", |run| run.code.as_str());
-    let mut measured =
-        vec![CodeRuns { provenance: "runs that the caller made".into(), ..CodeRuns::live(name, 1, harvests) }];
-    let mut notes = Vec::new();
-    for code in codes.iter().filter(|code| !code.eq_ignore_ascii_case("makadam")) {
-        let code = code_of(py, code)?.name();
-        let Some(recorded) = found.as_ref().and_then(|reference| reference.code(code)) else {
-            let message = format!("nothing is recorded of {code} on the scene {}; leave it out", scene.plan.name);
-            return Err(exception(py, "JudgeError", &message));
-        };
-        notes.push(format!("{code} was not run: its numbers are the recorded references ({})", recorded.provenance));
-        if found.as_ref().and_then(|reference| reference.is_current(code, &scene.plan)) == Some(false) {
-            notes.push(format!("the scene is not the one that {code} was recorded on"));
-        }
-        measured.push(recorded);
-    }
-    document(
-        py,
-        &Qualification {
-            title: format!("Comparison of codes on the scene {}", scene.plan.name),
-            tier: "compare".into(),
-            comparisons: vec![comparison(&scene.plan, &measured, notes)],
-            wall_seconds: 0.0,
-            provenance: Default::default(),
-            notes: Vec::new(),
-            outside_spread: Vec::new(),
-            unchecked: Vec::new(),
-            laws: Vec::new(),
-        },
-    )
 }

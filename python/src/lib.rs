@@ -3,20 +3,26 @@
 //! ```text
 //! scene.rs       scenes from dicts, texts, files and names
 //! settings.rs    settings in place of those of the scene and the machine
+//! kept.rs        checkpoints with the scene and seed that they are of
 //! simulation.rs  the simulation: views, forces, grains that come and go
 //! shared.rs      who may work on a simulation, and who looks at it
 //! stepping.rs    steps without the interpreter's lock, that a signal can stop
+//! crowd.rs       grains that were put to one place
 //! views.rs       arrays of NumPy that lie in the memory of a simulation
 //! frame.rs       copies of the state by id
-//! judge.rs       recordings, observables, comparison with the peers
+//! judge.rs       recordings, observables
+//! comparison.rs  comparison with the peers
 //! statistics.rs  statistics of the judge
 //! errors.rs      exceptions; convert.rs  values of Python, TOML and JSON
 //! ```
 
+mod comparison;
 mod convert;
+mod crowd;
 mod errors;
 mod frame;
 mod judge;
+mod kept;
 mod scene;
 mod settings;
 mod shared;
@@ -40,9 +46,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(judge::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(judge::measure_of_frames, module)?)?;
     module.add_function(wrap_pyfunction!(judge::observables, module)?)?;
-    module.add_function(wrap_pyfunction!(judge::reference, module)?)?;
-    module.add_function(wrap_pyfunction!(judge::compare, module)?)?;
-    module.add_function(wrap_pyfunction!(judge::compare_runs, module)?)?;
+    module.add_function(wrap_pyfunction!(comparison::reference, module)?)?;
+    module.add_function(wrap_pyfunction!(comparison::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(comparison::compare_runs, module)?)?;
     module.add_function(wrap_pyfunction!(statistics::block_average, module)?)?;
     module.add_function(wrap_pyfunction!(statistics::ensemble, module)?)?;
     module.add_function(wrap_pyfunction!(statistics::equivalence, module)?)?;

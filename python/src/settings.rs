@@ -3,15 +3,55 @@
 use crate::errors::{exception, setting_error};
 use crate::scene::Scene;
 use makadam::{Execution, InstructionSet, Precision, Scheduler, SolverMethod};
+use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
+
+/// Most threads: as many as the command takes.
+const MOST_THREADS: u64 = 1024;
+
+/// A whole number as Python has it, of any size: what does not fit is told in the words of a setting.
+#[derive(Clone, Copy)]
+pub struct Whole(Option<i128>);
+
+impl Whole {
+    pub const ONE: Whole = Whole(Some(1));
+
+    /// The number, if it lies in a range.
+    fn within(self, py: Python<'_>, what: &str, range: std::ops::RangeInclusive<u64>) -> PyResult<u64> {
+        let number = self.0.and_then(|number| u64::try_from(number).ok()).filter(|number| range.contains(number));
+        number.ok_or_else(|| {
+            let given = self.0.map_or("a number beyond 2^64".into(), |number| number.to_string());
+            let (least, most) = (range.start(), range.end());
+            exception(py, "SettingError", &format!("{what}: {given} is not possible; give {least} to {most}"))
+        })
+    }
+}
+
+impl FromPyObject<'_, '_> for Whole {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, '_, PyAny>) -> PyResult<Whole> {
+        match value.extract::<i128>() {
+            Ok(number) => Ok(Whole(Some(number))),
+            Err(error) if error.is_instance_of::<PyOverflowError>(value.py()) => Ok(Whole(None)),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// A seed that was given.
+pub fn seed_of(py: Python<'_>, seed: Option<Whole>) -> PyResult<Option<u64>> {
+    seed.map(|seed| seed.within(py, "seed", 0..=u64::MAX)).transpose()
+}
 
 /// How a simulation is carried out.
 pub fn execution(
     py: Python<'_>,
-    threads: usize,
+    threads: Whole,
     scheduler: Option<&str>,
     instruction_set: Option<&str>,
 ) -> PyResult<Execution> {
+    let threads = threads.within(py, "threads", 1..=MOST_THREADS)? as usize;
     let unknown = |what: &str, given: &str, known: Vec<&str>| {
         exception(py, "SettingError", &format!("no {what} '{given}': give one of {}", known.join(", ")))
     };
@@ -30,9 +70,6 @@ pub fn execution(
             .find(|set| set.name() == name)
             .ok_or_else(|| unknown("instruction set", name, InstructionSet::ALL.map(InstructionSet::name).to_vec()))?,
     };
-    if threads == 0 {
-        return Err(exception(py, "SettingError", "0 threads cannot step; give 1 or more"));
-    }
     Ok(Execution { scheduler, threads, instruction_set, ..Execution::serial() })
 }
 

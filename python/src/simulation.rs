@@ -2,9 +2,10 @@
 
 use crate::convert::plain;
 use crate::errors::{exception, setting_error, start_error};
-use crate::frame::{Frame, vectors};
+use crate::frame::{Frame, check_frames, vectors};
+use crate::kept::{keep, unkeep};
 use crate::scene::Scene;
-use crate::settings::{adapted, execution};
+use crate::settings::{Whole, adapted, execution, seed_of};
 use crate::shared::Shared;
 use crate::stepping::{self, beside};
 use crate::views::{self, Pairs, State};
@@ -45,12 +46,12 @@ impl Simulation {
 #[pymethods]
 impl Simulation {
     #[new]
-    #[pyo3(signature = (scene, seed=None, *, threads=1, scheduler=None, instruction_set=None, time_step=None, precision=None, method=None, watch=true))]
+    #[pyo3(signature = (scene, seed=None, *, threads=Whole::ONE, scheduler=None, instruction_set=None, time_step=None, precision=None, method=None, watch=true))]
     #[allow(clippy::too_many_arguments)] // They have names in Python.
     fn new(
         scene: &Bound<'_, PyAny>,
-        seed: Option<u64>,
-        threads: usize,
+        seed: Option<Whole>,
+        threads: Whole,
         scheduler: Option<&str>,
         instruction_set: Option<&str>,
         time_step: Option<f64>,
@@ -65,7 +66,7 @@ impl Simulation {
         }
         let execution = execution(py, threads, scheduler, instruction_set)?;
         let scene = adapted(py, scene, time_step, precision, method)?;
-        let seed = seed.unwrap_or(scene.plan.seed);
+        let seed = seed_of(py, seed)?.unwrap_or(scene.plan.seed);
         // A scene that prepares a flowing state takes its time to start.
         let begun = beside(py, || start(&scene.plan, seed, &scene.file, &execution, &|_| {}))?;
         let (simulation, _) = begun.map_err(|error| start_error(py, &error, scene.origin()))?;
@@ -73,14 +74,14 @@ impl Simulation {
     }
 
     #[staticmethod]
-    #[pyo3(signature = (class, scene, checkpoint, seed=None, threads=1, scheduler=None, instruction_set=None, time_step=None, precision=None, method=None, watch=true))]
+    #[pyo3(signature = (class, scene, checkpoint, seed=None, threads=Whole::ONE, scheduler=None, instruction_set=None, time_step=None, precision=None, method=None, watch=true))]
     #[allow(clippy::too_many_arguments)] // They have names in Python.
     fn _resume<'py>(
         class: &Bound<'py, PyAny>,
         scene: &Bound<'py, PyAny>,
         checkpoint: &[u8],
-        seed: Option<u64>,
-        threads: usize,
+        seed: Option<Whole>,
+        threads: Whole,
         scheduler: Option<&str>,
         instruction_set: Option<&str>,
         time_step: Option<f64>,
@@ -91,7 +92,8 @@ impl Simulation {
         let py = scene.py();
         let execution = execution(py, threads, scheduler, instruction_set)?;
         let scene = adapted(py, scene, time_step, precision, method)?;
-        let seed = seed.unwrap_or(scene.plan.seed);
+        let seed = seed_of(py, seed)?;
+        let (checkpoint, seed) = unkeep(py, &scene, seed, checkpoint)?;
         let mut simulation = py
             .detach(|| makadam::Simulation::resume(&scene.plan, checkpoint))
             .map_err(|error| exception(py, "CheckpointError", &error.to_string()))?;
@@ -205,10 +207,15 @@ impl Simulation {
         stepping::steps(py, &self.0, stepping::count(py, steps)?)
     }
 
+    /// Has the watchdog look at the state, whether it is time to or not.
+    fn _look(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        stepping::look(py, &self.0)
+    }
+
     /// The state as a checkpoint: see `makadam.Simulation.resume`.
     fn checkpoint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = self.0.lock(py)?.checkpoint();
-        Ok(PyBytes::new(py, &bytes))
+        Ok(PyBytes::new(py, &keep(&self.0.scene, self.0.seed, &bytes)))
     }
 
     /// A copy of the grains by id, with the contacts of the last step.
@@ -412,6 +419,8 @@ impl Simulation {
             }
             plan.grain = simulation.grain_entries(&plan);
             plan.population.clear();
+        } else {
+            check_frames(py, &self.0.scene, frames)?;
         }
         Ok(plan)
     }

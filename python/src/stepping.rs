@@ -1,6 +1,7 @@
 //! Steps without the interpreter's lock, that a signal or another thread can stop.
 
-use crate::errors::exception;
+use crate::crowd::crowd;
+use crate::errors::{exception, warn};
 use crate::shared::Shared;
 use makadam::StopReason;
 use makadam::scene::Reaction;
@@ -32,7 +33,7 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
     let _right = shared.begin(py)?;
     let mut warnings = Vec::new();
     let long = {
-        let simulation = shared.lock(py)?;
+        let mut simulation = shared.lock(py)?;
         let written = shared.may_be_written();
         // Looked at again if that is refused.
         shared.taken_to_write.store(written, Ordering::SeqCst);
@@ -41,6 +42,13 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
                 "grain {grain} has a position, velocity or spin that is not finite; write finite numbers to the views"
             );
             return Err(exception(py, "InterventionError", &what));
+        }
+        if let Some(count) = written.then(|| crowd(simulation.arrays().0)).flatten() {
+            let what = format!(
+                "{count} grains lie in one place, within a diameter: each touches each other, and a step takes time and memory for every \
+                 pair of them"
+            );
+            warn(py, &what)?;
         }
         simulation.heeds_interrupts()
     };
@@ -65,6 +73,17 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
         py.detach(|| shared.let_in());
     }
     Ok(warnings)
+}
+
+/// Has the watchdog look at the state that the last step has left; returns what is no more than a warning.
+pub fn look(py: Python<'_>, shared: &Shared) -> PyResult<Vec<String>> {
+    let simulation = shared.lock(py)?;
+    let mut watchdog = shared.watchdog.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let alarms = watchdog.as_mut().map_or_else(Vec::new, |watchdog| watchdog.look(&simulation));
+    match alarms.iter().find(|alarm| alarm.reaction == Reaction::Stop) {
+        Some(alarm) => Err(exception(py, "WorthlessError", &alarm.to_string())),
+        None => Ok(alarms.iter().map(ToString::to_string).collect()),
+    }
 }
 
 /// Steps until the slice is over.

@@ -1,13 +1,15 @@
 """The judge: observables, references, statistics, comparisons, tables."""
 
+import copy
 import inspect
+import pickle
 import re
 from pathlib import Path
 
 import makadam
 import numpy as np
 import pytest
-from conftest import bin_scene
+from conftest import bin_scene, space
 from makadam import judge, statistics, tables
 
 
@@ -33,6 +35,48 @@ def test_a_recording_is_measured(recording, tmp_path):
         makadam.Recording.load(bin_scene(), file)
     with pytest.raises(makadam.JudgeError, match="at least one frame"):
         makadam.Recording(bin_scene(), [])
+
+
+def test_what_is_of_another_scene_is_not_measured(recording, tmp_path):
+    file = tmp_path / "run.rec"
+    recording.save(file)
+    with pytest.raises(makadam.JudgeError, match="of the scene 'bin', not of 'drum'"):
+        makadam.Recording.load("drum", file)
+    frames = recording.frames
+    few, other = bin_scene(count=5), bin_scene()
+    other["population"][0]["radius"]["mean"] = 0.003
+    for scene, problem in ((few, "60 grains, and the scene has 5"), (other, "has a radius of")):
+        for attempt in (
+            lambda scene=scene: makadam.measure(scene, [frames[-1]]),
+            lambda scene=scene: makadam.Recording(scene, frames),
+            lambda scene=scene: makadam.Simulation(scene).measure([frames[-1]]),
+            lambda scene=scene: makadam.Recording.load(scene, file),
+        ):
+            with pytest.raises(makadam.JudgeError, match=problem):
+                attempt()
+
+
+def test_frames_and_recordings_are_pickled(recording):
+    for duplicate in (lambda one: pickle.loads(pickle.dumps(one)), copy.deepcopy):
+        frame, again = recording.frames[-1], duplicate(recording.frames[-1])
+        assert again.time == frame.time and np.array_equal(again.positions, frame.positions)
+        assert np.array_equal(again.contacts()["normal_force"], frame.contacts()["normal_force"])
+        assert duplicate(recording).measure() == recording.measure() and duplicate(recording).scene == recording.scene
+    damaged = pickle.dumps(recording.frames[-1]).replace(b"mkd-frm\x01", b"mkd-frm\x02")
+    with pytest.raises(makadam.JudgeError, match="version 2"):
+        pickle.loads(damaged)
+
+
+def test_worthless_numbers_are_told(recwarn):
+    deep = [{"position": [0.0, 0.0, 0.0]}, {"position": [0.0045, 0.0, 0.0]}]
+    watch = {"on_deep_overlap": "warn", "on_overlap": "warn", "on_energy": "ignore"}
+    measure = {"interval": 0.001, "observables": ["coordination-number"]}
+    scene = space(deep, duration=0.002, largest_start_overlap=2.0, watch=watch, measure=measure)
+    with pytest.warns(makadam.MakadamWarning, match="WORTHLESS.*centre lies inside"):
+        recording = makadam.simulate(scene)
+    for one in (recording, pickle.loads(pickle.dumps(recording))):
+        with pytest.warns(makadam.MakadamWarning, match="WORTHLESS"):
+            one.measure()
 
 
 def test_a_simulation_measures_itself(recording):

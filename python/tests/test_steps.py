@@ -1,7 +1,9 @@
 """Steps: the bits of the solver, observers, Ctrl-C, checkpoints, settings."""
 
+import copy
 import json
 import os
+import pickle
 import shutil
 import signal
 import subprocess
@@ -70,6 +72,75 @@ def test_a_checkpoint_goes_on_with_the_same_bits():
         makadam.Simulation.resume(scene, bytes_[:-1] + bytes([bytes_[-1] ^ 1]), time_step=5e-4)
     with pytest.raises(makadam.CheckpointError):
         makadam.Simulation.resume(scene, b"")
+
+
+def test_a_checkpoint_is_of_a_scene_and_a_seed():
+    scene = makadam.Scene(bin_scene())
+    simulation = makadam.Simulation(scene, seed=2)
+    simulation.step(20)
+    bytes_ = simulation.checkpoint()
+    assert makadam.Simulation.resume(scene, bytes_).seed == 2
+    assert makadam.Simulation.resume(scene, bytes_, seed=2).seed == 2
+    measured = scene.with_overrides({"duration": 3.0, "measure.interval": 0.01, "watch.every": 7})
+    assert makadam.Simulation.resume(measured, bytes_).state_hash == simulation.state_hash
+    with pytest.raises(makadam.CheckpointError, match="another friction"):
+        makadam.Simulation.resume(scene.with_overrides({"material.glass.friction": 0.1}), bytes_)
+    with pytest.raises(makadam.CheckpointError, match="other contents or settings"):
+        makadam.Simulation.resume(scene, bytes_, method="jacobi")
+    with pytest.raises(makadam.CheckpointError, match="seed 2, not to 77"):
+        makadam.Simulation.resume(scene, bytes_, seed=77)
+
+
+def test_numbers_that_no_setting_can_have_are_refused_in_words():
+    for threads in (65536, 1025, 0, -1, 2**70):
+        with pytest.raises(makadam.SettingError, match="threads"):
+            makadam.Simulation(bin_scene(), threads=threads)
+    for seed in (-1, 2**64, 2**200):
+        with pytest.raises(makadam.SettingError, match="seed"):
+            makadam.Simulation(bin_scene(), seed=seed)
+    simulation = makadam.Simulation(bin_scene())
+    with pytest.raises(makadam.SettingError, match="steps"):
+        simulation.step(2**63)
+    with pytest.raises(makadam.SettingError, match="steps"):
+        simulation.run(1e300)
+
+
+def test_intervals_of_any_size_are_kept():
+    simulation = makadam.Simulation(bin_scene())
+    each, never = [], []
+    simulation.observe(lambda one: each.append(one.steps), seconds=5e-324)
+    simulation.observe(lambda one: never.append(one.steps), seconds=1e308)
+    simulation.step(3)
+    assert each == [1, 2, 3] and never == []
+
+
+def test_a_handle_removes_what_it_was_given_for():
+    simulation = makadam.Simulation(bin_scene())
+    calls = []
+
+    def push(one):
+        calls.append(one.steps)
+
+    first, _ = simulation.add_force(push), simulation.add_force(push)
+    first.remove()
+    first.remove()
+    simulation.step()
+    assert calls == [0]
+
+
+def test_a_simulation_names_checkpoints_where_it_cannot_be_pickled():
+    simulation = makadam.Simulation(bin_scene())
+    for attempt in (pickle.dumps, copy.deepcopy, copy.copy):
+        with pytest.raises(TypeError, match="checkpoint"):
+            attempt(simulation)
+
+
+def test_many_steps_end_with_a_look_of_the_watchdog():
+    deep = [{"position": [0.0, 0.0, 0.0]}, {"position": [0.0071, 0.0, 0.0]}]
+    watch = {"every": 64, "overlap": 0.1, "on_overlap": "warn", "on_energy": "ignore"}
+    scene = space(deep, largest_start_overlap=1.0, watch=watch)
+    with pytest.warns(makadam.MakadamWarning, match="overlaps its partner"):
+        makadam.Simulation(scene).step(2)
 
 
 def test_observers_are_called_when_they_are_due():
@@ -203,7 +274,7 @@ def test_what_is_noticed_is_said():
 
 def test_settings_that_cannot_be_are_refused():
     for wrong, words in [
-        ({"threads": 0}, "0 threads"),
+        ({"threads": 0}, "threads: 0"),
         ({"scheduler": "best"}, "work-stealing"),
         ({"instruction_set": "sse"}, "avx2"),
         ({"precision": "half"}, "single"),

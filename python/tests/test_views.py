@@ -2,6 +2,7 @@
 
 import gc
 import threading
+import warnings
 import weakref
 
 import makadam
@@ -228,3 +229,15 @@ def test_an_empty_simulation_has_empty_views():
     assert simulation.remove([0]).tolist() == [-1]
     simulation.step(2)
     assert len(simulation) == 0
+
+
+def test_grains_that_are_put_to_one_place_are_told_of():
+    grains = [{"position": [0.02 * (number % 25) - 0.3, 0.02 * (number // 25) - 0.3, 0.0]} for number in range(510)]
+    simulation = makadam.Simulation(space(grains), watch=False)
+    positions = simulation.positions
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", makadam.MakadamWarning)
+        simulation.step()
+        positions[:] = 0.001 + 1e-5 * np.arange(510)[:, np.newaxis]
+        with pytest.raises(makadam.MakadamWarning, match="510 grains lie in one place"):
+            simulation.step()

@@ -1,5 +1,6 @@
 //! What one run of one code leaves behind: its frames and where they came from.
 
+use crate::plan::Scene;
 use makadam::checkpoint::{open, seal, write_atomically};
 use makadam::snapshot::{Partner, Snapshot};
 use makadam::watch::Watchdog;
@@ -119,6 +120,17 @@ impl Recording {
         write_atomically(path, &self.to_bytes()).map_err(|e| RecordingError::Io(path.display().to_string(), e))
     }
 
+    /// Whether it is of a scene: by the scene's name, and by what its frames hold.
+    ///
+    /// # Errors
+    /// What does not go with the scene, in words.
+    pub fn belongs_to(&self, scene: &Scene) -> Result<(), String> {
+        if self.scene != scene.name {
+            return Err(format!("the recording is of the scene '{}', not of '{}'", self.scene, scene.name));
+        }
+        self.frames.iter().try_for_each(|frame| frame_belongs_to(frame, scene))
+    }
+
     /// Reads a recording.
     ///
     /// # Errors
@@ -156,6 +168,39 @@ impl Recording {
         Ok(recording)
     }
 }
+
+/// Whether a frame can be of a scene: as many grains, of sizes that the scene can have, in contact with walls that it has.
+///
+/// # Errors
+/// What does not go with the scene, in words.
+pub fn frame_belongs_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
+    let (here, there) = (frame.particles.len(), scene.grain_count());
+    let of =
+        |what: String| Err(format!("the frame at {} s is of another scene than '{}': {what}", frame.time, scene.name));
+    if here != there {
+        return of(format!("it has {here} grains, and the scene has {there}"));
+    }
+    let listed = scene.grain.iter().map(|grain| (grain.radius, grain.radius));
+    let drawn = scene.population.iter().map(|population| population.radius.bounds());
+    let (low, high) = listed
+        .chain(drawn)
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), (least, most)| (low.min(least), high.max(most)));
+    let fits = |radius: f64| (low * (1.0 - SAME_SIZE)..=high * (1.0 + SAME_SIZE)).contains(&radius);
+    if let Some(grain) = frame.particles.iter().find(|grain| !fits(grain.radius)) {
+        return of(format!(
+            "grain {} has a radius of {} m, and those of the scene are from {low} m to {high} m",
+            grain.id, grain.radius
+        ));
+    }
+    let wall = frame.contacts.iter().find_map(|contact| match contact.second {
+        Partner::Wall(number) if number as usize >= scene.wall.len() => Some(number),
+        _ => None,
+    });
+    wall.map_or(Ok(()), |number| of(format!("a grain touches wall {number}, and the scene has {}", scene.wall.len())))
+}
+
+/// Codes write radii with few digits.
+const SAME_SIZE: f64 = 1e-3;
 
 /// No place, speed, size or force comes near it, in SI units.
 const LARGEST: f64 = 1e12;
@@ -197,6 +242,23 @@ fn check_frame(frame: &Snapshot) -> Result<(), String> {
 mod tests {
     use super::*;
     use makadam::snapshot::Particle;
+    use std::path::PathBuf;
+
+    #[test]
+    fn frames_of_another_scene_are_told_apart() {
+        let scene = |name: &str| {
+            let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes");
+            Scene::load(&root.join(name).join("scene.toml")).unwrap()
+        };
+        let (drum, packing) = (scene("drum"), scene("packing"));
+        let simulation = makadam::Simulation::new(&drum, 1).unwrap();
+        let frame = simulation.snapshot();
+        assert_eq!(frame_belongs_to(&frame, &drum), Ok(()));
+        assert!(frame_belongs_to(&frame, &packing).unwrap_err().contains("1600 grains, and the scene has"));
+        let mut larger = frame.clone();
+        larger.particles[7].radius *= 3.0;
+        assert!(frame_belongs_to(&larger, &drum).unwrap_err().contains("grain 7 has a radius"));
+    }
 
     #[test]
     fn every_changed_bit_of_a_recording_is_seen_and_one_without_a_seal_is_refused() {

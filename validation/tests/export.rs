@@ -2,7 +2,7 @@
 
 use hdf5_pure::File;
 use makadam::Simulation;
-use makadam_validation::export::{Kind, write_gsd, write_vtkhdf};
+use makadam_validation::export::{Kind, absent_from_gsd, write_gsd, write_vtkhdf};
 use makadam_validation::output::FrameWriter;
 use makadam_validation::plan::Scene;
 use makadam_validation::run_frames::RunFrames;
@@ -66,6 +66,80 @@ fn a_vtkhdf_file_says_where_each_frame_begins() {
             assert!(speeds[400..].iter().map(|speed| f64::from(*speed)).eq(last));
         }
     }
+}
+
+/// The numbers of a chunk of a frame of a GSD file: single precision, or whole numbers of eight bytes.
+fn chunk(bytes: &[u8], frame: u64, wanted: &str) -> Option<Vec<f64>> {
+    let long = |place: usize| u64::from_le_bytes(bytes[place..place + 8].try_into().unwrap());
+    let (index, entries, names) = (long(8) as usize, long(16) as usize, long(24) as usize);
+    let names: Vec<&[u8]> = bytes[names..].split(|byte| *byte == 0).collect();
+    let at = (0..entries).map(|entry| index + 32 * entry).find(|at| {
+        let name = u16::from_le_bytes(bytes[at + 28..at + 30].try_into().unwrap());
+        long(*at) == frame && names[usize::from(name)] == wanted.as_bytes()
+    })?;
+    let columns = u32::from_le_bytes(bytes[at + 24..at + 28].try_into().unwrap()) as usize;
+    let (count, place) = (long(at + 8) as usize * columns, long(at + 16) as usize);
+    Some(match bytes[at + 30] {
+        4 => (0..count).map(|number| long(place + 8 * number) as f64).collect(),
+        9 => bytes[place..place + 4 * count]
+            .chunks(4)
+            .map(|bytes| f64::from(f32::from_le_bytes(bytes.try_into().unwrap())))
+            .collect(),
+        kind => panic!("{wanted} is of kind {kind}"),
+    })
+}
+
+#[test]
+fn a_gsd_file_has_the_period_of_the_scene_and_the_steps_of_its_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"
+        name = "repeated"
+        description = "two grains that almost meet across the end of the domain"
+        duration = 1.0
+        gravity = [0.0, 0.0, 0.0]
+        domain = { min = [0.0, -0.03, 0.0], max = [0.1, 0.03, 0.2], periodic = ["x", "y"] }
+        [material.glass]
+        density = 2500.0
+        youngs_modulus = 1e7
+        poisson_ratio = 0.3
+        friction = 0.5
+        restitution = 0.5
+        [[grain]]
+        material = "glass"
+        radius = 0.005
+        position = [0.002, 0.0, 0.1]
+        [[grain]]
+        material = "glass"
+        radius = 0.005
+        position = [0.0915, 0.0, 0.1]
+        [output]
+        fields = ["speed"]
+    "#;
+    let scene = Scene::parse(text).unwrap();
+    let mut simulation = Simulation::builder(&scene).time_step(1e-3).build().unwrap();
+    let mut frames = FrameWriter::create(folder.path(), &scene).unwrap();
+    for _ in 0..2 {
+        frames.write(&simulation.snapshot()).unwrap();
+        (0..40).for_each(|_| {
+            simulation.step();
+        });
+    }
+    std::fs::write(folder.path().join("run.json"), r#"{ "scene": "repeated", "time_step": 1e-3 }"#).unwrap();
+    let run = RunFrames::open(folder.path()).unwrap();
+    let frame = run.read(1).unwrap();
+    assert_eq!(frame.repeats.unwrap().lengths, [0.1, 0.06, 0.0]);
+    let path = folder.path().join("grains.gsd");
+    write_gsd(&path, &run, &|_| {}).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let cell = chunk(&bytes, 0, "configuration/box").unwrap();
+    assert!((cell[0] - 0.1).abs() < 1e-8 && (cell[1] - 0.06).abs() < 1e-8 && (cell[2] - 0.02).abs() < 1e-8, "{cell:?}");
+    // All grains lie in the box about its middle.
+    let places = chunk(&bytes, 0, "particles/position").unwrap();
+    assert!((places[0] + 0.048).abs() < 1e-8 && (places[3] - 0.0415).abs() < 1e-8, "{places:?}");
+    assert_eq!([0, 1].map(|frame| chunk(&bytes, frame, "configuration/step").unwrap()[0]), [0.0, 40.0]);
+    // What the frames do not hold is left out, and named.
+    assert_eq!(chunk(&bytes, 0, "particles/mass"), None);
+    assert_eq!(absent_from_gsd(&frame), [("velocity", "0"), ("mass", "1")]);
 }
 
 #[test]

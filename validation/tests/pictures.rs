@@ -3,7 +3,7 @@
 use makadam::snapshot::{Particle, Snapshot};
 use makadam_validation::output::FrameWriter;
 use makadam_validation::pictures::{
-    Animation, Camera, Cut, Picture, Scale, Style, Subject, VIRIDIS, View, camera, draw, write_png,
+    Animation, Camera, Cut, Picture, Scale, Style, Subject, VIRIDIS, View, camera, draw, has_scale, memory, write_png,
 };
 use makadam_validation::plan::Scene;
 use makadam_validation::run_frames::{RunFrame, RunFrames};
@@ -64,7 +64,7 @@ fn style() -> Style {
 }
 
 fn picture(frame: &RunFrame, style: &Style) -> (Picture, Camera) {
-    let camera = camera(&Subject::of(std::iter::once(frame)), frame, style);
+    let camera = camera(&Subject::of(std::iter::once(frame), false), frame, style);
     let quantity = frame.quantity("speed").unwrap();
     (draw(frame, &quantity, &Scale::Range([0.0, 2.0]), &camera, style, "three"), camera)
 }
@@ -164,6 +164,65 @@ fn files_are_read_by_others() {
 }
 
 #[test]
+fn pictures_of_any_shape_are_drawn_and_narrow_ones_go_without_a_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    let frame = frame(folder.path(), &[0.0]).read(0).unwrap();
+    for size in [[64, 64], [64, 200], [110, 64], [200, 64], [150, 150]] {
+        let (drawn, camera) = picture(&frame, &Style { size, ..style() });
+        let [x, y, _] = camera.project(&[0.03, 0.0, 0.0]);
+        let pixel = drawn.pixel(x as usize, y as usize);
+        assert!(alike(pixel, VIRIDIS[VIRIDIS.len() - 1]) > 0.95, "{size:?}: {pixel:?}");
+    }
+    assert_eq!([[64, 200], [200, 64], [160, 120]].map(has_scale), [false, true, true]);
+    assert!(memory([16_384, 16_384]) > 30_000_000_000 && memory([800, 600]) < 100_000_000);
+}
+
+#[test]
+fn grains_that_have_left_the_walls_far_behind_are_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut frame = frame(folder.path(), &[0.0]).read(0).unwrap();
+    // Two of four have fallen by five metres.
+    frame.grains.positions[0][2] = -5.0;
+    frame.grains.positions[3][2] = -5.1;
+    let seen = |point: [f64; 3], all: bool| {
+        let camera = camera(&Subject::of(std::iter::once(&frame), all), &frame, &style());
+        let [x, y, depth] = camera.project(&point);
+        let wide = camera.pixels(0.02, depth);
+        (depth > 0.0 && (0.0..320.0).contains(&x) && (0.0..240.0).contains(&y)).then_some(wide)
+    };
+    for corner in [[-0.05, -0.05, -0.02], [0.05, 0.05, 0.05]] {
+        assert!(seen(corner, false).is_some_and(|wide| wide > 10.0), "the box is seen whole");
+    }
+    assert!(seen([0.0; 3], false).is_some() && seen([-0.03, 0.0, -5.0], false).is_none());
+    assert!(
+        seen([-0.03, 0.03, -5.1], true).is_some_and(|wide| wide < 2.0),
+        "all grains are seen where that is asked for"
+    );
+    // Where none is left, there are the walls.
+    let folder = tempfile::tempdir().unwrap();
+    let mut empty = self::frame(folder.path(), &[0.0]).read(0).unwrap();
+    empty.grains.positions.iter_mut().for_each(|position| position[2] = -9.0);
+    let camera = camera(&Subject::of(std::iter::once(&empty), false), &empty, &style());
+    let [x, y, _] = camera.project(&[0.05, 0.05, 0.05]);
+    assert!((100.0..320.0).contains(&x) && (0.0..240.0).contains(&y), "{x} {y}");
+}
+
+#[test]
+fn an_animation_that_is_not_finished_leaves_nothing_and_says_how_fast_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = tempfile::tempdir().unwrap();
+    let frame = frame(frames.path(), &[0.0]).read(0).unwrap();
+    let drawn = [picture(&frame, &style()).0];
+    for (name, rate, each) in [("a.gif", 1e9, 0.01), ("a.apng", 1e9, 0.001), ("a.gif", 20.0, 0.05)] {
+        let mut animation = Animation::begin(&folder.path().join(name), &drawn, 2, rate).unwrap();
+        animation.push(&drawn[0]).unwrap();
+        assert!((animation.seconds_per_frame() - each).abs() < 1e-9, "{name}");
+        drop(animation);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{name}");
+    }
+}
+
+#[test]
 fn views_and_planes_are_read_from_words() {
     assert_eq!("30,-20.5".parse::<View>().unwrap(), View::Angles { azimuth: 30.0, elevation: -20.5 });
     assert_eq!("top".parse::<View>().unwrap(), View::Top);
@@ -177,7 +236,7 @@ fn from_above_the_vertical_points_at_the_eye() {
     let folder = tempfile::tempdir().unwrap();
     let frame = frame(folder.path(), &[0.0]).read(0).unwrap();
     let top = Style { view: View::Top, ..style() };
-    let camera = camera(&Subject::of(std::iter::once(&frame)), &frame, &top);
+    let camera = camera(&Subject::of(std::iter::once(&frame), false), &frame, &top);
     let [_, low, far] = camera.project(&[0.0, 0.0, 0.0]);
     let [_, high, near] = camera.project(&[0.0, 0.03, 0.03]);
     assert!(near < far, "what is higher is nearer");

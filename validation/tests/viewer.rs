@@ -27,7 +27,13 @@ fn run(folder: &Path) -> RunFrames {
 }
 
 fn wishes() -> Wishes {
-    Wishes { fields: vec!["speed".into(), "pressure".into()], every: None, most_bytes: 1e9, contacts: true }
+    Wishes {
+        fields: vec!["speed".into(), "pressure".into()],
+        every: None,
+        most_bytes: 1e9,
+        contacts: true,
+        all_grains: false,
+    }
 }
 
 /// Head and arrays of a page.

@@ -27,9 +27,30 @@ pub(super) fn refuse_beyond_memory(scene: &Scene, file: &Path) -> Result<(), Fai
     }
 }
 
+/// Refuses a picture that takes more memory to draw than there is.
+pub(super) fn refuse_picture_beyond_memory([width, height]: [usize; 2], needed: u64) -> Result<(), Failure> {
+    match available_bytes().filter(|available| needed > *available) {
+        Some(available) => Err(Failure::Running(picture_beyond([width, height], needed, available))),
+        None => Ok(()),
+    }
+}
+
+fn picture_beyond([width, height]: [usize; 2], needed: u64, available: u64) -> String {
+    let share = (0.9 * available as f64 / needed as f64).sqrt();
+    let [across, down] = [width, height].map(|side| (side as f64 * share) as usize);
+    format!(
+        "drawing {width}x{height} pixels takes some {} of memory, and {} are available; give a smaller --size, such as {across}x{down}",
+        gigabytes(needed),
+        gigabytes(available)
+    )
+}
+
+fn gigabytes(bytes: u64) -> String {
+    format!("{:.1} GB", bytes as f64 * 1e-9)
+}
+
 fn beyond(scene: &Scene, file: &Path, available: u64) -> String {
     let grains = scene.grain_count();
-    let gigabytes = |bytes: u64| format!("{:.1} GB", bytes as f64 * 1e-9);
     let few = (grains as f64 * available as f64 / scene.memory() as f64 / 1e3).floor() * 1e3;
     format!(
         "{}: {grains} grains take some {} of memory, and {} are available; lower population.count to some {few} grains, end other \
@@ -114,6 +135,16 @@ mod tests {
         put("memory.max", "1000\n");
         put("memory.stat", "anon 500\ninactive_file 150\nactive_file 50\n");
         assert_eq!(left_in_group(folder.path()), Some(500));
+    }
+
+    #[test]
+    fn a_picture_beyond_memory_is_refused_with_a_size_that_fits() {
+        assert!(refuse_picture_beyond_memory([64, 64], 1 << 20).is_ok());
+        assert!(matches!(refuse_picture_beyond_memory([16_384, 16_384], u64::MAX), Err(Failure::Running(_))));
+        let message = picture_beyond([16_384, 16_384], 40_000_000_000, 4_000_000_000);
+        for word in ["16384x16384 pixels takes some 40.0 GB", "4.0 GB are available", "such as 4915x4915"] {
+            assert!(message.contains(word), "no '{word}' in: {message}");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::arguments::{CodeName, ExportArguments, ExportFormat, load};
 use super::{Console, Failure, codes};
-use crate::export::{ExportError, Kind, write_gsd, write_vtkhdf};
+use crate::export::{ExportError, Kind, absent_from_gsd, write_gsd, write_vtkhdf};
 use crate::output::{create_folder, file_stem};
 use crate::peers::Job;
 use crate::run_frames::RunFrames;
@@ -62,6 +62,12 @@ fn export_run(arguments: &ExportArguments, format: ExportFormat, console: &Conso
         }
         ExportFormat::Gsd => {
             let path = folder.join("grains.gsd");
+            for (name, taken) in absent_from_gsd(&run.read(run.count() - 1)?) {
+                console.warn(&format!(
+                    "the frames hold no {name}, nor will {}: its readers take {taken}; name {name} in [output] fields of the scene to have it",
+                    path.display()
+                ));
+            }
             let frames = write_gsd(&path, &run, &|share| bar.set(share))?;
             said.push(format!("{}: {frames} frames", path.display()));
         }

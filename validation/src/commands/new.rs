@@ -2,15 +2,20 @@
 
 use super::arguments::NewArguments;
 use super::{Console, Failure};
+use crate::output::WriteError;
 use crate::templates::template;
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Writes the scene into a new file.
+/// Writes the scene into a new file, or prints it where the file is standard output.
 pub(super) fn new(arguments: &NewArguments, console: &Console) -> Result<ExitCode, Failure> {
     let template = template(&arguments.kind).expect("arguments name one that there is");
+    if arguments.file.as_deref() == Some(Path::new("-")) {
+        console.page(template.text.trim_end())?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let file = arguments.file.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", template.name)));
     let shown = file.display();
     let mut opened =
@@ -20,7 +25,11 @@ pub(super) fn new(arguments: &NewArguments, console: &Console) -> Result<ExitCod
             }
             _ => Failure::Running(format!("{shown}: {error}")),
         })?;
-    opened.write_all(template.text.as_bytes()).map_err(|error| Failure::Running(format!("{shown}: {error}")))?;
+    if let Err(error) = opened.write_all(template.text.as_bytes()) {
+        // What is left of it would be in the way of the next try.
+        let _ = std::fs::remove_file(&file);
+        return Err(WriteError::new(&file, error).into());
+    }
     console.result(&format!("{shown}\n\nnext: makadam check {shown}; makadam run {shown}"))?;
     Ok(ExitCode::SUCCESS)
 }

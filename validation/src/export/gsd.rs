@@ -36,6 +36,15 @@ const DOUBLE: u8 = 10;
 /// Fields that travel as they are; HOOMD-blue has no place for them of its own.
 const LOGGED: [&str; 4] = ["pressure", "coordination_number", "force", "angular_velocity"];
 
+/// Fields that HOOMD-blue has a place for: their names in frames and there, and what its readers take where there are none.
+const OWN: [(&str, &str, &str); 2] = [("velocity", "particles/velocity", "0"), ("mass", "particles/mass", "1")];
+
+/// What a file of a run will not tell, and what its readers take in place of it: (velocity, 0).
+pub fn absent_from_gsd(frame: &RunFrame) -> Vec<(&'static str, &'static str)> {
+    let has = |name: &str| frame.grains.fields.iter().any(|array| array.name == name);
+    OWN.iter().filter(|(name, ..)| !has(name)).map(|(name, _, taken)| (*name, *taken)).collect()
+}
+
 /// A file that is being written.
 struct Gsd {
     file: BufWriter<File>,
@@ -113,7 +122,8 @@ impl Gsd {
 }
 
 /// Writes the grains of all frames into one file and returns how many frames there are. The origin of a GSD file is the middle of its box,
-/// which holds all grains of all frames here; `log/middle` says where that lies (m). `progress` is told the share that is done.
+/// which is as long as the period along axes along which the scene repeats itself, and holds all grains of all frames along the others;
+/// `log/middle` says where that lies (m). `progress` is told the share that is done.
 ///
 /// # Errors
 /// [`ExportError`] if a frame cannot be read, or the system refuses.
@@ -145,7 +155,8 @@ fn write(draft: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<(), Ex
     let mut gsd = Gsd::create(draft).map_err(refused)?;
     for number in 0..run.count() {
         let frame = run.read(number)?;
-        put(&mut gsd, &frame, number, [low, high]).map_err(refused)?;
+        let (middle, sides) = cell(&frame, [low, high]);
+        put(&mut gsd, &frame, run.step(number), middle, sides).map_err(refused)?;
         gsd.end_frame();
         progress((number + 1) as f64 / run.count() as f64);
         if crate::interrupt::requested() {
@@ -155,20 +166,32 @@ fn write(draft: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<(), Ex
     gsd.finish().map_err(refused)
 }
 
-fn put(gsd: &mut Gsd, frame: &RunFrame, number: usize, [low, high]: [[f64; 3]; 2]) -> Result<(), Error> {
+/// Middle and sides of the box, m. Readers take every box to repeat itself: along axes along which the scene does not, it has room for no
+/// grain to meet one of another image.
+fn cell(frame: &RunFrame, [low, high]: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]) {
+    let room = 4.0 * frame.grains.radii.iter().copied().fold(0.0, f64::max);
+    let (mut middle, mut sides) = ([0.0; 3], [0.0; 3]);
+    for axis in 0..3 {
+        let repeats = frame.repeats.filter(|repeats| repeats.lengths[axis] > 0.0);
+        (middle[axis], sides[axis]) = match repeats {
+            Some(repeats) => (repeats.starts[axis] + 0.5 * repeats.lengths[axis], repeats.lengths[axis]),
+            None => (f64::midpoint(low[axis], high[axis]), (high[axis] - low[axis] + room).max(1e-9)),
+        };
+    }
+    (middle, sides)
+}
+
+fn put(gsd: &mut Gsd, frame: &RunFrame, step: u64, middle: [f64; 3], sides: [f64; 3]) -> Result<(), Error> {
     let grains = &frame.grains;
     let count = grains.radii.len();
-    let largest = 2.0 * grains.radii.iter().copied().fold(0.0, f64::max);
-    let middle: [f64; 3] = std::array::from_fn(|axis| f64::midpoint(low[axis], high[axis]));
-    let sides = (0..3).map(|axis| (high[axis] - low[axis] + 2.0 * largest).max(1e-9));
-    gsd.chunk("configuration/step", LONG, 1, 1, &(number as u64).to_le_bytes())?;
-    gsd.singles("configuration/box", 1, sides.chain([0.0; 3]))?;
+    gsd.chunk("configuration/step", LONG, 1, 1, &step.to_le_bytes())?;
+    gsd.singles("configuration/box", 1, sides.into_iter().chain([0.0; 3]))?;
     gsd.chunk("particles/N", WHOLE, 1, 1, &(count as u32).to_le_bytes())?;
     let places = grains.positions.iter().flat_map(|position| (0..3).map(move |axis| position[axis] - middle[axis]));
     gsd.singles("particles/position", 3, places)?;
     gsd.singles("particles/diameter", 1, grains.radii.iter().map(|radius| 2.0 * radius))?;
     let field = |name: &str| grains.fields.iter().find(|array| array.name == name);
-    for (name, called) in [("velocity", "particles/velocity"), ("mass", "particles/mass")] {
+    for (name, called, _) in OWN {
         if let Some(array) = field(name) {
             gsd.singles(called, array.components as u32, array.values().into_iter())?;
         }

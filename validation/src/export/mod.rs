@@ -6,7 +6,7 @@
 mod gsd;
 mod vtkhdf;
 
-pub use gsd::write_gsd;
+pub use gsd::{absent_from_gsd, write_gsd};
 pub use vtkhdf::{Kind, write_vtkhdf};
 
 use crate::output::WriteError;

@@ -19,6 +19,8 @@ pub(super) struct GrainTable {
     /// Numbers of grains from which on a population's grains, or those that are listed, have this material and population.
     runs: Vec<(usize, u8, i32)>,
     period: Period,
+    /// Lengths of the axes along which the scene repeats itself, zero for the others, and where they begin, m; none without such axes.
+    repeats: Option<[[f64; 3]; 2]>,
     gravity: [f64; 3],
     scene: String,
 }
@@ -58,6 +60,7 @@ impl GrainTable {
             materials,
             runs,
             period: scene.domain.period(),
+            repeats: (!scene.domain.periodic.is_empty()).then(|| repeats(scene)),
             gravity: scene.gravity,
             scene: scene.name.clone(),
         }
@@ -113,12 +116,21 @@ impl GrainTable {
             cells: Cells::Vertices,
             point_data: data,
             cell_data: Vec::new(),
-            field_data: vec![Array::doubles("gravity", 3, self.gravity.into_iter())],
+            field_data: self.field_data(),
             texts: vec![
                 ("scene_name".into(), vec![self.scene.clone()]),
                 ("material_names".into(), self.materials.clone()),
             ],
         }
+    }
+
+    fn field_data(&self) -> Vec<Array> {
+        let mut data = vec![Array::doubles("gravity", 3, self.gravity.into_iter())];
+        if let Some([lengths, starts]) = self.repeats {
+            data.push(Array::doubles("period", 3, lengths.into_iter()));
+            data.push(Array::doubles("period_start", 3, starts.into_iter()));
+        }
+        data
     }
 
     /// The contacts of a frame: lines from the centre of the first grain to that of the second, or of its nearest image, or to the contact
@@ -179,6 +191,15 @@ impl GrainTable {
             data.push(Array::floats("pressure", 1, pressures));
         }
     }
+}
+
+fn repeats(scene: &Scene) -> [[f64; 3]; 2] {
+    let mut repeats = [[0.0; 3]; 2];
+    for axis in scene.domain.periodic.iter().map(|axis| axis.number()) {
+        repeats[0][axis] = scene.domain.max[axis] - scene.domain.min[axis];
+        repeats[1][axis] = scene.domain.min[axis];
+    }
+    repeats
 }
 
 /// m3.

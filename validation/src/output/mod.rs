@@ -64,6 +64,17 @@ pub fn create_folder(path: &Path) -> Result<(), WriteError> {
     std::fs::create_dir_all(path).map_err(|source| WriteError::new(path, source))
 }
 
+/// Creates the folder of a file and those above, if it names one.
+///
+/// # Errors
+/// [`WriteError`] if the system refuses.
+pub fn create_folder_of(file: &Path) -> Result<(), WriteError> {
+    match file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        Some(folder) => create_folder(folder),
+        None => Ok(()),
+    }
+}
+
 /// Writes a file through a draft, so that what stood there before stays whole until the new one is.
 ///
 /// # Errors

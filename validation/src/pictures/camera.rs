@@ -59,36 +59,42 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The grains of frames but stray ones, and the walls about them.
-    pub fn of<'a>(frames: impl Iterator<Item = &'a RunFrame>) -> Subject {
+    /// The grains of frames but stray ones, and the walls about them. Grains that have left the walls far behind do not count, as where a
+    /// silo has emptied into nothing: then the walls are seen whole. `all` has every grain seen.
+    pub fn of<'a>(frames: impl Iterator<Item = &'a RunFrame>, all: bool) -> Subject {
         let mut points = Vec::new();
         for frame in frames {
-            let grains = &frame.grains;
+            let each = frame.grains.positions.iter().zip(&frame.grains.radii);
+            let each = each.map(|(position, radius)| (Vector::from(*position), *radius));
+            let grains: Vec<(Vector, f64)> = match frame.walls.as_ref().and_then(neighbourhood).filter(|_| !all) {
+                Some([low, high]) => each.filter(|(place, _)| *place >= low && *place <= high).collect(),
+                None => each.collect(),
+            };
+            let count = frame.grains.positions.len();
+            let fled = (count - grains.len()) as f64 > count as f64 * STRAYS;
             let sorted = |axis: usize| {
-                let mut places: Vec<f64> = grains.positions.iter().map(|position| position[axis]).collect();
+                let mut places: Vec<f64> = grains.iter().map(|(position, _)| position[axis]).collect();
                 places.sort_by(f64::total_cmp);
                 places
             };
-            let strays = (grains.positions.len() as f64 * STRAYS) as usize;
+            let strays = if all { 0 } else { (grains.len() as f64 * STRAYS) as usize };
             let bound = |place: usize| {
                 let at = |axis: usize, _| sorted(axis).get(place).copied().unwrap_or(0.0);
                 Vector::from_fn(at)
             };
-            let last = grains.positions.len().saturating_sub(1);
+            let last = grains.len().saturating_sub(1);
             let [low, high] = [bound(strays), bound(last - strays.min(last))];
             let is_inside = |point: &Vector, room: f64| {
                 (0..3).all(|axis| (low[axis] - room..=high[axis] + room).contains(&point[axis]))
             };
-            let own =
-                grains.positions.iter().zip(&grains.radii).map(|(position, radius)| (Vector::from(*position), *radius));
-            points.extend(own.filter(|(point, _)| is_inside(point, 1e-9)));
+            points.extend(grains.iter().copied().filter(|(point, _)| is_inside(point, 1e-9)));
             let room = AROUND * (high - low).norm();
             if let Some(walls) = &frame.walls {
                 let turning = |wall: usize| walls.axes.get(wall).is_some_and(|axis| Vector::from(*axis).norm() > 0.5);
                 for (corners, wall) in walls.triangles.iter().zip(&walls.wall) {
                     let corners = corners.map(|corner| Vector::from(walls.points[corner as usize]));
                     // A drum is seen whole; of other walls what lies about the grains.
-                    let whole = turning(*wall as usize);
+                    let whole = fled || turning(*wall as usize);
                     points
                         .extend(corners.into_iter().filter(|point| whole || is_inside(point, room)).map(|p| (p, 0.0)));
                 }
@@ -96,6 +102,15 @@ impl Subject {
         }
         Subject { points }
     }
+}
+
+/// Ends of the box about walls that grains near them lie in, m; none without walls.
+fn neighbourhood(walls: &Walls) -> Option<[Vector; 2]> {
+    let corners = || walls.points.iter().map(|point| Vector::from(*point));
+    let low = corners().reduce(|low, point| low.inf(&point))?;
+    let high = corners().reduce(|high, point| high.sup(&point))?;
+    let room = Vector::repeat(AROUND * (high - low).norm());
+    Some([low - room, high + room])
 }
 
 /// Where a viewer begins: directions, angles, distance.
@@ -246,9 +261,15 @@ impl Camera {
         self.focal * length / depth
     }
 
-    /// The point at a distance along the line of sight (m) that a place on the picture shows.
-    pub(super) fn unproject(&self, x: f64, y: f64, depth: f64) -> Vector {
-        self.eye + self.ray(x, y) * depth
+    /// The point at a distance along the line of sight (m) that a place on the picture shows: to the right of the eye, below it, before it.
+    pub(super) fn seen_at(&self, x: f64, y: f64, depth: f64) -> [f64; 3] {
+        let share = depth / self.focal;
+        [(x - self.middle[0]) * share, (y - self.middle[1]) * share, depth]
+    }
+
+    /// A direction as [`Camera::seen_at`] has points.
+    pub(super) fn turned(&self, direction: &Vector) -> [f64; 3] {
+        [direction.dot(&self.right), -direction.dot(&self.up), direction.dot(&self.forward)]
     }
 
     /// Vector from the eye through a place on the picture; its part along the line of sight is one.

@@ -4,8 +4,9 @@ use super::Picture;
 use crate::output::{WriteError, write_whole};
 use color_quant::NeuQuant;
 use gif::{Encoder, Frame, Repeat};
+use std::collections::HashMap;
 use std::fs::File;
-use std::io::{BufWriter, Error};
+use std::io::{BufWriter, Error, Write};
 use std::path::{Path, PathBuf};
 
 /// Colours of a GIF.
@@ -58,16 +59,32 @@ fn ending(path: &Path) -> String {
     path.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_ascii_lowercase())
 }
 
-/// An animation that is written frame after frame, into a draft that takes its name when it is complete.
+/// An animation that is written frame after frame, into a draft that takes its name when it is complete, and is removed if it never is.
 pub struct Animation {
     path: PathBuf,
-    draft: PathBuf,
+    draft: Draft,
     format: Format,
 }
 
+/// A file that is removed unless it was given its name: whatever goes wrong, nothing half written stays.
+struct Draft(PathBuf);
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        // One that cannot be removed is told from the file by its name; one that has its name is not there.
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+/// The colour of the GIF that is nearest to one of a picture, as far as that was asked for already.
+type Known = HashMap<[u8; 3], u8>;
+
+/// Most of those that are kept from frame to frame.
+const MOST_KNOWN: usize = 1 << 20;
+
 enum Format {
-    Gif { encoder: Encoder<BufWriter<File>>, colours: Box<NeuQuant>, delay: u16 },
-    Apng { writer: png::Writer<BufWriter<File>> },
+    Gif { encoder: Encoder<BufWriter<File>>, colours: Box<NeuQuant>, known: Known, delay: u16 },
+    Apng { writer: png::Writer<BufWriter<File>>, milliseconds: u16 },
 }
 
 impl Animation {
@@ -86,8 +103,8 @@ impl Animation {
         let first = samples.first().ok_or_else(format)?;
         let mut draft = path.as_os_str().to_owned();
         draft.push(format!(".part{}", std::process::id()));
-        let draft = PathBuf::from(draft);
-        let file = File::create(&draft).map_err(|source| WriteError::new(path, source))?;
+        let draft = Draft(PathBuf::from(draft));
+        let file = File::create(&draft.0).map_err(|source| WriteError::new(path, source))?;
         let file = BufWriter::new(file);
         let (width, height) = (first.width, first.height);
         let format = match is_gif {
@@ -97,7 +114,7 @@ impl Animation {
                 let encoder = Encoder::new(file, width as u16, height as u16, &map);
                 let mut encoder = encoder.map_err(|error| refused(path, error))?;
                 encoder.set_repeat(Repeat::Infinite).map_err(|error| refused(path, error))?;
-                Format::Gif { encoder, colours, delay: (100.0 / rate).round().max(1.0) as u16 }
+                Format::Gif { encoder, colours, known: Known::new(), delay: (100.0 / rate).round().max(1.0) as u16 }
             }
             false => {
                 let mut encoder = png::Encoder::new(file, width as u32, height as u32);
@@ -108,7 +125,7 @@ impl Animation {
                     .set_animated(frames as u32, 0)
                     .and_then(|()| encoder.set_frame_delay(milliseconds, 1000))
                     .and_then(|()| encoder.write_header());
-                Format::Apng { writer: begun.map_err(|error| refused(path, error))? }
+                Format::Apng { writer: begun.map_err(|error| refused(path, error))?, milliseconds }
             }
         };
         Ok(Animation { path: path.to_path_buf(), draft, format })
@@ -121,30 +138,32 @@ impl Animation {
         samples
     }
 
+    /// How long a frame is shown, s: the format's nearest to what was asked for.
+    pub fn seconds_per_frame(&self) -> f64 {
+        match &self.format {
+            Format::Gif { delay, .. } => 0.01 * f64::from(*delay),
+            Format::Apng { milliseconds, .. } => 1e-3 * f64::from(*milliseconds),
+        }
+    }
+
     /// Adds a frame.
     ///
     /// # Errors
     /// [`PictureError`] if the system refuses.
     pub fn push(&mut self, picture: &Picture) -> Result<(), PictureError> {
         let written = match &mut self.format {
-            Format::Gif { encoder, colours, delay } => {
+            Format::Gif { encoder, colours, known, delay } => {
                 let mut frame =
                     Frame { width: picture.width as u16, height: picture.height as u16, ..Frame::default() };
                 frame.delay = *delay;
-                frame.buffer = indices(picture, colours).into();
+                frame.buffer = indices(picture, colours, known).into();
                 encoder.write_frame(&frame).map_err(|error| refused(&self.path, error))
             }
-            Format::Apng { writer } => {
+            Format::Apng { writer, .. } => {
                 writer.write_image_data(&picture.bytes).map_err(|error| refused(&self.path, error))
             }
         };
         Ok(written?)
-    }
-
-    /// Removes what was written.
-    pub fn abandon(self) {
-        // A draft that cannot be removed is told from the file by its name.
-        let _ = std::fs::remove_file(&self.draft);
     }
 
     /// Gives the file its name.
@@ -155,11 +174,12 @@ impl Animation {
         let Animation { path, draft, format } = self;
         match format {
             Format::Gif { encoder, .. } => {
-                drop(encoder.into_inner().map_err(|error| refused(&path, error))?);
+                let mut file = encoder.into_inner().map_err(|error| refused(&path, error))?;
+                file.flush().map_err(|source| WriteError::new(&path, source))?;
             }
-            Format::Apng { writer } => writer.finish().map_err(|error| refused(&path, error))?,
+            Format::Apng { writer, .. } => writer.finish().map_err(|error| refused(&path, error))?,
         }
-        Ok(std::fs::rename(&draft, &path).map_err(|source| WriteError::new(&path, source))?)
+        Ok(std::fs::rename(&draft.0, &path).map_err(|source| WriteError::new(&path, source))?)
     }
 }
 
@@ -172,12 +192,14 @@ fn palette(samples: &[Picture]) -> NeuQuant {
     NeuQuant::new(THOROUGH, COLOURS, &pixels)
 }
 
-/// The nearest of the chosen colours for each pixel. Neighbours are often alike, so that what was found is kept.
-fn indices(picture: &Picture, colours: &NeuQuant) -> Vec<u8> {
-    let mut known = std::collections::HashMap::new();
-    let nearest = |pixel: &[u8]| {
-        let pixel = [pixel[0], pixel[1], pixel[2], 255];
-        *known.entry(pixel).or_insert_with(|| colours.index_of(&pixel) as u8)
+/// The nearest of the chosen colours for each pixel. Neighbours and frames are often alike, so that what was found is kept.
+fn indices(picture: &Picture, colours: &NeuQuant, known: &mut Known) -> Vec<u8> {
+    if known.len() > MOST_KNOWN {
+        known.clear();
+    }
+    let nearest = |pixel: &[u8; 3]| {
+        let [red, green, blue] = *pixel;
+        *known.entry(*pixel).or_insert_with(|| colours.index_of(&[red, green, blue, 255]) as u8)
     };
-    picture.bytes.chunks_exact(3).map(nearest).collect()
+    picture.bytes.as_chunks::<3>().0.iter().map(nearest).collect()
 }

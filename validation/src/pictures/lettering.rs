@@ -10,6 +10,9 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 const PREFIXES: [(i32, &str); 8] =
     [(-4, "p"), (-3, "n"), (-2, "\u{b5}"), (-1, "m"), (0, ""), (1, "k"), (2, "M"), (3, "G")];
 
+/// Fewest pixels of a line that are left for grains beside a colour scale.
+const LEAST: usize = 32;
+
 const INK: Colour = [0.13, 0.15, 0.18];
 
 /// A picture that is written upon.
@@ -46,9 +49,10 @@ impl Sheet<'_> {
         get_raster_width(FontWeight::Regular, self.font())
     }
 
-    /// Pixels on the right that the colour scale takes.
+    /// Pixels on the right that the colour scale takes; none where it would leave too few for the grains.
     pub fn strip(&self) -> usize {
-        13 * self.letter()
+        let strip = 13 * self.letter();
+        if self.width < strip + LEAST { 0 } else { strip }
     }
 
     fn put(&mut self, x: i64, y: i64, colour: Colour, share: f32) {
@@ -79,6 +83,9 @@ impl Sheet<'_> {
 
     /// The colour scale on the right, with its ticks and the quantity's name; kinds have a colour and a name each.
     pub fn scale(&mut self, quantity: &Quantity, scale: &Scale) {
+        if self.strip() == 0 {
+            return;
+        }
         let (line, letter) = (self.line() as i64, self.letter() as i64);
         let (left, top) = ((self.width - self.strip()) as i64 + letter, 3 * line);
         let bottom = (self.height as i64 - 2 * line).max(top + 2 * line);

@@ -79,7 +79,20 @@ pub fn camera(subject: &Subject, frame: &RunFrame, style: &Style) -> Camera {
     Camera::looking_at(subject, frame, style.view, [width as f64, height as f64], strip as f64)
 }
 
-/// Draws a frame, its grains coloured by a quantity on a scale; the caption stands above it.
+/// Whether pictures of a size have room for the colour scale.
+pub fn has_scale([width, height]: [usize; 2]) -> bool {
+    Sheet { colours: &mut [], width, height }.strip() > 0
+}
+
+/// Most memory that drawing a picture of a size takes, bytes.
+pub fn memory([width, height]: [usize; 2]) -> u64 {
+    let fine = size_of::<raster::Pixel>() + size_of::<Colour>() + size_of::<f32>();
+    let own = size_of::<Colour>() + 3;
+    (width * height * (FINER * FINER * fine + own)) as u64
+}
+
+/// Draws a frame, its grains coloured by a quantity on a scale; the caption stands above it. Once the user has asked to stop, what is drawn
+/// is worth nothing.
 pub fn draw(
     frame: &RunFrame,
     quantity: &Quantity,
@@ -98,7 +111,8 @@ pub fn draw(
     let colours: Vec<Colour> = quantity.values.iter().map(|value| scale.colour(*value)).collect();
     let count = frame.grains.radii.len().max(1) as f64;
     let reach = 3.0 * frame.grains.radii.iter().sum::<f64>() / count;
-    let mut drawn = Surface { raster: &raster, camera: &close, colours: &colours, reach }.colours();
+    let mut drawn =
+        Surface { raster: &raster, camera: &close, colours: &colours, reach, places: shade::places() }.colours();
     shade::glaze(&mut drawn, &raster, &close, &glass);
     if let Some(walls) = walls {
         shade::edges(&mut drawn, &raster, &close, &edges(walls, &sight), 1.3 * FINER as f64);

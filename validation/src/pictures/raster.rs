@@ -1,6 +1,7 @@
 //! What is seen through each pixel: the foremost grain, or the foremost of the walls that hide what is behind them.
 
 use super::{Sight, camera::Camera};
+use crate::interrupt;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -58,6 +59,9 @@ pub(super) fn draw(sight: &Sight<'_>, camera: &Camera, [width, height]: [usize; 
     let discs: Vec<Disc> = discs(sight, camera, plane);
     let mut pixels = vec![NOTHING; width * height];
     pixels.par_chunks_mut(BAND * width).enumerate().for_each(|(band, pixels)| {
+        if interrupt::requested() {
+            return;
+        }
         let first = band * BAND;
         let lines = [first as f64, (first + pixels.len() / width) as f64];
         for disc in discs.iter().filter(|disc| disc.lines[1] >= lines[0] && disc.lines[0] <= lines[1]) {
@@ -155,6 +159,17 @@ impl Flat {
         })
     }
 
+    /// Ends of what a line crosses of it, a pixel wider on either side: long triangles are thin.
+    fn columns(&self, y: f64) -> [f64; 2] {
+        let [a, b, c] = self.corners;
+        let crossings = [(a, b), (b, c), (c, a)].into_iter().filter_map(|(from, to)| {
+            let share = (y - from[1]) / (to[1] - from[1]);
+            (0.0..=1.0).contains(&share).then(|| from[0] + share * (to[0] - from[0]))
+        });
+        let ends = [f64::INFINITY, f64::NEG_INFINITY];
+        crossings.fold(ends, |ends, at| [ends[0].min(at - 1.0), ends[1].max(at + 1.0)])
+    }
+
     /// Visits its pixels within some lines, with their places from the first line on and their distances.
     pub fn each_pixel(&self, width: usize, first: usize, lines: usize, mut visit: impl FnMut(usize, f64)) {
         let [a, b, c] = self.corners;
@@ -162,10 +177,9 @@ impl Flat {
         if area.abs() < 1e-12 {
             return;
         }
-        let columns = [a[0].min(b[0]).min(c[0]), a[0].max(b[0]).max(c[0])];
         for line in span(self.lines, first, lines) {
             let y = (first + line) as f64 + 0.5;
-            for column in span(columns, 0, width) {
+            for column in span(self.columns(y), 0, width) {
                 let x = column as f64 + 0.5;
                 let share = |p: [f64; 3], q: [f64; 3]| ((p[0] - x) * (q[1] - y) - (q[0] - x) * (p[1] - y)) / area;
                 let (u, v, w) = (share(b, c), share(c, a), share(a, b));

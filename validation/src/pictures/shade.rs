@@ -2,6 +2,7 @@
 
 use super::camera::Camera;
 use super::raster::{Flat, Raster, WALL};
+use crate::interrupt;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -25,7 +26,7 @@ const EDGE: Colour = [0.25, 0.29, 0.34];
 const EDGE_VEIL: f32 = 0.75;
 
 /// Places about a pixel that may hide it from the sky.
-const NEIGHBOURS: u32 = 14;
+const NEIGHBOURS: usize = 14;
 
 /// Lines of a picture that are coloured by one task.
 const BAND: usize = 16;
@@ -38,6 +39,17 @@ pub(super) struct Surface<'a> {
     pub colours: &'a [Colour],
     /// How far things hide each other from the sky, m.
     pub reach: f64,
+    /// [`places`].
+    pub places: [[f64; 2]; NEIGHBOURS],
+}
+
+/// Places about a pixel at which it is seen what hides it, over how far that is looked for: on a spiral.
+pub(super) fn places() -> [[f64; 2]; NEIGHBOURS] {
+    std::array::from_fn(|number| {
+        let share = (number as f64 + 0.5) / NEIGHBOURS as f64;
+        let (sine, cosine) = (2.399_963 * number as f64).sin_cos();
+        [share * cosine, share * sine]
+    })
 }
 
 impl Surface<'_> {
@@ -46,6 +58,9 @@ impl Surface<'_> {
         let width = self.raster.width;
         let mut colours = vec![PAPER; self.raster.pixels.len()];
         colours.par_chunks_mut(BAND * width).enumerate().for_each(|(band, colours)| {
+            if interrupt::requested() {
+                return;
+            }
             for (offset, colour) in colours.iter_mut().enumerate() {
                 let place = band * BAND * width + offset;
                 let pixel = self.raster.pixels[place];
@@ -58,9 +73,9 @@ impl Surface<'_> {
         colours
     }
 
-    fn point(&self, column: usize, line: usize) -> Vector {
-        let depth = f64::from(self.raster.pixels[line * self.raster.width + column].depth);
-        self.camera.unproject(column as f64 + 0.5, line as f64 + 0.5, depth)
+    /// The point that a pixel shows, as the camera has it, m.
+    fn point(&self, column: usize, line: usize, depth: f64) -> [f64; 3] {
+        self.camera.seen_at(column as f64 + 0.5, line as f64 + 0.5, depth)
     }
 
     fn lit(&self, base: Colour, place: usize) -> Colour {
@@ -82,33 +97,36 @@ impl Surface<'_> {
     /// Share of the sky that a pixel sees, from what stands before it nearby: M. McGuire, B. Osman, M. Bukowski and P. Hennessy, The
     /// Alchemy screen-space ambient obscurance algorithm, High Performance Graphics 2011, 25-32.
     fn openness(&self, column: usize, line: usize, normal: &Vector) -> f64 {
-        let here = self.point(column, line);
         let depth = f64::from(self.raster.pixels[line * self.raster.width + column].depth);
+        let (here, normal) = (self.point(column, line, depth), self.camera.turned(normal));
         let radius = self.camera.pixels(self.reach, depth).clamp(3.0, 160.0);
         // Each pixel turns the places by its own angle, so that they do not show.
         let turn = TAU * fraction(52.982_918_9 * fraction(0.067_110_56 * column as f64 + 0.005_837_15 * line as f64));
+        let (sine, cosine) = turn.sin_cos();
         let mut hidden = 0.0;
-        for number in 0..NEIGHBOURS {
-            let share = (f64::from(number) + 0.5) / f64::from(NEIGHBOURS);
-            let (sine, cosine) = (turn + 2.399_963 * f64::from(number)).sin_cos();
-            let x = column as f64 + radius * share * cosine;
-            let y = line as f64 + radius * share * sine;
+        for [right, down] in self.places {
+            let x = column as f64 + radius * (right * cosine - down * sine);
+            let y = line as f64 + radius * (right * sine + down * cosine);
             if x < 0.0 || y < 0.0 || x >= self.raster.width as f64 || y >= self.raster.height as f64 {
                 continue;
             }
             let (x, y) = (x as usize, y as usize);
-            if !self.raster.pixels[y * self.raster.width + x].depth.is_finite() {
+            // What is too far away along the line of sight alone hides nothing, nor does paper, which is infinitely far.
+            let there = f64::from(self.raster.pixels[y * self.raster.width + x].depth);
+            if (there - depth).abs() >= self.reach {
                 continue;
             }
-            let arm = self.point(x, y) - here;
-            let square = arm.norm_squared();
-            let above = (arm.dot(normal) - 0.02 * self.reach).max(0.0);
+            let point = self.point(x, y, there);
+            let arm: [f64; 3] = std::array::from_fn(|axis| point[axis] - here[axis]);
+            let dot = |other: &[f64; 3]| arm[0] * other[0] + arm[1] * other[1] + arm[2] * other[2];
+            let square = dot(&arm);
+            let above = (dot(&normal) - 0.02 * self.reach).max(0.0);
             if square < self.reach * self.reach {
                 hidden += above * self.reach / (square + 0.02 * self.reach * self.reach)
                     * (1.0 - square / (self.reach * self.reach));
             }
         }
-        (1.0 - 1.1 * hidden / f64::from(NEIGHBOURS)).clamp(0.0, 1.0)
+        (1.0 - 1.1 * hidden / NEIGHBOURS as f64).clamp(0.0, 1.0)
     }
 }
 
@@ -120,6 +138,9 @@ fn fraction(value: f64) -> f64 {
 pub(super) fn glaze(colours: &mut [Colour], raster: &Raster, camera: &Camera, walls: &[Flat]) {
     let width = raster.width;
     colours.par_chunks_mut(BAND * width).enumerate().for_each(|(band, colours)| {
+        if interrupt::requested() {
+            return;
+        }
         let first = band * BAND;
         for flat in walls {
             flat.each_pixel(width, first, colours.len() / width, |place, depth| {

@@ -40,12 +40,26 @@ pub enum RunFolderError {
         last: f64,
     },
     /// A file that is not what it should be.
-    #[error("{file}: {problem}; run the scene again, or give another time")]
+    #[error("{file}: {problem}; run the scene again")]
     Damaged {
         /// The file.
         file: String,
         /// What is wrong with it.
         problem: String,
+    },
+    /// A field that colours cannot show.
+    #[error(
+        "'{field}' is in the frames of {folder}, but {numbers} numbers of a grain are no colour; give one of: {known}"
+    )]
+    ManyNumbers {
+        /// What was asked for.
+        field: String,
+        /// The folder.
+        folder: String,
+        /// Numbers per grain.
+        numbers: usize,
+        /// What can be drawn.
+        known: String,
     },
     /// A field that is not there.
     #[error("no field '{field}' in the frames of {folder}; there are: {known}")]
@@ -59,11 +73,18 @@ pub enum RunFolderError {
     },
 }
 
+/// A number without the digits that sums of steps leave at its end, for messages.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
+}
+
 /// The frames that a run has left, listed but not yet read.
 #[derive(Clone, Debug)]
 pub struct RunFrames {
     folder: PathBuf,
     scene: String,
+    /// s, as far as it is known.
+    time_step: Option<f64>,
     grains: Vec<(f64, PathBuf)>,
     contacts: Vec<(f64, PathBuf)>,
     walls: Vec<(f64, PathBuf)>,
@@ -94,7 +115,8 @@ impl RunFrames {
             };
             return Err(RunFolderError::NoFrames { folder: folder.display().to_string(), problem: problem.into() });
         }
-        Ok(RunFrames { scene: scene_name(&folder), folder, grains, contacts, walls })
+        let (scene, time_step) = told(&folder);
+        Ok(RunFrames { scene, time_step, folder, grains, contacts, walls })
     }
 
     /// The folder.
@@ -117,6 +139,11 @@ impl RunFrames {
         self.grains[number].0
     }
 
+    /// Steps before a frame, by its time; its number where the time step is not known.
+    pub fn step(&self, number: usize) -> u64 {
+        self.time_step.map_or(number as u64, |step| (self.time(number) / step).round() as u64)
+    }
+
     /// The frame nearest to a time (s).
     ///
     /// # Errors
@@ -127,7 +154,13 @@ impl RunFrames {
         let slack = 1e-6 * (last - first).abs().max(1e-9);
         if !(first - slack..=last + slack).contains(&time) {
             let folder = self.folder.display().to_string();
-            return Err(RunFolderError::OutOfRange { folder, time, count: self.count(), first, last });
+            return Err(RunFolderError::OutOfRange {
+                folder,
+                time,
+                count: self.count(),
+                first: rounded(first),
+                last: rounded(last),
+            });
         }
         let off = |number: &usize| (self.time(*number) - time).abs();
         Ok((0..self.count()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0))
@@ -168,8 +201,11 @@ impl RunFrames {
     pub fn field(&self, frame: &RunFrame, name: &str) -> Result<super::Quantity, RunFolderError> {
         let name = name.replace('-', "_");
         frame.quantity(&name).ok_or_else(|| {
-            let known = frame.quantities();
-            RunFolderError::NoField { folder: self.folder.display().to_string(), known: known.join(", "), field: name }
+            let (known, folder) = (frame.quantities().join(", "), self.folder.display().to_string());
+            match frame.grains.fields.iter().find(|array| array.name == name) {
+                Some(array) => RunFolderError::ManyNumbers { field: name, folder, numbers: array.components, known },
+                None => RunFolderError::NoField { folder, known, field: name },
+            }
         })
     }
 }
@@ -203,10 +239,11 @@ fn is_below(name: &str) -> bool {
     Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)))
 }
 
-fn scene_name(folder: &Path) -> String {
+/// What the summary of a run tells: the name of its scene, and its time step (s).
+fn told(folder: &Path) -> (String, Option<f64>) {
     let summary = std::fs::read_to_string(folder.join(RunFiles::SUMMARY)).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap_or_default();
     let name = summary["scene"].as_str().map(String::from);
     let of_folder = || folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    name.unwrap_or_else(of_folder)
+    (name.unwrap_or_else(of_folder), summary["time_step"].as_f64().filter(|step| *step > 0.0))
 }

@@ -15,6 +15,17 @@ pub struct RunFrame {
     pub walls: Option<Walls>,
     /// Acceleration of gravity, m/s2; zero where it is not known.
     pub gravity: [f64; 3],
+    /// The axes along which the scene repeats itself; none where there are no such, or an earlier version wrote the frame.
+    pub repeats: Option<Repeats>,
+}
+
+/// Axes along which a scene repeats itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Repeats {
+    /// Length of the period along each axis, m; zero along those that do not repeat themselves.
+    pub lengths: [f64; 3],
+    /// Where it begins, m.
+    pub starts: [f64; 3],
 }
 
 /// The grains of a frame.
@@ -63,6 +74,16 @@ pub(super) fn assemble(
     walls: Option<PolyData>,
 ) -> Result<RunFrame, String> {
     let gravity = grains.field_data.iter().find(|array| array.name == "gravity").map(triples);
+    let vector = |name: &str| {
+        let array = grains.field_data.iter().find(|array| array.name == name && array.components == 3)?;
+        triples(array).first().copied().filter(|numbers| numbers.iter().all(|number| number.is_finite()))
+    };
+    let repeats = match (vector("period"), vector("period_start")) {
+        (Some(lengths), Some(starts)) if lengths.iter().all(|length| *length >= 0.0) => {
+            Some(Repeats { lengths, starts })
+        }
+        _ => None,
+    };
     let materials = texts(&grains, "material_names");
     let positions = triples(&grains.points);
     let sizes = |name: &str| grains.point_data.iter().find(|array| array.name == name && array.components == 1);
@@ -83,6 +104,7 @@ pub(super) fn assemble(
         grains: Grains { positions, radii, fields: grains.point_data, materials },
         contacts: contacts.map(|contacts| lines(&contacts)).transpose()?,
         walls: walls.map(surfaces).transpose()?,
+        repeats,
     })
 }
 

@@ -4,6 +4,7 @@ mod folder;
 mod frame;
 mod quantity;
 
+pub(crate) use folder::rounded;
 pub use folder::{RunFolderError, RunFrames};
-pub use frame::{ContactLine, Grains, RunFrame, Walls};
+pub use frame::{ContactLine, Grains, Repeats, RunFrame, Walls};
 pub use quantity::{Quantity, unit_of};

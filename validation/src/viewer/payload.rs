@@ -37,6 +37,8 @@ pub struct Wishes {
     pub most_bytes: f64,
     /// Whether force chains are kept.
     pub contacts: bool,
+    /// Whether the view begins where all grains are seen, also those far from the walls.
+    pub all_grains: bool,
 }
 
 /// What is shown.
@@ -171,7 +173,7 @@ pub fn payload(run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f64)) -> Resu
         "fields": listed,
         "viridis": VIRIDIS,
         "palette": PALETTE,
-        "eye": Subject::of(std::iter::once(&last)).outlook(&last),
+        "eye": Subject::of(std::iter::once(&last), wishes.all_grains).outlook(&last),
         "frames": frames,
         "walls": walls,
     });

@@ -16,7 +16,7 @@ pub struct NewArguments {
     /// Scene to start from.
     #[arg(value_parser = PossibleValuesParser::new(TEMPLATES.iter().map(|template| template.name)))]
     pub kind: String,
-    /// File to write; KIND.toml, if absent. An existing file is not overwritten.
+    /// File to write, or - for standard output; KIND.toml, if absent. An existing file is not overwritten.
     pub file: Option<PathBuf>,
 }
 

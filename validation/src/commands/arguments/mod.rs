@@ -31,9 +31,9 @@ use clap::{Parser, Subcommand};
 const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, problem or frame file, \
     4 outside tolerance, undecided or not measured, 5 a reference code is missing.";
 
-/// Granular matter by non-smooth contact dynamics, judged against YADE and LIGGGHTS.
+/// Simulates grains in contact by non-smooth contact dynamics, measures and shows what comes out, and judges it against YADE and LIGGGHTS.
 #[derive(Debug, Parser)]
-#[command(name = "makadam", version, about, after_help = EXIT_CODES)]
+#[command(name = "makadam", version, after_help = EXIT_CODES)]
 pub struct Arguments {
     /// The command to run.
     #[command(subcommand)]

@@ -33,6 +33,9 @@ pub struct StyleArguments {
     /// Leave walls out.
     #[arg(long)]
     pub no_walls: bool,
+    /// Show all grains, also those that are far from the walls.
+    #[arg(long)]
+    pub all_grains: bool,
 }
 
 impl StyleArguments {
@@ -107,6 +110,9 @@ pub struct ViewArguments {
     /// Leave contacts, and with them force chains, out.
     #[arg(long)]
     pub no_contacts: bool,
+    /// Begin with a view of all grains, also of those that are far from the walls.
+    #[arg(long)]
+    pub all_grains: bool,
     /// HTML file to write; view.html in the folder of the run, if absent.
     #[arg(short, long)]
     pub output: Option<PathBuf>,

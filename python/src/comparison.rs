@@ -1,0 +1,152 @@
+//! Comparison with the peers: what is recorded of them, and verdicts.
+
+use crate::convert::plain;
+use crate::errors::exception;
+use crate::judge::{Recording, code_error, code_of};
+use crate::scene::Scene;
+use crate::stepping::beside;
+use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison};
+use makadam_validation::peers::Code;
+use makadam_validation::provenance::utc;
+use makadam_validation::qualify::OneScene;
+use makadam_validation::report::Qualification;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use std::time::{Duration, SystemTime};
+
+/// What is recorded of the peers on a scene: rows, each a dict of code, seed, observable, value and its standard error within the run.
+#[pyfunction]
+#[pyo3(name = "_reference")]
+pub fn reference<'py>(scene: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
+    let py = scene.py();
+    let scene = Scene::of(scene)?;
+    let found = Reference::of_scene(&scene.file).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
+    let rows = PyList::empty(py);
+    let Some(found) = found else { return Ok(rows) };
+    for runs in found.codes().iter().filter_map(|code| found.code(code)) {
+        for run in &runs.runs {
+            for measured in &run.measurements {
+                let row = PyDict::new(py);
+                row.set_item("code", &run.code)?;
+                row.set_item("version", &run.version)?;
+                row.set_item("seed", run.seed)?;
+                row.set_item("observable", &measured.observable)?;
+                row.set_item("unit", &measured.unit)?;
+                row.set_item("value", measured.value)?;
+                row.set_item("standard_error", measured.standard_error)?;
+                row.set_item("frames", measured.frames)?;
+                rows.append(row)?;
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// A comparison as a dict of rows, codes, notes and the verdict.
+fn document<'py>(py: Python<'py>, qualification: &Qualification) -> PyResult<Bound<'py, PyDict>> {
+    let comparison = &qualification.comparisons[0];
+    let found = PyDict::new(py);
+    found.set_item("rows", plain(py, &comparison.rows)?)?;
+    found.set_item("codes", plain(py, &comparison.codes)?)?;
+    found.set_item("notes", plain(py, &comparison.notes)?)?;
+    found.set_item("verdict", plain(py, &qualification.verdict())?)?;
+    Ok(found)
+}
+
+/// Runs a scene in several codes, or takes what is recorded of the peers, and compares.
+#[pyfunction]
+#[pyo3(name = "_compare")]
+pub fn compare<'py>(
+    scene: &Bound<'py, PyAny>,
+    codes: Vec<String>,
+    live: bool,
+    seeds: Option<u64>,
+    rayleigh_fraction: f64,
+    time_limit: f64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let py = scene.py();
+    let scene = Scene::of(scene)?;
+    let limit = Duration::try_from_secs_f64(time_limit)
+        .map_err(|error| exception(py, "JudgeError", &format!("time_limit {time_limit}: {error}")))?;
+    let mut asked: Vec<Box<dyn Code + Send>> = Vec::new();
+    for code in &codes {
+        asked.push(code_of(py, code)?);
+    }
+    let judged = beside(py, || {
+        let codes = asked.into_iter().map(|code| code as Box<dyn Code>).collect();
+        OneScene {
+            scene: &scene.plan,
+            scene_file: &scene.file,
+            codes,
+            judged: "Makadam",
+            live,
+            seeds,
+            rayleigh_fraction,
+            time_limit: limit,
+            announce: &|_| Box::new(|_| {}),
+        }
+        .judge()
+        .map_err(|error| error.to_string())
+    })?;
+    let judged = judged.map_err(|message| exception(py, "JudgeError", &message))?;
+    match &judged.failure {
+        Some(failure) => Err(code_error(py, failure)),
+        None => document(py, &judged.qualification),
+    }
+}
+
+/// Compares runs that were made here with what is recorded of the peers.
+#[pyfunction]
+#[pyo3(name = "_compare_runs")]
+pub fn compare_runs<'py>(
+    scene: &Bound<'py, PyAny>,
+    runs: Vec<PyRef<'py, Recording>>,
+    codes: Vec<String>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let py = scene.py();
+    let scene = Scene::of(scene)?;
+    if scene.plan.compare.is_empty() {
+        let message = format!("{} names nothing to compare; add observables under [[compare]]", scene.plan.name);
+        return Err(exception(py, "JudgeError", &message));
+    }
+    let found = Reference::of_scene(&scene.file).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
+    let recordings: Vec<_> = runs.iter().map(|run| run.recording.clone()).collect();
+    for (place, recording) in recordings.iter().enumerate() {
+        let belongs = recording.belongs_to(&scene.plan);
+        belongs.map_err(|problem| exception(py, "JudgeError", &format!("run {place}: {problem}")))?;
+    }
+    let harvests = py.detach(|| {
+        recordings.iter().map(|run| Harvest::of(&scene.plan, run, utc(SystemTime::now()))).collect::<Vec<_>>()
+    });
+    let name = recordings.first().map_or("Makadam", |run| run.code.as_str());
+    let mut measured =
+        vec![CodeRuns { provenance: "runs that the caller made".into(), ..CodeRuns::live(name, 1, harvests) }];
+    let mut notes = Vec::new();
+    for code in codes.iter().filter(|code| !code.eq_ignore_ascii_case("makadam")) {
+        let code = code_of(py, code)?.name();
+        let Some(recorded) = found.as_ref().and_then(|reference| reference.code(code)) else {
+            let message = format!("nothing is recorded of {code} on the scene {}; leave it out", scene.plan.name);
+            return Err(exception(py, "JudgeError", &message));
+        };
+        notes.push(format!("{code} was not run: its numbers are the recorded references ({})", recorded.provenance));
+        if found.as_ref().and_then(|reference| reference.is_current(code, &scene.plan)) == Some(false) {
+            notes.push(format!("the scene is not the one that {code} was recorded on"));
+        }
+        measured.push(recorded);
+    }
+    document(
+        py,
+        &Qualification {
+            title: format!("Comparison of codes on the scene {}", scene.plan.name),
+            tier: "compare".into(),
+            comparisons: vec![comparison(&scene.plan, &measured, notes)],
+            wall_seconds: 0.0,
+            provenance: Default::default(),
+            notes: Vec::new(),
+            outside_spread: Vec::new(),
+            unchecked: Vec::new(),
+            laws: Vec::new(),
+            on_record: Vec::new(),
+        },
+    )
+}

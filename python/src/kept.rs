@@ -1,0 +1,70 @@
+//! What a simulation is continued from: the solver's checkpoint, with the scene and the seed that it is of.
+//!
+//! A checkpoint of the solver holds grains and impulses but not what the scene says of them, so that it would go on as well with another
+//! friction. The label before it tells whose it is.
+
+use crate::errors::{exception, warn};
+use crate::scene::Scene;
+use makadam::checkpoint::{open, seal};
+use makadam_validation::plan;
+use makadam_validation::provenance::scene_hash;
+use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// First bytes of a state that Python has kept; the last one is the version of the format.
+const MARK: [u8; 8] = *b"mkd-py-\x01";
+
+/// Whose state it is.
+#[derive(Serialize, Deserialize)]
+struct Label {
+    scene: String,
+    scene_hash: u64,
+    seed: u64,
+}
+
+/// A checkpoint of a simulation of a scene, with a label and a seal.
+pub fn keep(scene: &Scene, seed: u64, simulation: &[u8]) -> Vec<u8> {
+    let label = Label { scene: scene.plan.name.clone(), scene_hash: hash_to_go_on(&scene.plan), seed };
+    let mut bytes = postcard::to_stdvec(&label).expect("a label holds a name and numbers");
+    bytes.extend(simulation);
+    seal(MARK, &bytes)
+}
+
+/// The solver's checkpoint and the seed, if the bytes are of the scene, and of the seed where one is given.
+pub fn unkeep<'a>(py: Python<'_>, scene: &Scene, seed: Option<u64>, bytes: &'a [u8]) -> PyResult<(&'a [u8], u64)> {
+    let refuse = |problem: String| exception(py, "CheckpointError", &problem);
+    if bytes.starts_with(b"makadam") {
+        warn(
+            py,
+            "the checkpoint names no scene, since the Rust library wrote it: that it is of this scene is not checked",
+        )?;
+        return Ok((bytes, seed.unwrap_or(scene.plan.seed)));
+    }
+    let body = open(MARK, bytes).map_err(|problem| refuse(format!("the checkpoint {problem}")))?;
+    let (label, simulation) = postcard::take_from_bytes::<Label>(body)
+        .map_err(|error| refuse(format!("the checkpoint does not hold what it should ({error})")))?;
+    if label.scene_hash != hash_to_go_on(&scene.plan) {
+        return Err(refuse(format!(
+            "the checkpoint belongs to '{}' with other contents or settings than '{}' has here, such as another friction, time step or \
+             method; give the same scene and settings (only what is measured, written, compared and watched for may differ)",
+            label.scene, scene.plan.name
+        )));
+    }
+    match seed.filter(|seed| *seed != label.seed) {
+        Some(seed) => Err(refuse(format!(
+            "the checkpoint belongs to seed {}, not to {seed}; leave the seed out, it is taken from the checkpoint",
+            label.seed
+        ))),
+        None => Ok((simulation, label.seed)),
+    }
+}
+
+/// Hash of what must be the same to go on: all that changes a bit of a state. The seed stands on the label.
+fn hash_to_go_on(scene: &plan::Scene) -> u64 {
+    let mut bare = scene.clone();
+    bare.measure = plan::Measure::default();
+    (bare.output, bare.compare) = (None, Vec::new());
+    (bare.simulated.name, bare.simulated.description) = (String::new(), String::new());
+    (bare.simulated.duration, bare.simulated.seed) = (1.0, 0);
+    scene_hash(&bare)
+}
