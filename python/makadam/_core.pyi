@@ -74,6 +74,8 @@ class Frame:
     def contacts(self) -> dict[str, NDArray[Any]]:
         """The contacts of the last step that bear a force, as columns."""
     def __len__(self) -> int: ...
+    @staticmethod
+    def _of_bytes(bytes: bytes) -> Frame: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 class Recording:
@@ -108,6 +110,8 @@ class Recording:
         """What the scene measures of the frames from ``measure.from`` on: rows of observable, unit, value, standard_error, frames."""
     def series(self) -> list[dict[str, Any]]:
         """Observables over time: rows of observable, time (s) and value."""
+    @staticmethod
+    def _of_bytes(scene: Scene, bytes: bytes, grave: list[str]) -> Recording: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 class Simulation:

@@ -136,15 +136,16 @@ class Simulation(_core.Simulation):
             raise BusyError("this simulation is being stepped: by another thread, or because this was called from a callback")
         try:
             self._step_and_call(left)
-            # Who asks for single steps has them watched every so many; who asks for many is told what the last one has left.
-            if left > 1:
-                self._tell(self._look(), 4)
         finally:
             self._busy.release()
 
     def _step_and_call(self, left: int) -> None:
+        # Who asks for single steps has them watched every so many; who asks for many is told what the last one has left.
+        many = left > 1
         if not (self._observers or self._forces or self._steered):
             self._take(left)
+            if many:
+                self._tell(self._look(), 5)
             return
         h = self.time_step
         while left > 0:
@@ -159,6 +160,9 @@ class Simulation(_core.Simulation):
                 some = 1
             self._take(some)
             left -= some
+            if many and left == 0:
+                # Before observers, which may bring grains and with them energy.
+                self._tell(self._look(), 5)
             for observer in list(self._observers):
                 if observer in self._observers and observer.is_due(number + some, h):
                     observer.call(self)

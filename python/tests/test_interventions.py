@@ -107,7 +107,8 @@ def test_a_drum_that_a_function_turns_has_the_bits_of_the_scene():
 
 
 def test_a_wall_is_moved_until_it_is_told_otherwise_also_after_a_checkpoint():
-    scene = bin_scene()
+    # The box and its grains move along x.
+    scene = bin_scene(domain={"min": [0.0, 0.0, 0.0], "max": [0.1, 0.06, 0.3]})
     simulation = makadam.Simulation(scene)
     simulation.step(250)
     simulation.move_wall("box", velocity=[0.05, 0.0, 0.0])

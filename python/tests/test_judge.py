@@ -67,11 +67,12 @@ def test_frames_and_recordings_are_pickled(recording):
         pickle.loads(damaged)
 
 
-def test_worthless_numbers_are_told(recwarn):
+def test_worthless_numbers_are_told():
     deep = [{"position": [0.0, 0.0, 0.0]}, {"position": [0.0045, 0.0, 0.0]}]
     watch = {"on_deep_overlap": "warn", "on_overlap": "warn", "on_energy": "ignore"}
-    measure = {"interval": 0.001, "observables": ["coordination-number"]}
-    scene = space(deep, duration=0.002, largest_start_overlap=2.0, watch=watch, measure=measure)
+    measure = {"interval": 2e-6, "observables": ["coordination-number"]}
+    changes = {"duration": 4e-6, "solver": {"step": 1e-6}, "largest_start_overlap": 2.0}
+    scene = space(deep, watch=watch, measure=measure, **changes)
     with pytest.warns(makadam.MakadamWarning, match="WORTHLESS.*centre lies inside"):
         recording = makadam.simulate(scene)
     for one in (recording, pickle.loads(pickle.dumps(recording))):

@@ -138,7 +138,8 @@ def test_a_simulation_names_checkpoints_where_it_cannot_be_pickled():
 def test_many_steps_end_with_a_look_of_the_watchdog():
     deep = [{"position": [0.0, 0.0, 0.0]}, {"position": [0.0071, 0.0, 0.0]}]
     watch = {"every": 64, "overlap": 0.1, "on_overlap": "warn", "on_energy": "ignore"}
-    scene = space(deep, largest_start_overlap=1.0, watch=watch)
+    # So short a step that they are still inside each other.
+    scene = space(deep, largest_start_overlap=1.0, watch=watch, solver={"step": 1e-6})
     with pytest.warns(makadam.MakadamWarning, match="overlaps its partner"):
         makadam.Simulation(scene).step(2)
 
