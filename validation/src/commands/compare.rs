@@ -1,6 +1,6 @@
 //! `makadam compare`: one scene in several codes, a table, a verdict.
 
-use super::arguments::CompareArguments;
+use super::arguments::{CodeRunArguments, CompareArguments};
 use super::record::record;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes, json};
 use crate::compare::{CodeSummary, Comparison, Row};
@@ -30,7 +30,7 @@ struct CompareDocument<'a> {
 
 /// Compares codes on a scene, or records references.
 pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result<ExitCode, Failure> {
-    arguments.side_by_side.apply()?;
+    arguments.runs.side_by_side.apply()?;
     let (file, scene) = arguments.source.load()?;
     match arguments.record {
         true => record(arguments, &scene, &file, console),
@@ -39,16 +39,16 @@ pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result
 }
 
 fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
-    let CompareArguments { json, output, .. } = arguments;
+    let CodeRunArguments { json, output, .. } = &arguments.runs;
     let one_scene = OneScene {
         scene,
         scene_file: file,
         codes: codes(&arguments.codes),
         judged: "Makadam",
-        live: arguments.live,
-        seeds: arguments.seeds,
-        rayleigh_fraction: arguments.rayleigh_fraction,
-        time_limit: Duration::from_secs_f64(arguments.time_limit),
+        live: arguments.runs.live,
+        seeds: arguments.runs.seeds,
+        rayleigh_fraction: arguments.runs.rayleigh_fraction,
+        time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
         announce: &announce(console),
     };
     tell(one_scene, &Wanted { command: "compare", json: *json, output: output.as_deref() }, console)

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 /// Runs the code and says whether it agrees with the others.
 pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<ExitCode, Failure> {
-    arguments.side_by_side.apply()?;
+    arguments.runs.side_by_side.apply()?;
     let external = External::load(&arguments.code).map_err(|error| Failure::Usage(error.to_string()))?;
     let (file, scene) = arguments.source.load()?;
     let judged = external.name();
@@ -21,11 +21,15 @@ pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<Exi
         scene_file: &file,
         codes: all,
         judged,
-        live: arguments.live,
-        seeds: arguments.seeds,
-        rayleigh_fraction: arguments.rayleigh_fraction,
-        time_limit: Duration::from_secs_f64(arguments.time_limit),
+        live: arguments.runs.live,
+        seeds: arguments.runs.seeds,
+        rayleigh_fraction: arguments.runs.rayleigh_fraction,
+        time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
         announce: &announce(console),
     };
-    tell(one_scene, &Wanted { command: "judge", json: arguments.json, output: arguments.output.as_deref() }, console)
+    tell(
+        one_scene,
+        &Wanted { command: "judge", json: arguments.runs.json, output: arguments.runs.output.as_deref() },
+        console,
+    )
 }

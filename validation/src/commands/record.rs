@@ -33,10 +33,10 @@ fn record_codes(
     let recorder = Recorder {
         scene,
         scene_file: file,
-        seeds: arguments.seeds,
-        rayleigh_fraction: arguments.rayleigh_fraction,
+        seeds: arguments.runs.seeds,
+        rayleigh_fraction: arguments.runs.rayleigh_fraction,
         stiffness_factor: arguments.stiffness_factor,
-        time_limit: Duration::from_secs_f64(arguments.time_limit),
+        time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
         again: arguments.again,
         recordings: match &arguments.recordings {
             Some(folder) => folder.clone(),

@@ -1,6 +1,7 @@
 //! The codes that are compared: one trait, one file a code.
 
 mod data_file;
+mod deck_run;
 pub mod external;
 pub mod lammps;
 pub mod liggghts;

@@ -1,7 +1,7 @@
 //! Arguments of the commands that take frames of any code.
 
-use super::shared::{SourceArguments, ThreadArguments};
-use super::values::{CodeName, rayleigh_fraction, seconds, time_limit};
+use super::shared::{CodeRunArguments, SourceArguments};
+use super::values::{CodeName, seconds};
 use crate::scenes::Change;
 use clap::Args;
 use std::path::PathBuf;
@@ -56,25 +56,7 @@ pub struct JudgeArguments {
     /// Codes that it is held against, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub against: Vec<CodeName>,
-    /// Run YADE and LIGGGHTS now instead of reading recorded numbers.
-    #[arg(long)]
-    pub live: bool,
-    /// Number of seeds, counted from 1; if absent, as many as are recorded, or 3.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
-    pub seeds: Option<u64>,
-    /// Time step of YADE and LIGGGHTS, as a fraction of the Rayleigh step.
-    #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
-    pub rayleigh_fraction: f64,
-    /// Wall time after which a run is stopped, s.
-    #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
-    pub time_limit: f64,
-    /// How many threads.
+    /// How the codes are run, and what is told.
     #[command(flatten)]
-    pub side_by_side: ThreadArguments,
-    /// Folder for report.html, report.json and rows.csv; if absent, nothing is written.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the judgement as JSON.
-    #[arg(long)]
-    pub json: bool,
+    pub runs: CodeRunArguments,
 }

@@ -19,7 +19,7 @@ pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
 pub use runs::{CompareArguments, QualifyArguments, RunArguments, Tier};
-pub use shared::load;
+pub use shared::{CodeRunArguments, load};
 pub use studies::{
     ConvergenceArguments, EffectsArguments, LawsArguments, RooflineArguments, ScalingArguments, StabilityArguments,
     TradeoffArguments,

@@ -1,9 +1,8 @@
 //! Arguments of the commands that run scenes and judge them.
 
-use super::shared::{OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
+use super::shared::{CodeRunArguments, OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
 use super::values::{
-    CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, positive, rayleigh_fraction, seconds,
-    time_limit,
+    CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, positive, seconds, time_limit,
 };
 use clap::{Args, ValueEnum};
 use makadam::scene::Accuracy;
@@ -65,21 +64,9 @@ pub struct CompareArguments {
     /// The scene.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Number of seeds, counted from 1; if absent, as many as are recorded, or 3.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
-    pub seeds: Option<u64>,
     /// Codes to compare, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
-    /// Run the other codes now instead of reading recorded numbers.
-    #[arg(long)]
-    pub live: bool,
-    /// Time step of the other codes, as a fraction of the Rayleigh step.
-    #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
-    pub rayleigh_fraction: f64,
-    /// Wall time after which a run of another code is stopped, s.
-    #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
-    pub time_limit: f64,
     /// Record results of the other codes as the scene's references. Only seeds not yet recorded for the same scene, version and
     /// time step are measured from raw recordings or run.
     #[arg(long, conflicts_with = "json")]
@@ -93,15 +80,9 @@ pub struct CompareArguments {
     /// Folder of raw recordings that --record reads and writes; if absent, in the user's cache.
     #[arg(long, requires = "record")]
     pub recordings: Option<PathBuf>,
-    /// How many threads.
+    /// How the codes are run, and what is told.
     #[command(flatten)]
-    pub side_by_side: ThreadArguments,
-    /// Folder for report.html, report.json and rows.csv; if absent, nothing is written.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-    /// Print the comparison as JSON.
-    #[arg(long)]
-    pub json: bool,
+    pub runs: CodeRunArguments,
 }
 
 /// How much is judged.

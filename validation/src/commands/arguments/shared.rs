@@ -1,5 +1,6 @@
 //! Arguments that commands have in common.
 
+use super::values::{rayleigh_fraction, time_limit};
 use crate::commands::{Failure, beforehand};
 use crate::output::file_stem;
 use crate::plan::Scene;
@@ -92,4 +93,30 @@ impl ThreadArguments {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
         pool.map_err(|error| Failure::Running(format!("cannot start {threads} threads: {error}")))
     }
+}
+
+/// How the codes of a comparison are run, and what is told of it.
+#[derive(Debug, Args)]
+pub struct CodeRunArguments {
+    /// Number of seeds, counted from 1; if absent, as many as are recorded, or 3.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: Option<u64>,
+    /// Run the other codes now instead of reading recorded numbers.
+    #[arg(long)]
+    pub live: bool,
+    /// Time step of explicit codes, as a fraction of the Rayleigh step.
+    #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
+    pub rayleigh_fraction: f64,
+    /// Wall time after which a run of another code is stopped, s.
+    #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
+    pub time_limit: f64,
+    /// How many threads.
+    #[command(flatten)]
+    pub side_by_side: ThreadArguments,
+    /// Folder for report.html, report.json, rows.csv, junit.xml and badge.svg; if absent, nothing is written.
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// Print the comparison as JSON.
+    #[arg(long)]
+    pub json: bool,
 }

@@ -3,10 +3,10 @@
 mod deck;
 mod surfaces;
 
-use super::liggghts::{contact, last_step, particle, particles_of, vector};
+use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
 use super::palette::Palette;
 use super::plan::Plan;
-use super::process::{self, Program, Run, io};
+use super::process::Program;
 use super::{Code, CodeError, Job};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
@@ -19,8 +19,7 @@ use makadam::scene::{Grain, populate};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::ffi::OsString;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use surfaces::{Surface, surfaces};
 
@@ -62,52 +61,11 @@ impl Code for Lammps {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
-        let (scene, folder) = (job.scene, job.work_folder);
         let Input { grains, largest_step, plan, dumps } = write_input(job)?;
+        let folder = job.work_folder;
         let dumps: Vec<PathBuf> = dumps.into_iter().map(|name| folder.join(name)).collect();
-        for stale in &dumps {
-            let _ = std::fs::remove_file(stale);
-        }
-        let engine_log = folder.join("engine.log");
-        Run {
-            code: NAME,
-            program: self.program.path(),
-            arguments: &["-in", "deck.in", "-log", "engine.log", "-nocite"].map(OsString::from),
-            folder,
-            log: folder.join("lammps.log"),
-            own_logs: std::slice::from_ref(&engine_log),
-            limit: job.time_limit,
-            watch: &|| {
-                if let Some(step) = last_step(&engine_log) {
-                    (job.progress)((step as f64 / plan.steps as f64).clamp(0.0, 1.0));
-                }
-            },
-        }
-        .execute()?;
-        process::disk_has_room(folder)?;
-
-        let open = |file: &Path| File::open(file).map(BufReader::new).map_err(|source| io(file, source));
-        let frames = read_frames(scene, &grains, largest_step, folder, open)?;
-        let text = std::fs::read(&engine_log).map_err(|source| io(&engine_log, source))?;
-        for dump in &dumps {
-            let _ = std::fs::remove_file(dump);
-        }
-        (job.progress)(1.0);
-        Ok(Recording {
-            scene: scene.name.clone(),
-            code: NAME.into(),
-            version,
-            seed: job.seed,
-            time_step: plan.time_step,
-            rayleigh_fraction: Some(job.rayleigh_fraction),
-            stiffness_factor: job.stiffness_factor,
-            threads: 1,
-            wall_seconds: loop_seconds(&String::from_utf8_lossy(&text)),
-            simulated_seconds: plan.steps as f64 * plan.time_step,
-            frames,
-            lacks: Vec::new(),
-            alarms: Vec::new(),
-        })
+        let run = DeckRun { code: NAME, program: self.program.path(), log: "lammps.log", loop_seconds, dumps: &dumps };
+        run.carry_out(job, version, &plan, || read_frames(job.scene, &grains, largest_step, folder, open))
     }
 }
 

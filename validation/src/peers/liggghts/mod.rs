@@ -2,11 +2,12 @@
 
 mod deck;
 
+use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
 use super::mesh::{Mesh, wall_mesh};
 use super::plan::Plan;
-use super::process::{self, Program, Run, io};
+use super::process::Program;
 use super::{Code, CodeError, Job};
-use crate::import::{DumpFrame, contact_from_force, measurable, merge_wall_contacts, read_dump};
+use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::Recording;
 use crate::scenes::in_file;
@@ -14,11 +15,10 @@ use makadam::effects::catalogue::{
     CHANGING_GRAVITY, COHESION, DRIVEN_WALLS, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
 };
 use makadam::scene::{Grain, populate};
-use makadam::snapshot::{Particle, Partner, Snapshot};
+use makadam::snapshot::{Partner, Snapshot};
 use nalgebra::Vector3;
 use std::ffi::OsString;
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
 const NAME: &str = "LIGGGHTS";
@@ -61,53 +61,11 @@ impl Code for Liggghts {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
-        let (scene, folder) = (job.scene, job.work_folder);
-        let Input { grains, largest_step, plan } = write_input(job)?;
-        let dumps = ["grains", "pairs", "walls"].map(|name| folder.join(format!("{name}.dump")));
-        for stale in &dumps {
-            let _ = std::fs::remove_file(stale);
-        }
-        let log = folder.join("liggghts.log");
-        let engine_log = folder.join("engine.log");
-        Run {
-            code: NAME,
-            program: self.program.path(),
-            arguments: &["-in", "deck.in", "-log", "engine.log", "-nocite"].map(OsString::from),
-            folder,
-            log: log.clone(),
-            own_logs: std::slice::from_ref(&engine_log),
-            limit: job.time_limit,
-            watch: &|| {
-                if let Some(step) = last_step(&engine_log) {
-                    (job.progress)((step as f64 / plan.steps as f64).clamp(0.0, 1.0));
-                }
-            },
-        }
-        .execute()?;
-        process::disk_has_room(folder)?;
-
-        let open = |file: &Path| File::open(file).map(BufReader::new).map_err(|source| io(file, source));
-        let frames = read_frames(scene, &grains, largest_step, &dumps, open)?;
-        let text = std::fs::read(&engine_log).map_err(|source| io(&engine_log, source))?;
-        for dump in &dumps {
-            let _ = std::fs::remove_file(dump);
-        }
-        (job.progress)(1.0);
-        Ok(Recording {
-            scene: scene.name.clone(),
-            code: NAME.into(),
-            version,
-            seed: job.seed,
-            time_step: plan.time_step,
-            rayleigh_fraction: Some(job.rayleigh_fraction),
-            stiffness_factor: job.stiffness_factor,
-            threads: 1,
-            wall_seconds: loop_seconds(&String::from_utf8_lossy(&text)),
-            simulated_seconds: plan.steps as f64 * plan.time_step,
-            frames,
-            lacks: Vec::new(),
-            alarms: Vec::new(),
-        })
+        let Input { grains, plan, largest_step } = write_input(job)?;
+        let dumps = ["grains", "pairs", "walls"].map(|name| job.work_folder.join(format!("{name}.dump")));
+        let run =
+            DeckRun { code: NAME, program: self.program.path(), log: "liggghts.log", loop_seconds, dumps: &dumps };
+        run.carry_out(job, version, &plan, || read_frames(job.scene, &grains, largest_step, &dumps, open))
     }
 }
 
@@ -152,23 +110,6 @@ pub fn loop_seconds(log: &str) -> f64 {
         })
         .sum();
     if sum.is_finite() { sum.max(0.0) } else { 0.0 }
-}
-
-/// The last step of which the log tells.
-pub(super) fn last_step(log: &Path) -> Option<u64> {
-    let mut file = File::open(log).ok()?;
-    let length = file.metadata().ok()?.len();
-    file.seek(SeekFrom::Start(length.saturating_sub(400))).ok()?;
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes).ok()?;
-    let text = String::from_utf8_lossy(&bytes);
-    text.lines().rev().find_map(|line| {
-        let mut words = line.split_whitespace().map(str::parse::<f64>);
-        match (words.next(), words.next(), words.next(), words.next()) {
-            (Some(Ok(step)), Some(Ok(_)), Some(Ok(_)), None) => Some(step as u64),
-            _ => None,
-        }
-    })
 }
 
 /// The frames that a run of the scene leaves in its three dumps: of grains, of pairs of grains, and of grains and walls.
@@ -245,47 +186,4 @@ fn meshes_of(scene: &Scene, grains: &[Grain]) -> Vec<(usize, Mesh)> {
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
     let meshes = scene.wall.iter().map(|wall| wall_mesh(&wall.shape, &scene.domain, smallest));
     meshes.enumerate().filter(|(_, mesh)| !mesh.triangles.is_empty()).collect()
-}
-
-pub(super) fn vector(row: &[f64]) -> Vector3<f64> {
-    Vector3::new(row[0], row[1], row[2])
-}
-
-pub(super) fn contact(
-    first: &Particle,
-    second: Partner,
-    point: [f64; 3],
-    towards: Vector3<f64>,
-    force: &[f64],
-) -> Option<makadam::snapshot::Contact> {
-    contact_from_force(first.id, second, point, towards.try_normalize(0.0)?, vector(force))
-}
-
-/// The grain of an id as LIGGGHTS counts, from 1.
-pub(super) fn particle(particles: &[Particle], id: f64) -> Option<&Particle> {
-    if id >= 1.0 { particles.get(id as usize - 1) } else { None }
-}
-
-pub(super) fn particles_of(state: &DumpFrame, grains: &[Grain]) -> Result<Vec<Particle>, (usize, String)> {
-    let mut found: Vec<Option<Particle>> = vec![None; grains.len()];
-    for (row, r) in state.rows().enumerate() {
-        let index = r[0] - 1.0;
-        if !(0.0..grains.len() as f64).contains(&index) {
-            return Err((row, format!("no grain {}", r[0])));
-        }
-        let id = index as usize;
-        found[id] = Some(Particle {
-            id: id as u32,
-            position: [r[1], r[2], r[3]],
-            radius: grains[id].radius,
-            velocity: [r[4], r[5], r[6]],
-            spin: [r[7], r[8], r[9]],
-        });
-    }
-    let count = found.len();
-    let particles: Vec<Particle> = found.into_iter().flatten().collect();
-    match particles.len() == count {
-        true => Ok(particles),
-        false => Err((0, format!("{} of {count} grains: the others have left the domain", particles.len()))),
-    }
 }
