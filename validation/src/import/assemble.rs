@@ -105,6 +105,12 @@ impl Assembly<'_> {
         Ok(Imported { recording, notes })
     }
 
+    /// Time of a frame, s: what it tells itself, that of its step, or that of its place among the others.
+    fn time_of(&self, table: &FrameTable, place: usize) -> Option<f64> {
+        let stepped = || Some(table.step? as f64 * self.time_step?);
+        table.time.or_else(stepped).or_else(|| Some(place as f64 * self.interval?))
+    }
+
     /// Frames with their times, in the order of time.
     fn timed<'t>(
         &self,
@@ -113,9 +119,7 @@ impl Assembly<'_> {
     ) -> Result<Vec<(f64, &'t FrameTable)>, ImportError> {
         let mut timed = Vec::with_capacity(tables.len());
         for (place, table) in tables.iter().enumerate() {
-            let stepped = table.step.zip(self.time_step).map(|(step, time_step)| step as f64 * time_step);
-            let time = table.time.or(stepped).or(self.interval.map(|interval| place as f64 * interval));
-            let time = match time {
+            let time = match self.time_of(table, place) {
                 Some(time) => time,
                 None if tables.len() == 1 => {
                     notes.push(format!(
@@ -162,8 +166,7 @@ impl Assembly<'_> {
         let mut strangers = 0;
         for table in tables {
             let count = of_file.entry(&table.file).or_default();
-            let stepped = table.step.zip(self.time_step).map(|(step, time_step)| step as f64 * time_step);
-            let time = table.time.or(stepped).or(self.interval.map(|interval| *count as f64 * interval));
+            let time = self.time_of(table, *count);
             *count += 1;
             let near = |time: f64| grains.iter().position(|(own, _)| (own - time).abs() <= SAME_TIME * apart.min(1.0));
             match if single { Some(0) } else { time.and_then(near) } {

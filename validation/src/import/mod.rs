@@ -90,7 +90,7 @@ pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Vec<FrameTable>, ImportError
         return Err(ImportError::new(path, 1, "the file is empty"));
     } else if begins("ITEM:") {
         dumped(path, &bytes)?
-    } else if begins("\u{89}HDF") || bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
+    } else if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
         vtk::hdf(path, bytes)?
     } else if begins("<?xml") || begins("<VTKFile") {
         vtk::xml(path, &bytes)?

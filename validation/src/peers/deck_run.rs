@@ -63,21 +63,8 @@ impl DeckRun<'_> {
         let text = std::fs::read(&engine_log).map_err(|source| io(&engine_log, source))?;
         remove();
         (job.progress)(1.0);
-        Ok(Recording {
-            scene: job.scene.name.clone(),
-            code: self.code.into(),
-            version,
-            seed: job.seed,
-            time_step: plan.time_step,
-            rayleigh_fraction: Some(job.rayleigh_fraction),
-            stiffness_factor: job.stiffness_factor,
-            threads: 1,
-            wall_seconds: (self.loop_seconds)(&String::from_utf8_lossy(&text)),
-            simulated_seconds: plan.steps as f64 * plan.time_step,
-            frames,
-            lacks: Vec::new(),
-            alarms: Vec::new(),
-        })
+        let wall_seconds = (self.loop_seconds)(&String::from_utf8_lossy(&text));
+        Ok(plan.recording(self.code, version, job, wall_seconds, frames))
     }
 }
 

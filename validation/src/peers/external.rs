@@ -99,15 +99,13 @@ impl External {
         {
             return Err(fault("time-step and interval are times above zero, in seconds".into()));
         }
-        let known =
-            External { name: "", here: folder_of(file).map_err(|error| fault(error.to_string()))?, description };
-        let program = known.program();
+        let here = folder_of(file).map_err(|error| fault(error.to_string()))?;
+        let program = program_of(&description, &here);
         if locate(OsStr::new(&program)).is_none() {
             return Err(fault(format!(
                 "there is no program '{program}'; give a name on PATH, or a path, where {{here}} is the folder of this file"
             )));
         }
-        let External { here, description, .. } = known;
         // Codes are known by names that live as long as the program; one is judged at a time.
         let name = Box::leak(shown(&description.name, false).into_owned().into_boxed_str());
         Ok(External { name, description, here })
@@ -226,7 +224,7 @@ impl Code for External {
             let path = folder.join(name);
             std::fs::write(&path, bytes).map_err(|source| io(&path, source))?;
         }
-        let program = self.program();
+        let program = program_of(&self.description, &self.here);
         let arguments: Vec<OsString> = self.description.command[1..].iter().map(|word| self.fill(word, job)).collect();
         let clock = Instant::now();
         Run {
@@ -247,11 +245,9 @@ impl Code for External {
     }
 }
 
-impl External {
-    /// The program, with the folder of the description filled in.
-    fn program(&self) -> String {
-        self.description.command[0].replace("{here}", &self.here.display().to_string())
-    }
+/// The program, with the folder of the description filled in.
+fn program_of(description: &Description, here: &Path) -> String {
+    description.command[0].replace("{here}", &here.display().to_string())
 }
 
 /// The folder in which a file lies, from the root.

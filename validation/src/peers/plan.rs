@@ -1,7 +1,10 @@
 //! The run as steps: when frames are taken and when walls start and stop.
 
+use super::Job;
 use crate::plan::Scene;
+use crate::recording::Recording;
 use makadam::scene::Motion;
+use makadam::snapshot::Snapshot;
 
 /// Time between the frames before measuring begins, s.
 const COARSE_INTERVAL: f64 = 0.25;
@@ -47,6 +50,32 @@ impl Plan {
             None => steps,
         };
         Plan { time_step, steps, fine, coarse, fine_from }
+    }
+
+    /// The frames of a run of this plan by an explicit code, on one core, with where they came from.
+    pub fn recording(
+        &self,
+        code: &str,
+        version: String,
+        job: &Job<'_>,
+        wall_seconds: f64,
+        frames: Vec<Snapshot>,
+    ) -> Recording {
+        Recording {
+            scene: job.scene.name.clone(),
+            code: code.into(),
+            version,
+            seed: job.seed,
+            time_step: self.time_step,
+            rayleigh_fraction: Some(job.rayleigh_fraction),
+            stiffness_factor: job.stiffness_factor,
+            threads: 1,
+            wall_seconds,
+            simulated_seconds: self.steps as f64 * self.time_step,
+            frames,
+            lacks: Vec::new(),
+            alarms: Vec::new(),
+        }
     }
 
     /// Steps at which frames are taken, rising, the last one at the end.

@@ -204,21 +204,7 @@ impl Code for Yade {
         read_driven_walls(&bytes, &driven, &mut frames).map_err(|what| problem(&driven_path, what))?;
         let _ = (std::fs::remove_file(&frames_path), std::fs::remove_file(&driven_path));
         (job.progress)(1.0);
-        Ok(Recording {
-            scene: scene.name.clone(),
-            code: NAME.into(),
-            version,
-            seed: job.seed,
-            time_step: plan.time_step,
-            rayleigh_fraction: Some(job.rayleigh_fraction),
-            stiffness_factor: job.stiffness_factor,
-            threads: 1,
-            wall_seconds: result.seconds,
-            simulated_seconds: plan.steps as f64 * plan.time_step,
-            frames,
-            lacks: Vec::new(),
-            alarms: Vec::new(),
-        })
+        Ok(plan.recording(NAME, version, job, result.seconds, frames))
     }
 }
 
