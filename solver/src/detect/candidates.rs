@@ -4,6 +4,7 @@ use super::CellGrid;
 use super::drift::Drift;
 use super::impulses::{AngularImpulse, ContactImpulses, Impulse, ImpulsesOfTask};
 use super::memory::{OldList, Remembered, resize};
+use super::reach::{Row, for_each_on_the_way};
 use super::search::{Found, PairSearch, WallSearch};
 use crate::lanes::{Available, LANES, TaskSlots};
 use crate::partition::{BoxGrid, DIRECTIONS, Plan, PlannedTask};
@@ -170,23 +171,13 @@ impl Candidates {
         let poses: Vec<Pose> = world.walls.poses_over(world.time, self.step).collect();
         let (walls, met) = (world.walls.placed(&poses), Mutex::new(Vec::new()));
         team.each(Phase::Detect, chunks(world.grains()), |number| {
-            let places = chunk(number, world.grains());
             let mut own = Vec::new();
-            for ((place, sphere), body) in places.clone().zip(&world.spheres[places.clone()]).zip(&world.bodies[places])
-            {
-                let velocity = body.velocity.into();
-                let (centre, radius) = (&sphere.centre, sphere.radius);
-                let path = |pose: &Pose| pose.longest_path(centre, &velocity, self.step);
-                walls.for_each_near(
-                    centre,
-                    |pose| path(pose) + radius,
-                    |surface, face| {
-                        if face.is_swept(centre, radius, &velocity, self.step) {
-                            own.push((place as u32, surface));
-                        }
-                    },
-                );
-            }
+            let row = Row::of(world, chunk(number, world.grains()));
+            for_each_on_the_way(row, &walls, self.step, |(place, sphere, body), (surface, face)| {
+                if face.is_swept(&sphere.centre, sphere.radius, &body.velocity.into(), self.step) {
+                    own.push((place as u32, surface));
+                }
+            });
             met.lock().expect("no task panics while it looks").extend(own);
         });
         let mut met = met.into_inner().expect("no task panics while it looks");

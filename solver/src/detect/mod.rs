@@ -10,6 +10,7 @@ mod drift;
 mod grid;
 mod impulses;
 mod memory;
+mod reach;
 mod search;
 
 pub(crate) use candidates::CandidateList;
@@ -17,3 +18,4 @@ pub use candidates::{Candidates, PairCandidate, WallCandidate};
 pub use grid::CellGrid;
 pub(crate) use impulses::ImpulsesOfTask;
 pub use impulses::{AngularImpulse, ContactImpulses, Impulse};
+pub(crate) use reach::{Row, for_each_on_the_way};

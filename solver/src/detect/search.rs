@@ -1,12 +1,12 @@
 //! The search of one box: pairs of grains, and grains and faces of walls, that may touch before the list is built anew.
 
 use super::grid::{CellGrid, Neighbourhood};
+use super::reach::{Crowd, Row};
 use super::{PairCandidate, WallCandidate};
 use crate::lanes::{Kernel, LANES, Lanes, Slots, dot, minus};
 use crate::partition::{DIRECTIONS, SAME_BOX};
 use crate::wall::{PlacedFace, Pose, WallsAt};
 use crate::world::{Body, Sphere, World};
-use nalgebra::Vector3;
 use std::ops::Range;
 
 /// What a box found; its buffers are kept from one search to the next.
@@ -45,42 +45,6 @@ pub(super) struct WallSearch<'a> {
     pub step: f64,
 }
 
-/// The grains of a box, taken together.
-struct Crowd<'a> {
-    places: Range<usize>,
-    spheres: &'a [Sphere],
-    bodies: &'a [Body],
-    /// Middle of a ball that holds their centres, and its radius, m.
-    centre: Vector3<f64>,
-    half: f64,
-    /// Radius of the largest, m.
-    radius: f64,
-    /// Speed of the fastest, m/s.
-    fastest: f64,
-}
-
-impl<'a> Crowd<'a> {
-    fn of(world: &'a World, places: Range<usize>) -> Crowd<'a> {
-        let (spheres, bodies) = (&world.spheres[places.clone()], &world.bodies[places.clone()]);
-        let first = world.wrapped(&spheres[0].centre);
-        let (mut low, mut high, mut radius) = (first, first, 0.0_f64);
-        for sphere in spheres {
-            let centre = world.wrapped(&sphere.centre);
-            low = low.inf(&centre);
-            high = high.sup(&centre);
-            radius = radius.max(sphere.radius);
-        }
-        let (centre, half) = ((low + high) * 0.5, (high - low).norm() * 0.5);
-        let fastest = bodies.iter().map(|body| Vector3::from(body.velocity).norm()).fold(0.0, f64::max);
-        Crowd { places, spheres, bodies, centre, half, radius, fastest }
-    }
-
-    fn grains(&self) -> impl Iterator<Item = (usize, &'a Sphere, &'a Body)> + use<'a> {
-        let grains = self.places.clone().zip(self.spheres).zip(self.bodies);
-        grains.map(|((grain, sphere), body)| (grain, sphere, body))
-    }
-}
-
 impl WallSearch<'_> {
     /// Lists the candidates of the grains at these places: face after face, and grain after grain.
     pub fn run(&self, places: Range<usize>, found: &mut Vec<WallCandidate>) {
@@ -88,7 +52,7 @@ impl WallSearch<'_> {
         if places.is_empty() {
             return;
         }
-        let crowd = Crowd::of(self.world, places);
+        let crowd = Crowd::of(Row::of(self.world, places));
         for (wall, pose, faces) in self.walls.each_wall() {
             if self.walls.has_index(wall) {
                 self.search_index(wall, pose, &crowd, found);
@@ -96,9 +60,9 @@ impl WallSearch<'_> {
             }
             for surface in faces {
                 let face = self.walls.face(surface);
-                let ahead = self.ahead(&crowd, face.largest_speed(&crowd.centre, crowd.half));
+                let ahead = crowd.ahead(face.largest_speed(&crowd.centre, crowd.half), self.step);
                 // Whole boxes are far from most faces.
-                if !self.may_touch(&face, &crowd, ahead) {
+                if !crowd.may_touch(&face, self.skin + ahead) {
                     continue;
                 }
                 for (grain, sphere, body) in crowd.grains() {
@@ -114,7 +78,7 @@ impl WallSearch<'_> {
     /// Lists the same for a wall with an index, which each grain asks for its own faces.
     fn search_index(&self, wall: u32, pose: &Pose, crowd: &Crowd<'_>, found: &mut Vec<WallCandidate>) {
         let start = found.len();
-        let fast = self.ahead(crowd, pose.largest_speed(&crowd.centre, crowd.half)) > 0.0;
+        let fast = crowd.ahead(pose.largest_speed(&crowd.centre, crowd.half), self.step) > 0.0;
         for (grain, sphere, body) in crowd.grains() {
             let touch = sphere.radius + self.skin;
             let velocity = body.velocity.into();
@@ -123,8 +87,8 @@ impl WallSearch<'_> {
             self.walls.for_each_near_of(wall, &sphere.centre, radius, |surface, face| {
                 let near = face.distance(&sphere.centre) < touch;
                 let swept = || {
-                    let ahead = self.ahead(crowd, face.largest_speed(&crowd.centre, crowd.half));
-                    ahead > 0.0 && self.may_touch(face, crowd, ahead) && self.is_swept(face, sphere, body)
+                    let ahead = crowd.ahead(face.largest_speed(&crowd.centre, crowd.half), self.step);
+                    ahead > 0.0 && crowd.may_touch(face, self.skin + ahead) && self.is_swept(face, sphere, body)
                 };
                 if near || (fast && swept()) {
                     found.push(WallCandidate { body: grain as u32, surface });
@@ -134,17 +98,6 @@ impl WallSearch<'_> {
         // In the order in which all faces would have been asked.
         found[start..].sort_unstable_by_key(|one| (one.surface, one.body));
         found.dedup();
-    }
-
-    /// How far the grains of a box may come against a face of a speed (m/s) within a step, m; nothing if none is too fast for the step.
-    fn ahead(&self, crowd: &Crowd<'_>, speed: f64) -> f64 {
-        let path = (crowd.fastest + speed) * self.step;
-        if path > crowd.radius { path } else { 0.0 }
-    }
-
-    /// False if no grain of a box is near enough to a face to be listed.
-    fn may_touch(&self, face: &PlacedFace<'_>, crowd: &Crowd<'_>, ahead: f64) -> bool {
-        face.distance(&crowd.centre) < (crowd.half + crowd.radius + self.skin + ahead) * (1.0 + 1e-9)
     }
 
     fn is_swept(&self, face: &PlacedFace<'_>, sphere: &Sphere, body: &Body) -> bool {

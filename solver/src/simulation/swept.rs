@@ -16,12 +16,14 @@
 
 use super::ledger::WallImpulse;
 use crate::Simulation;
+use crate::detect::{Row, for_each_on_the_way};
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
 use crate::schedule::{Each, Phase, Team};
-use crate::wall::{Impact, Pose, SHORT_WAY, WallsAt};
+use crate::wall::{Impact, PlacedFace, Pose, SHORT_WAY, WallsAt};
 use crate::world::{Body, Sphere, World, by_chunk, chunk, chunk_of, chunks};
 use nalgebra::Vector3;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 type Vector = Vector3<f64>;
 
@@ -128,6 +130,22 @@ impl Pace {
             false => Look::None,
         }
     }
+
+    /// Lists the places of the grains of a row that meet something, of those that are looked at.
+    fn find_impacts(&self, look: Look, row: Row<'_>, walls: &WallsAt<'_>, met: &mut Vec<u32>) {
+        met.clear();
+        if look == Look::None {
+            return;
+        }
+        for_each_on_the_way(row, walls, self.step, |(place, sphere, body), (surface, face)| {
+            let looked_at = look == Look::All || self.is_swift(sphere, body);
+            if looked_at && PathImpact::of(sphere, &body.velocity.into(), surface, face, self.step).is_some() {
+                met.push(place as u32);
+            }
+        });
+        met.sort_unstable();
+        met.dedup();
+    }
 }
 
 /// What a grain comes to first on its path.
@@ -141,31 +159,38 @@ struct PathImpact {
     long: bool,
 }
 
-/// What a grain comes to first on the path that its velocity gives it; of faces that it comes to at once the first.
-fn first_impact(world: &World, walls: &WallsAt<'_>, place: usize, step: f64) -> Option<PathImpact> {
-    let (sphere, velocity) = (&world.spheres[place], Vector::from(world.bodies[place].velocity));
-    let centre = &sphere.centre;
-    let mut first: Option<PathImpact> = None;
-    let radius = |pose: &Pose| pose.longest_path(centre, &velocity, step) + sphere.radius;
-    walls.for_each_near(centre, radius, |surface, face| {
-        let path = face.path(centre, &velocity, step);
+impl PathImpact {
+    /// Where the path of a grain at this velocity (m/s) comes too near to a face, if it does.
+    fn of(sphere: &Sphere, velocity: &Vector, surface: u32, face: &PlacedFace<'_>, step: f64) -> Option<PathImpact> {
+        let (centre, path) = (&sphere.centre, face.path(&sphere.centre, velocity, step));
         let (length, distance) = (path.norm(), face.distance(centre));
         // Behind a plane a grain is pushed back, however deep.
         if distance > length + sphere.radius || distance <= 0.0 {
-            return;
+            return None;
         }
         let long = length > SHORT_WAY * sphere.radius;
         let level = match long {
             true => LONG_LEVEL * distance.min(sphere.radius),
             false if distance < SHORT_WAY * sphere.radius => SHORT_LEVEL * distance,
-            false => return,
+            false => return None,
         };
         // Past a rim a path may come to a face that it did not come near before.
         let impact = face.time_of_impact(centre, &path, level).or_else(|| face.time_of_impact(centre, &path, 0.0));
-        let sooner =
-            |at: &Impact| first.as_ref().is_none_or(|first| (at.share, surface) < (first.at.share, first.surface));
-        if let Some(at) = impact.filter(sooner) {
-            first = Some(PathImpact { surface, at, distance, long });
+        impact.map(|at| PathImpact { surface, at, distance, long })
+    }
+}
+
+/// What a grain comes to first on the path that its velocity gives it; of faces that it comes to at once the first.
+fn first_impact(world: &World, walls: &WallsAt<'_>, place: usize, step: f64) -> Option<PathImpact> {
+    let (sphere, velocity) = (&world.spheres[place], Vector::from(world.bodies[place].velocity));
+    let mut first: Option<PathImpact> = None;
+    let radius = |pose: &Pose| pose.longest_path(&sphere.centre, &velocity, step) + sphere.radius;
+    walls.for_each_near(&sphere.centre, radius, |surface, face| {
+        let sooner = |impact: &PathImpact| {
+            first.as_ref().is_none_or(|first| (impact.at.share, surface) < (first.at.share, first.surface))
+        };
+        if let Some(impact) = PathImpact::of(sphere, &velocity, surface, face, step).filter(sooner) {
+            first = Some(impact);
         }
     });
     first
@@ -237,26 +262,43 @@ impl Simulation {
 
     /// Moves the grains by a step; unless that was done ahead, stops those at walls that are too fast for it.
     pub(crate) fn move_grains(&mut self, stopped: bool, team: &Team) {
-        let Simulation { world, swept, settings, .. } = self;
-        let (h, grains) = (settings.step, world.grains());
-        let pace = (!stopped).then(|| Pace::of(world, h));
-        let World { spheres, bodies, .. } = world;
-        swept.look.clear();
-        swept.look.resize(chunks(grains), Look::None);
-        let shares = (by_chunk(&mut spheres[..grains]), Each::of(&mut swept.look));
-        team.each_with(Phase::Integrate, chunks(grains), shares, |number, (spheres, look)| {
-            let bodies = &bodies[chunk(number, grains)];
-            *look = pace.map_or(Look::None, |pace| pace.look(spheres, bodies));
-            if *look == Look::None {
-                move_by(spheres, bodies, h);
+        let (h, grains) = (self.settings.step, self.world.grains());
+        let pace = (!stopped).then(|| Pace::of(&self.world, h));
+        if !stopped {
+            self.place_walls();
+        }
+        let Simulation { world, swept, .. } = self;
+        let World { spheres, bodies, walls, period, domain, .. } = world;
+        let Swept { poses, look, met, .. } = swept;
+        let walls = walls.placed(poses);
+        look.clear();
+        look.resize(chunks(grains), Look::None);
+        met.resize_with(chunks(grains), Vec::new);
+        let swift = AtomicBool::new(false);
+        let shares = (by_chunk(&mut spheres[..grains]), (Each::of(look), Each::of(met)));
+        // What meets nothing moves at once, while it is at hand.
+        team.each_with(Phase::Integrate, chunks(grains), shares, |number, (spheres, (look, met))| {
+            let places = chunk(number, grains);
+            let bodies = &bodies[places.clone()];
+            if let Some(pace) = pace {
+                *look = pace.look(spheres, bodies);
+                swift.fetch_or(*look == Look::Swift, Relaxed);
+                let row = Row { first: places.start, spheres, bodies, period, low: &domain.0 };
+                pace.find_impacts(*look, row, &walls, met);
+                if !met.is_empty() {
+                    return;
+                }
+                *look = Look::None;
             }
+            move_by(spheres, bodies, h);
         });
         let Some(pace) = pace else { return };
-        swept.slow_at = (!swept.look.contains(&Look::Swift)).then_some(pace.walls);
-        if swept.slow_at.is_some() {
+        self.swept.slow_at = (!swift.into_inner()).then_some(pace.walls);
+        let waiting: Vec<usize> =
+            (0..chunks(grains)).filter(|&number| self.swept.look[number] == Look::Swift).collect();
+        if waiting.is_empty() {
             return;
         }
-        let waiting: Vec<usize> = (0..chunks(grains)).filter(|&number| swept.look[number] == Look::Swift).collect();
         self.stop_at_walls(pace, team);
         let World { spheres, bodies, .. } = &mut self.world;
         for places in waiting.into_iter().map(|number| chunk(number, grains)) {
@@ -264,14 +306,16 @@ impl Simulation {
         }
     }
 
+    /// Keeps how the walls go through the step.
+    fn place_walls(&mut self) {
+        let (world, poses) = (&self.world, &mut self.swept.poses);
+        poses.clear();
+        poses.extend((0..world.walls.count() as u32).map(|wall| world.pose_through(wall, self.settings.step)));
+    }
+
     /// Stops the grains that are looked at.
     fn stop_at_walls(&mut self, pace: Pace, team: &Team) {
-        let h = self.settings.step;
-        self.swept.poses.clear();
-        if self.swept.look.iter().any(|look| *look != Look::None) {
-            let poses = (0..self.world.walls.count() as u32).map(|wall| self.world.pose_through(wall, h));
-            self.swept.poses.extend(poses);
-        }
+        self.place_walls();
         for round in 0..=ROUNDS {
             self.find_impacts(pace, team);
             let met = std::mem::take(&mut self.swept.met);
@@ -290,21 +334,12 @@ impl Simulation {
 
     /// Looks for grains that meet something.
     fn find_impacts(&mut self, pace: Pace, team: &Team) {
-        let Simulation { world, swept, settings, .. } = self;
+        let Simulation { world, swept, .. } = self;
         let Swept { poses, look, met, .. } = swept;
         met.resize_with(look.len(), Vec::new);
-        let (walls, h) = (world.walls.placed(poses), settings.step);
+        let walls = world.walls.placed(poses);
         team.each_with(Phase::Integrate, look.len(), Each::of(met), |number, met| {
-            met.clear();
-            if look[number] == Look::None {
-                return;
-            }
-            for place in chunk(number, world.grains()) {
-                let looked_at = look[number] == Look::All || pace.is_swift(&world.spheres[place], &world.bodies[place]);
-                if looked_at && first_impact(world, &walls, place, h).is_some() {
-                    met.push(place as u32);
-                }
-            }
+            pace.find_impacts(look[number], Row::of(world, chunk(number, world.grains())), &walls, met);
         });
     }
 
