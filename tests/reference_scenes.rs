@@ -25,7 +25,7 @@ fn simulate(scene: &Scene, file: &Path, seeds: u64) -> Vec<MeasuredRun> {
             time_limit: Duration::MAX,
             progress: &|_| {},
         };
-        Harvest::of(scene, &Makadam.simulate(&job).unwrap(), String::new()).run
+        Harvest::of(scene, &Makadam.simulate(&job).unwrap(), "", String::new()).run
     };
     (1..=seeds).map(one).collect()
 }

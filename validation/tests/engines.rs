@@ -39,6 +39,7 @@ fn run(setting: &str, seed: u64, scene: &Scene) -> KeptRun {
         run: MeasuredRun {
             code: "Rapier".into(),
             version: "an engine 1.2".into(),
+            contact_law: String::new(),
             seed,
             time_step: 1e-3,
             rayleigh_fraction: None,

@@ -171,7 +171,7 @@ fn grains_on_slopes_belts_lifts_and_in_drums() {
         // Rolling down a rough slope: 5/7 of the gravity along it; two sevenths of the pull go through friction.
         close(code, "speed on the rough slope", velocity(last, 0).dot(&down), 5.0 / 7.0 * GRAVITY * sine * time, 0.005);
         let touch = contact(last, 0, 0);
-        // Nothing damps the tangential spring, so that friction swings about its mean.
+        // The tangential spring is damped, yet friction swings about its mean for some frames.
         let frames = &recording.frames[20..];
         let pull = |frame: &Snapshot| Vector3::from(contact(frame, 0, 0).tangential_force).dot(&down) / weight;
         let mean = frames.iter().map(pull).sum::<f64>() / frames.len() as f64;

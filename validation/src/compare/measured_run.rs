@@ -3,6 +3,7 @@
 use super::FinalState;
 use crate::observables::Series;
 use crate::observables::{ForcePool, Measurement, measure, series};
+use crate::peers::UNDAMPED_TANGENT;
 use crate::plan::Scene;
 use crate::provenance::processor;
 use crate::recording::{Noticed, Recording};
@@ -17,6 +18,9 @@ pub struct MeasuredRun {
     pub version: String,
     /// Seed of the initial positions.
     pub seed: u64,
+    /// The law of its contacts ([`Code::contact_law`](crate::peers::Code::contact_law)).
+    #[serde(default = "earlier_law")]
+    pub contact_law: String,
     /// Time step, s.
     pub time_step: f64,
     /// Time step over the Rayleigh step, for explicit codes.
@@ -36,6 +40,11 @@ pub struct MeasuredRun {
     /// What was measured; a line of `runs.csv` does not say it.
     #[serde(default)]
     pub measurements: Vec<Measurement>,
+}
+
+/// The law of runs that were recorded before it was noted.
+fn earlier_law() -> String {
+    UNDAMPED_TANGENT.into()
 }
 
 impl MeasuredRun {
@@ -60,14 +69,15 @@ pub struct Harvest {
 }
 
 impl Harvest {
-    /// Measures a recording that ended at `date` on this machine.
-    pub fn of(scene: &Scene, recording: &Recording, date: String) -> Harvest {
+    /// Measures a recording under a law of contacts that ended at `date` on this machine.
+    pub fn of(scene: &Scene, recording: &Recording, contact_law: &str, date: String) -> Harvest {
         let mut forces = ForcePool::new(&recording.code);
         forces.add_recording(scene, recording);
         Harvest {
             run: MeasuredRun {
                 code: recording.code.clone(),
                 version: recording.version.clone(),
+                contact_law: contact_law.into(),
                 seed: recording.seed,
                 time_step: recording.time_step,
                 rayleigh_fraction: recording.rayleigh_fraction,

@@ -139,6 +139,7 @@ impl Recorder<'_> {
         reference.missing(&Wanted {
             code: code.name(),
             version: code.version().as_deref(),
+            contact_law: code.contact_law(),
             scene_hash: hash,
             rayleigh_fraction: self.rayleigh_fraction,
             stiffness_factor: self.stiffness_factor,

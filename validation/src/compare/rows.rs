@@ -177,6 +177,7 @@ mod tests {
         let run = |(index, &value): (usize, &f64)| MeasuredRun {
             code: name.into(),
             version: "1".into(),
+            contact_law: String::new(),
             seed: index as u64 + 1,
             time_step: 1e-3,
             rayleigh_fraction: None,

@@ -65,7 +65,7 @@ impl Runs<'_> {
     /// # Errors
     /// [`CodeError`]; what the code wrote is kept then.
     pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
-        let name = self.file_stem(code.name(), seed);
+        let name = self.file_stem(code, seed);
         let kept = self.recordings.as_ref().map(|folder| folder.join(format!("{name}.rec")));
         let mut again = String::new();
         if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
@@ -74,7 +74,7 @@ impl Runs<'_> {
                 // Versions do not mix: what another one left behind is run again, unless no code is there to run.
                 Ok(recording) if installed.as_ref().is_none_or(|installed| *installed == recording.version) => {
                     let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
-                    return Ok(Harvest::of(scene, &recording, utc(ended)));
+                    return Ok(Harvest::of(scene, &recording, code.contact_law(), utc(ended)));
                 }
                 Ok(recording) => again = format!(" (again: recorded with {})", recording.version),
                 Err(error) if installed.is_none() => return Err(error.into()),
@@ -103,7 +103,7 @@ impl Runs<'_> {
         }
         // The raw output of a run that ended well is in the recording; a folder that stays does no harm.
         let _ = std::fs::remove_dir_all(&work_folder);
-        Ok(Harvest::of(scene, &recording, utc(SystemTime::now())))
+        Ok(Harvest::of(scene, &recording, code.contact_law(), utc(SystemTime::now())))
     }
 
     /// A recording that is kept, if it is the one that its name says.
@@ -118,11 +118,13 @@ impl Runs<'_> {
     }
 
     /// Name of a recording without its extension; the hash tells the scene from what it was before a change.
-    fn file_stem(&self, code: &str, seed: u64) -> String {
+    fn file_stem(&self, code: &dyn Code, seed: u64) -> String {
+        let law = Some(code.contact_law()).filter(|law| !law.is_empty());
+        let law = law.map_or_else(String::new, |law| format!("-{}", file_stem(law)));
         format!(
-            "{}-{}-s{seed}-f{}-e{}-{}",
+            "{}-{}-s{seed}-f{}-e{}-{}{law}",
             file_stem(&self.scene.name),
-            code.to_lowercase(),
+            code.name().to_lowercase(),
             self.rayleigh_fraction,
             self.stiffness_factor,
             physics_hash(self.scene)

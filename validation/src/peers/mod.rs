@@ -28,6 +28,12 @@ use ::makadam::scene::Shape;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+/// Hertz's spring and Mindlin's, both damped for the restitution of the scene: what explicit codes do where nothing else is said.
+pub const HERTZ_MINDLIN: &str = "Hertz-Mindlin, damped";
+
+/// What decks of earlier versions said: the tangential spring without damping.
+pub const UNDAMPED_TANGENT: &str = "Hertz-Mindlin, tangent undamped";
+
 /// One run that is asked of a code.
 pub struct Job<'a> {
     /// The scene, its stiffness already scaled by `stiffness_factor`.
@@ -54,6 +60,11 @@ pub trait Code: Sync {
     fn name(&self) -> &'static str;
     /// Its version, or `None` if it is not installed.
     fn version(&self) -> Option<String>;
+    /// The law of its contacts as it is told here; empty where the code has one of its own alone. Runs under one are not mixed with runs
+    /// under another.
+    fn contact_law(&self) -> &'static str {
+        ""
+    }
     /// Writes the files from which it runs the scene into the job's folder, and returns the command that runs it there.
     ///
     /// # Errors

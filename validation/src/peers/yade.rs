@@ -5,7 +5,7 @@ use super::palette::Palette;
 use super::plan::{MotionPhase, Plan};
 use super::process::{self, Program, Run, io};
 use super::yade_rolling::{Rolling, rolling};
-use super::{Code, CodeError, Job};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job};
 use crate::import::{contact_from_force, measurable, merge_wall_contacts};
 use crate::recording::Recording;
 use crate::scenes::in_file;
@@ -90,6 +90,8 @@ struct GrainEntry<'a> {
 #[derive(Serialize)]
 struct WallEntry {
     material: usize,
+    /// Whether the triangles stand for a curved surface.
+    curved: bool,
     triangles: Vec<Triangle>,
     motions: Vec<MotionEntry>,
     /// Absent where no force drives it.
@@ -147,6 +149,10 @@ pub fn read_result(bytes: &[u8]) -> Result<RunResult, String> {
 impl Code for Yade {
     fn name(&self) -> &'static str {
         NAME
+    }
+
+    fn contact_law(&self) -> &'static str {
+        HERTZ_MINDLIN
     }
 
     fn version(&self) -> Option<String> {
@@ -285,9 +291,11 @@ fn job_file<'a>(
         walls: scene
             .wall
             .iter()
-            .map(|wall| WallEntry {
+            .map(|wall| (wall, wall_mesh(&wall.shape, &scene.domain, smallest)))
+            .map(|(wall, mesh)| WallEntry {
                 material: palette.index(&wall.material, true),
-                triangles: wall_mesh(&wall.shape, &scene.domain, smallest).triangles,
+                curved: mesh.bend > 0.0,
+                triangles: mesh.triangles,
                 motions: plan
                     .phases(&wall.motion)
                     .iter()

@@ -22,12 +22,27 @@ with open(sys.argv[1]) as file:
 O.dt = job["time_step"]
 
 # Materials; a pair's friction and restitution come from tables, not from the materials' own values.
-materials = [
-    O.materials.append(FrictMat(young=m["young"], poisson=m["poisson"], density=m["density"], frictionAngle=0.0))
-    for m in job["materials"]
-]
+def append_material(m):
+    return O.materials.append(
+        FrictMat(young=m["young"], poisson=m["poisson"], density=m["density"], frictionAngle=0.0)
+    )
+
+
+materials = [append_material(m) for m in job["materials"]]
 friction = [(materials[a], materials[b], angle) for a, b, angle, _ in job["pairs"]]
 restitution = [(materials[a], materials[b], e) for a, b, _, e in job["pairs"]]
+# Tangential damping follows the normal one, as the code has it, but for curved walls: a grain that slips from facet to facet would be
+# damped by each new one without a cap until its spring is as strong as friction.
+tangential = list(restitution)
+curved = {}
+for index in sorted({wall["material"] for wall in job["walls"] if wall["curved"]}):
+    curved[index] = append_material(job["materials"][index])
+    for a, b, angle, e in job["pairs"]:
+        if index in (a, b):
+            pair = (materials[a + b - index], curved[index])
+            friction.append((*pair, angle))
+            restitution.append((*pair, e))
+            tangential.append((*pair, 1.0))
 
 # Rolling resistance and cohesion: one number each for all contacts.
 effects = job["rolling"] or {}
@@ -46,8 +61,9 @@ wall_of = {}
 motions = []
 drives = []
 for index, wall in enumerate(job["walls"]):
+    material = (curved if wall["curved"] else materials)[wall["material"]]
     ids = [
-        O.bodies.append(facet([Vector3(*corner) for corner in triangle], material=materials[wall["material"]]))
+        O.bodies.append(facet([Vector3(*corner) for corner in triangle], material=material))
         for triangle in wall["triangles"]
     ]
     for id in ids:
@@ -105,8 +121,7 @@ O.engines = (
             [
                 Ip2_FrictMat_FrictMat_MindlinPhys(
                     en=MatchMaker(matches=restitution, algo="val", val=0.5),
-                    # No tangential damping, as in the other codes; absent, it would follow `en`.
-                    es=MatchMaker(matches=[], algo="val", val=1.0),
+                    es=MatchMaker(matches=tangential, algo="val", val=0.5),
                     frictAngle=MatchMaker(matches=friction, algo="val", val=0.0),
                     **effects,
                 )

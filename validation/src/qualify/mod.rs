@@ -223,9 +223,7 @@ impl Case {
             let code = peer.name();
             let missing = || QualifyError::NotRecorded { code: code.into(), scene: name.into() };
             case.recorded.push(reference.code(code).ok_or_else(missing)?);
-            if reference.is_current(code, &case.scene) == Some(false) {
-                case.notes.push(format!("the scene has changed since {code} was recorded: record anew"));
-            }
+            case.notes.extend(reference.out_of_date(code, peer.contact_law(), &case.scene));
         }
         Ok(case)
     }

@@ -99,7 +99,7 @@ impl OneScene<'_> {
                 }
                 live.push(code);
             } else {
-                recorded.push(from_reference(code.name(), reference.as_ref(), scene, &mut notes)?);
+                recorded.push(from_reference(code.as_ref(), reference.as_ref(), scene, &mut notes)?);
             }
         }
         let simulated: Vec<_> = live.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
@@ -140,17 +140,16 @@ impl OneScene<'_> {
 
 /// What is recorded of a code, or an error that says how to get it.
 fn from_reference(
-    code: &'static str,
+    code: &dyn Code,
     reference: Option<&Reference>,
     scene: &Scene,
     notes: &mut Vec<String>,
 ) -> Result<CodeRuns, JudgeError> {
+    let (code, contact_law) = (code.name(), code.contact_law());
     let Some(runs) = reference.and_then(|reference| reference.code(code)) else {
         return Err(JudgeError::NotRecorded { code, scene: scene.name.clone() });
     };
     notes.push(format!("{code} was not run: its numbers are the recorded references ({})", runs.provenance));
-    if reference.and_then(|reference| reference.is_current(code, scene)) == Some(false) {
-        notes.push(format!("the scene has changed since {code} was recorded: record anew with --record"));
-    }
+    notes.extend(reference.into_iter().flat_map(|reference| reference.out_of_date(code, contact_law, scene)));
     Ok(runs)
 }

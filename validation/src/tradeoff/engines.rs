@@ -232,6 +232,7 @@ fn read_row(record: &csv::StringRecord, observables: &[&str], origin: &EngineOri
         run: MeasuredRun {
             code: origin.code.clone(),
             version: origin.engine.clone(),
+            contact_law: String::new(),
             seed: text(3).parse().map_err(|_| format!("'{}' is no seed", text(3)))?,
             time_step,
             rayleigh_fraction: None,

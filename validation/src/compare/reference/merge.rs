@@ -6,9 +6,9 @@ use crate::compare::CodeRuns;
 /// Why runs could not be put beside recorded ones. The references are then as they were.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MergeError {
-    /// Runs of another scene, version or time step, or of a seed that is recorded already.
+    /// Runs of another scene, version, contact law or time step, or of a seed that is recorded already.
     #[error(
-        "the run of {code}, seed {seed}, does not go with the recorded ones (scene, version and time step must be the \
+        "the run of {code}, seed {seed}, does not go with the recorded ones (scene, version, contact law and time step must be the \
          same, and the seed a new one); record all anew with --record --again"
     )]
     Unlike {
@@ -47,8 +47,8 @@ impl Reference {
         let name = code.code.clone();
         let recorded: Vec<&MeasuredRun> = self.at(&name, stiffness_factor).collect();
         let goes_with = |new: &MeasuredRun, old: &&MeasuredRun| {
-            let same_step = (&old.version, old.rayleigh_fraction) == (&new.version, new.rayleigh_fraction);
-            old.scene_hash == scene_hash && same_step && old.seed != new.seed
+            let made = |run: &MeasuredRun| (run.version.clone(), run.contact_law.clone(), run.rayleigh_fraction);
+            old.scene_hash == scene_hash && made(old) == made(new) && old.seed != new.seed
         };
         let unlike = code.runs.iter().find(|new| !recorded.iter().all(|old| goes_with(new, old)));
         if let Some(new) = unlike {

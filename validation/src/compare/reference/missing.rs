@@ -9,6 +9,8 @@ pub struct Wanted<'a> {
     pub code: &'a str,
     /// Its version, if it is installed; if not, what is recorded may be of any one version.
     pub version: Option<&'a str>,
+    /// The law of its contacts.
+    pub contact_law: &'a str,
     /// Hash of the scene as it is now ([`physics_hash`](super::physics_hash)).
     pub scene_hash: &'a str,
     /// Time step over the Rayleigh step.
@@ -48,6 +50,9 @@ fn made_otherwise(run: &MeasuredRun, wanted: &Wanted<'_>, version: &str) -> Opti
     if run.version != version {
         return Some(format!("they are of version {}, not {version}", run.version));
     }
+    if run.contact_law != wanted.contact_law {
+        return Some(format!("they are of the contact law '{}', not '{}'", run.contact_law, wanted.contact_law));
+    }
     if run.rayleigh_fraction != Some(wanted.rayleigh_fraction) {
         let recorded = run.rayleigh_fraction.map_or("another share".into(), percent);
         let asked = percent(wanted.rayleigh_fraction);
@@ -74,6 +79,7 @@ mod tests {
         let mut wanted = Wanted {
             code: "YADE",
             version: Some("1.0, Debian"),
+            contact_law: "a law",
             scene_hash: &hash,
             rayleigh_fraction: 0.1,
             stiffness_factor: 1.0,
@@ -108,6 +114,7 @@ mod tests {
         };
         replaced(missing(|wanted| wanted.scene_hash = "another"), "scene has changed");
         replaced(missing(|wanted| wanted.version = Some("2.0")), "version 1.0, Debian, not 2.0");
+        replaced(missing(|wanted| wanted.contact_law = "another"), "contact law 'a law', not 'another'");
         replaced(missing(|wanted| wanted.rayleigh_fraction = 0.2), "10% of the Rayleigh step, and 20%");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `runs.csv` | one line a run: code, version, seed, time step, stiffness, wall time, processor, date, hash of the scene |
+//! | `runs.csv` | one line a run: code, version, contact law, seed, time step, stiffness, wall time, processor, date, hash of the scene |
 //! | `measurements.csv` | one line a run and observable |
 //! | `forces.csv` | distribution of normal forces over their mean, all seeds of a code pooled |
 //! | `series.csv` | observables over time, of each code's first seed |
@@ -74,11 +74,12 @@ impl Reference {
         let fraction =
             first.rayleigh_fraction.map_or(String::new(), |f| format!(" at {:.0}% of the Rayleigh step", 100.0 * f));
         let provenance = format!(
-            "recorded {} on {} with {} {}: {} seeds{fraction}",
+            "recorded {} on {} with {} {} ({}): {} seeds{fraction}",
             days(&listed),
             processors(&listed),
             first.code,
             first.version,
+            first.contact_law,
             runs.len()
         );
         Some(CodeRuns {
@@ -100,6 +101,22 @@ impl Reference {
         let mut runs = self.runs.iter().filter(|run| run.code == code).peekable();
         runs.peek()?;
         Some(runs.all(|run| run.scene_hash == now))
+    }
+
+    /// What makes the recorded runs of a code other ones than would be recorded now under a law of contacts, in words.
+    pub fn out_of_date(&self, code: &str, contact_law: &str, scene: &Scene) -> Vec<String> {
+        let mut reasons = Vec::new();
+        if self.is_current(code, scene) == Some(false) {
+            reasons.push(format!("the scene has changed since {code} was recorded: record anew with --record"));
+        }
+        let mut runs = self.runs.iter().filter(|run| run.code == code);
+        if let Some(other) = runs.find(|run| run.contact_law != contact_law) {
+            reasons.push(format!(
+                "{code} was recorded under the contact law '{}', and a run of today has '{contact_law}': record anew with --record",
+                other.contact_law
+            ));
+        }
+        reasons
     }
 
     /// Runs of a code at one stiffness, in the order of their seeds.

@@ -8,6 +8,7 @@ pub(super) fn sample() -> (Scene, Reference) {
     let run = |code: &str, seed, factor| MeasuredRun {
         code: code.into(),
         version: "1.0, Debian".into(),
+        contact_law: "a law".into(),
         seed,
         time_step: 1.23456e-5,
         rayleigh_fraction: Some(0.1),
@@ -88,6 +89,10 @@ fn stiff_runs_of_a_scene_that_has_changed_are_noticed() {
     assert_eq!(reference.is_current("YADE", &scene), Some(false));
     assert_eq!(reference.is_current("LIGGGHTS", &scene), Some(true));
     assert_eq!(reference.is_current("Makadam", &scene), None);
+    assert!(reference.out_of_date("LIGGGHTS", "a law", &scene).is_empty());
+    let reasons = reference.out_of_date("YADE", "another law", &scene);
+    assert_eq!(reasons.len(), 2, "{reasons:?}");
+    assert!(reasons[1].contains("under the contact law 'a law'"), "{reasons:?}");
 }
 
 /// Numbers are written as they were read, so that recording one code leaves the lines of another alone.

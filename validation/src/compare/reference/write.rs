@@ -35,12 +35,13 @@ impl Reference {
     }
 
     fn run_lines(&self) -> Result<File, DocumentError> {
-        let columns = "code version seed time_step rayleigh_fraction stiffness_factor wall_seconds simulated_seconds processor date \
+        let columns = "code version contact_law seed time_step rayleigh_fraction stiffness_factor wall_seconds simulated_seconds processor date \
                        scene_hash";
         let cells = |run: &MeasuredRun| {
             cells![
                 &run.code,
                 &run.version,
+                &run.contact_law,
                 run.seed,
                 rounded(run.time_step),
                 run.rayleigh_fraction,
@@ -104,8 +105,8 @@ impl Reference {
         let mut text = format!(
             "# Recorded references of `{}`\n\nWhat YADE and LIGGGHTS measured on this scene. Every run started from the \
              grains that Makadam places for its seed, ran on one core, and was measured by the same code that measures \
-             Makadam.\n\n| code | version | stiffness | seeds | time step (s) | of the Rayleigh step | processor | date |\n\
-             | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+             Makadam.\n\n| code | version | contact law | stiffness | seeds | time step (s) | of the Rayleigh step | processor | date |\n\
+             | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
             scene.name
         );
         let mut kinds: Vec<(&str, f64)> =
@@ -117,8 +118,9 @@ impl Reference {
             let stiffness = if factor == 1.0 { "E".to_string() } else { format!("{factor} E") };
             let fraction = first.rayleigh_fraction.map_or("-".to_string(), |f| format!("{:.0}%", 100.0 * f));
             text += &format!(
-                "| {code} | {} | {stiffness} | {} | {:.3e} | {fraction} | {} | {} |\n",
+                "| {code} | {} | {} | {stiffness} | {} | {:.3e} | {fraction} | {} | {} |\n",
                 first.version,
+                first.contact_law,
                 runs.len(),
                 first.time_step,
                 processors(&runs),

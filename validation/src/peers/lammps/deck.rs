@@ -18,13 +18,10 @@ pub(super) const PAIR_COLUMNS: usize = 8;
 /// Columns of the dump of contacts with a surface: id, force on the grain, point on the surface.
 pub(super) const WALL_COLUMNS: usize = 7;
 
-/// Damping of the tangential spring over what other codes have it be: that of the normal spring at its stiffness. Off, as in their decks.
-const TANGENTIAL_DAMPING: f64 = 0.0;
-
-/// What the tangential spring remembers. Without damping a displacement, as in LIGGGHTS. With damping a force, as in YADE: a displacement
-/// that slides keeps what damping leaves of the cap, and falls short of the cap while the contact unloads. In `packing`, damped, friction
-/// mobilisation is then 0.368 ± 0.002 where it is 0.397 ± 0.003 with a force and 0.401 ± 0.003 in LIGGGHTS.
-const TANGENTIAL: &str = if TANGENTIAL_DAMPING > 0.0 { "mindlin/force" } else { "mindlin" };
+/// What the tangential spring remembers: a force, as in YADE. With a displacement, which LIGGGHTS keeps, a contact that slides keeps what
+/// damping leaves of the cap, and falls short of the cap while it unloads: in `packing` friction mobilisation is then 0.368 ± 0.002 where
+/// it is 0.397 ± 0.003 with a force and 0.401 ± 0.003 in LIGGGHTS.
+const TANGENTIAL: &str = "mindlin/force";
 
 /// Overlap, over the radius, at which the spring against rolling is as stiff as the tangential spring times the effective radius squared:
 /// here the stiffness is a constant. Where rolling goes on the cap alone counts.
@@ -141,8 +138,9 @@ impl<'a> Laws<'a> {
     fn of(&self, a: usize, b: usize, pair: &ContactCoefficients, at_wall: bool) -> String {
         let (normal, shear) = (self.effective(a, b, softness), self.effective(a, b, shear_softness));
         let (stiffness, tangential) = (4.0 / 3.0 * normal, 8.0 * shear);
-        // Over the coefficient of the normal spring 2 E* a, the root of the ratio of both springs.
-        let damping = TANGENTIAL_DAMPING * (4.0 * shear / normal).sqrt();
+        // As the other codes have it, that of the normal spring at the tangential stiffness: over the coefficient of the normal spring
+        // 2 E* a, the root of the ratio of both springs.
+        let damping = (4.0 * shear / normal).sqrt();
         let ContactCoefficients { friction, restitution, rolling_friction, .. } = pair;
         let mut law = format!(
             "hertz {stiffness:.17e} {restitution:.17e} damping coeff_restitution \

@@ -62,13 +62,13 @@ fn deck(
     text += &neighbours(scene, grains);
 
     properties(&mut text, palette)?;
-    // Off: a limited force changes restitution (0.3 becomes 0.4). No tangential damping, as in the other codes.
+    // Off: a limited force changes restitution (0.3 becomes 0.4). Everything else as the code has it, tangential damping too.
     // Of its rolling models epsd2 alone has a static branch without a viscous part; its cap is mu_r R* F_n, as ours.
     let model = match palette.pairs().any(|(_, _, pair)| pair.rolling_friction > 0.0) {
         true => "model hertz tangential history rolling_friction epsd2",
         false => "model hertz tangential history",
     };
-    let settings = "tangential_damping off limitForce off";
+    let settings = "limitForce off";
     let _ = writeln!(text, "pair_style gran {model} {settings}\npair_coeff * *\ntimestep {:.17e}", plan.time_step);
     let gravity = Vector3::from(scene.gravity);
     if let Some(direction) = gravity.try_normalize(0.0) {

@@ -6,7 +6,7 @@ use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
 use super::mesh::{Mesh, wall_mesh};
 use super::plan::Plan;
 use super::process::Program;
-use super::{Code, CodeError, Job};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::Recording;
@@ -48,6 +48,10 @@ impl Liggghts {
 impl Code for Liggghts {
     fn name(&self) -> &'static str {
         NAME
+    }
+
+    fn contact_law(&self) -> &'static str {
+        HERTZ_MINDLIN
     }
 
     fn version(&self) -> Option<String> {

@@ -424,6 +424,7 @@ pub fn kept() -> KeptRun {
         run: MeasuredRun {
             code: "Makadam".into(),
             version: "0.2.0".into(),
+            contact_law: "a law".into(),
             seed: 1,
             time_step: 5e-4,
             rayleigh_fraction: None,
