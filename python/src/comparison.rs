@@ -112,7 +112,7 @@ pub fn compare_runs<'py>(
     let found = Reference::of_scene(&scene.file).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
     let recordings: Vec<_> = runs.iter().map(|run| run.recording.clone()).collect();
     let harvests = py.detach(|| {
-        recordings.iter().map(|run| Harvest::of(&scene.plan, run, utc(SystemTime::now()))).collect::<Vec<_>>()
+        recordings.iter().map(|run| Harvest::of(&scene.plan, run, "", utc(SystemTime::now()))).collect::<Vec<_>>()
     });
     let name = recordings.first().map_or("Makadam", |run| run.code.as_str());
     let mut measured =
