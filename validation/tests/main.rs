@@ -11,6 +11,7 @@ mod lammps;
 mod measured_bits;
 mod measured_frames;
 mod observables;
+mod on_record;
 mod peers;
 mod peers_live;
 mod pictures;

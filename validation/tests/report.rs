@@ -3,8 +3,7 @@
 use crate::support::sample;
 use makadam_validation::compare::{CodeSummary, Comparison, Row, Source, Timing};
 use makadam_validation::report::{
-    Changes, Qualification, REPORT_VERSION, ReportDocument, Standing, TestName, comparison_table, read, speed_sentence,
-    write,
+    Changes, Qualification, REPORT_VERSION, ReportDocument, Standing, comparison_table, read, speed_sentence, write,
 };
 use makadam_validation::statistics::Outcome;
 use makadam_validation::study::DocumentError;
@@ -468,27 +467,6 @@ fn published_laws_stand_beside_the_verdict_and_not_in_it() {
     }
     let without = page(&Qualification { laws: Vec::new(), ..qualification });
     assert!(!without.contains("Published laws") && without.contains("This report contains none"));
-}
-
-#[test]
-fn a_test_on_record_that_was_not_made_is_no_pass() {
-    let whole = all(Outcome::Agree);
-    assert_eq!(whole.verdict().standing, Standing::Agree);
-    let row = whole.comparisons[0].rows.iter().find(|row| row.reference_code.is_some()).expect("a pair");
-    let test = TestName {
-        scene: row.scene.clone(),
-        observable: row.observable.clone(),
-        reference_code: row.reference_code.clone().expect("a reference"),
-    };
-    let on_record = vec![test.clone(), TestName { observable: "packing_factor".into(), ..test }];
-    let verdict = Qualification { on_record: on_record.clone(), ..whole.clone() }.verdict();
-    assert_eq!((verdict.standing, verdict.not_measured), (Standing::NotMeasured, 1));
-    assert!(verdict.sentence.contains("A test on record was not made: packing_factor of"), "{}", verdict.sentence);
-    // A margin that is gone is a test that is gone.
-    let mut bare = Qualification { on_record: on_record[..1].to_vec(), ..whole };
-    bare.comparisons[0].rows.iter_mut().for_each(|row| row.margin = None);
-    assert_eq!(bare.lost().len(), 1);
-    assert_ne!(bare.verdict().standing, Standing::Agree);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The tests of a qualification as JUnit XML, for whatever collects the results of tests.
 
+use super::on_record::Lost;
 use super::qualification::Qualification;
 use super::words;
 use crate::compare::Row;
@@ -23,8 +24,9 @@ pub(super) fn document(qualification: &Qualification) -> Result<String, quick_ju
     let lost = qualification.lost();
     if !lost.is_empty() {
         let mut suite = TestSuite::new("tests on record");
-        for test in lost {
-            suite.add_test_case(TestCase::new(test.to_string(), failed(NonSuccessKind::Error, "it was not made")));
+        for Lost { test, what } in lost {
+            let message = format!("it {what}");
+            suite.add_test_case(TestCase::new(test.to_string(), failed(NonSuccessKind::Error, &message)));
         }
         report.add_test_suite(suite);
     }

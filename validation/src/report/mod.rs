@@ -15,6 +15,7 @@ mod badge;
 mod forces;
 mod forest;
 mod junit;
+mod on_record;
 mod outlines;
 mod page;
 mod pictures;
@@ -29,7 +30,8 @@ mod words;
 mod write;
 
 pub use against::Changes;
-pub use qualification::{Qualification, Standing, TestName, Verdict};
+pub use on_record::{Lost, TestOnRecord};
+pub use qualification::{Qualification, Standing, Verdict};
 pub use speed::speed_sentence;
 pub use terminal::comparison_table;
 pub use write::{REPORT_VERSION, ReportDocument, ReportPaths, read, write};

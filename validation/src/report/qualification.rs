@@ -1,11 +1,11 @@
 //! What a report is made from: the comparisons of one run, and the verdict that follows from their rows.
 
+use super::on_record::{Lost, TestOnRecord};
 use super::published::PublishedLaw;
 use crate::compare::{Comparison, Row};
 use crate::statistics::Outcome;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fmt;
 
 /// One qualification: every scene that was compared, and where the numbers came from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,24 +33,7 @@ pub struct Qualification {
     pub laws: Vec<PublishedLaw>,
     /// Tests that must be made, whatever the scenes say.
     #[serde(default)]
-    pub on_record: Vec<TestName>,
-}
-
-/// A test of equivalence.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TestName {
-    /// Name of the scene.
-    pub scene: String,
-    /// Name of the observable.
-    pub observable: String,
-    /// The code that the judged one is held against.
-    pub reference_code: String,
-}
-
-impl fmt::Display for TestName {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{} of {} against {}", self.observable, self.scene, self.reference_code)
-    }
+    pub on_record: Vec<TestOnRecord>,
 }
 
 /// What a qualification says as a whole.
@@ -95,21 +78,6 @@ pub struct Verdict {
 }
 
 impl Qualification {
-    /// Tests on record that were not made: no row with a margin bears their names.
-    pub fn lost(&self) -> Vec<&TestName> {
-        let is = |row: &Row, test: &TestName| {
-            (&row.scene, &row.observable, row.reference_code.as_ref())
-                == (&test.scene, &test.observable, Some(&test.reference_code))
-        };
-        let is_made = |test: &TestName| {
-            self.comparisons.iter().any(|comparison| {
-                let own = comparison.rows.iter().filter(|row| row.code == comparison.judged && row.margin.is_some());
-                own.into_iter().any(|row| is(row, test))
-            })
-        };
-        self.on_record.iter().filter(|test| !is_made(test)).collect()
-    }
-
     /// The verdict that follows from the rows. Differences between two references set the floor and do not count.
     pub fn verdict(&self) -> Verdict {
         let mut verdict = Verdict {
@@ -164,8 +132,8 @@ impl Qualification {
         };
         let judged = self.comparisons.first().map_or("", |comparison| &comparison.judged);
         verdict.sentence = sentence(&verdict, judged, &references, scenes);
-        for test in lost {
-            verdict.sentence += &format!(" A test on record was not made: {test}.");
+        for Lost { test, what } in lost {
+            verdict.sentence += &format!(" A test on record {what}: {test}.");
         }
         verdict
     }

@@ -1,0 +1,76 @@
+//! Tests that a qualification must make whatever the scenes say, and how little of each may be left.
+
+use super::qualification::Qualification;
+use crate::compare::{Comparison, Row};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// A test of equivalence on record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TestOnRecord {
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the observable.
+    pub observable: String,
+    /// The code that the judged one is held against.
+    pub reference_code: String,
+    /// Widest margin, in the unit of the observable; absent in reports of earlier versions.
+    #[serde(default)]
+    pub margin: Option<f64>,
+    /// Fewest seeds of each of the two codes.
+    #[serde(default)]
+    pub seeds: usize,
+}
+
+/// A test on record that was not made, or with less than is on record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lost<'a> {
+    /// The test.
+    pub test: &'a TestOnRecord,
+    /// What became of it, in words that follow its name.
+    pub what: String,
+}
+
+impl fmt::Display for TestOnRecord {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} of {} against {}", self.observable, self.scene, self.reference_code)
+    }
+}
+
+impl Qualification {
+    /// Tests on record that were not made as they stand there.
+    pub fn lost(&self) -> Vec<Lost<'_>> {
+        let lost = |test| Some(Lost { test, what: self.lacks(test)? });
+        self.on_record.iter().filter_map(lost).collect()
+    }
+
+    /// What a test lacks; absent where it was made as it stands on record.
+    fn lacks(&self, test: &TestOnRecord) -> Option<String> {
+        let Some((comparison, row, margin)) = self.made(test) else { return Some("was not made".into()) };
+        if let Some(widest) = test.margin.filter(|widest| margin > *widest) {
+            return Some(format!("was made against a margin of {margin}, not of the {widest} on record"));
+        }
+        let of_reference = comparison.rows.iter().filter(|other| other.observable == row.observable);
+        let of_reference =
+            of_reference.filter(|other| other.code == test.reference_code).map(|other| other.seeds).max();
+        let (judged, reference) = (row.seeds, of_reference.unwrap_or(0));
+        let fewest = judged.min(reference);
+        (fewest < test.seeds).then(|| {
+            let code = if judged == fewest { &comparison.judged } else { &test.reference_code };
+            format!("was made with {fewest} seeds of {code}, not with the {} on record", test.seeds)
+        })
+    }
+
+    /// The row of a test with its comparison and its margin.
+    fn made(&self, test: &TestOnRecord) -> Option<(&Comparison, &Row, f64)> {
+        self.comparisons.iter().find_map(|comparison| {
+            let is = |row: &&Row| {
+                row.code == comparison.judged
+                    && (&row.scene, &row.observable, row.reference_code.as_ref())
+                        == (&test.scene, &test.observable, Some(&test.reference_code))
+            };
+            let row = comparison.rows.iter().find(is)?;
+            Some((comparison, row, row.margin?))
+        })
+    }
+}

@@ -1,0 +1,79 @@
+//! Tests on record: one that is not made, or made with less, is no pass, and the verdict names it.
+
+use crate::support::sample;
+use makadam_validation::report::{Qualification, Standing, TestOnRecord};
+use makadam_validation::statistics::Outcome;
+
+/// A drum in which every test agrees, and one of its tests as a record of it.
+fn sound() -> (Qualification, TestOnRecord) {
+    let mut drum = sample::drum(false);
+    for row in &mut drum.rows {
+        row.outcome = row.margin.and(Some(Outcome::Agree));
+    }
+    let row = drum.rows.iter().find(|row| row.reference_code.is_some() && row.margin.is_some()).expect("a test");
+    let test = TestOnRecord {
+        scene: row.scene.clone(),
+        observable: row.observable.clone(),
+        reference_code: row.reference_code.clone().expect("a reference"),
+        margin: row.margin,
+        seeds: row.seeds,
+    };
+    let qualification = Qualification { on_record: vec![test.clone()], ..sample::qualification(vec![drum]) };
+    assert_eq!(qualification.verdict().standing, Standing::Agree);
+    (qualification, test)
+}
+
+/// The verdict is no pass, and says so of the test in these words.
+fn is_lost(qualification: &Qualification, test: &TestOnRecord, words: &str) {
+    let verdict = qualification.verdict();
+    assert_eq!((verdict.standing, verdict.not_measured), (Standing::NotMeasured, 1));
+    let said = format!(" A test on record {words}: {test}.");
+    assert!(verdict.sentence.ends_with(&said), "{}", verdict.sentence);
+}
+
+#[test]
+fn a_test_that_was_not_made_is_no_pass() {
+    let (mut qualification, test) = sound();
+    let misspelt = TestOnRecord { observable: "packing_factor".into(), ..test.clone() };
+    qualification.on_record.push(misspelt.clone());
+    is_lost(&qualification, &misspelt, "was not made");
+    // A margin that is gone is a test that is gone.
+    qualification.on_record.pop();
+    qualification.comparisons[0].rows.iter_mut().for_each(|row| row.margin = None);
+    assert_eq!(qualification.lost().len(), 1);
+    assert_ne!(qualification.verdict().standing, Standing::Agree);
+}
+
+#[test]
+fn a_wider_margin_is_no_pass() {
+    let (mut qualification, test) = sound();
+    let widest = test.margin.expect("a margin");
+    for row in &mut qualification.comparisons[0].rows {
+        row.margin = row.margin.map(|margin| if row.observable == test.observable { 2.0 * widest } else { margin });
+    }
+    is_lost(
+        &qualification,
+        &test,
+        &format!("was made against a margin of {}, not of the {widest} on record", 2.0 * widest),
+    );
+}
+
+#[test]
+fn fewer_seeds_of_either_code_are_no_pass() {
+    let (qualification, test) = sound();
+    let judged = qualification.comparisons[0].judged.clone();
+    for code in [&judged, &test.reference_code] {
+        let mut fewer = qualification.clone();
+        let rows = fewer.comparisons[0].rows.iter_mut();
+        rows.filter(|row| row.code == *code && row.observable == test.observable).for_each(|row| row.seeds -= 1);
+        let words = format!("was made with {} seeds of {code}, not with the {} on record", test.seeds - 1, test.seeds);
+        is_lost(&fewer, &test, &words);
+    }
+}
+
+#[test]
+fn a_record_of_names_alone_is_read() {
+    let text = r#"{"scene": "drum", "observable": "gini", "reference_code": "YADE"}"#;
+    let test: TestOnRecord = serde_json::from_str(text).expect("a record of an earlier version");
+    assert_eq!((test.margin, test.seeds), (None, 0));
+}
