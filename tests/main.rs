@@ -9,6 +9,7 @@ mod compare_command;
 mod convergence_command;
 mod defect_scenes;
 mod effects_command;
+mod fault_tables;
 mod faults;
 mod foreign_commands;
 mod laws_command;
