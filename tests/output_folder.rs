@@ -49,6 +49,18 @@ fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
 }
 
+/// Stops a child, and waits until it stands still: a signal is on its way for a while.
+fn halt(child: &Child) {
+    signal(child, "-STOP");
+    let state = || {
+        let said = Command::new("ps").args(["-o", "state=", "-p", &child.id().to_string()]).output().unwrap();
+        String::from_utf8_lossy(&said.stdout).trim().to_string()
+    };
+    while !state().starts_with('T') {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
 /// All files below a folder with what they hold.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
@@ -236,7 +248,7 @@ fn the_first_run_of_a_time_budget_stays_until_the_second_is_complete() {
     let part = folder.join("out/finer-run.part/frames");
     let mut child = start(folder, &["--time-budget", "1000", "--steps", "20000"]);
     wait_for(&mut child, "a second run", || part.exists());
-    signal(&child, "-STOP");
+    halt(&child);
     let of_the_first = |files: BTreeMap<PathBuf, Vec<u8>>| -> BTreeMap<_, _> {
         let of_another = |path: &Path| path.starts_with(part.parent().unwrap()) || path.ends_with("run.lock");
         files.into_iter().filter(|(path, _)| !of_another(path)).collect()

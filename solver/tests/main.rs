@@ -33,6 +33,7 @@ mod same_bits;
 mod scene;
 mod scene_checks;
 mod settings;
+mod slip;
 mod unsafe_code;
 mod vibration;
 mod watch;

@@ -18,7 +18,7 @@ mod tests {
     #[test]
     fn the_record_names_each_test_once() {
         let all = on_record();
-        assert_eq!(all.len(), 30);
+        assert_eq!(all.len(), 28);
         let names: Vec<String> = all.iter().map(ToString::to_string).collect();
         assert!((1..all.len()).all(|place| !names[..place].contains(&names[place])));
         assert!(all.iter().all(|test| test.margin.is_some_and(|margin| margin > 0.0) && test.seeds >= 8));

@@ -90,7 +90,12 @@ impl Reference {
             forces: self.forces.iter().find(|forces| forces.code == code).cloned(),
             series: self.series.iter().filter(|series| series.code == code).cloned().collect(),
             final_state: self.final_states.iter().find(|state| state.code == code).cloned(),
-            stiff_runs: self.at(code, super::STIFF).cloned().collect(),
+            // A bias is that of stiffness alone.
+            stiff_runs: self
+                .at(code, super::STIFF)
+                .filter(|run| run.contact_law == first.contact_law)
+                .cloned()
+                .collect(),
             runs,
         })
     }
@@ -109,10 +114,14 @@ impl Reference {
         if self.is_current(code, scene) == Some(false) {
             reasons.push(format!("the scene has changed since {code} was recorded: record anew with --record"));
         }
-        let mut runs = self.runs.iter().filter(|run| run.code == code);
-        if let Some(other) = runs.find(|run| run.contact_law != contact_law) {
+        let runs: Vec<&MeasuredRun> = self.runs.iter().filter(|run| run.code == code).collect();
+        let others: Vec<&&MeasuredRun> = runs.iter().filter(|run| run.contact_law != contact_law).collect();
+        if let Some(other) = others.first() {
             reasons.push(format!(
-                "{code} was recorded under the contact law '{}', and a run of today has '{contact_law}': record anew with --record",
+                "{} of {} recorded runs of {code} were made under the contact law '{}', and a run of today has '{contact_law}': \
+                 record anew with --record",
+                others.len(),
+                runs.len(),
                 other.contact_law
             ));
         }
