@@ -22,7 +22,7 @@
 
 use crate::Simulation;
 use crate::effects::drive::Drive;
-use crate::groups::ContactLanes;
+use crate::groups::{ContactLanes, SpringLanes};
 use crate::lanes::Eight;
 pub use crate::wall::DrivenWall;
 use nalgebra::Vector3;
@@ -174,7 +174,7 @@ impl Simulation {
         first: u32,
         second: Partner,
         point: Vector3<f64>,
-        (lanes, pulls): (&ContactLanes, Option<&Eight>),
+        (lanes, pulls): (&ContactLanes<Eight, SpringLanes>, Option<&Eight>),
         lane: usize,
     ) -> Contact {
         let h = self.settings.step;

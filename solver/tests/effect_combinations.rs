@@ -6,7 +6,7 @@ use makadam::Simulation;
 use makadam::scene::{Scene, SolverMethod};
 
 /// A pile on a floor with some of the effects; friction in all pairs, resistances and cohesion between the grains and at the floor.
-fn pile([friction, rolling, twisting, kinetic, cohesive]: [bool; 5]) -> Scene {
+fn pile([friction, rolling, twisting, kinetic, cohesive, springy]: [bool; 6]) -> Scene {
     let value = |on: bool, line: &str| if on { format!("{line}\n") } else { String::new() };
     let lines = [
         value(rolling, "rolling_friction = 0.1"),
@@ -18,7 +18,10 @@ fn pile([friction, rolling, twisting, kinetic, cohesive]: [bool; 5]) -> Scene {
     let scene = Setup {
         friction: if friction { 0.5 } else { 0.0 },
         wall_friction: if friction { 0.5 } else { 0.0 },
-        solver: "step = 5e-4\nnormal_law = { kind = 'hertz' }\nstop = { kind = 'sweeps', sweeps = 8 }".into(),
+        solver: format!(
+            "step = 5e-4\nnormal_law = {{ kind = 'hertz' }}\nstop = {{ kind = 'sweeps', sweeps = 8 }}\n{}",
+            value(springy, "tangential_law = { kind = 'spring' }")
+        ),
         body: format!(
             "[[wall]]\nname = 'box'\nmaterial = 'grain'\nshape = {{ kind = 'box', {corners}, open = ['+z'] }}\n\
              [[population]]\ncount = 20\nmaterial = 'grain'\nradius = {{ kind = 'uniform', mean = 0.005, spread = 0.2 }}\n\
@@ -40,14 +43,16 @@ fn advance(simulation: &mut Simulation, steps: usize) -> usize {
 
 #[test]
 fn every_combination_of_effects_answers_to_all_that_is_asked() {
-    for choice in 0_u32..32 {
-        let effects = [0, 1, 2, 3, 4].map(|effect| choice >> effect & 1 == 1);
-        let [friction, rolling, twisting, kinetic, cohesive] = effects;
+    for choice in 0_u32..64 {
+        let effects = [0, 1, 2, 3, 4, 5].map(|effect| choice >> effect & 1 == 1);
+        let [friction, rolling, twisting, kinetic, cohesive, springy] = effects;
         let scene = pile(effects);
         let mut simulation = Simulation::new(&scene, 1).unwrap_or_else(|error| panic!("{effects:?}: {error}"));
         let set = simulation.effects();
-        let found = [set.friction(), set.rolling(), set.twisting(), set.kinetic_friction(), set.cohesion()];
-        assert_eq!(found, [friction, rolling, twisting, friction && kinetic, cohesive], "what was asked for");
+        let found =
+            [set.friction(), set.rolling(), set.twisting(), set.kinetic_friction(), set.cohesion(), set.spring()];
+        let asked = [friction, rolling, twisting, friction && kinetic, cohesive, friction && springy];
+        assert_eq!(found, asked, "what was asked for");
         assert!(advance(&mut simulation, 300) > 20, "{effects:?}: a pile has contacts");
         let error = simulation.solution_error();
         assert!(error.relative().is_finite() && error.relative() > 0.0, "{effects:?}: {error:?}");

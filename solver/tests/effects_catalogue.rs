@@ -223,6 +223,7 @@ fn all() -> Scene {
     let mut scene = parse(&text).unwrap();
     // A fall of restitution goes with rigid contacts, viscosity with the others; nothing is simulated here.
     scene.solver.normal_law = makadam::NormalLaw::Hertz;
+    scene.solver.tangential_law = makadam::scene::TangentialLaw::Spring { stiffness_ratio: None };
     scene
 }
 

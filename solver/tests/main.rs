@@ -34,6 +34,7 @@ mod scene;
 mod scene_checks;
 mod settings;
 mod slip;
+mod tangential_spring;
 mod unsafe_code;
 mod vibration;
 mod watch;

@@ -4,12 +4,20 @@ use crate::common::{CONVERGED_RIGID, FLOOR, Setup, grain};
 use makadam::Simulation;
 use makadam::effects::cohesion::Cohesion;
 use makadam::problem::{ContactProblem, ContactState, Reference};
-use makadam::scene::{Material, Scene, Stop};
+use makadam::scene::{Material, Scene, Stop, TangentialLaw};
 use makadam::solve::StopReason;
 use nalgebra::Vector3;
 
+/// Mindlin's spring.
+const SPRING: TangentialLaw = TangentialLaw::Spring { stiffness_ratio: None };
+
 /// Grains that fall into a box.
 fn poured(wall: &str, change: impl Fn(&mut Material)) -> Simulation {
+    poured_by(TangentialLaw::Rigid, wall, change)
+}
+
+/// The same with a law across the normals.
+fn poured_by(law: TangentialLaw, wall: &str, change: impl Fn(&mut Material)) -> Simulation {
     let corners = "min = [-0.025, -0.025, 0.0], max = [0.025, 0.025, 0.2]";
     let body = format!(
         "[[wall]]\nname = 'box'\nmaterial = 'wall'\nshape = {{ kind = 'box', {corners}, open = ['+z'] }}\n{wall}\
@@ -20,6 +28,7 @@ fn poured(wall: &str, change: impl Fn(&mut Material)) -> Simulation {
                   stop = { kind = 'sweeps', sweeps = 20 }";
     let mut scene: Scene = Setup { body, solver: solver.into(), restitution: 0.3, ..Setup::default() }.scene();
     scene.material.values_mut().for_each(change);
+    scene.solver.tangential_law = law;
     let mut simulation = Simulation::new(&scene, 3).unwrap();
     for _ in 0..600 {
         simulation.step();
@@ -47,6 +56,8 @@ fn simulations() -> Vec<(&'static str, Simulation)> {
         ("cohesion", poured("", sticks)),
         ("driven walls", poured(lid(), |_| ())),
         ("driven walls with torques", poured(lid(), resists)),
+        ("springs", poured_by(SPRING, "", |_| ())),
+        ("springs with driven walls and torques", poured_by(SPRING, lid(), resists)),
     ]
 }
 

@@ -13,6 +13,8 @@ pub(super) struct LaneMaterial<L> {
     pub damping_ratio: L,
     pub restitution: L,
     pub friction: L,
+    /// Stiffness across the normal over that along it, where contacts have a tangential spring.
+    pub stiffness_ratio: Option<L>,
 }
 
 /// Eight contacts whose materials can be looked up.
@@ -53,6 +55,7 @@ impl<L: Lanes> LaneMaterial<L> {
             damping_ratio: L::splat(material.damping_ratio),
             restitution: L::splat(material.restitution),
             friction: L::splat(material.friction),
+            stiffness_ratio: None,
         }
     }
 
@@ -66,7 +69,14 @@ impl<L: Lanes> LaneMaterial<L> {
             damping_ratio: lanes(|material| material.damping_ratio),
             restitution: lanes(|material| material.restitution),
             friction: lanes(|material| material.friction),
+            stiffness_ratio: None,
         }
+    }
+
+    /// With the springs that contacts have across the normal.
+    #[inline(always)]
+    pub fn with_springs(&mut self, context: &StepContext<'_>, contacts: &impl Contacts) {
+        self.stiffness_ratio = Some(contacts.property(context, |material| material.stiffness_ratio));
     }
 
     /// Restitution at the speed at which the contacts close.

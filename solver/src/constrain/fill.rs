@@ -76,6 +76,9 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 let spin = self.context.spins_of_pairs(group);
                 material.while_sliding(self.context, group, normal, velocity, spin);
             }
+            if self.context.effects.spring() {
+                material.with_springs(self.context, group);
+            }
             let motion = [dot(normal, velocity), inverse_mass];
             let remembered = impulses.load_quads(&sources.or(nothing));
             write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, &self.context.constants);
@@ -140,6 +143,9 @@ impl Kernel for FillWalls<'_> {
                 let spin = self.context.spins_at_walls(group);
                 material.while_sliding(self.context, &OnSurfaces(group, &surfaces), normal, velocity, spin);
             }
+            if self.context.effects.spring() {
+                material.with_springs(self.context, &OnSurfaces(group, &surfaces));
+            }
             let geometry = ContactGeometry::with_wall(distance, normal, radius);
             let motion = [dot(normal, velocity), body[3]];
             write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, constants);
@@ -154,6 +160,7 @@ impl Kernel for FillWalls<'_> {
                 let gap = distances.0[lane] - radii.0[lane];
                 group.contacts.bias.0[lane] = impact_on_the_way(&constants.scheme, gap, velocity, restitution);
                 group.contacts.regularisation.0[lane] = 0.0;
+                group.contacts.tangential.spring.make_rigid(lane);
             }
         }
     }

@@ -14,6 +14,7 @@ use crate::detect::{CandidateList, Candidates, ImpulsesOfTask, WallCandidate};
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{bears, with_restitution};
+use crate::effects::spring::tangential_compliance;
 use crate::effects::{EffectSet, with_effects};
 use crate::groups::{ContactLanes, Tangential, WallGroup, with_pairs};
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots};
@@ -252,7 +253,7 @@ impl StepContext<'_> {
 /// Constraint data and starting impulses of eight contacts, context their velocities along the normals (m/s) and the sums of their
 /// inverse masses (1/kg).
 ///
-/// The remembered tangential impulse is projected onto the new tangent plane.
+/// The remembered tangential impulse is projected onto the new tangent plane. There it is also the load of the spring, if there is one.
 #[inline(always)]
 fn write_contacts<L: Lanes, T: Tangential>(
     contacts: &mut ContactLanes<Eight, T>,
@@ -276,6 +277,15 @@ fn write_contacts<L: Lanes, T: Tangential>(
             ((component - normal[axis] * along) * share).store(&mut tangential.impulse[axis]);
         }
         material.friction.store(&mut tangential.coefficient);
+    }
+    if let (Some(ratio), Some(spring)) = (material.stiffness_ratio, contacts.tangential.spring_mut()) {
+        let compliance = tangential_compliance(&constraint, ratio, scheme.step);
+        let held = L::select(bears, compliance, <L as Number>::zero());
+        let along = crate::lanes::dot(normal, [x, y, z]);
+        compliance.store(&mut spring.compliance);
+        for (axis, component) in [x, y, z].into_iter().enumerate() {
+            ((component - normal[axis] * along) * held).store(&mut spring.bias[axis]);
+        }
     }
     normal.into_iter().zip(&mut contacts.normal).for_each(|(component, lanes)| component.store(lanes));
     (impulse * share).store(&mut contacts.impulse_normal);

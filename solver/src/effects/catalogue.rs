@@ -14,11 +14,12 @@ pub use super::period::PERIODIC_AXES;
 pub use super::resistance::{ROLLING, TWISTING};
 pub use super::restitution::{FALLING_RESTITUTION, RESTITUTION};
 pub use super::size_spread::SIZE_SPREAD;
+pub use super::spring::TANGENTIAL_SPRING;
 pub use super::vibration::WALL_MOTION;
 use crate::scene::{Checked, ContactCoefficients, DocumentPath, Material, PairRule, Scene};
 
 /// All effects, in the order in which a step meets them. A coefficient stands behind those that bound it.
-pub static CATALOGUE: [&Effect; 16] = [
+pub static CATALOGUE: [&Effect; 17] = [
     &GRAVITY,
     &CHANGING_GRAVITY,
     &WALL_MOTION,
@@ -31,6 +32,7 @@ pub static CATALOGUE: [&Effect; 16] = [
     &FALLING_RESTITUTION,
     &FRICTION,
     &KINETIC_FRICTION,
+    &TANGENTIAL_SPRING,
     &SPIN,
     &COHESION,
     &ROLLING,

@@ -64,6 +64,9 @@ const SMALLEST_RELATIVE_OVERLAP: f64 = 1e-5;
 /// more than 30 of them.
 const SHORT_STEP: f64 = 0.1;
 
+/// Hertz's dF/dd = 3/2 k_H sqrt(d) over the stiffness 5/4 k_H sqrt(d) of the constraint's measure.
+const HERTZ_TANGENT: f64 = 1.2;
+
 /// How far gaps are looked across, in distances that gravity makes in a step: a grain at rest falls that far in three.
 const MARGIN_IN_FALLS: f64 = 6.0;
 
@@ -110,6 +113,8 @@ pub struct NormalConstraint<N: Number> {
     pub regularisation: N,
     /// q, m/s.
     pub bias: N,
+    /// Stiffness dF/dd at the depth that the constraint goes by, N/m; infinite where it is rigid.
+    pub stiffness: N,
     /// Whether the step resolves an impact, so that compliance and damping give the restitution by themselves.
     pub resolves_impact: N::Mask,
 }
@@ -196,6 +201,7 @@ impl<N: Number> NormalContact<N> {
                 return NormalConstraint {
                     regularisation: N::zero(),
                     bias: N::splat(4.0 / h) * damping * self.overlap + damping * self.velocity,
+                    stiffness: N::splat(f64::INFINITY),
                     resolves_impact: one.below(N::zero()),
                 };
             }
@@ -231,6 +237,10 @@ impl<N: Number> NormalContact<N> {
         NormalConstraint {
             regularisation: N::splat(4.0 / (h * h)) * softened,
             bias: N::splat(4.0 / h) * damping * overlap + damping * self.velocity,
+            stiffness: match scheme.law {
+                NormalLaw::Hertz => N::splat(HERTZ_TANGENT) * stiffness,
+                _ => stiffness,
+            },
             resolves_impact,
         }
     }

@@ -13,10 +13,12 @@ pub mod period;
 pub mod resistance;
 pub mod restitution;
 pub mod size_spread;
+pub mod spring;
 pub mod vibration;
 
-use crate::groups::{ContactLayout, FrictionLanes};
+use crate::groups::{ContactLayout, FrictionLanes, SpringLanes};
 use crate::scene::ContactCoefficients;
+pub(crate) use catalogue::FRICTION;
 use catalogue::Trigger;
 pub use catalogue::{CATALOGUE, Effect};
 
@@ -30,37 +32,53 @@ pub(crate) trait Effects {
     const TWISTING: bool;
     /// Whether contacts bear torques.
     const TORQUES: bool = Self::ROLLING || Self::TWISTING;
+    /// The tangential spring.
+    const SPRING: bool;
     /// What lane groups hold for friction.
     type Tangential: ContactLayout;
 }
 
 /// One choice of effects.
-pub(crate) struct Compiled<const FRICTION: bool, const ROLLING: bool, const TWISTING: bool>;
+pub(crate) struct Compiled<const FRICTION: bool, const ROLLING: bool, const TWISTING: bool, const SPRING: bool>;
 
-impl<const ROLLING: bool, const TWISTING: bool> Effects for Compiled<true, ROLLING, TWISTING> {
+impl<const ROLLING: bool, const TWISTING: bool> Effects for Compiled<true, ROLLING, TWISTING, false> {
     const FRICTION: bool = true;
     const ROLLING: bool = ROLLING;
     const TWISTING: bool = TWISTING;
+    const SPRING: bool = false;
     type Tangential = FrictionLanes;
 }
 
-impl Effects for Compiled<false, false, false> {
+impl<const ROLLING: bool, const TWISTING: bool> Effects for Compiled<true, ROLLING, TWISTING, true> {
+    const FRICTION: bool = true;
+    const ROLLING: bool = ROLLING;
+    const TWISTING: bool = TWISTING;
+    const SPRING: bool = true;
+    type Tangential = SpringLanes;
+}
+
+impl Effects for Compiled<false, false, false, false> {
     const FRICTION: bool = false;
     const ROLLING: bool = false;
     const TWISTING: bool = false;
+    const SPRING: bool = false;
     type Tangential = ();
 }
 
 /// Smooth grains.
-pub(crate) type Frictionless = Compiled<false, false, false>;
+pub(crate) type Frictionless = Compiled<false, false, false, false>;
 /// Coulomb friction alone.
-pub(crate) type Frictional = Compiled<true, false, false>;
+pub(crate) type Frictional = Compiled<true, false, false, false>;
 /// Friction and rolling resistance.
-pub(crate) type Rolling = Compiled<true, true, false>;
+pub(crate) type Rolling = Compiled<true, true, false, false>;
 /// Friction and twisting resistance.
-pub(crate) type Twisting = Compiled<true, false, true>;
+pub(crate) type Twisting = Compiled<true, false, true, false>;
 /// All three.
-pub(crate) type RollingTwisting = Compiled<true, true, true>;
+pub(crate) type RollingTwisting = Compiled<true, true, true, false>;
+/// Friction with a tangential spring.
+pub(crate) type Sprung = Compiled<true, false, false, true>;
+/// The same with both resistances, of which one may be nothing: few scenes have them, and each kernel takes time to compile.
+pub(crate) type SprungTorques = Compiled<true, true, true, true>;
 
 /// The effects of contacts that a scene calls for, as far as kernels, memory or passes depend on them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,16 +89,19 @@ pub struct EffectSet {
     cohesion: bool,
     falling_restitution: bool,
     kinetic_friction: bool,
+    spring: bool,
 }
 
 impl EffectSet {
     /// Every choice that a kernel is compiled for.
-    pub const COMPILED: [EffectSet; 5] = [
+    pub const COMPILED: [EffectSet; 7] = [
         EffectSet::NONE,
         EffectSet { friction: true, ..EffectSet::NONE },
         EffectSet { friction: true, rolling: true, ..EffectSet::NONE },
         EffectSet { friction: true, twisting: true, ..EffectSet::NONE },
         EffectSet { friction: true, rolling: true, twisting: true, ..EffectSet::NONE },
+        EffectSet { friction: true, spring: true, ..EffectSet::NONE },
+        EffectSet { friction: true, rolling: true, twisting: true, spring: true, ..EffectSet::NONE },
     ];
 
     const NONE: EffectSet = EffectSet {
@@ -90,6 +111,7 @@ impl EffectSet {
         cohesion: false,
         falling_restitution: false,
         kinetic_friction: false,
+        spring: false,
     };
 
     /// What some of these contacts have.
@@ -103,6 +125,11 @@ impl EffectSet {
             }
         }
         set
+    }
+
+    /// The same with a tangential spring if the scene says so; without friction there is nothing for it to bear.
+    pub(crate) fn with_spring(self, spring: bool) -> EffectSet {
+        EffectSet { spring: spring && self.friction, ..self }
     }
 
     /// Whether it has an effect; `None` for one that it does not tell of.
@@ -146,6 +173,12 @@ impl EffectSet {
         self.kinetic_friction
     }
 
+    /// Contacts that stick have a tangential spring.
+    #[inline(always)]
+    pub fn spring(&self) -> bool {
+        self.spring
+    }
+
     /// Whether contacts bear torques.
     #[inline(always)]
     pub fn torques(&self) -> bool {
@@ -161,13 +194,18 @@ impl EffectSet {
 
     /// The kernel that is run for it.
     pub fn compiled(&self) -> EffectSet {
-        let (rolling, twisting) = (self.rolling(), self.twisting());
-        EffectSet { friction: self.tangential(), rolling, twisting, ..EffectSet::NONE }
+        let (friction, spring) = (self.tangential(), self.spring());
+        // With a spring both resistances go together.
+        let both = spring && self.torques();
+        let (rolling, twisting) = (self.rolling() || both, self.twisting() || both);
+        EffectSet { friction, rolling, twisting, spring, ..EffectSet::NONE }
     }
 
     /// Its effects in words.
     pub fn name(&self) -> &'static str {
         match (self.tangential(), self.rolling(), self.twisting()) {
+            _ if self.spring() && self.torques() => "friction with a spring, rolling and twisting resistance",
+            _ if self.spring() => "friction with a spring",
             (_, true, true) => "friction, rolling and twisting resistance",
             (_, true, false) => "friction and rolling resistance",
             (_, false, true) => "friction and twisting resistance",
@@ -180,9 +218,13 @@ impl EffectSet {
 /// Evaluates an expression with `$effects` as the type that is compiled for the choice.
 macro_rules! with_effects {
     ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::effects::{Rolling, RollingTwisting, Twisting, with_tangential};
+        use $crate::effects::{Rolling, RollingTwisting, SprungTorques, Twisting, with_tangential};
         let set = $set;
         match (set.rolling(), set.twisting()) {
+            _ if set.spring() && set.torques() => {
+                type $effects = SprungTorques;
+                $body
+            }
             (true, true) => {
                 type $effects = RollingTwisting;
                 $body
@@ -203,8 +245,12 @@ macro_rules! with_effects {
 /// The same for work on forces alone, which knows nothing of torques: contacts have a tangential part or have none.
 macro_rules! with_tangential {
     ($set:expr, $effects:ident => $body:expr) => {{
-        use $crate::effects::{Frictional, Frictionless};
+        use $crate::effects::{Frictional, Frictionless, Sprung};
         match $set.tangential() {
+            true if $set.spring() => {
+                type $effects = Sprung;
+                $body
+            }
             true => {
                 type $effects = Frictional;
                 $body

@@ -3,7 +3,7 @@
 mod tangential;
 
 pub(crate) use tangential::{ContactLayout, with_pairs};
-pub use tangential::{FrictionLanes, PairGroups, Tangential};
+pub use tangential::{FrictionLanes, PairGroups, SpringLanes, SpringTerms, Tangential};
 
 use crate::lanes::{Eight, LANES};
 
@@ -61,7 +61,7 @@ pub struct PairGroup<T = FrictionLanes> {
     pub contacts: ContactLanes<Eight, T>,
 }
 
-/// Eight contacts of different grains with walls. They are few, and have room for friction whether there is any or not.
+/// Eight contacts of different grains with walls. They are few, and have room for friction and springs whether there are any or not.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct WallGroup {
@@ -70,7 +70,7 @@ pub struct WallGroup {
     /// Velocities of the wall at the contacts, m/s.
     pub wall_velocity: [Eight; 3],
     /// Their contacts.
-    pub contacts: ContactLanes,
+    pub contacts: ContactLanes<Eight, SpringLanes>,
 }
 
 /// Candidates that the contacts of a lane group came from. Kept beside the group, because sweeps need none of it.
@@ -114,11 +114,12 @@ impl<T: Tangential> PairGroup<T> {
         PairGroup { first, second, contacts: ContactLanes::default() }
     }
 
-    /// The same with room for friction.
-    pub(crate) fn with_friction(&self) -> PairGroup {
+    /// The same with room for friction and springs.
+    pub(crate) fn with_all(&self) -> PairGroup<SpringLanes> {
         let PairGroup { first, second, contacts } = *self;
         let ContactLanes { normal, bias, regularisation, impulse_normal, tangential } = contacts;
-        let tangential = tangential.lanes().copied().unwrap_or_default();
+        let friction = tangential.lanes().copied().unwrap_or_default();
+        let tangential = SpringLanes { friction, spring: tangential.spring().copied().unwrap_or_default() };
         let contacts = ContactLanes { normal, bias, regularisation, impulse_normal, tangential };
         PairGroup { first, second, contacts }
     }

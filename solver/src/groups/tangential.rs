@@ -1,6 +1,7 @@
 //! What friction adds to lane groups; without it they are shorter by that.
 
 use super::PairGroup;
+use crate::effects::EffectSet;
 use crate::lanes::Eight;
 
 /// Friction coefficients and tangential impulses of eight contacts, or of sixteen in single precision.
@@ -13,13 +14,45 @@ pub struct FrictionLanes<Several = Eight> {
     pub impulse: [Several; 3],
 }
 
-/// What friction adds to the contacts of a lane group: [`FrictionLanes`], or `()` where grains are smooth.
+/// The same of contacts that have a tangential spring.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct SpringLanes<Several = Eight> {
+    /// Friction coefficients and tangential impulses.
+    pub friction: FrictionLanes<Several>,
+    /// The springs.
+    pub spring: SpringTerms<Several>,
+}
+
+/// Tangential springs of eight contacts.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct SpringTerms<Several = Eight> {
+    /// Compliances Sigma_t, 1/kg.
+    pub compliance: Several,
+    /// Biases b across the normals, m/s.
+    pub bias: [Several; 3],
+}
+
+/// What friction adds to the contacts of a lane group: [`FrictionLanes`], [`SpringLanes`], or `()` where grains are smooth.
 pub trait Tangential<Several = Eight>: Copy + Default {
     /// Coefficients and impulses, if there are any.
     fn lanes(&self) -> Option<&FrictionLanes<Several>>;
 
     /// The same, to be written.
     fn lanes_mut(&mut self) -> Option<&mut FrictionLanes<Several>>;
+
+    /// The springs, if there are any.
+    #[inline(always)]
+    fn spring(&self) -> Option<&SpringTerms<Several>> {
+        None
+    }
+
+    /// The same, to be written.
+    #[inline(always)]
+    fn spring_mut(&mut self) -> Option<&mut SpringTerms<Several>> {
+        None
+    }
 }
 
 /// Lane groups of contacts of two grains, as long as the effects need.
@@ -29,6 +62,8 @@ pub enum PairGroups {
     Smooth(Vec<PairGroup<()>>),
     /// With it.
     Frictional(Vec<PairGroup>),
+    /// With tangential springs besides.
+    Sprung(Vec<PairGroup<SpringLanes>>),
 }
 
 /// A kind of lane groups that [`PairGroups`] can hold.
@@ -46,6 +81,7 @@ macro_rules! with_pairs {
         match $groups {
             $crate::groups::PairGroups::Smooth($pairs) => $body,
             $crate::groups::PairGroups::Frictional($pairs) => $body,
+            $crate::groups::PairGroups::Sprung($pairs) => $body,
         }
     };
 }
@@ -64,6 +100,28 @@ impl<Several: Copy + Default> Tangential<Several> for FrictionLanes<Several> {
     }
 }
 
+impl<Several: Copy + Default> Tangential<Several> for SpringLanes<Several> {
+    #[inline(always)]
+    fn lanes(&self) -> Option<&FrictionLanes<Several>> {
+        Some(&self.friction)
+    }
+
+    #[inline(always)]
+    fn lanes_mut(&mut self) -> Option<&mut FrictionLanes<Several>> {
+        Some(&mut self.friction)
+    }
+
+    #[inline(always)]
+    fn spring(&self) -> Option<&SpringTerms<Several>> {
+        Some(&self.spring)
+    }
+
+    #[inline(always)]
+    fn spring_mut(&mut self) -> Option<&mut SpringTerms<Several>> {
+        Some(&mut self.spring)
+    }
+}
+
 impl<Several> Tangential<Several> for () {
     #[inline(always)]
     fn lanes(&self) -> Option<&FrictionLanes<Several>> {
@@ -79,39 +137,45 @@ impl<Several> Tangential<Several> for () {
 /// Whoever lays groups out and whoever sweeps them go by the same effects.
 const LAID_OUT: &str = "lane groups were laid out for the effects of the sweep";
 
-impl ContactLayout for FrictionLanes {
-    #[inline(always)]
-    fn of(groups: &PairGroups) -> &[PairGroup] {
-        match groups {
-            PairGroups::Frictional(groups) => groups,
-            PairGroups::Smooth(_) => unreachable!("{LAID_OUT}"),
-        }
-    }
+/// Makes a kind of lane groups that of one variant of [`PairGroups`].
+macro_rules! laid_out_as {
+    ($kind:ty, $variant:ident) => {
+        impl ContactLayout for $kind {
+            #[inline(always)]
+            fn of(groups: &PairGroups) -> &[PairGroup<Self>] {
+                match groups {
+                    PairGroups::$variant(groups) => groups,
+                    _ => unreachable!("{LAID_OUT}"),
+                }
+            }
 
-    #[inline(always)]
-    fn of_mut(groups: &mut PairGroups) -> &mut [PairGroup] {
-        match groups {
-            PairGroups::Frictional(groups) => groups,
-            PairGroups::Smooth(_) => unreachable!("{LAID_OUT}"),
+            #[inline(always)]
+            fn of_mut(groups: &mut PairGroups) -> &mut [PairGroup<Self>] {
+                match groups {
+                    PairGroups::$variant(groups) => groups,
+                    _ => unreachable!("{LAID_OUT}"),
+                }
+            }
         }
-    }
+    };
 }
 
-impl ContactLayout for () {
-    #[inline(always)]
-    fn of(groups: &PairGroups) -> &[PairGroup<()>] {
-        match groups {
-            PairGroups::Smooth(groups) => groups,
-            PairGroups::Frictional(_) => unreachable!("{LAID_OUT}"),
-        }
+laid_out_as!((), Smooth);
+laid_out_as!(FrictionLanes, Frictional);
+laid_out_as!(SpringLanes, Sprung);
+
+impl SpringTerms {
+    /// Takes the spring of the contact in a lane away for a step.
+    pub(crate) fn make_rigid(&mut self, lane: usize) {
+        self.compliance.0[lane] = 0.0;
+        self.bias.iter_mut().for_each(|component| component.0[lane] = 0.0);
     }
 
-    #[inline(always)]
-    fn of_mut(groups: &mut PairGroups) -> &mut [PairGroup<()>] {
-        match groups {
-            PairGroups::Smooth(groups) => groups,
-            PairGroups::Frictional(_) => unreachable!("{LAID_OUT}"),
-        }
+    /// Energy (J) that the spring of the contact in a lane held when the step began.
+    pub(crate) fn held(&self, lane: usize) -> f64 {
+        let compliance = self.compliance.0[lane];
+        let square: f64 = self.bias.iter().map(|component| component.0[lane] * component.0[lane]).sum();
+        if compliance > 0.0 { 0.5 * square / compliance } else { 0.0 }
     }
 }
 
@@ -132,9 +196,9 @@ impl PairGroups {
         self.len() == 0
     }
 
-    /// The groups with room for friction, whether they have any or not: for who reads them once in a while.
-    pub fn iter(&self) -> impl Iterator<Item = PairGroup> + '_ {
-        (0..self.len()).map(|number| with_pairs!(self, groups => groups[number].with_friction()))
+    /// The groups with room for friction and springs, whether they have any or not: for who reads them once in a while.
+    pub fn iter(&self) -> impl Iterator<Item = PairGroup<SpringLanes>> + '_ {
+        (0..self.len()).map(|number| with_pairs!(self, groups => groups[number].with_all()))
     }
 
     /// Bytes of a group.
@@ -142,6 +206,7 @@ impl PairGroups {
         match self {
             PairGroups::Smooth(_) => size_of::<PairGroup<()>>(),
             PairGroups::Frictional(_) => size_of::<PairGroup>(),
+            PairGroups::Sprung(_) => size_of::<PairGroup<SpringLanes>>(),
         }
     }
 
@@ -155,12 +220,15 @@ impl PairGroups {
         with_pairs!(self, groups => groups.truncate(count));
     }
 
-    /// Becomes groups with a tangential part, or without; what there was is dropped if it was of the other kind.
-    pub(crate) fn suit(&mut self, tangential: bool) {
-        match (tangential, &self) {
-            (true, PairGroups::Smooth(_)) => *self = PairGroups::Frictional(Vec::new()),
-            (false, PairGroups::Frictional(_)) => *self = PairGroups::Smooth(Vec::new()),
-            _ => {}
+    /// Becomes groups of the kind that suits the effects; what there was is dropped if it was of another.
+    pub(crate) fn suit(&mut self, effects: EffectSet) {
+        match (effects.tangential(), effects.spring(), &self) {
+            (false, _, PairGroups::Smooth(_))
+            | (true, false, PairGroups::Frictional(_))
+            | (true, true, PairGroups::Sprung(_)) => {}
+            (false, ..) => *self = PairGroups::Smooth(Vec::new()),
+            (true, false, _) => *self = PairGroups::Frictional(Vec::new()),
+            (true, true, _) => *self = PairGroups::Sprung(Vec::new()),
         }
     }
 }

@@ -167,7 +167,7 @@ impl ContactPass for Measure<'_> {
         if E::FRICTION {
             let tangential = contact.impulse_tangential;
             let beyond = dot(tangential, tangential).sqrt() - contact.friction * contact.impulse_normal;
-            excess = excess.larger(beyond * L::splat(TANGENTIAL) * inverse_mass);
+            excess = excess.larger(beyond * contact.tangential_operator::<E>(inverse_mass));
         }
         let mut cone = LaneResidual::<L>::read(&self.tally.cone);
         cone.add_normal::<Directions>(excess.larger(L::zero()));

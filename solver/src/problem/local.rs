@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 /// w = W lambda + q      W = G M^-1 G^T + Sigma'      q = G v + (velocities of walls) - (biases along the normals)
 /// ```
 ///
-/// with v the velocities before the contacts act, pulls included. Sigma' stands on the diagonal, in the rows of normals. A solution
+/// with v the velocities before the contacts act, pulls included. Sigma' stands on the diagonal, in the rows of normals and, where there are tangential springs, in the others. A solution
 /// has `0 <= lambda_n _|_ w_n >= 0` and Coulomb's law of w_t and lambda_t at each contact. (V. Acary, M. Brémond, T. Koziara, F.
 /// Pérignon, *FCLIB: a collection of discrete 3D frictional contact problems*, Inria technical report 444, 2014.)
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,6 +56,8 @@ impl ContactProblem {
                 let mut values = self.coupling(bearing[row].1, contact);
                 if row == column {
                     values[(0, 0)] += contact.compliance;
+                    values[(1, 1)] += contact.tangential_compliance;
+                    values[(2, 2)] += contact.tangential_compliance;
                 }
                 blocks.push(MatrixBlock { row, column, values });
             }
@@ -63,7 +65,8 @@ impl ContactProblem {
         // Velocities before the contacts act, pulls included.
         let free = self.state_of(&vec![ContactImpulse::default(); self.contacts.len()]);
         let offset = |(_, contact): &(usize, &Contact)| {
-            contact.frame().transpose() * self.relative_velocity(contact, &free) - Vector3::x() * contact.bias
+            let [u, v] = contact.tangents.map(|tangent| tangent.dot(&contact.tangential_bias));
+            contact.frame().transpose() * self.relative_velocity(contact, &free) - Vector3::new(contact.bias, u, v)
         };
         let impulse = |(_, contact): &(usize, &Contact)| self.in_frame(contact, &contact.impulse);
         LocalProblem {

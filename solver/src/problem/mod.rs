@@ -14,12 +14,12 @@
 //!
 //! ```text
 //! normal      0 <= lambda_n  _|_  w_n = n.u + Sigma' lambda_n - q >= 0
-//! friction    lambda_t in the disc of radius mu lambda_n, and against the sliding: u_t = 0 inside of it, else
-//!             lambda_t = -mu lambda_n u_t / |u_t|
+//! friction    lambda_t in the disc of radius mu lambda_n, and against the sliding w_t = u_t + Sigma_t lambda_t - b:
+//!             w_t = 0 inside of it, else lambda_t = -mu lambda_n w_t / |w_t|
 //! resistance  the same of the angular impulse L and omega_b - omega_a: a disc across the normal, an interval along it
 //! ```
 //!
-//! q holds what the step asks of the contact: its stabilisation, `(4/h) Y d + Y u_n0`, or the speed `-e u_n0` at which an impact
+//! Sigma_t and b are those of a [tangential spring](crate::effects::spring), zero where there is none. q holds what the step asks of the contact: its stabilisation, `(4/h) Y d + Y u_n0`, or the speed `-e u_n0` at which an impact
 //! leaves (C. Lacoursière, *Ghosts and machines*, Umeå 2007, sections 4 and 10). These are the laws that
 //! [`sweep`](crate::sweep) relaxes; `docs/problem.md` tells how a problem is kept in a file.
 //!
@@ -115,6 +115,10 @@ pub struct Contact {
     pub bias: f64,
     /// Compliance Sigma' along the normal, 1/kg.
     pub compliance: f64,
+    /// Compliance Sigma_t of the spring across the normal, 1/kg; zero where the contact is rigid there.
+    pub tangential_compliance: f64,
+    /// Bias b of that spring in the frame of the world, across the normal, m/s: Sigma_t times the impulse that it bore in the last step.
+    pub tangential_bias: Vector3<f64>,
     /// Coefficient of friction mu.
     pub friction: f64,
     /// Largest rolling torque over the normal force, `mu_r R*`, m.
@@ -165,6 +169,12 @@ impl Contact {
     /// Whether it resists rolling or twisting.
     pub fn resists_turning(&self) -> bool {
         self.rolling_lever != 0.0 || self.twisting_lever != 0.0
+    }
+
+    /// What has to vanish across the normal while the contact sticks, m/s, given its relative velocity: w_t.
+    pub fn sliding(&self, velocity: &Vector3<f64>, tangential_impulse: &Vector3<f64>) -> Vector3<f64> {
+        let across = velocity - self.normal * self.normal.dot(velocity);
+        across + tangential_impulse * self.tangential_compliance - self.tangential_bias
     }
 
     /// The contact's frame: normal and tangents as columns.
@@ -282,10 +292,17 @@ impl ContactProblem {
         if contact.second == Some(contact.first) {
             return Err("is of a body with itself".into());
         }
-        let Contact { arms, wall_velocity, wall_spin, impulse, .. } = contact;
-        let vectors = [&arms[0], &arms[1], wall_velocity, wall_spin, &impulse.tangential, &impulse.angular];
-        let magnitudes =
-            [contact.compliance, contact.friction, contact.rolling_lever, contact.twisting_lever, impulse.normal];
+        let Contact { arms, wall_velocity, wall_spin, impulse, tangential_bias, .. } = contact;
+        let vectors =
+            [&arms[0], &arms[1], wall_velocity, wall_spin, &impulse.tangential, &impulse.angular, tangential_bias];
+        let magnitudes = [
+            contact.compliance,
+            contact.tangential_compliance,
+            contact.friction,
+            contact.rolling_lever,
+            contact.twisting_lever,
+            impulse.normal,
+        ];
         let numbers = [contact.bias, contact.pull].into_iter().chain(magnitudes);
         let all = vectors.into_iter().flat_map(|vector| vector.iter().copied()).chain(numbers);
         if !all.chain(contact.frame().iter().copied()).all(f64::is_finite) {

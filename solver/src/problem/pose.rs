@@ -4,7 +4,8 @@ use super::{Body, Contact, ContactImpulse, ContactProblem, ContactState, tangent
 use crate::Simulation;
 use crate::contact::lever_arms;
 use crate::effects::drive::Drive;
-use crate::groups::{ContactLanes, TorqueLanes};
+use crate::groups::{ContactLanes, SpringLanes, TorqueLanes};
+use crate::lanes::Eight;
 use crate::scene::Stop;
 use crate::schedule::Team;
 use crate::solve::{SolveReport, residual_unit, solve};
@@ -140,13 +141,15 @@ fn contacts(posed: &Simulation) -> Vec<Contact> {
 }
 
 /// What the lanes of a contact hold, whichever bodies it has.
-fn read(lanes: &ContactLanes, lane: usize) -> Contact {
+fn read(lanes: &ContactLanes<Eight, SpringLanes>, lane: usize) -> Contact {
     let normal = Vector3::from(lanes.normal(lane));
     Contact {
         normal,
         tangents: tangents_of(&normal),
         bias: lanes.bias.0[lane],
         compliance: lanes.regularisation.0[lane],
+        tangential_compliance: lanes.tangential.spring.compliance.0[lane],
+        tangential_bias: Vector3::from_fn(|axis, _| lanes.tangential.spring.bias[axis].0[lane]),
         friction: lanes.friction(lane),
         impulse: ContactImpulse {
             normal: lanes.normal_impulse(lane),

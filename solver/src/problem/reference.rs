@@ -4,7 +4,7 @@
 //! for each sweep
 //!   for each contact
 //!     lambda_n <- max(0, lambda_n + omega (q - Sigma' lambda_n - n.u) / (S_n + Sigma'))
-//!     lambda_t <- P[ lambda_t - omega u_t / S_t ]             P: onto the disc of radius mu lambda_n
+//!     lambda_t <- P[ lambda_t - omega (u_t + Sigma_t lambda_t - b) / (S_t + Sigma_t) ]    P: onto the disc of radius mu lambda_n
 //!     L        <- P[ L - omega (omega_b - omega_a) / S_r ]    P: disc mu_r R* lambda_n across the normal, interval along it
 //!     and the bodies take each change at once
 //! ```
@@ -45,7 +45,7 @@ pub struct Ending {
 pub(super) struct OneContact {
     /// S_n + Sigma', 1/kg.
     pub normal: f64,
-    /// S_t, 1/kg.
+    /// S_t + Sigma_t, 1/kg.
     pub tangential: f64,
     /// S_r, 1/(kg m2).
     pub turning: f64,
@@ -57,7 +57,8 @@ impl ContactProblem {
         let inertias: Matrix3<f64> = contact.sides().map(|(body, ..)| self.bodies[body].inverse_inertia).sum();
         OneContact {
             normal: operator[(0, 0)] + contact.compliance,
-            tangential: larger_eigenvalue(&operator.fixed_view::<2, 2>(1, 1).into_owned()),
+            tangential: larger_eigenvalue(&operator.fixed_view::<2, 2>(1, 1).into_owned())
+                + contact.tangential_compliance,
             turning: if contact.resists_turning() { inertias.symmetric_eigenvalues().max() } else { 0.0 },
         }
     }
@@ -99,7 +100,7 @@ impl ContactProblem {
         // Tangential impulse, projected onto the disc at that normal impulse.
         if operator.tangential > 0.0 {
             let velocity = self.relative_velocity(contact, state);
-            let sliding = velocity - contact.normal * contact.normal.dot(&velocity);
+            let sliding = contact.sliding(&velocity, &last.tangential);
             let target = last.tangential - sliding * (relaxation / operator.tangential);
             impulse.tangential = onto_disc(target, contact.friction * impulse.normal);
             let change = impulse.tangential - last.tangential;

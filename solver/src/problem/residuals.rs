@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 pub struct ProblemResiduals {
     /// Normal complementarity `|min(lambda_n D_n, w_n)|`.
     pub normal: Residual,
-    /// Coulomb's law, the disc and the maximum dissipation in it: `|lambda_t - P[lambda_t - u_t / D_t]| D_t`.
+    /// Coulomb's law, the disc and the maximum dissipation in it: `|lambda_t - P[lambda_t - w_t / D_t]| D_t`.
     pub tangential: Residual,
     /// The same of angular impulses, times the first body's arm.
     pub turning: Residual,
@@ -43,7 +43,7 @@ impl ContactProblem {
             let normal_velocity = contact.normal.dot(&velocity);
             let gap_velocity = normal_velocity + contact.compliance * impulse.normal - contact.bias;
             let normal = (impulse.normal - gap_velocity / operator.normal).max(0.0);
-            let sliding = velocity - contact.normal * normal_velocity;
+            let sliding = contact.sliding(&velocity, &impulse.tangential);
             let target = impulse.tangential - sliding / operator.tangential;
             let tangential = onto_disc(target, contact.friction * normal);
             sums[0].add((normal - impulse.normal) * operator.normal);

@@ -6,7 +6,8 @@ use super::names;
 use super::periodic;
 use super::setting_error::{Obstacle, SettingError};
 use super::{
-    ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Region, Scene, Shape, SolverMethod, Stop,
+    ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Region, Scene, Shape, SolverMethod,
+    SolverSettings, Stop, TangentialLaw,
 };
 use crate::effects::catalogue::coefficients;
 use crate::effects::resistance::{ROLLING, TWISTING};
@@ -301,6 +302,7 @@ pub(super) fn solver(scene: &Scene) -> Checked {
     if let NormalLaw::Linear { stiffness } = settings.normal_law {
         at.key("normal_law").key("stiffness").range(stiffness, 1e-6, 1e15, "N/m")?;
     }
+    tangential_law(settings, &at.key("tangential_law"))?;
     let method = at.key("method");
     match settings.method {
         SolverMethod::Anderson { memory } => {
@@ -337,6 +339,18 @@ pub(super) fn solver(scene: &Scene) -> Checked {
     }
 }
 
+fn tangential_law(settings: &SolverSettings, at: &DocumentPath) -> Checked {
+    let TangentialLaw::Spring { stiffness_ratio } = settings.tangential_law else { return Ok(()) };
+    if let Some(ratio) = stiffness_ratio {
+        at.key("stiffness_ratio").range(ratio, 1e-3, 1e3, "of the normal stiffness")?;
+    }
+    if settings.normal_law == NormalLaw::Rigid {
+        let remedy = "give normal_law a stiffness, or leave tangential_law out";
+        return Err(at.fault("a spring, beside a rigid normal law that has no stiffness to go by".into(), remedy));
+    }
+    Ok(())
+}
+
 /// What a method or a precision does not go with, in the words of the scene.
 fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
     let at = DocumentPath::default().key("solver");
@@ -354,6 +368,7 @@ fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
             let driven = scene.wall.iter().find(|wall| wall.motion.is_driven());
             (format!("where wall '{}' is driven", driven.map_or("", |wall| &wall.name)), "driven walls go")
         }
+        Obstacle::TangentialSpring => ("where tangential_law is a spring".into(), "tangential springs go"),
         Obstacle::Method | Obstacle::SinglePrecision => {
             let problem = format!("{asked}, with method {}", scene.solver.method.name());
             return at.key(key).fault(problem, "single precision goes with gauss-seidel alone; leave one out");

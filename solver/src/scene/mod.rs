@@ -69,6 +69,7 @@ pub use crate::effects::cohesion::Cohesion;
 pub use crate::effects::compliance::NormalLaw;
 use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
+pub use crate::effects::spring::TangentialLaw;
 pub use accuracy::Accuracy;
 pub use bearable::{Beforehand, Finding, Severity};
 pub use builder::{Face, SceneBuilder};
@@ -176,7 +177,8 @@ impl Scene {
     fn obstacle(&self) -> Option<Obstacle> {
         let contacts: Vec<_> = self.possible_contacts().collect();
         let driven = self.wall.iter().any(|wall| wall.motion.is_driven());
-        Obstacle::of_scene(EffectSet::of(contacts.iter()).torques(), driven)
+        let spring = self.solver.tangential_law != TangentialLaw::Rigid;
+        Obstacle::of_scene(EffectSet::of(contacts.iter()).torques(), driven, spring)
     }
 
     /// Number of grains that the scene begins with: those that it lists, and those of its populations.

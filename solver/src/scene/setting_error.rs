@@ -44,6 +44,9 @@ pub enum Obstacle {
     /// A force or a torque drives a wall.
     #[error("driven walls")]
     DrivenWalls,
+    /// Contacts that stick have a tangential spring.
+    #[error("tangential springs")]
+    TangentialSpring,
     /// The solves go by another method.
     #[error("methods other than gauss-seidel")]
     Method,
@@ -54,8 +57,9 @@ pub enum Obstacle {
 
 impl Obstacle {
     /// What goes with Gauss-Seidel in double precision alone, of what a scene has.
-    pub(crate) fn of_scene(torques: bool, driven_walls: bool) -> Option<Obstacle> {
-        torques.then_some(Obstacle::Torques).or(driven_walls.then_some(Obstacle::DrivenWalls))
+    pub(crate) fn of_scene(torques: bool, driven_walls: bool, spring: bool) -> Option<Obstacle> {
+        let torques = torques.then_some(Obstacle::Torques);
+        torques.or(driven_walls.then_some(Obstacle::DrivenWalls)).or(spring.then_some(Obstacle::TangentialSpring))
     }
 }
 

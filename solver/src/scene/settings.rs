@@ -1,6 +1,7 @@
 //! How a scene is solved: one typed setting a knob, with one default.
 
 use crate::effects::compliance::NormalLaw;
+use crate::effects::spring::TangentialLaw;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the time step and of the contact solver.
@@ -25,6 +26,9 @@ pub struct SolverSettings {
     pub precision: Precision,
     /// Law of the normal contact.
     pub normal_law: NormalLaw,
+    /// Law of the contact across its normal, before it slides.
+    #[serde(skip_serializing_if = "is_default")]
+    pub tangential_law: TangentialLaw,
     /// Damping time of the stabilisation over the time step (tau / h).
     pub damping_steps: f64,
     /// Contacts that approach slower than this are inelastic, m/s.
@@ -46,6 +50,7 @@ impl Default for SolverSettings {
             over_relaxation: 1.3,
             precision: Precision::Double,
             normal_law: NormalLaw::Hertz,
+            tangential_law: TangentialLaw::Rigid,
             damping_steps: 1.0,
             restitution_threshold: 0.05,
             skin: 0.6,

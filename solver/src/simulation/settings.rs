@@ -28,7 +28,11 @@ impl Simulation {
 
     /// What goes with Gauss-Seidel in double precision alone, if the scene has it.
     fn obstacle(&self) -> Option<Obstacle> {
-        Obstacle::of_scene(self.relaxation.effects.torques(), !self.world.drives.is_empty())
+        Obstacle::of_scene(
+            self.relaxation.effects.torques(),
+            !self.world.drives.is_empty(),
+            self.relaxation.effects.spring(),
+        )
     }
 
     /// Sweeps in another precision from the next step on; this changes the result.

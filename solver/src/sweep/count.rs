@@ -1,6 +1,6 @@
 //! How much arithmetic a contact sweep is, counted by running the kernel's own source over numbers that count.
 
-use super::kernel::{Bodies, Contact, Pair};
+use super::kernel::{Bodies, Contact, Pair, Spring};
 use super::residual::{LaneResidual, Off};
 use crate::effects::Frictional;
 use crate::lanes::Number;
@@ -64,6 +64,7 @@ fn counted(relax: impl FnOnce(&mut Contact<Counted>)) -> Operations {
         friction: zero,
         impulse_normal: zero,
         impulse_tangential: [zero; 3],
+        spring: Spring { compliance: zero, bias: [zero; 3] },
     };
     DONE.set(Operations::NONE);
     relax(&mut contact);

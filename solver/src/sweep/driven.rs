@@ -1,7 +1,7 @@
 //! Relaxation of contacts with driven walls, one after another: see [`drive`](crate::effects::drive).
 
 use super::Relaxation;
-use super::kernel::{Bodies, Contact, INVERSE_INERTIA};
+use super::kernel::{Bodies, Contact};
 use super::residual::{LaneResidual, MeasuredLevel, ResidualLevel, TaskResidual, with_level};
 use super::torques::Torque;
 use crate::effects::drive::Drive;
@@ -75,8 +75,9 @@ fn relax<E: Effects, G: MeasuredLevel>(
         let velocity = contact.velocity_at_wall::<E>(&grain, times(one.jacobian, drive.rate));
         let tangential = minus(velocity, times(contact.normal, dot(contact.normal, velocity)));
         let across = (dot(one.jacobian, one.jacobian) - along * along).max(0.0);
-        let operator = grain.inverse_mass * (1.0 + INVERSE_INERTIA) + drive.inverse_inertia * across;
-        let target = minus(contact.impulse_tangential, times(tangential, factor / operator));
+        let operator = contact.tangential_operator::<E>(grain.inverse_mass) + drive.inverse_inertia * across;
+        let sliding = contact.sliding::<E>(tangential);
+        let target = minus(contact.impulse_tangential, times(sliding, factor / operator));
         let projected = times(target, disc_shrinkage(target, contact.friction * updated));
         let change = minus(projected, contact.impulse_tangential);
         contact.impulse_tangential = projected;

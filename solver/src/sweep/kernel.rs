@@ -12,7 +12,8 @@
 //!
 //! A contact's normal impulse does not change its tangential velocity (spheres), so u is computed once. Of the normal impulse the
 //! change is computed, at least -lambda_n: then all but one product and one comparison is ready before u is. Where grains resist rolling
-//! or twisting, the contact's angular impulse follows (`torques`).
+//! or twisting, the contact's angular impulse follows (`torques`). Where the contact has a tangential spring, `u_t + Sigma_t lambda_t - b`
+//! and `S_t + Sigma_t` stand for u_t and S_t ([`spring`](crate::effects::spring)).
 
 use super::residual::{LaneResidual, MeasuredLevel};
 use crate::effects::Effects;
@@ -199,6 +200,14 @@ pub(crate) struct Contact<N> {
     pub friction: N,
     pub impulse_normal: N,
     pub impulse_tangential: [N; 3],
+    pub spring: Spring<N>,
+}
+
+/// The tangential spring of one contact, or of eight; nothing where kernels are compiled without.
+#[derive(Clone, Copy)]
+pub(crate) struct Spring<N> {
+    pub compliance: N,
+    pub bias: [N; 3],
 }
 
 impl<N: Number> Contact<N> {
@@ -209,6 +218,10 @@ impl<N: Number> Contact<N> {
             Some(lanes) => (number(&lanes.coefficient), lanes.impulse.each_ref().map(&number)),
             None => (N::zero(), [N::zero(); 3]),
         };
+        let spring = contacts
+            .tangential
+            .spring()
+            .map(|terms| Spring { compliance: number(&terms.compliance), bias: terms.bias.each_ref().map(&number) });
         Self {
             normal: contacts.normal.each_ref().map(&number),
             bias: number(&contacts.bias),
@@ -216,6 +229,7 @@ impl<N: Number> Contact<N> {
             friction,
             impulse_normal: number(&contacts.impulse_normal),
             impulse_tangential,
+            spring: spring.unwrap_or(Spring { compliance: N::zero(), bias: [N::zero(); 3] }),
         }
     }
 
@@ -242,6 +256,23 @@ impl<N: Number> Contact<N> {
         plus(self.impulse_tangential, times(self.normal, self.impulse_normal))
     }
 
+    /// Operator across the normal: `S_t = 3.5 S_n` for solid spheres, and the spring's compliance.
+    #[inline(always)]
+    pub fn tangential_operator<E: Effects>(&self, inverse_mass: N) -> N {
+        let operator = inverse_mass * N::splat(1.0 + INVERSE_INERTIA);
+        if E::SPRING { operator + self.spring.compliance } else { operator }
+    }
+
+    /// What has to vanish across the normal while the contact sticks, given its velocity there: that, or the spring's law.
+    #[inline(always)]
+    pub fn sliding<E: Effects>(&self, tangential: [N; 3]) -> [N; 3] {
+        if !E::SPRING {
+            return tangential;
+        }
+        let given = times(self.impulse_tangential, self.spring.compliance);
+        plus(tangential, minus(given, self.spring.bias))
+    }
+
     /// The one-contact solution: updates the impulses and returns the change.
     #[inline(always)]
     pub fn relax<E: Effects, G: MeasuredLevel>(
@@ -265,9 +296,9 @@ impl<N: Number> Contact<N> {
         let mut impulse = times(normal, change);
         if E::FRICTION {
             // Tangential impulse, projected onto the Coulomb disc.
-            let operator = inverse_mass * N::splat(1.0 + INVERSE_INERTIA);
+            let operator = self.tangential_operator::<E>(inverse_mass);
             let step = -(relaxation / operator);
-            let tangential = minus(velocity, times(normal, normal_velocity));
+            let tangential = self.sliding::<E>(minus(velocity, times(normal, normal_velocity)));
             let target = plus(self.impulse_tangential, times(tangential, step));
             let projected = times(target, disc_shrinkage(target, self.friction * updated));
             let change = minus(projected, self.impulse_tangential);

@@ -22,7 +22,7 @@ pub(crate) use stages::{SweepOperands, SweepPass};
 use crate::detect::{AngularImpulse, Impulse, ImpulsesOfTask};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
 use crate::groups::{ContactLanes, ContactLayout, Sources, Tangential, WallTorqueLanes, with_pairs};
-use crate::lanes::{Available, Eight, Kernel, Lanes, PREFETCH, TaskSlots, cross, prefetch_places, times};
+use crate::lanes::{Available, Eight, Kernel, Lanes, Number, PREFETCH, TaskSlots, cross, prefetch_places, times};
 use crate::partition::{TaskGroups, overlapped};
 use crate::world::Body;
 pub(crate) use kernel::INVERSE_INERTIA;
@@ -70,6 +70,8 @@ struct Pull<'a> {
 struct Remember<'a> {
     groups: &'a TaskGroups,
     impulses: ImpulsesOfTask<'a>,
+    /// Whether there are tangential springs.
+    springs: bool,
 }
 
 impl Relaxation {
@@ -115,7 +117,8 @@ impl Relaxation {
 
     /// Keeps a task's impulses, angular ones too where there are any, with the candidates that its contacts came from.
     pub(crate) fn remember(&self, groups: &TaskGroups, impulses: ImpulsesOfTask<'_>) {
-        self.instruction_set.run(Remember { groups, impulses });
+        let springs = self.effects.spring();
+        self.instruction_set.run(Remember { groups, impulses, springs });
         if self.effects.torques() {
             remember_torques(groups, impulses);
         }
@@ -241,30 +244,38 @@ impl Kernel for Remember<'_> {
     fn run<L: Lanes>(self) {
         let TaskGroups { pairs, pair_sources, walls, wall_sources, .. } = self.groups;
         with_pairs!(pairs, pairs => for (group, sources) in pairs.iter().zip(pair_sources) {
-            remember::<L, _>(&group.contacts, sources, self.impulses.pairs);
+            remember::<L, _>(&group.contacts, sources, self.impulses.pairs, self.springs);
         });
         for (group, sources) in walls.iter().zip(wall_sources) {
-            remember::<L, _>(&group.contacts, sources, self.impulses.walls);
+            remember::<L, _>(&group.contacts, sources, self.impulses.walls, self.springs);
         }
     }
 }
 
-/// Keeps the impulses of a lane group; see [`Relaxation::remember`].
+/// Keeps the impulses of a lane group; see [`Relaxation::remember`]. What an impact bore that was over within the step is no load of a
+/// spring.
 #[inline(always)]
 fn remember<L: Lanes, T: Tangential>(
     contacts: &ContactLanes<Eight, T>,
     sources: &Sources,
     impulses: TaskSlots<'_, Impulse>,
+    springs: bool,
 ) {
+    let spring = if springs { contacts.tangential.spring() } else { None };
     if sources.is_full() {
         let contact = Contact::read(contacts, L::load);
-        let [x, y, z] = contact.impulse_tangential;
+        let mut tangential = contact.impulse_tangential;
+        if let Some(spring) = spring {
+            let springy = <L as Number>::zero().below(L::load(&spring.compliance));
+            tangential = tangential.map(|component| L::select(springy, component, <L as Number>::zero()));
+        }
+        let [x, y, z] = tangential;
         impulses.store_quads(&sources.or(u32::MAX), [contact.impulse_normal, x, y, z]);
     } else {
         for (lane, candidate) in sources.occupied() {
-            let impulse =
-                Impulse { normal: contacts.normal_impulse(lane), tangential: contacts.tangential_impulse(lane) };
-            impulses.set(candidate as u32, impulse);
+            let springy = spring.is_none_or(|spring| spring.compliance.0[lane] > 0.0);
+            let tangential = if springy { contacts.tangential_impulse(lane) } else { [0.0; 3] };
+            impulses.set(candidate as u32, Impulse { normal: contacts.normal_impulse(lane), tangential });
         }
     }
 }

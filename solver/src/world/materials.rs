@@ -3,7 +3,7 @@
 use crate::effects::EffectSet;
 use crate::effects::cohesion::Pull;
 use crate::effects::compliance::damping_ratio;
-use crate::scene::{ContactCoefficients, Scene};
+use crate::scene::{ContactCoefficients, Scene, TangentialLaw};
 use std::ops::Deref;
 
 /// What a contact takes from its two materials.
@@ -15,6 +15,8 @@ pub struct ContactMaterial {
     pub damping_ratio: f64,
     /// Effective modulus E*, Pa: `1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2` (Johnson, Contact Mechanics, 1985, 4.2).
     pub effective_modulus: f64,
+    /// Stiffness across the normal over that along it, where there is a tangential spring.
+    pub stiffness_ratio: f64,
 }
 
 impl Deref for ContactMaterial {
@@ -39,6 +41,8 @@ pub struct MaterialTable {
     names: Vec<String>,
     between_grains: Vec<ContactMaterial>,
     with_wall: Vec<ContactMaterial>,
+    /// Whether contacts that stick have a tangential spring.
+    sprung: bool,
 }
 
 impl MaterialTable {
@@ -55,12 +59,15 @@ impl MaterialTable {
                     };
                     let effective_modulus = 1.0 / (softness(first) + softness(second));
                     let damping_ratio = damping_ratio(coefficients.restitution);
-                    table.push(ContactMaterial { coefficients, damping_ratio, effective_modulus });
+                    let materials = [first, second].map(|name| &scene.material[name]);
+                    let stiffness_ratio = scene.solver.tangential_law.stiffness_ratio(materials);
+                    table.push(ContactMaterial { coefficients, damping_ratio, effective_modulus, stiffness_ratio });
                 }
             }
             table
         };
-        MaterialTable { between_grains: pairs(false), with_wall: pairs(true), names }
+        let sprung = scene.solver.tangential_law != TangentialLaw::Rigid;
+        MaterialTable { between_grains: pairs(false), with_wall: pairs(true), names, sprung }
     }
 
     /// Number of materials.
@@ -107,6 +114,7 @@ impl MaterialTable {
 
     /// The effects that some contact calls for.
     pub fn effects(&self) -> EffectSet {
-        EffectSet::of(self.between_grains.iter().chain(&self.with_wall).map(|pair| &pair.coefficients))
+        let contacts = self.between_grains.iter().chain(&self.with_wall).map(|pair| &pair.coefficients);
+        EffectSet::of(contacts).with_spring(self.sprung)
     }
 }

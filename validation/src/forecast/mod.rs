@@ -12,7 +12,7 @@ use crate::effects::{Called, called};
 use crate::observables::impossible;
 use crate::plan::Scene;
 use crate::stepping::steps_in;
-use makadam::scene::{DocumentPath, Finding, NormalLaw, Stop, populate};
+use makadam::scene::{DocumentPath, Finding, NormalLaw, Stop, TangentialLaw, populate};
 use scales::Bed;
 use serde::Serialize;
 
@@ -173,7 +173,15 @@ fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
         NormalLaw::Hertz => "Hertz".to_string(),
     };
     let setting = |key, value: String, why: String| Setting { key, value, why };
-    vec![
+    let spring = match solver.tangential_law {
+        TangentialLaw::Rigid => None,
+        TangentialLaw::Spring { stiffness_ratio: None } => Some("a spring of Mindlin's stiffness".to_string()),
+        TangentialLaw::Spring { stiffness_ratio: Some(ratio) } => {
+            Some(format!("a spring of {ratio} of the normal stiffness"))
+        }
+    };
+    let spring = spring.map(|words| setting("solver.tangential_law", words, why("solver", "tangential_law")));
+    let mut settings = vec![
         setting("solver.step", format!("{:e} s", solver.step), by_accuracy("solver", "step")),
         setting("solver.stop", stop_of(&solver.stop), by_accuracy("solver", "stop")),
         setting("solver.method", solver.method.name().into(), why("solver", "method")),
@@ -183,7 +191,9 @@ fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
             Some(from) => setting("measure.from", format!("{from} s"), why("measure", "from")),
             None => setting("measure.from", "the last frame alone is measured".into(), "default".into()),
         },
-    ]
+    ];
+    settings.extend(spring);
+    settings
 }
 
 #[cfg(test)]

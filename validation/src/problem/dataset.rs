@@ -23,6 +23,9 @@ pub(super) const TITLE: &str = "fclib_local/info/title";
 /// Version of the layout below `makadam`.
 pub(super) const VERSION: i32 = 1;
 
+/// The version where contacts have tangential springs, which a reader of the first one would pass over.
+pub(super) const VERSION_WITH_SPRINGS: i32 = 2;
+
 /// The group of bodies and contacts, the number of columns after each name.
 pub(super) const CONTACT_PROBLEM: [(&str, usize, Kind); 26] = [
     ("makadam/version", 1, Kind::Whole),
@@ -52,6 +55,10 @@ pub(super) const CONTACT_PROBLEM: [(&str, usize, Kind); 26] = [
     ("makadam/contacts/tangential_impulse", 3, Kind::Real),
     ("makadam/contacts/angular_impulse", 3, Kind::Real),
 ];
+
+/// Tangential springs, in files of the second version.
+pub(super) const SPRINGS: [(&str, usize, Kind); 2] =
+    [("makadam/contacts/tangential_compliance", 1, Kind::Real), ("makadam/contacts/tangential_bias", 3, Kind::Real)];
 
 /// What the sweeps over lanes came to.
 pub(super) const LANES: [(&str, usize, Kind); 2] =

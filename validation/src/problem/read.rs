@@ -1,6 +1,9 @@
 //! Files into problems. Whatever is wrong with a file is an error that names it.
 
-use super::dataset::{CHECKSUM, CONTACT_PROBLEM, Datasets, Kind, LANES, LOCAL, Numbers, TITLE, VERSION, checksum};
+use super::dataset::{
+    CHECKSUM, CONTACT_PROBLEM, Datasets, Kind, LANES, LOCAL, Numbers, SPRINGS, TITLE, VERSION, VERSION_WITH_SPRINGS,
+    checksum,
+};
 use super::{BodyVelocities, ProblemFile};
 use hdf5_pure::File;
 use makadam::problem::{Body, Contact, ContactImpulse, ContactProblem, LocalProblem, MatrixBlock};
@@ -60,6 +63,9 @@ pub fn parse(bytes: Vec<u8>) -> Result<ProblemFile, String> {
     let mut datasets = Datasets::new();
     if has("makadam") {
         reader.all(&CONTACT_PROBLEM, &mut datasets)?;
+        if integer(&datasets, "makadam/version")? == VERSION_WITH_SPRINGS as usize {
+            reader.all(&SPRINGS, &mut datasets)?;
+        }
         let within =
             reader.file.group("makadam").and_then(|group| group.groups()).map_err(|error| error.to_string())?;
         if within.iter().any(|name| name == "lanes") {
@@ -160,13 +166,17 @@ fn integer(datasets: &Datasets, path: &str) -> Result<usize, String> {
 
 fn contact_problem(datasets: &Datasets) -> Result<ContactProblem, String> {
     let version = integer(datasets, "makadam/version")?;
-    if version != VERSION as usize {
-        return Err(format!("makadam/version is {version}; this program reads version {VERSION}"));
+    let known = [VERSION, VERSION_WITH_SPRINGS];
+    if known.iter().all(|&known| version != known as usize) {
+        let [first, second] = known;
+        return Err(format!("makadam/version is {version}; this program reads versions {first} and {second}"));
     }
+    let springs = version == VERSION_WITH_SPRINGS as usize;
     // As many rows in every dataset of a group.
     for group in ["makadam/bodies/", "makadam/contacts/"] {
         let mut rows = CONTACT_PROBLEM
             .iter()
+            .chain(SPRINGS.iter().filter(|_| springs))
             .filter(|(path, ..)| path.starts_with(group))
             .map(|(path, columns, _)| (*path, real(datasets, path).len().max(whole(datasets, path).len()) / columns));
         if let Some((first, count)) = rows.next()
@@ -194,6 +204,8 @@ fn contact_problem(datasets: &Datasets) -> Result<ContactProblem, String> {
     let [bias, compliance, friction, rolling, twisting, pull, normal_impulse] =
         ["bias", "compliance", "friction", "rolling_lever", "twisting_lever", "pull", "normal_impulse"]
             .map(|name| real(datasets, &of_contacts(name)));
+    let tangential_compliance = real(datasets, SPRINGS[0].0);
+    let tangential_bias = vectors(datasets, SPRINGS[1].0);
     let tangents = vectors(datasets, &of_contacts("tangents"));
     let [firsts, seconds] = ["first", "second"].map(|name| whole(datasets, &of_contacts(name)));
     let mut contacts = Vec::with_capacity(normals.len());
@@ -210,6 +222,8 @@ fn contact_problem(datasets: &Datasets) -> Result<ContactProblem, String> {
             wall_spin: wall_spins[number],
             bias: bias[number],
             compliance: compliance[number],
+            tangential_compliance: tangential_compliance.get(number).copied().unwrap_or_default(),
+            tangential_bias: tangential_bias.get(number).copied().unwrap_or_default(),
             friction: friction[number],
             rolling_lever: rolling[number],
             twisting_lever: twisting[number],

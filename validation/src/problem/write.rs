@@ -1,6 +1,8 @@
 //! Problems into files.
 
-use super::dataset::{CONTACT_PROBLEM, Datasets, LANES, LOCAL, Numbers, TITLE, VERSION, checksum};
+use super::dataset::{
+    CONTACT_PROBLEM, Datasets, LANES, LOCAL, Numbers, SPRINGS, TITLE, VERSION, VERSION_WITH_SPRINGS, checksum,
+};
 use super::{BodyVelocities, ProblemFile};
 use crate::output::{WriteError, write_durably};
 use hdf5_pure::{FileBuilder, LibVer};
@@ -58,8 +60,13 @@ pub fn bytes(file: &ProblemFile, solution: Option<&[Vector3<f64>]>) -> Result<Ve
             folder = parent;
         }
     }
-    let columns: BTreeMap<&str, usize> =
-        CONTACT_PROBLEM.iter().chain(&LANES).chain(&LOCAL).map(|(path, columns, _)| (*path, *columns)).collect();
+    let columns: BTreeMap<&str, usize> = CONTACT_PROBLEM
+        .iter()
+        .chain(&SPRINGS)
+        .chain(&LANES)
+        .chain(&LOCAL)
+        .map(|(path, columns, _)| (*path, *columns))
+        .collect();
     for (path, numbers) in &datasets {
         let Some((folder, name)) = path.rsplit_once('/') else { continue };
         let Some(group) = groups.get_mut(folder) else { continue };
@@ -107,8 +114,15 @@ fn put_problem(datasets: &mut Datasets, problem: &ContactProblem) {
     let whole = |of: fn(&Contact) -> i32| Numbers::Whole(contacts.iter().map(of).collect());
     let second = |contact: &Contact| contact.second.map_or(-1, |body| body as i32);
     let tangents = |contact: &Contact| contact.tangents.iter().flatten().copied().collect();
+    let springs = contacts.iter().any(|contact| contact.tangential_compliance != 0.0);
+    let version = if springs { VERSION_WITH_SPRINGS } else { VERSION };
+    if springs {
+        let [compliance, bias] = SPRINGS.map(|(path, ..)| path);
+        datasets.insert(compliance, contact(|contact| vec![contact.tangential_compliance]));
+        datasets.insert(bias, contact(|contact| contact.tangential_bias.as_slice().to_vec()));
+    }
     datasets.extend([
-        ("makadam/version", Numbers::Whole(vec![VERSION])),
+        ("makadam/version", Numbers::Whole(vec![version])),
         ("makadam/grains", Numbers::Whole(vec![*grains as i32])),
         ("makadam/time", Numbers::Real(vec![*time])),
         ("makadam/step", Numbers::Real(vec![*step])),

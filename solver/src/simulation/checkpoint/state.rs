@@ -44,7 +44,7 @@ pub(in crate::simulation) struct State {
     altered: Altered,
 }
 
-/// What the caller has done to a simulation and later steps depend on.
+/// What few simulations have: what the caller has done to one, as far as later steps depend on it, and what springs took up.
 #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Altered {
     /// Whether there may be other grains than the scene has.
@@ -53,6 +53,8 @@ struct Altered {
     moved_walls: Vec<(u32, Steered)>,
     /// What the ledger has from outside.
     booked: Booked,
+    /// What tangential springs took up since the ledger was opened, J.
+    springs: f64,
 }
 
 /// State of a driven wall.
@@ -184,6 +186,7 @@ impl State {
                 other_grains: simulation.interventions.other_grains,
                 moved_walls: world.walls.steered().map(|(wall, steered)| (wall, *steered)).collect(),
                 booked: simulation.interventions.booked,
+                springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
             },
         }
     }
@@ -218,6 +221,7 @@ impl State {
             && impulses.clone().all(|component| component.abs() < LARGEST)
             && torques.clone().all(|component| component.abs() < LARGEST)
             && drives.into_iter().all(|number| number.abs() < LARGEST)
+            && state.altered.springs.abs() < LARGEST
             && state.altered.moved_walls.iter().all(|(_, steered)| steered.is_sound())
             && [(&state.pairs, &state.pair_torques), (&state.walls, &state.wall_torques)]
                 .iter()
@@ -247,7 +251,7 @@ impl State {
         simulation.interventions.booked = self.altered.booked;
         simulation.steps = self.steps;
         simulation.contact_sweeps = self.contact_sweeps;
-        simulation.ledger = self.ledger.clone();
+        simulation.ledger = self.ledger.clone().map(|ledger| ledger.with_springs(self.altered.springs));
         simulation.world.set_time(simulation.world_time_after(self.steps));
         Ok(simulation)
     }

@@ -13,6 +13,9 @@ pub struct Balance {
     pub end: Energy,
     /// Lost to friction.
     pub friction: f64,
+    /// Taken up by tangential springs, less what they gave back.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub springs: f64,
     /// Lost to resistance against rolling and twisting.
     #[serde(default)]
     pub resistance: f64,
@@ -67,9 +70,9 @@ fn are_zero(vector: &[f64; 3]) -> bool {
 }
 
 impl Balance {
-    /// All that was lost, J.
+    /// All that was lost, J, what springs hold included.
     pub fn lost(&self) -> f64 {
-        self.friction + self.resistance + self.restitution + self.stabilisation + self.let_go
+        self.friction + self.springs + self.resistance + self.restitution + self.stabilisation + self.let_go
     }
 
     /// All that was gained, J.
@@ -79,7 +82,7 @@ impl Balance {
 
     /// What was exchanged, J: the sizes of all entries. It is what `closure` compares with.
     pub fn exchanged(&self) -> f64 {
-        let lost = [self.friction, self.resistance, self.restitution, self.stabilisation, self.let_go];
+        let lost = [self.friction, self.springs, self.resistance, self.restitution, self.stabilisation, self.let_go];
         let gained = [self.walls, self.first_touch, self.turning, self.wall_paths, self.changing_gravity, self.outside];
         lost.iter().chain(&gained).map(|entry| entry.abs()).sum()
     }

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! whose loss goes to restitution where the contact is an impact or the step resolves it, and to stabilisation elsewhere.
-//! Stored is elastic energy, and the potential energy of cohesion.
+//! Stored is elastic energy, and the potential energy of cohesion. What tangential springs take up, less what they give back, has an
+//! entry of its own: with it friction is what the work across normals loses for good.
 //!
 //! `d - h u_n'` is the overlap to which the velocity of the step leads along the normal at its start. Grains move on straight
 //! lines, so at the end the overlap is another one. For each contact the ledger compares what it expects to be stored with
@@ -37,7 +38,7 @@ use crate::Simulation;
 use crate::detect::Candidates;
 use crate::effects::cohesion::Pull;
 use crate::effects::compliance::{NormalContact, NormalScheme};
-use crate::groups::ContactLanes;
+use crate::groups::{ContactLanes, SpringLanes, SpringTerms};
 use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use crate::partition::TaskGroups;
 use crate::simulation::intervention::Booked;
@@ -70,6 +71,9 @@ pub(crate) struct Ledger {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Entries {
     friction: f64,
+    /// Kept apart in checkpoints, since few scenes have any.
+    #[serde(skip)]
+    springs: f64,
     resistance: f64,
     restitution: f64,
     stabilisation: f64,
@@ -96,6 +100,17 @@ impl Ledger {
         let stored = Stored { elastic: start.elastic, cohesive: start.cohesive };
         let unlisted = simulation.candidates.built_from().is_none();
         Ledger { start, momentum_start, stored, unlisted, ..Ledger::default() }
+    }
+
+    /// What tangential springs took up since the ledger was opened, less what they gave back, J.
+    pub fn springs(&self) -> f64 {
+        self.entries.springs
+    }
+
+    /// The same ledger with that entry.
+    pub fn with_springs(mut self, springs: f64) -> Ledger {
+        self.entries.springs = springs;
+        self
     }
 
     /// Notes the state at the start of a step, after grains were put in order and before anything acts on them.
@@ -160,8 +175,10 @@ impl Ledger {
             let approach = minus(minus(before, face.gain().into()), grain.before);
             let (contact, pull) = world.wall_contact(candidate, face.distance(&world.spheres[place].centre));
             let contact = NormalContact { velocity: dot(normal, approach), ..contact };
-            let borne =
-                Borne { normal, along: one.along(), tangential: one.group.contacts.tangential_impulse(one.lane) };
+            let contacts = &one.group.contacts;
+            let tangential = contacts.tangential_impulse(one.lane);
+            let springs = into_spring(&contacts.tangential.spring, one.lane, tangential);
+            let borne = Borne { normal, along: one.along(), tangential, springs };
             let passages = [minus(before, grain.before), minus(after, grain.after)];
             let expected = self.contact(&borne, contact, pull, passages, scheme);
             self.expectations.walls[one.source] = expected;
@@ -222,10 +239,11 @@ impl Ledger {
         [before, after]: [[f64; 3]; 2],
         scheme: &NormalScheme,
     ) -> Expected {
-        let Borne { normal, along, tangential } = *borne;
+        let Borne { normal, along, tangential, springs } = *borne;
         let mean = times(plus(before, after), 0.5);
         let entries = &mut self.entries;
-        entries.friction -= dot(tangential, mean);
+        entries.friction -= dot(tangential, mean) + springs;
+        entries.springs += springs;
         let later = NormalContact { overlap: contact.overlap - scheme.step * dot(normal, after), ..contact };
         let (now, then) = (Stored::of(&contact, &pull, scheme.law), Stored::of(&later, &pull, scheme.law));
         // Across a gap nothing works for what will be stored.
@@ -250,14 +268,23 @@ struct Borne {
     normal: [f64; 3],
     along: f64,
     tangential: [f64; 3],
+    /// Energy that its tangential spring took up, J.
+    springs: f64,
+}
+
+/// Energy (J) that a tangential spring takes up in a step in which it comes to bear an impulse (N s).
+fn into_spring(spring: &SpringTerms, lane: usize, impulse: [f64; 3]) -> f64 {
+    0.5 * spring.compliance.0[lane] * dot(impulse, impulse) - spring.held(lane)
 }
 
 impl Borne {
-    fn of(lanes: &ContactLanes, lane: usize, pulls: Option<&Eight>) -> Borne {
+    fn of(lanes: &ContactLanes<Eight, SpringLanes>, lane: usize, pulls: Option<&Eight>) -> Borne {
+        let tangential = lanes.tangential_impulse(lane);
         Borne {
             normal: lanes.normal(lane),
             along: lanes.normal_impulse(lane) - pulls.map_or(0.0, |pulls| pulls.0[lane]),
-            tangential: lanes.tangential_impulse(lane),
+            tangential,
+            springs: into_spring(&lanes.tangential.spring, lane, tangential),
         }
     }
 }
@@ -295,6 +322,7 @@ impl Simulation {
             start: *start,
             end,
             friction: entries.friction,
+            springs: entries.springs,
             resistance: entries.resistance,
             restitution: entries.restitution,
             stabilisation: entries.stabilisation,
