@@ -117,14 +117,17 @@ fn ablation_says_which_observables_need_an_effect() {
     assert_eq!(table.lines().filter(|line| line.starts_with("| ")).count(), 2 + rows.len(), "{table}");
 
     // A second start takes up what the first one kept, and makes again what is no longer there.
-    let lost = results.join("runs/Coulomb-friction-s2.json");
-    let (kept, whole) = (results.join("runs/as-it-is-s1.json"), std::fs::read(&lost).unwrap());
-    std::fs::write(&lost, &whole[..whole.len() / 2]).unwrap();
-    let before = std::fs::metadata(&kept).unwrap().modified().unwrap();
+    let runs = std::fs::read_dir(results.join("runs")).unwrap().map(|entry| entry.unwrap().path());
+    let mut runs: Vec<_> = runs.collect();
+    runs.sort();
+    let [kept, .., lost] = &runs[..] else { panic!("{runs:?}") };
+    let whole = std::fs::read(lost).unwrap();
+    std::fs::write(lost, &whole[..whole.len() / 2]).unwrap();
+    let before = std::fs::metadata(kept).unwrap().modified().unwrap();
     let second = study(folder.path(), &smoke(), &arguments);
     assert_eq!(second["ablation"], first["ablation"]);
-    assert_eq!(std::fs::metadata(&kept).unwrap().modified().unwrap(), before);
-    serde_json::from_slice::<Value>(&std::fs::read(&lost).unwrap()).unwrap();
+    assert_eq!(std::fs::metadata(kept).unwrap().modified().unwrap(), before);
+    serde_json::from_slice::<Value>(&std::fs::read(lost).unwrap()).unwrap();
 }
 
 #[test]

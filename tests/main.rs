@@ -16,6 +16,7 @@ mod laws_command;
 mod learn_commands;
 mod output_folder;
 mod problem_command;
+mod qualify_command;
 mod reference_scenes;
 mod resume_command;
 mod roofline_command;

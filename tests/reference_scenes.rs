@@ -8,7 +8,7 @@ use makadam::scene::Stop;
 use makadam_validation::compare::{Harvest, MeasuredRun, Reference};
 use makadam_validation::peers::{Code, Job, Makadam};
 use makadam_validation::plan::Scene;
-use makadam_validation::qualify::on_record;
+use makadam_validation::qualify::{Tier, on_record};
 use makadam_validation::report::TestOnRecord;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -153,9 +153,9 @@ fn spinning_tops_slow_down_by_the_formula() {
 /// at all.
 #[test]
 fn what_scenes_and_references_hold_is_what_is_on_record() {
-    let record = on_record();
+    let record = on_record(Tier::Full);
     let mut tests = 0;
-    for name in ["packing", "drum", "drum-caps", "heap"] {
+    for name in Tier::Full.extent().scenes {
         let scene = Scene::load(&file_of(name)).unwrap();
         let reference = Reference::load(&Reference::folder(&file_of(name))).unwrap().expect("recorded references");
         assert_eq!(reference.codes(), ["LIGGGHTS", "YADE"], "{name}");
@@ -163,7 +163,7 @@ fn what_scenes_and_references_hold_is_what_is_on_record() {
             let seeds = reference.at(&code, 1.0).count();
             for expectation in scene.compare.iter().filter(|expectation| expectation.margin.is_some()) {
                 let is = |test: &&TestOnRecord| {
-                    (&*test.scene, &*test.reference_code, &test.observable) == (name, &*code, &expectation.observable)
+                    (&*test.scene, &*test.reference_code, &test.observable) == (*name, &*code, &expectation.observable)
                 };
                 let test = record.iter().find(is).unwrap_or_else(|| panic!("{name} {code} {}", expectation.observable));
                 assert_eq!((test.margin, test.seeds), (expectation.margin, seeds), "{test}");
@@ -172,4 +172,34 @@ fn what_scenes_and_references_hold_is_what_is_on_record() {
         }
     }
     assert_eq!(tests, record.len());
+    // The last tier makes the same tests with more seeds of Makadam.
+    let release = on_record(Tier::Release);
+    assert!(release[record.len()..].iter().all(|test| {
+        let same = |other: &&TestOnRecord| other.to_string() == test.to_string();
+        record.iter().find(same).is_some_and(|other| (other.margin, other.seeds) == (test.margin, test.seeds))
+    }));
+}
+
+/// The tiers beyond the quick one judge every scene that can be judged.
+#[test]
+fn full_and_release_judge_every_scene_with_margins_and_references_of_both_peers() {
+    let mut found: Vec<String> = Vec::new();
+    for entry in std::fs::read_dir(file_of("packing").parent().unwrap().parent().unwrap()).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let file = file_of(&name);
+        let has_margin = |scene: &Scene| scene.compare.iter().any(|expectation| expectation.margin.is_some());
+        if !file.is_file() || !has_margin(&Scene::load(&file).unwrap()) {
+            continue;
+        }
+        let reference = Reference::load(&Reference::folder(&file)).unwrap().unwrap_or_default();
+        if ["YADE", "LIGGGHTS"].iter().all(|peer| reference.codes().iter().any(|code| code == peer)) {
+            found.push(name);
+        }
+    }
+    found.sort();
+    for tier in [Tier::Full, Tier::Release] {
+        let mut scenes = tier.extent().scenes.to_vec();
+        scenes.sort_unstable();
+        assert_eq!(scenes, found);
+    }
 }

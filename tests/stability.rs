@@ -1,14 +1,8 @@
 //! The hard cases: the quick catalogue in Makadam, and the command around it.
 
 use crate::support::makadam;
-use makadam_validation::stability::{Verdict, catalogue};
+use makadam_validation::stability::{Verdict, catalogue, known_exception};
 use std::time::Duration;
-
-/// Cases that do not end as stated, each with the reason.
-const KNOWN: &[(&str, &str)] = &[(
-    "impossible-gap-rigid",
-    "two rigid contacts that contradict each other have no solution: impulses grow with sweeps",
-)];
 
 #[test]
 fn the_quick_catalogue_ends_as_stated() {
@@ -16,8 +10,7 @@ fn the_quick_catalogue_ends_as_stated() {
     for case in catalogue().iter().filter(|case| !case.long) {
         let outcome =
             case.in_makadam(Duration::from_secs(120)).unwrap_or_else(|error| panic!("{}: {error}", case.name));
-        let known = KNOWN.iter().any(|(name, _)| *name == case.name);
-        if (outcome.verdict == Verdict::AsStated) == known {
+        if (outcome.verdict == Verdict::AsStated) == known_exception(&case.name).is_some() {
             failed.push(format!("{}: {outcome:#?}", case.name));
         }
     }

@@ -1,4 +1,7 @@
-//! Captures where the build came from (commit, dirty flag, compiler, target, profile), and takes in the reference scenes.
+//! Captures where the build came from (commit, dirty flag, compiler, target, profile, key of the judge's sources), and takes in the
+//! reference scenes.
+
+mod build_key;
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -18,8 +21,10 @@ fn main() {
     for (name, variable) in [("MAKADAM_TARGET", "TARGET"), ("MAKADAM_PROFILE", "PROFILE")] {
         println!("cargo::rustc-env={name}={}", std::env::var(variable).unwrap_or_default());
     }
+    let folder = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo says it"));
+    println!("cargo::rustc-env=MAKADAM_JUDGE_KEY={:016x}", build_key::build_key(&folder));
     // The commit and the dirty flag change with the sources, the index and the head.
-    for path in ["src", "build.rs", "Cargo.toml", "../solver", "../Cargo.toml", "../Cargo.lock"] {
+    for path in ["src", "build.rs", "build_key.rs", "Cargo.toml", "../solver", "../Cargo.toml", "../Cargo.lock"] {
         println!("cargo::rerun-if-changed={path}");
     }
     hold_scenes();

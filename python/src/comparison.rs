@@ -143,6 +143,8 @@ pub fn compare_runs<'py>(
             unchecked: Vec::new(),
             laws: Vec::new(),
             on_record: Vec::new(),
+            studies: Vec::new(),
+            studies_on_record: Vec::new(),
         },
     )
 }

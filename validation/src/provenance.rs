@@ -15,6 +15,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// Version of Makadam.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// Key of the judge's sources: numbers of builds that bear another one may have been measured in another way.
+pub const JUDGE: &str = env!("MAKADAM_JUDGE_KEY");
+
 /// How the program was built, and on which machine it runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Build {

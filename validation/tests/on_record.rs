@@ -1,7 +1,7 @@
 //! Tests on record: one that is not made, or made with less, is no pass, and the verdict names it.
 
 use crate::support::sample;
-use makadam_validation::report::{Qualification, Standing, TestOnRecord};
+use makadam_validation::report::{Qualification, Standing, StudyOutcome, StudyTestOnRecord, TestOnRecord};
 use makadam_validation::statistics::Outcome;
 
 /// A drum in which every test agrees, and one of its tests as a record of it.
@@ -17,6 +17,7 @@ fn sound() -> (Qualification, TestOnRecord) {
         reference_code: row.reference_code.clone().expect("a reference"),
         margin: row.margin,
         seeds: row.seeds,
+        judged_seeds: 0,
     };
     let qualification = Qualification { on_record: vec![test.clone()], ..sample::qualification(vec![drum]) };
     assert_eq!(qualification.verdict().standing, Standing::Agree);
@@ -69,6 +70,59 @@ fn fewer_seeds_of_either_code_are_no_pass() {
         let words = format!("was made with {} seeds of {code}, not with the {} on record", test.seeds - 1, test.seeds);
         is_lost(&fewer, &test, &words);
     }
+}
+
+#[test]
+fn fewer_seeds_of_the_judged_code_are_no_pass() {
+    let (mut qualification, test) = sound();
+    qualification.on_record[0].judged_seeds = test.seeds + 1;
+    let judged = qualification.comparisons[0].judged.clone();
+    let words = format!("was made with {} seeds of {judged}, not with the {} on record", test.seeds, test.seeds + 1);
+    is_lost(&qualification, &test, &words);
+}
+
+/// A sound qualification with a study of one test, which is on record.
+fn with_study(outcome: StudyOutcome) -> Qualification {
+    let (mut qualification, _) = sound();
+    qualification.studies.push(sample::study(outcome));
+    let test = &qualification.studies[0].tests[0];
+    qualification.studies_on_record =
+        vec![StudyTestOnRecord { study: "stability".into(), test: test.name.clone(), known_exception: false }];
+    qualification
+}
+
+#[test]
+fn each_test_of_a_study_counts() {
+    let of = |outcome| with_study(outcome).verdict();
+    assert_eq!(of(StudyOutcome::Passed).standing, Standing::Agree);
+    let failed = of(StudyOutcome::Failed);
+    assert_eq!(failed.standing, Standing::Disagree);
+    assert!(failed.sentence.ends_with("Hard cases: 0 of 1 test passed, 1 failed (stack-10)."), "{}", failed.sentence);
+    assert_eq!(of(StudyOutcome::NotMeasured).standing, Standing::NotMeasured);
+}
+
+#[test]
+fn an_exception_has_to_be_on_record() {
+    let mut excused = with_study(StudyOutcome::KnownException);
+    let verdict = excused.verdict();
+    assert_eq!(verdict.standing, Standing::NotMeasured);
+    let said = "A test on record is excused, and not on record as a known exception: stack-10 (stability).";
+    assert!(verdict.sentence.ends_with(said), "{}", verdict.sentence);
+    excused.studies_on_record[0].known_exception = true;
+    let verdict = excused.verdict();
+    assert_eq!(verdict.standing, Standing::Agree);
+    assert!(verdict.sentence.contains("0 of 1 test passed, 1 known exception (stack-10)"), "{}", verdict.sentence);
+}
+
+#[test]
+fn a_test_of_a_study_that_was_not_made_is_no_pass() {
+    let mut lost = with_study(StudyOutcome::Passed);
+    lost.studies[0].tests[0].name = "stack-11".into();
+    assert_eq!(lost.verdict().standing, Standing::NotMeasured);
+    lost.studies.clear();
+    let verdict = lost.verdict();
+    assert_eq!(verdict.standing, Standing::NotMeasured);
+    assert!(verdict.sentence.ends_with("A test on record was not made: stack-10 (stability)."), "{}", verdict.sentence);
 }
 
 #[test]

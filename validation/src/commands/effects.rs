@@ -2,6 +2,7 @@
 
 use super::arguments::EffectsArguments;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, flowing, json, settle};
+use crate::compare::KeptRuns;
 use crate::effects::{Ablation, Costs, Look, Plan, Study, table};
 use crate::execution::Execution;
 use crate::provenance::Provenance;
@@ -37,8 +38,7 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
             scene_file: &file,
             seeds: &seeds,
             time_limit: Duration::from_secs_f64(arguments.time_limit),
-            folder: &folder.join("runs"),
-            again: arguments.again,
+            kept: &KeptRuns::open(&folder.join("runs"), arguments.again)?,
             announce: &announce(console),
         };
         Some(Ablation::run(&plan)?)

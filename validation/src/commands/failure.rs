@@ -1,7 +1,6 @@
 //! Why a command failed, and the exit code that says so.
 
-use crate::compare::{RecordError, ReferenceError};
-use crate::effects::AblationError;
+use crate::compare::{KeptError, RecordError, ReferenceError};
 use crate::execution::MeasureError;
 use crate::import::ImportError;
 use crate::output::WriteError;
@@ -187,14 +186,15 @@ impl From<StabilityError> for Failure {
     }
 }
 
-impl From<AblationError> for Failure {
-    fn from(error: AblationError) -> Failure {
+impl From<KeptError> for Failure {
+    fn from(error: KeptError) -> Failure {
         match error {
-            AblationError::Code(CodeError::Interrupted { .. }) => {
+            KeptError::Code(CodeError::Interrupted { .. }) => {
                 Failure::Interrupted("stored run by run; the same command continues from there".into())
             }
-            AblationError::Code(error) => error.into(),
-            AblationError::Write(error) => error.into(),
+            KeptError::Code(error) => error.into(),
+            KeptError::Worthless(problem) => Failure::Running(problem),
+            KeptError::Write(error) => error.into(),
         }
     }
 }

@@ -54,7 +54,7 @@ fn chosen(names: &[String]) -> Result<Vec<&'static dyn Law>, Failure> {
 
 /// Runs the cases of a law.
 fn measured(
-    law: &dyn Law,
+    law: &'static dyn Law,
     arguments: &LawsArguments,
     seeds: &[u64],
     folder: &Path,

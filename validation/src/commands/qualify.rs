@@ -1,15 +1,16 @@
 //! `makadam qualify`: the reference scenes judged together, one report.
 
-use super::arguments::{QualifyArguments, Tier};
+use super::arguments::{QualifyArguments, TierName};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json};
 use crate::compare::Comparison;
 use crate::output::JSON_VERSION;
-use crate::qualify::{Qualified, QualifyError, Settings, quick};
+use crate::qualify::{Qualified, QualifyError, Settings, Tier, qualify as judge};
 use crate::report::published::PublishedLaw;
-use crate::report::{self, Changes, Verdict};
+use crate::report::{self, Changes, StudySection, Verdict};
 use crate::scenes;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -24,6 +25,7 @@ struct QualifyDocument<'a> {
     outside_spread: &'a [String],
     unchecked: &'a [String],
     failed: &'a [String],
+    studies: &'a [StudySection],
     laws: &'a [PublishedLaw],
     wall_seconds: f64,
     report: String,
@@ -44,14 +46,19 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     let announce = announce(console);
     let settings = Settings {
         roots: scenes::roots(),
+        folder: folder.clone(),
+        again: arguments.again,
         live: arguments.live,
         time_limit: Duration::from_secs_f64(arguments.time_limit),
         announce: &announce,
         say: &|text| console.note(text),
     };
-    let qualified = match arguments.tier {
-        Tier::Quick => quick(&settings)?,
+    let tier = match arguments.tier {
+        TierName::Quick => Tier::Quick,
+        TierName::Full => Tier::Full,
+        TierName::Release => Tier::Release,
     };
+    let qualified = judge(tier.extent(), &settings).map_err(|error| failure(error, &folder))?;
     let paths = report::write(&qualified.qualification, &folder)?;
     let verdict = qualified.qualification.verdict();
     let report = paths.html.display().to_string();
@@ -88,6 +95,7 @@ fn document<'a>(
         outside_spread: &qualified.qualification.outside_spread,
         unchecked: &qualified.qualification.unchecked,
         failed: &qualified.failed,
+        studies: &qualification.studies,
         laws: &qualification.laws,
         wall_seconds: qualification.wall_seconds,
         report,
@@ -120,13 +128,19 @@ fn describe(qualified: &Qualified, verdict: &Verdict, report: &str, console: &Co
     text + &format!("report:  {report} ({:.0} s of wall time)", qualification.wall_seconds)
 }
 
-impl From<QualifyError> for Failure {
-    fn from(error: QualifyError) -> Failure {
-        match error {
-            QualifyError::Scene(error) => Failure::Scene(error),
-            QualifyError::Reference(error) => error.into(),
-            QualifyError::NotRecorded { .. } => Failure::MissingCode(error.to_string()),
-            QualifyError::Code(error) => error.into(),
-        }
+/// Why there is no verdict; what is finished lies in the folder.
+fn failure(error: QualifyError, folder: &Path) -> Failure {
+    match error {
+        QualifyError::Scene(error) => Failure::Scene(error),
+        QualifyError::Reference(error) => error.into(),
+        QualifyError::NotRecorded { .. } => Failure::MissingCode(error.to_string()),
+        QualifyError::Code(error) => error.into(),
+        QualifyError::Worthless(_) | QualifyError::Study { .. } => Failure::Running(error.to_string()),
+        QualifyError::Write(error) => error.into(),
+        QualifyError::Document(error) => error.into(),
+        QualifyError::Interrupted => Failure::Interrupted(format!(
+            "stored run by run in {}; the same command continues from there",
+            folder.display()
+        )),
     }
 }

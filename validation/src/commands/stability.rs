@@ -29,6 +29,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
         codes: &codes,
         time_limit,
         folder: &folder,
+        again: arguments.again,
         begins: &|case, code| bar.say(format!("{} in {}", case.name, code.name())),
         ended: &|case, outcome, share| {
             bar.set(share);

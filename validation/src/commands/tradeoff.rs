@@ -8,17 +8,13 @@ use crate::plan::Scene;
 use crate::provenance::{account, processor};
 use crate::study::RunCache;
 use crate::tradeoff::{
-    self, Bound, Campaign, Plan, Progress, STIFFNESS_FACTORS, Scope, Study, Terms, recorded_engines,
+    self, Bound, Campaign, Plan, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Scope, Study, Terms, recorded_engines,
 };
 use std::process::ExitCode;
 use std::sync::Arc;
 
 /// Wall time at which a run is cut short, s, where none is given: for few configurations, and for all.
-const TIME_LIMITS: [f64; 2] = [60.0, 900.0];
-
-/// Tolerated deviations where none are given.
-const BOUNDS: [(&str, f64); 3] =
-    [("dynamic_angle_of_repose", 0.5), ("static_angle_of_repose", 0.5), ("packing_fraction", 0.002)];
+const TIME_LIMITS: [f64; 2] = [QUICK_TIME_LIMIT, 900.0];
 
 /// Runs what is missing, then writes and says what all runs tell.
 pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Result<ExitCode, Failure> {
@@ -125,7 +121,7 @@ fn stiffness_factors(arguments: &TradeoffArguments) -> Vec<f64> {
 
 /// The default bounds with those that were given in their place.
 fn bounds(given: &[BoundArgument]) -> Vec<Bound> {
-    let mut bounds: Vec<Bound> = BOUNDS.iter().map(|&(name, value)| Bound { observable: name.into(), value }).collect();
+    let mut bounds = Bound::usual();
     for BoundArgument { observable, value } in given {
         bounds.retain(|bound| bound.observable != *observable);
         bounds.push(Bound { observable: observable.clone(), value: *value });

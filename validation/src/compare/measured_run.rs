@@ -55,6 +55,7 @@ impl MeasuredRun {
 }
 
 /// A measured run, and what pictures and distributions are made from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Harvest {
     /// The run.
     pub run: MeasuredRun,

@@ -2,6 +2,7 @@
 
 mod code_runs;
 mod comparison;
+mod kept;
 mod measured_run;
 mod record;
 mod reference;
@@ -10,6 +11,7 @@ mod simulate;
 
 pub use code_runs::CodeRuns;
 pub use comparison::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
+pub use kept::{KeptError, KeptRuns};
 pub use measured_run::{Harvest, MeasuredRun};
 pub use record::{FEW_SEEDS, RecordError, Recorded, Recorder};
 pub use reference::{MergeError, Missing, Reference, ReferenceError, Wanted, physics_hash};

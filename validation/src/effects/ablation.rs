@@ -3,16 +3,12 @@
 //! Each run is kept as soon as it is measured, and taken up by the next start.
 
 use super::variations::{Variation, variations};
-use crate::compare::{Announce, MeasuredRun, Runs};
+use crate::compare::{Announce, KeptError, KeptRuns, MeasuredRun, Runs};
 use crate::draw::numbers::Rounding;
-use crate::output::WriteError;
-use crate::output::file_stem;
-use crate::peers::{Code, CodeError, Makadam};
+use crate::peers::{CodeError, Makadam};
 use crate::plan::{Expectation, Scene};
-use crate::provenance::scene_hash;
 use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, Equivalence, equivalence};
-use crate::study::{Key, RunCache};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
@@ -28,23 +24,10 @@ pub struct Plan<'a> {
     pub seeds: &'a [u64],
     /// Wall time after which a run is stopped.
     pub time_limit: Duration,
-    /// Folder of finished runs.
-    pub folder: &'a Path,
-    /// Whether runs that an earlier start has kept are made again.
-    pub again: bool,
+    /// Where finished runs are kept.
+    pub kept: &'a KeptRuns,
     /// Opens progress displays.
     pub announce: Announce<'a>,
-}
-
-/// Why there is no ablation.
-#[derive(Debug, thiserror::Error)]
-pub enum AblationError {
-    /// The scene itself cannot be run, or the user asked to stop.
-    #[error(transparent)]
-    Code(#[from] CodeError),
-    /// A run cannot be kept.
-    #[error(transparent)]
-    Write(#[from] WriteError),
 }
 
 /// Whether the scene needs an effect, as far as one observable tells.
@@ -115,21 +98,17 @@ impl Ablation {
     /// observable that has a margin.
     ///
     /// # Errors
-    /// [`AblationError`] if the scene itself cannot be run; a variation that cannot is not measurable.
-    pub fn run(plan: &Plan<'_>) -> Result<Ablation, AblationError> {
-        let cache = RunCache::open(plan.folder)?;
-        let base = Variation { effect: "as it is", change: String::new(), scene: plan.scene.clone() };
-        let mut versions = vec![base];
-        versions.extend(variations(plan.scene));
+    /// [`KeptError`] if the scene itself cannot be run; a variation that cannot is not measurable.
+    pub fn run(plan: &Plan<'_>) -> Result<Ablation, KeptError> {
+        let versions = plan.versions();
         let jobs: Vec<(&Variation, u64)> =
             versions.iter().flat_map(|version| plan.seeds.iter().map(move |&seed| (version, seed))).collect();
-        let ended: Vec<_> =
-            jobs.par_iter().with_max_len(1).map(|&(version, seed)| plan.one(&cache, version, seed)).collect();
+        let ended: Vec<_> = jobs.par_iter().with_max_len(1).map(|&(version, seed)| plan.one(version, seed)).collect();
         let mut runs = Vec::new();
         for (number, result) in ended.into_iter().enumerate() {
             match result {
                 Ok(run) => runs.push(Some(run)),
-                Err(error @ (AblationError::Write(_) | AblationError::Code(CodeError::Interrupted { .. }))) => {
+                Err(error @ (KeptError::Write(_) | KeptError::Code(CodeError::Interrupted { .. }))) => {
                     return Err(error);
                 }
                 Err(error) if number < plan.seeds.len() => return Err(error),
@@ -144,12 +123,23 @@ impl Ablation {
 }
 
 impl Plan<'_> {
+    /// The scene as it is, and each variation of it.
+    pub fn versions(&self) -> Vec<Variation> {
+        let base = Variation { effect: "as it is", change: String::new(), scene: self.scene.clone() };
+        std::iter::once(base).chain(variations(self.scene)).collect()
+    }
+
     /// One run: that of an earlier start if it is of the same scene, seed and version.
-    fn one(&self, cache: &RunCache, version: &Variation, seed: u64) -> Result<MeasuredRun, AblationError> {
-        let build = Makadam.version().unwrap_or_default();
-        let scene_hash = format!("{:016x}", scene_hash(&version.scene));
-        let name = format!("{}-s{seed}", file_stem(version.effect));
-        let runs = Runs {
+    ///
+    /// # Errors
+    /// [`KeptError`] if it has to be made and cannot.
+    pub fn one(&self, version: &Variation, seed: u64) -> Result<MeasuredRun, KeptError> {
+        Ok(self.kept.take(&self.runs(version, seed), &Makadam, seed)?.run)
+    }
+
+    /// What is asked of Makadam for one run.
+    pub fn runs<'v>(&'v self, version: &'v Variation, seed: u64) -> Runs<'v> {
+        Runs {
             scene: &version.scene,
             scene_file: self.scene_file,
             seeds: vec![seed],
@@ -158,9 +148,7 @@ impl Plan<'_> {
             time_limit: self.time_limit,
             recordings: None,
             announce: self.announce,
-        };
-        let make = || Ok(runs.one(&Makadam, &version.scene, seed)?.run);
-        cache.take(&Key::new(name, &[&scene_hash, &seed.to_string(), &build]), self.again, make)
+        }
     }
 
     /// The observables that have a margin, under one variation.

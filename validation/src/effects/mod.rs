@@ -15,7 +15,7 @@ mod study;
 mod terminal;
 mod variations;
 
-pub use ablation::{Ablated, Ablation, AblationError, Need, Plan};
+pub use ablation::{Ablated, Ablation, Need, Plan};
 pub use called::{Called, called};
 pub use cost::{Cost, Costs};
 pub use look::{Look, warnings};

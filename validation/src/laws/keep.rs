@@ -1,7 +1,7 @@
 //! All cases of a law over all seeds, side by side; each row is kept as soon as it is there, and taken up by the next start.
 
 use super::{Case, Law, LawError, Row, Run};
-use crate::provenance::{VERSION, scene_hash};
+use crate::provenance::{JUDGE, VERSION, scene_hash};
 use crate::study::{Key, RunCache};
 use makadam::BUILD;
 use rayon::prelude::*;
@@ -25,12 +25,12 @@ pub(crate) struct Plan<'a> {
 /// # Errors
 /// [`LawError`] of the first run that fails.
 pub(crate) fn carry_out(
-    law: &dyn Law,
+    law: &'static dyn Law,
     cases: &[Case],
     plan: &Plan<'_>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Vec<Row>, LawError> {
-    let cache = RunCache::open(&plan.folder.join("runs"))?;
+    let kept = KeptRows::open(law, plan)?;
     let runs: Vec<(&Case, u64)> =
         cases.iter().flat_map(|case| plan.seeds.iter().map(move |&seed| (case, seed))).collect();
     let weights: Vec<f64> = runs.iter().map(|(case, _)| work(case)).collect();
@@ -43,7 +43,7 @@ pub(crate) fn carry_out(
             let done = shares.iter().map(|share| f64::from_bits(share.load(Ordering::Relaxed)));
             progress(done.zip(&weights).map(|(share, weight)| share * weight).sum::<f64>() / total);
         };
-        let row = cache.take(&key(case, seed), plan.again, || measured(law, case, seed, &told))?;
+        let row = kept.take(case, seed, &told)?;
         told(1.0);
         Ok(row)
     };
@@ -57,15 +57,40 @@ pub(crate) fn carry_out(
     Ok(rows.into_iter().map(|(_, row)| row).collect())
 }
 
+/// Rows of a law, each measured where it is not kept.
+pub(crate) struct KeptRows {
+    law: &'static dyn Law,
+    cache: RunCache,
+    again: bool,
+}
+
+impl KeptRows {
+    /// Those of a plan.
+    ///
+    /// # Errors
+    /// [`LawError`] if its folder cannot be made.
+    pub(crate) fn open(law: &'static dyn Law, plan: &Plan<'_>) -> Result<KeptRows, LawError> {
+        Ok(KeptRows { law, cache: RunCache::open(&plan.folder.join("runs"))?, again: plan.again })
+    }
+
+    /// The row of a case and a seed; `progress` is told the share of its run that is done.
+    ///
+    /// # Errors
+    /// [`LawError`] if it has to be measured and cannot.
+    pub(crate) fn take(&self, case: &Case, seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<Row, LawError> {
+        self.cache.take(&key(case, seed), self.again, || measured(self.law, case, seed, progress))
+    }
+}
+
 /// Grains times steps.
-fn work(case: &Case) -> f64 {
+pub(crate) fn work(case: &Case) -> f64 {
     let grains: usize = case.scene.population.iter().map(|population| population.count).sum();
     (grains + case.scene.grain.len()) as f64 * case.scene.duration / case.scene.solver.step
 }
 
-/// What a row follows from: the scene, the seed and the build.
+/// What a row follows from: the scene, the seed, the build, and the sources that measure.
 fn key(case: &Case, seed: u64) -> Key {
-    Key::new(format!("{}-s{seed}", case.name), &[&hash(case), &seed.to_string(), BUILD])
+    Key::new(format!("{}-s{seed}", case.name), &[&hash(case), &seed.to_string(), BUILD, JUDGE])
 }
 
 fn measured(law: &dyn Law, case: &Case, seed: u64, progress: &(dyn Fn(f64) + Sync)) -> Result<Row, LawError> {

@@ -17,6 +17,7 @@ mod collapse;
 mod fit;
 mod janssen;
 mod keep;
+mod markdown;
 mod recorded;
 mod run;
 mod study;
@@ -24,11 +25,14 @@ mod terminal;
 mod write;
 
 pub(crate) use case::{Case, Values};
-pub(crate) use keep::{Plan, carry_out};
+pub(crate) use keep::{KeptRows, Plan, carry_out, work};
+pub(crate) use markdown::markdown;
 pub(crate) use recorded::published;
+#[cfg(test)]
+pub(crate) use recorded::recorded;
 pub(crate) use run::{LawError, Run};
 pub(crate) use study::{LawResult, Mean, Row, Study};
-pub(crate) use terminal::table;
+pub(crate) use terminal::{in_words, table};
 pub(crate) use write::{write, write_scenes};
 
 use crate::draw::figure::Figure;

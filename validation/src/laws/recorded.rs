@@ -5,7 +5,7 @@ use super::{Law, LawResult, Row, Values, all};
 use crate::report::published::{Judged, PublishedLaw};
 
 /// Every law with its recorded rows, judged as they would be if they were measured now.
-fn recorded() -> Vec<(&'static dyn Law, LawResult)> {
+pub(crate) fn recorded() -> Vec<(&'static dyn Law, LawResult)> {
     all().into_iter().map(|law| (law, LawResult::new(law, rows(law.recorded())))).collect()
 }
 
@@ -28,7 +28,7 @@ fn section(law: &dyn Law, result: &LawResult) -> PublishedLaw {
         judged: judged
             .map(|finding| Judged {
                 what: finding.what.clone(),
-                unit: finding.unit.into(),
+                unit: finding.unit.clone().into_owned(),
                 value: finding.value,
                 low: finding.bounds()[0],
                 high: finding.bounds()[1],

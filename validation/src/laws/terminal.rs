@@ -19,15 +19,20 @@ fn law(result: &LawResult) -> String {
     format!("{head}\n{}\n{runs} runs, {seconds:.0} s of wall time", columns(&rows, |column| column != 1))
 }
 
+/// A figure with its unit, and its bounds.
+pub(crate) fn in_words(finding: &Finding) -> [String; 2] {
+    let value = format!("{} {}", number(finding.value), finding.unit);
+    [value.trim().into(), bounds(finding.bounds(), number)]
+}
+
 fn row(finding: &Finding) -> [String; 4] {
-    let Finding { what, unit, value, .. } = finding;
     let verdict = match (finding.bounds(), finding.holds()) {
         ([None, None], _) => "",
         (_, true) => "within",
         (_, false) => "OUTSIDE",
     };
-    let value = format!("{} {unit}", number(*value)).trim().to_string();
-    [what.clone(), value, bounds(finding.bounds(), number), verdict.to_string()]
+    let [value, bounds] = in_words(finding);
+    [finding.what.clone(), value, bounds, verdict.to_string()]
 }
 
 /// Four digits.

@@ -1,36 +1,38 @@
-//! The whole judgement: every reference scene against the recorded references, live runs of the peers, one report.
+//! The whole judgement: reference scenes against the recorded references, live runs of the peers, studies, one report.
+//!
+//! ```text
+//! Tier ─> Extent (one table) ─> cases, parts ─> what is timed, alone ─> jobs side by side ─> comparisons, sections ─> Qualification
+//!                                                  └───────────────┬───────────┘
+//!                                               each run kept as it ends, taken up by the next start
+//! ```
 
+mod jobs;
 mod one_scene;
 mod record;
+mod scenes;
+mod studies;
+mod tier;
 
 pub use one_scene::{JudgeError, Judged, OneScene};
-pub use record::on_record;
+pub use record::{on_record, studies_on_record};
+pub use tier::{Ablated, Extent, Study, TIERS, Tier};
 
-use crate::compare::{
-    Announce, CodeRuns, CodeSummary, Comparison, Harvest, Reference, ReferenceError, Runs, Timing, comparison,
-    live_checks,
-};
+use crate::compare::{Announce, Comparison, KeptError, KeptRuns, Reference, ReferenceError};
+use crate::output::WriteError;
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
 use crate::plan::Scene;
 use crate::provenance::account;
-use crate::report::{Qualification, Standing};
-use crate::scenes::{self, SceneError};
-use makadam::scene::SceneFileError;
-use rayon::prelude::*;
+use crate::report::{Qualification, Standing, StudySection};
+use crate::scenes::{SceneError, find, known};
+use crate::stability::StabilityError;
+use crate::study::DocumentError;
+use scenes::{AgainstRecorded, Case};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-
-/// Scenes of the quick tier; the longest first, so that the last run to end is a short one.
-const SCENES: [&str; 4] = ["drum", "drum-caps", "heap", "packing"];
-
-/// Scenes on which the codes are timed one after the other and the peers are run live.
-const TIMED: [&str; 2] = ["packing", "drum"];
+use studies::{Part, Place};
 
 /// Time step of the live runs over the Rayleigh step: the peers' fastest honest setting.
 const LIVE_FRACTION: f64 = 0.2;
-
-/// Makadam runs no fewer seeds than this, however few are recorded: its own are quick, and narrow the intervals.
-const FEWEST_SEEDS: u64 = 8;
 
 /// Seed of the live runs.
 const LIVE_SEED: u64 = 1;
@@ -39,6 +41,10 @@ const LIVE_SEED: u64 = 1;
 pub struct Settings<'a> {
     /// Folders in which `reference-scenes` is looked for.
     pub roots: Vec<PathBuf>,
+    /// Folder of the report: finished runs are kept in it, and taken from it by the next start.
+    pub folder: PathBuf,
+    /// Whether runs that earlier starts have kept are made again.
+    pub again: bool,
     /// Whether the peers are run.
     pub live: bool,
     /// Wall time after which a run of a peer is stopped.
@@ -68,7 +74,57 @@ pub enum QualifyError {
     },
     /// Makadam failed, or a peer that must run is missing.
     #[error(transparent)]
-    Code(#[from] CodeError),
+    Code(CodeError),
+    /// A run of Makadam came to a state that makes its numbers worthless.
+    #[error("{0}")]
+    Worthless(String),
+    /// A study cannot be made.
+    #[error("{study}: {problem}")]
+    Study {
+        /// The study.
+        study: &'static str,
+        /// What is wrong.
+        problem: String,
+    },
+    /// What is finished cannot be kept.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A study cannot be written.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// The user asked to stop. What is finished is kept.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl From<CodeError> for QualifyError {
+    fn from(error: CodeError) -> QualifyError {
+        match error {
+            CodeError::Interrupted { .. } => QualifyError::Interrupted,
+            other => QualifyError::Code(other),
+        }
+    }
+}
+
+impl From<KeptError> for QualifyError {
+    fn from(error: KeptError) -> QualifyError {
+        match error {
+            KeptError::Code(error) => error.into(),
+            KeptError::Worthless(problem) => QualifyError::Worthless(problem),
+            KeptError::Write(error) => error.into(),
+        }
+    }
+}
+
+impl From<StabilityError> for QualifyError {
+    fn from(error: StabilityError) -> QualifyError {
+        match error {
+            StabilityError::Interrupted(_) => QualifyError::Interrupted,
+            StabilityError::Scene(error) => error.into(),
+            StabilityError::Code(error) => error.into(),
+            StabilityError::Write(error) => error.into(),
+        }
+    }
 }
 
 /// A qualification, and what its verdict does not say.
@@ -80,36 +136,17 @@ pub struct Qualified {
 }
 
 impl Qualified {
-    /// Whether every test of equivalence passed and every live run lies where the recorded ones said.
+    /// Whether every test passed and every live run lies where the recorded ones said.
     pub fn passes(&self) -> bool {
         self.qualification.verdict().standing == Standing::Agree
     }
 }
 
-/// What live runs of the peers came to beside their recorded ones, in sentences.
-#[derive(Default)]
-struct AgainstRecorded {
-    outside: Vec<String>,
-    unchecked: Vec<String>,
-}
-
-/// A scene with what is recorded on it.
-struct Case {
-    /// Its folder under `reference-scenes`.
-    name: &'static str,
-    file: PathBuf,
-    scene: Scene,
-    recorded: Vec<CodeRuns>,
-    seeds: u64,
-    notes: Vec<String>,
-    timings: Vec<CodeSummary>,
-}
-
-/// Runs the quick tier.
+/// Judges what an extent consists of. Every finished run is kept in the folder of the report.
 ///
 /// # Errors
 /// [`QualifyError`]; a live run of a peer that fails is a note, not an error.
-pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
+pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
     let clock = Instant::now();
     let peers: [Box<dyn Code>; 2] = [Box::new(Yade::default()), Box::new(Liggghts::default())];
     if settings.live
@@ -117,28 +154,83 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
     {
         return Err(CodeError::Missing { code: missing.name() }.into());
     }
-    let mut cases = SCENES
-        .iter()
-        .map(|name| Case::open(name, &settings.roots, &peers))
-        .collect::<Result<Vec<Case>, QualifyError>>()?;
+    let open =
+        |name: &&'static str| Case::open(name, extent.fewest_seeds, extent.stiff.contains(name), settings, &peers);
+    let mut cases = extent.scenes.iter().map(open).collect::<Result<Vec<Case>, QualifyError>>()?;
+    let kept = KeptRuns::open(&settings.folder.join("runs"), settings.again)?;
+    let place = Place { settings, kept: &kept };
+    let parts = extent.studies.iter().map(|study| studies::open(study, place));
+    let parts = parts.collect::<Result<Vec<Box<dyn Part>>, QualifyError>>()?;
+
     let mut against_recorded = AgainstRecorded::default();
-    let (mut failed, mut notes) = (Vec::new(), Vec::new());
-    // Timed runs have the machine to themselves, one core each, one after the other.
-    for name in TIMED {
-        let case = cases.iter_mut().find(|case| case.name == name).expect("what is timed is judged");
+    let failed = time(extent, settings, &kept, &mut cases, &peers, &mut against_recorded)?;
+    parts.iter().try_for_each(|part| part.alone())?;
+    let jobs: Vec<_> = cases
+        .iter()
+        .flat_map(|case| case.jobs(settings, &kept))
+        .chain(parts.iter().flat_map(|part| part.jobs()))
+        .collect();
+    (settings.say)(&format!("{} runs side by side, those taken that {} holds", jobs.len(), settings.folder.display()));
+    jobs::carry_out(jobs)?;
+    let studies = parts.iter().map(|part| part.section()).collect::<Result<Vec<StudySection>, QualifyError>>()?;
+    let threads = rayon::current_num_threads();
+    let comparisons: Vec<Comparison> = cases.into_iter().map(|case| case.compared(threads)).collect();
+
+    let scenes: Vec<&Scene> = comparisons.iter().map(|comparison| &comparison.scene).collect();
+    let provenance = account(threads, &scenes);
+    let measures_laws = extent.studies.iter().any(|study| matches!(study, Study::Laws(_)));
+    let qualification = Qualification {
+        title: format!("Makadam: {} qualification", extent.name),
+        tier: extent.name.into(),
+        wall_seconds: clock.elapsed().as_secs_f64(),
+        comparisons,
+        provenance,
+        notes: notes(extent, settings, &kept, &peers, &failed)?,
+        outside_spread: against_recorded.outside,
+        unchecked: against_recorded.unchecked,
+        laws: if measures_laws { Vec::new() } else { crate::laws::published() },
+        on_record: extent.on_record.map_or(Vec::new(), on_record),
+        studies,
+        studies_on_record: extent.on_record.map_or(Vec::new(), studies_on_record),
+    };
+    Ok(Qualified { qualification, failed })
+}
+
+/// Times the codes, one core each, one after the other: these runs have the machine to themselves. Live runs that failed, in words.
+fn time(
+    extent: &Extent,
+    settings: &Settings<'_>,
+    kept: &KeptRuns,
+    cases: &mut [Case],
+    peers: &[Box<dyn Code>],
+    against_recorded: &mut AgainstRecorded,
+) -> Result<Vec<String>, QualifyError> {
+    let mut failed = Vec::new();
+    for name in extent.timed {
+        let case = cases.iter_mut().find(|case| case.name == *name).expect("what is timed is judged");
         (settings.say)(&format!("{name}: timed runs of seed {LIVE_SEED}, one core each, one after the other"));
-        case.time(settings, &Makadam)?;
-        if !settings.live {
-            continue;
-        }
-        for peer in peers.iter().rev() {
-            match case.time(settings, peer.as_ref()) {
-                Ok(harvest) => case.check(&harvest, &mut against_recorded),
-                Err(error @ CodeError::Interrupted { .. }) => return Err(error.into()),
+        case.time(settings, kept, &Makadam)?;
+        for peer in peers.iter().rev().filter(|_| settings.live) {
+            match case.time(settings, kept, peer.as_ref()) {
+                Ok(harvest) => case.check(&harvest, against_recorded),
+                Err(KeptError::Code(error @ CodeError::Interrupted { .. })) => return Err(error.into()),
+                Err(KeptError::Write(error)) => return Err(error.into()),
                 Err(error) => failed.push(format!("{name}: the live run of {} failed: {error}", peer.name())),
             }
         }
     }
+    Ok(failed)
+}
+
+/// What a reader must know of the whole.
+fn notes(
+    extent: &Extent,
+    settings: &Settings<'_>,
+    kept: &KeptRuns,
+    peers: &[Box<dyn Code>],
+    failed: &[String],
+) -> Result<Vec<String>, QualifyError> {
+    let mut notes = Vec::new();
     if !settings.live {
         notes.push(
             "YADE and LIGGGHTS were not run: their numbers are the recorded references, and no speeds are compared. \
@@ -146,148 +238,31 @@ pub fn quick(settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
                 .into(),
         );
     }
-    (settings.say)("Makadam over the recorded seeds of every scene");
-    let comparisons = judge(settings, cases)?;
+    notes.extend(left_out(extent, settings, peers)?);
+    let [made, taken] = kept.counts();
+    if taken > 0 {
+        let total = made + taken;
+        notes.push(format!(
+            "{taken} of {total} runs of scenes were taken from an earlier start in this folder; their wall times are those of then."
+        ));
+    }
+    notes.extend(kept.damaged());
     notes.extend(failed.iter().cloned());
-    let scenes: Vec<&Scene> = comparisons.iter().map(|comparison| &comparison.scene).collect();
-    let provenance = account(rayon::current_num_threads(), &scenes);
-    let qualification = Qualification {
-        title: "Makadam: quick qualification".into(),
-        tier: "quick".into(),
-        wall_seconds: clock.elapsed().as_secs_f64(),
-        comparisons,
-        provenance,
-        notes,
-        outside_spread: against_recorded.outside,
-        unchecked: against_recorded.unchecked,
-        laws: crate::laws::published(),
-        on_record: on_record(),
-    };
-    Ok(Qualified { qualification, failed })
+    Ok(notes)
 }
 
-/// Runs Makadam over as many seeds as are recorded, all scenes at once, and compares.
-fn judge(settings: &Settings<'_>, cases: Vec<Case>) -> Result<Vec<Comparison>, QualifyError> {
-    let jobs: Vec<(usize, u64)> =
-        cases.iter().enumerate().flat_map(|(place, case)| (1..=case.seeds).map(move |seed| (place, seed))).collect();
-    // One job at a time is taken from the list, so the long ones at its head do not pile up on one thread.
-    let harvests: Vec<(usize, Harvest)> = jobs
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|(place, seed)| Ok((place, cases[place].run(settings, &Makadam, seed)?)))
-        .collect::<Result<_, CodeError>>()?;
-    let mut by_case: Vec<Vec<Harvest>> = cases.iter().map(|_| Vec::new()).collect();
-    harvests.into_iter().for_each(|(place, harvest)| by_case[place].push(harvest));
-    let threads = rayon::current_num_threads();
-    let mut comparisons: Vec<(&str, Comparison)> = cases
-        .into_iter()
-        .zip(by_case)
-        .map(|(case, harvests)| {
-            let mut codes = vec![CodeRuns::live("Makadam", threads, harvests)];
-            codes.extend(case.recorded);
-            let mut comparison = comparison(&case.scene, &codes, case.notes);
-            comparison.codes.extend(case.timings);
-            (case.name, comparison)
-        })
-        .collect();
-    comparisons.sort_by_key(|(name, _)| match *name {
-        "packing" => 0,
-        "drum" => 1,
-        "drum-caps" => 2,
-        _ => 3,
-    });
-    Ok(comparisons.into_iter().map(|(_, comparison)| comparison).collect())
-}
-
-impl Case {
-    fn open(name: &'static str, roots: &[PathBuf], peers: &[Box<dyn Code>]) -> Result<Case, QualifyError> {
-        let file = scenes::find(name, roots)?;
-        let scene = scenes::load(&file)?;
-        // Without a margin the scene would be judged by nothing, and no count of the others would tell.
-        if scene.compare.iter().all(|expectation| expectation.margin.is_none()) {
-            let problem = "no observable has a margin, so that there is nothing to judge".into();
-            let remedy = "give a margin under [[compare]]".into();
-            return Err(SceneError::from(SceneFileError::Invalid { file, line: None, problem, remedy }).into());
-        }
-        let reference = Reference::of_scene(&file)?.unwrap_or_default();
-        let mut case = Case {
-            name,
-            seeds: reference.seeds().max(FEWEST_SEEDS),
-            file,
-            scene,
-            recorded: Vec::new(),
-            notes: Vec::new(),
-            timings: Vec::new(),
-        };
-        for peer in peers {
-            let code = peer.name();
-            let missing = || QualifyError::NotRecorded { code: code.into(), scene: name.into() };
-            case.recorded.push(reference.code(code).ok_or_else(missing)?);
-            case.notes.extend(reference.out_of_date(code, peer.contact_law(), &case.scene));
-        }
-        Ok(case)
-    }
-
-    fn run(&self, settings: &Settings<'_>, code: &dyn Code, seed: u64) -> Result<Harvest, CodeError> {
-        let runs = Runs {
-            scene: &self.scene,
-            scene_file: &self.file,
-            seeds: vec![seed],
-            rayleigh_fraction: LIVE_FRACTION,
-            stiffness_factor: 1.0,
-            time_limit: settings.time_limit,
-            recordings: None,
-            announce: settings.announce,
-        };
-        runs.one(code, &self.scene, seed)
-    }
-
-    /// Runs a code alone on the machine and notes how long it took.
-    fn time(&mut self, settings: &Settings<'_>, code: &dyn Code) -> Result<Harvest, CodeError> {
-        let harvest = self.run(settings, code, LIVE_SEED)?;
-        let run = &harvest.run;
-        self.timings.push(CodeSummary {
-            code: run.code.clone(),
-            version: run.version.clone(),
-            source: crate::compare::Source::Live,
-            seeds: vec![run.seed],
-            time_step: run.time_step,
-            rayleigh_fraction: run.rayleigh_fraction,
-            stiffness_factor: 1.0,
-            wall_seconds_per_simulated_second: run.wall_seconds / run.simulated_seconds,
-            timing: Timing::Alone,
-            processor: run.processor.clone(),
-            provenance: "timed by this command on one core, alone on the machine".into(),
+/// The scenes with recorded references that are not judged, in a sentence.
+fn left_out(extent: &Extent, settings: &Settings<'_>, peers: &[Box<dyn Code>]) -> Result<Option<String>, QualifyError> {
+    let mut left_out = Vec::new();
+    for name in known(&settings.roots).iter().filter(|name| !extent.scenes.contains(&name.as_str())) {
+        let Some(reference) = Reference::of_scene(&find(name, &settings.roots)?)? else { continue };
+        let codes = reference.codes();
+        let lacks: Vec<&str> =
+            peers.iter().map(|peer| peer.name()).filter(|peer| !codes.iter().any(|code| code == peer)).collect();
+        left_out.push(match lacks.is_empty() {
+            true => name.clone(),
+            false => format!("{name} (nothing is recorded of {})", lacks.join(" and ")),
         });
-        Ok(harvest)
     }
-
-    /// Holds a live run of a peer against the spread of its recorded runs.
-    fn check(&mut self, harvest: &Harvest, found: &mut AgainstRecorded) {
-        let run = &harvest.run;
-        let recorded = self.recorded.iter().find(|recorded| recorded.code == run.code);
-        let recorded = recorded.expect("a case is opened with what is recorded of every peer");
-        let percent = 100.0 * LIVE_FRACTION;
-        let head = format!("live {} (seed {}, {percent:.0}% of the Rayleigh step)", run.code, run.seed);
-        let (scene, mut inside) = (&self.scene.name, Vec::new());
-        for check in live_checks(&self.scene, run, recorded) {
-            let name = &check.observable;
-            match (check.value, check.interval, check.inside) {
-                (Some(value), Some([low, high]), Some(true)) => {
-                    inside.push(format!("{name} {value:.4} ({low:.4} to {high:.4})"));
-                }
-                (Some(value), Some([low, high]), _) => found.outside.push(format!(
-                    "{scene}: {head} lies outside the 99% interval of the recorded seeds: {name} {value:.4} ({low:.4} to {high:.4})"
-                )),
-                (None, _, _) => found.unchecked.push(format!("{scene}: {head} has no value of {name}")),
-                (Some(_), None, _) => found.unchecked.push(format!(
-                    "{scene}: {name} of the {head} has no recorded spread to be held against"
-                )),
-            }
-        }
-        if !inside.is_empty() {
-            let listed = inside.join(", ");
-            self.notes.push(format!("{head} lies inside the 99% interval of the recorded seeds: {listed}"));
-        }
-    }
+    Ok((!left_out.is_empty()).then(|| format!("Recorded, and not judged in this tier: {}.", left_out.join(", "))))
 }

@@ -133,6 +133,8 @@ impl OneScene<'_> {
             unchecked: Vec::new(),
             laws: Vec::new(),
             on_record: Vec::new(),
+            studies: Vec::new(),
+            studies_on_record: Vec::new(),
         };
         Ok(Judged { qualification, failure })
     }

@@ -1,26 +1,133 @@
 //! The tests that a qualification makes, on record: one that is lost would make it pass more easily.
 
-use crate::report::TestOnRecord;
+use super::tier::Tier;
+use crate::report::{StudyTestOnRecord, TestOnRecord};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
-/// Each test with its margin and its seeds; a test is taken off, made wider or given fewer seeds here or not at all.
-const RECORD: &str = include_str!("tests.csv");
+/// Each test with the first tier that makes it, its margin and its seeds; a test is taken off, made wider or given fewer seeds here or
+/// not at all.
+const TESTS: &str = include_str!("tests.csv");
 
-/// The tests on record.
-pub fn on_record() -> Vec<TestOnRecord> {
-    let mut table = csv::Reader::from_reader(RECORD.as_bytes());
+/// The same of the tests of studies.
+const STUDIES: &str = include_str!("studies.csv");
+
+/// A line of `tests.csv`.
+#[derive(Deserialize)]
+struct Line {
+    tier: Tier,
+    scene: String,
+    observable: String,
+    reference_code: String,
+    margin: f64,
+    seeds: usize,
+    judged_seeds: usize,
+}
+
+/// A line of `studies.csv`.
+#[derive(Deserialize)]
+struct StudyLine {
+    tier: Tier,
+    study: String,
+    test: String,
+    known_exception: bool,
+}
+
+/// The tests of equivalence on record of a tier: its own, and those of the tiers before it.
+pub fn on_record(tier: Tier) -> Vec<TestOnRecord> {
+    let own = lines::<Line>(TESTS).into_iter().filter(|line| line.tier <= tier);
+    own.map(|line| TestOnRecord {
+        scene: line.scene,
+        observable: line.observable,
+        reference_code: line.reference_code,
+        margin: Some(line.margin),
+        seeds: line.seeds,
+        judged_seeds: line.judged_seeds,
+    })
+    .collect()
+}
+
+/// The tests of studies on record of a tier.
+pub fn studies_on_record(tier: Tier) -> Vec<StudyTestOnRecord> {
+    let own = lines::<StudyLine>(STUDIES).into_iter().filter(|line| line.tier <= tier);
+    own.map(|StudyLine { study, test, known_exception, .. }| StudyTestOnRecord { study, test, known_exception })
+        .collect()
+}
+
+fn lines<T: DeserializeOwned>(table: &str) -> Vec<T> {
+    let mut table = csv::Reader::from_reader(table.as_bytes());
     table.deserialize().collect::<Result<_, _>>().expect("a test holds the record to its form")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::qualify::tier::{Study, TIERS};
+    use crate::stability::{KNOWN_EXCEPTIONS, catalogue};
 
     #[test]
-    fn the_record_names_each_test_once() {
-        let all = on_record();
-        assert_eq!(all.len(), 28);
-        let names: Vec<String> = all.iter().map(ToString::to_string).collect();
-        assert!((1..all.len()).all(|place| !names[..place].contains(&names[place])));
-        assert!(all.iter().all(|test| test.margin.is_some_and(|margin| margin > 0.0) && test.seeds >= 8));
+    fn the_record_names_each_test_once_a_tier() {
+        for (tier, count) in [(Tier::Quick, 28), (Tier::Full, 38), (Tier::Release, 64)] {
+            let all = on_record(tier);
+            assert_eq!(all.len(), count);
+            let named = |test: &TestOnRecord| (test.to_string(), test.judged_seeds);
+            let names: Vec<_> = all.iter().map(named).collect();
+            assert!((1..all.len()).all(|place| !names[..place].contains(&names[place])));
+            assert!(all.iter().all(|test| test.margin.is_some_and(|margin| margin > 0.0) && test.seeds >= 4));
+        }
+    }
+
+    #[test]
+    fn each_tier_has_on_record_what_the_table_says() {
+        for extent in &TIERS {
+            let tier = extent.on_record.expect("every tier has a record");
+            let (tests, studies) = (on_record(tier), studies_on_record(tier));
+            for scene in extent.scenes {
+                let own = || tests.iter().filter(|test| test.scene == *scene);
+                assert!(own().count() > 0, "{scene} in {}", extent.name);
+                let asked = extent.fewest_seeds as usize;
+                assert!(own().any(|test| test.seeds.max(test.judged_seeds) >= asked), "{scene} in {}", extent.name);
+            }
+            let mut named: Vec<&str> = studies.iter().map(|test| test.study.as_str()).collect();
+            named.dedup();
+            assert_eq!(named, extent.studies.iter().map(Study::name).collect::<Vec<_>>(), "{}", extent.name);
+            for study in extent.studies {
+                let own: Vec<&str> =
+                    studies.iter().filter(|test| test.study == study.name()).map(|test| test.test.as_str()).collect();
+                match study {
+                    Study::HardCases(_) => {
+                        assert_eq!(own, catalogue().iter().map(|case| case.name.clone()).collect::<Vec<_>>());
+                    }
+                    Study::Laws(laws) => {
+                        let of = |name: &str| own.iter().any(|test| test.starts_with(&format!("{name}: ")));
+                        assert!(laws.iter().all(|(name, _)| of(name)));
+                    }
+                    Study::Ablation(scenes) => {
+                        let tests = scenes.iter().flat_map(|ablated| {
+                            let needed =
+                                ablated.needed.iter().map(move |effect| format!("{}: {effect}", ablated.scene));
+                            std::iter::once(format!("{}: as it is", ablated.scene)).chain(needed)
+                        });
+                        assert_eq!(own, tests.collect::<Vec<_>>());
+                    }
+                    Study::Convergence(scenes) | Study::Tradeoff(scenes) => {
+                        let of = |name: &str| own.iter().any(|test| test.starts_with(&format!("{name}: ")));
+                        assert!(scenes.iter().all(|scene| of(scene)));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn known_exceptions_are_few_and_those_that_the_studies_list() {
+        let known = studies_on_record(Tier::Release).into_iter().filter(|test| test.known_exception);
+        let known: Vec<(String, String)> = known.map(|test| (test.study, test.test)).collect();
+        let of = |study: &str, test: &str| (study.to_string(), test.to_string());
+        let hard = known.iter().filter(|(study, _)| study == "stability").map(|(_, test)| test.as_str());
+        assert_eq!(hard.collect::<Vec<_>>(), KNOWN_EXCEPTIONS.map(|(name, _)| name));
+        let expected =
+            [of("stability", "impossible-gap-rigid"), of("convergence", "drum: projected-conjugate-gradients")];
+        assert_eq!(known, expected);
     }
 }

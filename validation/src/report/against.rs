@@ -1,6 +1,7 @@
 //! A qualification against an earlier one: tests that came or went, verdicts that changed, numbers that moved beyond noise.
 
 use super::qualification::Qualification;
+use super::studies::{StudySection, StudyTest};
 use crate::compare::{Comparison, Row};
 use crate::draw::names;
 use crate::draw::numbers::{significant, two_digits};
@@ -49,7 +50,32 @@ impl Changes {
                 }
             }
         }
+        changes.studies(earlier, now);
         changes
+    }
+
+    /// What is different in the tests of studies.
+    fn studies(&mut self, earlier: &Qualification, now: &Qualification) {
+        let (before, after) = (study_tests(earlier), study_tests(now));
+        let known = |tests: &[(&StudySection, &StudyTest)], study: &StudySection, test: &StudyTest| {
+            let same =
+                |(other, made): &&(&StudySection, &StudyTest)| (&other.name, &made.name) == (&study.name, &test.name);
+            tests.iter().find(same).map(|(_, made)| made.outcome)
+        };
+        let name = |study: &StudySection, test: &StudyTest| format!("{}: {}", study.name, test.name);
+        for (study, test) in before {
+            match known(&after, study, test) {
+                None => self.lost.push(name(study, test)),
+                Some(is) if is != test.outcome => {
+                    let (was, is) = (test.outcome.words(), is.words());
+                    self.outcomes.push(format!("{}: {was} before, {is} now", name(study, test)));
+                }
+                Some(_) => {}
+            }
+        }
+        let before = study_tests(earlier);
+        let gained = after.iter().filter(|(study, test)| known(&before, study, test).is_none());
+        self.gained.extend(gained.map(|(study, test)| name(study, test)));
     }
 
     /// Whether something is worse than it was: a test is gone.
@@ -72,6 +98,10 @@ impl Changes {
             false => format!("against the earlier report:\n  {}", lines.join("\n  ")),
         }
     }
+}
+
+fn study_tests(qualification: &Qualification) -> Vec<(&StudySection, &StudyTest)> {
+    qualification.studies.iter().flat_map(|study| study.tests.iter().map(move |test| (study, test))).collect()
 }
 
 fn rows(qualification: &Qualification) -> Vec<(&Comparison, &Row)> {

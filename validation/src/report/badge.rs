@@ -1,6 +1,7 @@
 //! The verdict as a badge: a small picture for a page that links to the report.
 
-use super::qualification::{Qualification, Standing};
+use super::qualification::{Qualification, Standing, plural};
+use super::studies::StudyCount;
 use crate::draw::svg::escape;
 
 /// Width of a letter at 11 pixels, on the safe side.
@@ -9,7 +10,9 @@ const LETTER: usize = 7;
 /// The badge as SVG.
 pub(super) fn svg(qualification: &Qualification) -> String {
     let verdict = qualification.verdict();
+    let of_studies = |count: fn(&StudyCount) -> usize| verdict.studies.iter().map(count).sum::<usize>();
     let tests = verdict.agree + verdict.disagree + verdict.undecided + verdict.not_measured;
+    let (agree, tests) = (verdict.agree + of_studies(|one| one.passed), tests + of_studies(|one| one.tests));
     let (word, colour) = match verdict.standing {
         Standing::Agree => ("agree", "#2a7a2f"),
         Standing::Disagree => ("agree", "#b3261e"),
@@ -19,7 +22,11 @@ pub(super) fn svg(qualification: &Qualification) -> String {
     };
     let right = match verdict.standing {
         Standing::NothingCompared => "nothing compared".to_string(),
-        _ => format!("{} of {tests} tests {word}", verdict.agree),
+        _ => format!("{agree} of {tests} tests {word}"),
+    };
+    let right = match of_studies(|one| one.known_exceptions.len()) {
+        0 => right,
+        known => format!("{right}, {}", plural(known, "known exception")),
     };
     let left = format!("{} qualification", qualification.tier);
     let [first, second] = [&left, &right].map(|text| LETTER * text.chars().count() + 16);

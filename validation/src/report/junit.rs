@@ -2,12 +2,13 @@
 
 use super::on_record::Lost;
 use super::qualification::Qualification;
+use super::studies::StudyOutcome;
 use super::words;
 use crate::compare::Row;
 use crate::statistics::Outcome;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
-/// One suite a scene, one case a test of equivalence; undecided tests and those that were not made are errors, not skipped.
+/// One suite a scene and a study, one case a test; known exceptions are skipped, undecided tests and those that were not made are errors, not skipped.
 pub(super) fn document(qualification: &Qualification) -> Result<String, quick_junit::SerializeError> {
     let mut report = Report::new(qualification.title.as_str());
     for comparison in &qualification.comparisons {
@@ -21,12 +22,35 @@ pub(super) fn document(qualification: &Qualification) -> Result<String, quick_ju
         }
         report.add_test_suite(suite);
     }
+    for study in &qualification.studies {
+        let mut suite = TestSuite::new(study.title.as_str());
+        for test in &study.tests {
+            let said = format!("{}: {}; right: {}", test.outcome.words(), test.measured, test.right);
+            let said = test.remark.as_deref().unwrap_or(&said);
+            let mut case = TestCase::new(
+                test.name.as_str(),
+                match test.outcome {
+                    StudyOutcome::Passed => TestCaseStatus::success(),
+                    StudyOutcome::Failed => failed(NonSuccessKind::Failure, said),
+                    StudyOutcome::NotMeasured => failed(NonSuccessKind::Error, said),
+                    StudyOutcome::KnownException => {
+                        let mut status = TestCaseStatus::skipped();
+                        status.set_message(format!("known exception: {said}"));
+                        status
+                    }
+                },
+            );
+            case.set_classname(format!("{}.{}", qualification.tier, study.name));
+            suite.add_test_case(case);
+        }
+        report.add_test_suite(suite);
+    }
     let lost = qualification.lost();
     if !lost.is_empty() {
         let mut suite = TestSuite::new("tests on record");
         for Lost { test, what } in lost {
             let message = format!("it {what}");
-            suite.add_test_case(TestCase::new(test.to_string(), failed(NonSuccessKind::Error, &message)));
+            suite.add_test_case(TestCase::new(test, failed(NonSuccessKind::Error, &message)));
         }
         report.add_test_suite(suite);
     }

@@ -3,6 +3,7 @@
 //! ```text
 //! Qualification ─> verdict ─┐
 //! Comparison ─> tables      ├─> page ──> report.html
+//! StudySection ─> table     │
 //!            ─> plots       │   ──────> report.json, rows.csv, junit.xml, badge.svg
 //!            ─> pictures    ┘
 //! ```
@@ -24,6 +25,7 @@ mod qualification;
 mod rows;
 mod series;
 mod speed;
+mod studies;
 mod tables;
 mod terminal;
 mod words;
@@ -33,5 +35,6 @@ pub use against::Changes;
 pub use on_record::{Lost, TestOnRecord};
 pub use qualification::{Qualification, Standing, Verdict};
 pub use speed::speed_sentence;
+pub use studies::{StudyCount, StudyOutcome, StudySection, StudyTest, StudyTestOnRecord};
 pub use terminal::comparison_table;
 pub use write::{REPORT_VERSION, ReportDocument, ReportPaths, read, write};

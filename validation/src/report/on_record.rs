@@ -1,6 +1,7 @@
 //! Tests that a qualification must make whatever the scenes say, and how little of each may be left.
 
 use super::qualification::Qualification;
+use super::studies::StudyTestOnRecord;
 use crate::compare::{Comparison, Row};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -20,13 +21,16 @@ pub struct TestOnRecord {
     /// Fewest seeds of each of the two codes.
     #[serde(default)]
     pub seeds: usize,
+    /// Fewest seeds of the judged code, where that is more.
+    #[serde(default)]
+    pub judged_seeds: usize,
 }
 
 /// A test on record that was not made, or with less than is on record.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lost<'a> {
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lost {
     /// The test.
-    pub test: &'a TestOnRecord,
+    pub test: String,
     /// What became of it, in words that follow its name.
     pub what: String,
 }
@@ -39,9 +43,15 @@ impl fmt::Display for TestOnRecord {
 
 impl Qualification {
     /// Tests on record that were not made as they stand there.
-    pub fn lost(&self) -> Vec<Lost<'_>> {
-        let lost = |test| Some(Lost { test, what: self.lacks(test)? });
-        self.on_record.iter().filter_map(lost).collect()
+    pub fn lost(&self) -> Vec<Lost> {
+        let lost = |test: &TestOnRecord| Some(Lost { test: test.to_string(), what: self.lacks(test)? });
+        let of_study = |on_record: &StudyTestOnRecord| {
+            let study = self.studies.iter().find(|study| study.name == on_record.study);
+            let what = study.map_or(Some("was not made".into()), |study| study.lacks(on_record))?;
+            Some(Lost { test: format!("{} ({})", on_record.test, on_record.study), what })
+        };
+        let of_studies = self.studies_on_record.iter().filter_map(of_study);
+        self.on_record.iter().filter_map(lost).chain(of_studies).collect()
     }
 
     /// What a test lacks; absent where it was made as it stands on record.
@@ -54,6 +64,10 @@ impl Qualification {
         let of_reference =
             of_reference.filter(|other| other.code == test.reference_code).map(|other| other.seeds).max();
         let (judged, reference) = (row.seeds, of_reference.unwrap_or(0));
+        if judged < test.judged_seeds {
+            let (code, least) = (&comparison.judged, test.judged_seeds);
+            return Some(format!("was made with {judged} seeds of {code}, not with the {least} on record"));
+        }
         let fewest = judged.min(reference);
         (fewest < test.seeds).then(|| {
             let code = if judged == fewest { &comparison.judged } else { &test.reference_code };

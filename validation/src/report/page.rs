@@ -1,7 +1,7 @@
 //! The page: everything that the template shows, gathered and named.
 
 use super::qualification::{Qualification, Standing, join};
-use super::{forces, forest, pictures, published, series, speed, tables};
+use super::{forces, forest, pictures, published, series, speed, studies, tables};
 use crate::compare::{Comparison, Source};
 use crate::draw::{names, numbers};
 use crate::study::{environment, style};
@@ -13,6 +13,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
     environment.add_template("page", include_str!("page.html"))?;
     environment.add_template("laws", include_str!("laws.html"))?;
     environment.add_template("scene", include_str!("scene.html"))?;
+    environment.add_template("studies", include_str!("studies.html"))?;
     environment.add_template("words", include_str!("words.html"))?;
 
     let verdict = qualification.verdict();
@@ -35,6 +36,8 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         outside_spread => qualification.outside_spread,
         unchecked => qualification.unchecked,
         sections => sections,
+        extent => extent(comparisons),
+        studies => qualification.studies.iter().map(studies::shown).collect::<Vec<_>>(),
         judged => published::table(&qualification.laws).html(),
         laws => qualification.laws.iter().map(published::shown).collect::<Vec<_>>(),
         provenance => provenance(qualification),
@@ -146,6 +149,34 @@ fn sources(comparisons: &[Comparison]) -> Vec<String> {
         }
     }
     sentences
+}
+
+/// How many seeds of each code there are, and whether it was run now, for the first lines of the page.
+fn extent(comparisons: &[Comparison]) -> Option<String> {
+    let mut codes: Vec<&str> = comparisons.iter().flat_map(|c| &c.codes).map(|code| code.code.as_str()).collect();
+    let mut seen = std::collections::BTreeSet::new();
+    codes.retain(|code| seen.insert(*code));
+    let each = codes.iter().filter_map(|name| {
+        // The first summary of a scene is that of its values; one after it was timed.
+        let of_scene =
+            |c: &'_ Comparison| c.codes.iter().filter(|code| code.code == *name).cloned().collect::<Vec<_>>();
+        let summaries: Vec<_> = comparisons.iter().map(of_scene).filter(|of_scene| !of_scene.is_empty()).collect();
+        let seeds = || summaries.iter().map(|of_scene| of_scene[0].seeds.len());
+        let (fewest, most) = (seeds().min()?, seeds().max()?);
+        let recorded = summaries.iter().any(|of_scene| of_scene[0].source == Source::Recorded);
+        let again =
+            summaries.iter().filter(|of_scene| of_scene[1..].iter().any(|one| one.source == Source::Live)).count();
+        let how = match (recorded, again) {
+            (false, _) => "live".into(),
+            (true, 0) => "recorded, not run".into(),
+            (true, 1) => "recorded, also live in 1 scene".into(),
+            (true, scenes) => format!("recorded, also live in {scenes} scenes"),
+        };
+        let count = if fewest == most { fewest.to_string() } else { format!("{fewest} to {most}") };
+        Some(format!("{name} {count} ({how})"))
+    });
+    let each: Vec<String> = each.collect();
+    (!each.is_empty()).then(|| format!("Seeds a scene: {}.", each.join(", ")))
 }
 
 fn slow_settings(comparisons: &[Comparison]) -> Option<String> {

@@ -2,6 +2,7 @@
 
 use super::on_record::{Lost, TestOnRecord};
 use super::published::PublishedLaw;
+use super::studies::{StudyCount, StudySection, StudyTestOnRecord};
 use crate::compare::{Comparison, Row};
 use crate::statistics::Outcome;
 use serde::{Deserialize, Serialize};
@@ -34,13 +35,19 @@ pub struct Qualification {
     /// Tests that must be made, whatever the scenes say.
     #[serde(default)]
     pub on_record: Vec<TestOnRecord>,
+    /// Studies that were a part of it.
+    #[serde(default)]
+    pub studies: Vec<StudySection>,
+    /// Tests of studies that must be made.
+    #[serde(default)]
+    pub studies_on_record: Vec<StudyTestOnRecord>,
 }
 
 /// What a qualification says as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
-    /// Every test of equivalence passed, and every live run lies inside the recorded spread.
+    /// Every test of equivalence and of a study passed, and every live run lies inside the recorded spread.
     Agree,
     /// At least one failed, or a live run lies outside the recorded spread.
     Disagree,
@@ -73,7 +80,10 @@ pub struct Verdict {
     /// Live values of reference codes that could not be held against their recorded runs.
     #[serde(default)]
     pub unchecked: usize,
-    /// The verdict in one sentence.
+    /// Tests of the studies that were a part.
+    #[serde(default)]
+    pub studies: Vec<StudyCount>,
+    /// The verdict in words; the first sentence is that of the tests of equivalence.
     pub sentence: String,
 }
 
@@ -89,6 +99,7 @@ impl Qualification {
             floor_above_margin: 0,
             outside_spread: self.outside_spread.len(),
             unchecked: self.unchecked.len(),
+            studies: self.studies.iter().map(StudySection::count).collect(),
             sentence: String::new(),
         };
         let mut references: Vec<&str> = Vec::new();
@@ -120,8 +131,11 @@ impl Qualification {
         }
         let lost = self.lost();
         verdict.not_measured += lost.len();
-        let lacks = verdict.not_measured + verdict.unchecked > 0;
+        let of_studies = |names: fn(&StudyCount) -> usize| verdict.studies.iter().map(names).sum::<usize>();
+        let failed = of_studies(|study| study.failed.len());
+        let lacks = verdict.not_measured + verdict.unchecked + of_studies(|study| study.not_measured.len()) > 0;
         verdict.standing = match (verdict.agree, verdict.disagree, verdict.undecided) {
+            _ if failed > 0 => Standing::Disagree,
             (0, 0, 0) if lacks => Standing::NotMeasured,
             (0, 0, 0) => Standing::NothingCompared,
             (_, 0, _) if verdict.outside_spread > 0 => Standing::Disagree,
@@ -132,6 +146,9 @@ impl Qualification {
         };
         let judged = self.comparisons.first().map_or("", |comparison| &comparison.judged);
         verdict.sentence = sentence(&verdict, judged, &references, scenes);
+        for (study, count) in self.studies.iter().zip(&verdict.studies) {
+            verdict.sentence += &format!(" {}", count.sentence(&study.title));
+        }
         for Lost { test, what } in lost {
             verdict.sentence += &format!(" A test on record {what}: {test}.");
         }

@@ -1,9 +1,12 @@
-//! Cases in codes, several side by side; the study is written with each case that is finished.
+//! Cases in codes, several side by side; each outcome is kept as soon as it is there, and taken up by the next start; the study is
+//! written with each case that is finished.
 
 use super::{Case, CaseResult, Outcome, StabilityError, Study, markdown};
 use crate::output::{JSON_VERSION, WriteError, create_folder, write_whole};
 use crate::peers::Code;
-use crate::provenance::account;
+use crate::provenance::{JUDGE, account, scene_hash};
+use crate::study::{Key, RunCache};
+use makadam::BUILD;
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Mutex;
@@ -20,6 +23,8 @@ pub struct Campaign<'a> {
     pub time_limit: f64,
     /// Folder of the study.
     pub folder: &'a Path,
+    /// Whether cases are run again whose outcomes an earlier start has kept.
+    pub again: bool,
     /// Told what begins.
     pub begins: &'a (dyn Fn(&Case, &dyn Code) + Sync),
     /// Told what has ended, and the share of all runs that have, 0 to 1.
@@ -63,15 +68,40 @@ impl Campaign<'_> {
     }
 
     fn run(&self, case: &Case, code: &dyn Code, done: &AtomicUsize) -> Result<Outcome, StabilityError> {
-        (self.begins)(case, code);
-        let limit = Duration::from_secs_f64(self.time_limit);
-        let outcome = match code.name() {
-            "Makadam" => case.in_makadam(limit),
-            name => case.in_peer(code, &self.folder.join("runs").join(&case.name).join(name), limit),
-        }?;
+        let outcome = self.take(case, code, self.again)?;
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         (self.ended)(case, &outcome, done as f64 / (self.cases.len() * self.codes.len()) as f64);
         Ok(outcome)
+    }
+
+    /// How a case ended in a code: the outcome that is kept, unless it is to be made `again`; else that of a run now, which is kept.
+    ///
+    /// # Errors
+    /// [`StabilityError`] if it has to be run and cannot.
+    pub fn take(&self, case: &Case, code: &dyn Code, again: bool) -> Result<Outcome, StabilityError> {
+        let cache = RunCache::open(&self.folder.join("outcomes"))?;
+        cache.take(&self.key(case, code), again, || {
+            (self.begins)(case, code);
+            let limit = Duration::from_secs_f64(self.time_limit);
+            match code.name() {
+                "Makadam" => case.in_makadam(limit),
+                name => case.in_peer(code, &self.folder.join("runs").join(&case.name).join(name), limit),
+            }
+        })
+    }
+
+    /// What an outcome follows from: the case, the code, how long it may take, the build, and the sources that judge.
+    fn key(&self, case: &Case, code: &dyn Code) -> Key {
+        let parts = [
+            format!("{:016x}", scene_hash(&case.scene)),
+            format!("{:?}", case.peer_step),
+            format!("{} {}, {}", code.name(), code.version().unwrap_or_default(), code.contact_law()),
+            self.time_limit.to_string(),
+            BUILD.to_string(),
+            JUDGE.to_string(),
+        ];
+        let name = format!("{}-{}", case.name, code.name().to_lowercase());
+        Key::new(name, &parts.each_ref().map(String::as_str))
     }
 
     /// Takes in a case and writes the study.

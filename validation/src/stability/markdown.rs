@@ -39,7 +39,7 @@ fn cell(outcome: &Outcome) -> String {
     let words = outcome.verdict.words();
     let verdict = if outcome.verdict == Verdict::NotAsStated { format!("**{words}**") } else { words.into() };
     match outcome.telling() {
-        Some(finding) => format!("{verdict}: {} {}", finding.what, figure(finding.value, finding.unit)),
+        Some(finding) => format!("{verdict}: {} {}", finding.what, figure(finding.value, &finding.unit)),
         None => verdict,
     }
 }

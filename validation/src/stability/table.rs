@@ -30,10 +30,17 @@ fn codes(case: &CaseResult) -> Vec<&str> {
     case.outcomes.iter().map(|outcome| outcome.code.as_str()).collect()
 }
 
+/// The figure that tells most of an outcome, with what it is; empty where nothing was measured.
+pub fn telling(outcome: &Outcome) -> String {
+    outcome
+        .telling()
+        .map_or(String::new(), |finding| format!("{} {}", finding.what, figure(finding.value, &finding.unit)))
+}
+
 /// Verdict and figure in a few words.
 fn cell(outcome: &Outcome) -> String {
     match outcome.telling() {
-        Some(finding) => format!("{} ({})", outcome.verdict.words(), figure(finding.value, finding.unit)),
+        Some(finding) => format!("{} ({})", outcome.verdict.words(), figure(finding.value, &finding.unit)),
         None => outcome.verdict.words().to_string(),
     }
 }

@@ -27,6 +27,11 @@ impl Key {
         Key { name, hash: hash_of(parts) }
     }
 
+    /// The name of its file, without the ending.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// The same with its hash in the name of the file too, so that other runs of that name stay beside it.
     pub fn apart(self) -> Key {
         Key { name: format!("{}-{}", self.name, self.hash), ..self }

@@ -1,26 +1,47 @@
 //! A figure with the bounds that it must keep.
 
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::borrow::Cow;
 
 /// A figure that was measured, and the bounds that the right outcome sets for it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// What was measured.
     pub what: String,
     /// Its unit; empty for a number.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// The figure.
+    #[serde(deserialize_with = "no_number")]
     pub value: f64,
     /// Least right value; minus infinity where there is none.
+    #[serde(deserialize_with = "no_lower_bound")]
     pub low: f64,
     /// Largest right value; infinity where there is none.
+    #[serde(deserialize_with = "no_upper_bound")]
     pub high: f64,
+}
+
+/// JSON has `null` for all that is not finite.
+fn or<'de, D: Deserializer<'de>>(deserializer: D, absent: f64) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(absent))
+}
+
+fn no_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    or(deserializer, f64::NAN)
+}
+
+fn no_lower_bound<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    or(deserializer, f64::NEG_INFINITY)
+}
+
+fn no_upper_bound<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    or(deserializer, f64::INFINITY)
 }
 
 impl Finding {
     /// A figure between two bounds.
     pub fn between(what: impl Into<String>, unit: &'static str, value: f64, low: f64, high: f64) -> Finding {
-        Finding { what: what.into(), unit, value, low, high }
+        Finding { what: what.into(), unit: unit.into(), value, low, high }
     }
 
     /// A figure that may deviate by so much from a target.

@@ -4,7 +4,7 @@ use super::configuration::Configuration;
 use crate::compare::MeasuredRun;
 use crate::output::file_stem;
 use crate::plan::Scene;
-use crate::provenance::{Build, scene_hash};
+use crate::provenance::{Build, JUDGE, scene_hash};
 use crate::study::Key;
 use serde::{Deserialize, Serialize};
 
@@ -38,10 +38,12 @@ impl KeptRun {
 }
 
 /// The key of a seed's run: scene, knobs, seed, the code and its version (which holds the [key of the build](makadam::BUILD)
-/// where the code is Makadam), and the processor, since a wall time of another one is another number.
+/// where the code is Makadam), the key of the sources that measure, and the processor, since a wall time of another one is another
+/// number.
 pub fn run_key(scene: &Scene, configuration: &Configuration, version: &str, seed: u64, processor: &str) -> Key {
     let scene = configuration.scene(scene);
     let knobs = serde_json::to_string(configuration).expect("a configuration holds only numbers and plain text");
     let name = format!("{}-{}-s{seed}", file_stem(&scene.name), configuration.code.to_lowercase());
-    Key::new(name, &[&format!("{:016x}", scene_hash(&scene)), &knobs, version, &seed.to_string(), processor]).apart()
+    Key::new(name, &[&format!("{:016x}", scene_hash(&scene)), &knobs, version, &seed.to_string(), processor, JUDGE])
+        .apart()
 }

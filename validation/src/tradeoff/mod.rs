@@ -44,7 +44,7 @@ pub use engine_runs::{EngineRunError, EngineRuns};
 pub use engines::{EngineError, EngineOrigin, EngineRecord, recorded_engines};
 pub use front::pareto_front;
 pub use kept::{KeptRun, run_key};
-pub use plan::{Plan, Refinement, STIFFNESS_FACTORS, Scope};
+pub use plan::{Plan, QUICK_TIME_LIMIT, Refinement, STIFFNESS_FACTORS, Scope};
 pub use rows::{Bound, Deviation, Fastest, Point, Reference, Varied};
 pub use study::{Study, Terms};
 pub use terminal::table;

@@ -5,6 +5,9 @@ use super::variations::Variation;
 use crate::plan::Scene;
 use makadam::scene::{SolverSettings, Stop};
 
+/// Wall time at which a run of few configurations is cut short where no other is given, s.
+pub const QUICK_TIME_LIMIT: f64 = 60.0;
+
 /// How much is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {

@@ -12,6 +12,17 @@ pub struct Bound {
     pub value: f64,
 }
 
+/// Tolerated deviations where none are given.
+const USUAL: [(&str, f64); 3] =
+    [("dynamic_angle_of_repose", 0.5), ("static_angle_of_repose", 0.5), ("packing_fraction", 0.002)];
+
+impl Bound {
+    /// Those that hold where none are given: degrees for angles.
+    pub fn usual() -> Vec<Bound> {
+        USUAL.iter().map(|&(name, value)| Bound { observable: name.into(), value }).collect()
+    }
+}
+
 /// One observable of a converged reference of Makadam.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {

@@ -4,8 +4,8 @@ use makadam::snapshot::Particle;
 use makadam_validation::compare::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
 use makadam_validation::observables::{ForceDistribution, Series};
 use makadam_validation::plan::Scene;
-use makadam_validation::report::Qualification;
 use makadam_validation::report::published::{Judged, PublishedLaw};
+use makadam_validation::report::{Qualification, StudyOutcome, StudySection, StudyTest};
 use makadam_validation::statistics::Outcome;
 use std::path::Path;
 
@@ -318,6 +318,26 @@ pub fn outflow() -> PublishedLaw {
     }
 }
 
+/// A study of one test.
+pub fn study(outcome: StudyOutcome) -> StudySection {
+    StudySection {
+        name: "stability".into(),
+        title: "Hard cases".into(),
+        scope: "Scenes that break simulators.".into(),
+        runs: 1,
+        wall_seconds: 2.0,
+        pages: vec!["stability/stability.md".into()],
+        tests: vec![StudyTest {
+            name: "stack-10".into(),
+            measured: "top grain below its place 0.1".into(),
+            right: "10 grains stay where they are".into(),
+            outcome,
+            remark: None,
+        }],
+        notes: Vec::new(),
+    }
+}
+
 pub fn qualification(comparisons: Vec<Comparison>) -> Qualification {
     Qualification {
         title: "Qualification of Makadam 0.1.0".into(),
@@ -341,5 +361,7 @@ pub fn qualification(comparisons: Vec<Comparison>) -> Qualification {
         unchecked: Vec::new(),
         laws: Vec::new(),
         on_record: Vec::new(),
+        studies: Vec::new(),
+        studies_on_record: Vec::new(),
     }
 }

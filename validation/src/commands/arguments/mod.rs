@@ -18,7 +18,7 @@ pub use pictures::{AnimateArguments, ExportArguments, ExportFormat, PictureArgum
 pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
-pub use runs::{CompareArguments, QualifyArguments, RunArguments, Tier};
+pub use runs::{CompareArguments, QualifyArguments, RunArguments, TierName};
 pub use shared::{CodeRunArguments, load};
 pub use studies::{
     ConvergenceArguments, EffectsArguments, LawsArguments, RooflineArguments, ScalingArguments, StabilityArguments,

@@ -87,9 +87,13 @@ pub struct CompareArguments {
 
 /// How much is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Tier {
-    /// Packing, drum, drum with caps and heap, in minutes.
+pub enum TierName {
+    /// Packing, drum, drum with caps and heap: 15 minutes on two cores.
     Quick,
+    /// Every scene with recorded references of both peers, hard cases, published laws, effects, convergence: under 3 hours on two cores.
+    Full,
+    /// All of that with at least 16 seeds of Makadam, stiff grains, effects of more scenes, trade-off: a night.
+    Release,
 }
 
 /// Arguments of `makadam qualify`.
@@ -97,11 +101,14 @@ pub enum Tier {
 pub struct QualifyArguments {
     /// Extent of the qualification.
     #[arg(long, value_enum, default_value = "quick")]
-    pub tier: Tier,
+    pub tier: TierName,
     /// report.json of an earlier qualification: says which tests came or went and which numbers moved beyond noise. A test that is gone
     /// is exit code 4.
     #[arg(long, value_name = "REPORT")]
     pub against: Option<PathBuf>,
+    /// Repeat runs whose results are stored in the output folder.
+    #[arg(long)]
+    pub again: bool,
     /// Require live runs of YADE and LIGGGHTS in addition to the recorded numbers.
     #[arg(long)]
     pub live: bool,

@@ -140,6 +140,9 @@ pub struct StabilityArguments {
     /// Wall time after which a run is stopped, s; if absent, 600, or 60 with --quick.
     #[arg(long, value_parser = time_limit)]
     pub time_limit: Option<f64>,
+    /// Repeat cases whose outcomes are stored.
+    #[arg(long)]
+    pub again: bool,
     /// How many threads.
     #[command(flatten)]
     pub side_by_side: ThreadArguments,

@@ -1,0 +1,174 @@
+//! The scenes of a qualification: what is recorded of each, the runs of Makadam, live runs of the peers, the comparison.
+
+use super::jobs::{Job, weight};
+use super::{LIVE_FRACTION, LIVE_SEED, QualifyError, Settings};
+use crate::compare::{
+    CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, Reference, Runs, STIFF, Source, Timing,
+    comparison, live_checks,
+};
+use crate::peers::{Code, Makadam};
+use crate::plan::Scene;
+use crate::scenes::{self, SceneError};
+use makadam::scene::SceneFileError;
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+/// What live runs of the peers came to beside their recorded ones, in sentences.
+#[derive(Default)]
+pub(super) struct AgainstRecorded {
+    pub(super) outside: Vec<String>,
+    pub(super) unchecked: Vec<String>,
+}
+
+/// A scene with what is recorded on it.
+pub(super) struct Case {
+    /// Its folder under `reference-scenes`.
+    pub(super) name: &'static str,
+    pub(super) scene: Scene,
+    file: PathBuf,
+    recorded: Vec<CodeRuns>,
+    seeds: u64,
+    /// Seeds that Makadam also runs with grains ten times as stiff.
+    stiff_seeds: u64,
+    notes: Vec<String>,
+    timings: Vec<CodeSummary>,
+    /// Makadam's runs at the scene's stiffness, and at ten times that.
+    harvests: Mutex<[Vec<Harvest>; 2]>,
+}
+
+impl Case {
+    /// A scene with no fewer than so many seeds of Makadam; `stiff`: with grains ten times as stiff too.
+    pub(super) fn open(
+        name: &'static str,
+        fewest_seeds: u64,
+        stiff: bool,
+        settings: &Settings<'_>,
+        peers: &[Box<dyn Code>],
+    ) -> Result<Case, QualifyError> {
+        let file = scenes::find(name, &settings.roots)?;
+        let scene = scenes::load(&file)?;
+        // Without a margin the scene would be judged by nothing, and no count of the others would tell.
+        if scene.compare.iter().all(|expectation| expectation.margin.is_none()) {
+            let problem = "no observable has a margin, so that there is nothing to judge".into();
+            let remedy = "give a margin under [[compare]]".into();
+            return Err(SceneError::from(SceneFileError::Invalid { file, line: None, problem, remedy }).into());
+        }
+        let reference = Reference::of_scene(&file)?.unwrap_or_default();
+        let stiff_seeds =
+            || peers.iter().map(|peer| reference.at(peer.name(), STIFF).count() as u64).max().unwrap_or(0);
+        let mut case = Case {
+            name,
+            seeds: reference.seeds().max(fewest_seeds),
+            stiff_seeds: if stiff { stiff_seeds() } else { 0 },
+            file,
+            scene,
+            recorded: Vec::new(),
+            notes: Vec::new(),
+            timings: Vec::new(),
+            harvests: Mutex::default(),
+        };
+        for peer in peers {
+            let code = peer.name();
+            let missing = || QualifyError::NotRecorded { code: code.into(), scene: name.into() };
+            case.recorded.push(reference.code(code).ok_or_else(missing)?);
+            case.notes.extend(reference.out_of_date(code, peer.contact_law(), &case.scene));
+        }
+        Ok(case)
+    }
+
+    fn runs<'s>(&'s self, settings: &'s Settings<'_>, seed: u64, stiffness_factor: f64) -> Runs<'s> {
+        Runs {
+            scene: &self.scene,
+            scene_file: &self.file,
+            seeds: vec![seed],
+            rayleigh_fraction: LIVE_FRACTION,
+            stiffness_factor,
+            time_limit: settings.time_limit,
+            recordings: None,
+            announce: settings.announce,
+        }
+    }
+
+    /// The runs of Makadam.
+    pub(super) fn jobs<'s>(&'s self, settings: &'s Settings<'_>, kept: &'s KeptRuns) -> Vec<Job<'s>> {
+        let soft = (1..=self.seeds).map(|seed| (seed, 0, 1.0));
+        let stiff = (1..=self.stiff_seeds).map(|seed| (seed, 1, STIFF));
+        let job = move |(seed, place, factor): (u64, usize, f64)| Job {
+            identity: KeptRuns::identity(&self.runs(settings, seed, factor), &Makadam, seed),
+            weight: weight(&self.scene),
+            work: Box::new(move || {
+                let harvest = kept.take(&self.runs(settings, seed, factor), &Makadam, seed)?;
+                self.harvests.lock().expect("nothing panics while it holds the lock")[place].push(harvest);
+                Ok(())
+            }),
+        };
+        soft.chain(stiff).map(job).collect()
+    }
+
+    /// The comparison of all that was run with all that is recorded, by so many threads.
+    pub(super) fn compared(self, threads: usize) -> Comparison {
+        let [soft, stiff] = self.harvests.into_inner().expect("nothing panics while it holds the lock");
+        let own = CodeRuns {
+            stiff_runs: CodeRuns::live("Makadam", threads, stiff).runs,
+            ..CodeRuns::live("Makadam", threads, soft)
+        };
+        let codes: Vec<CodeRuns> = std::iter::once(own).chain(self.recorded).collect();
+        let mut comparison = comparison(&self.scene, &codes, self.notes);
+        comparison.codes.extend(self.timings);
+        comparison
+    }
+
+    /// Runs a code alone on the machine and notes how long it took; a run that an earlier start has kept is not made again.
+    pub(super) fn time(
+        &mut self,
+        settings: &Settings<'_>,
+        kept: &KeptRuns,
+        code: &dyn Code,
+    ) -> Result<Harvest, KeptError> {
+        let harvest = kept.take_alone(&self.runs(settings, LIVE_SEED, 1.0), code, LIVE_SEED)?;
+        let run = &harvest.run;
+        self.timings.push(CodeSummary {
+            code: run.code.clone(),
+            version: run.version.clone(),
+            source: Source::Live,
+            seeds: vec![run.seed],
+            time_step: run.time_step,
+            rayleigh_fraction: run.rayleigh_fraction,
+            stiffness_factor: 1.0,
+            wall_seconds_per_simulated_second: run.wall_seconds / run.simulated_seconds,
+            timing: Timing::Alone,
+            processor: run.processor.clone(),
+            provenance: "timed by this command on one core, alone on the machine".into(),
+        });
+        Ok(harvest)
+    }
+
+    /// Holds a live run of a peer against the spread of its recorded runs.
+    pub(super) fn check(&mut self, harvest: &Harvest, found: &mut AgainstRecorded) {
+        let run = &harvest.run;
+        let recorded = self.recorded.iter().find(|recorded| recorded.code == run.code);
+        let recorded = recorded.expect("a case is opened with what is recorded of every peer");
+        let percent = 100.0 * LIVE_FRACTION;
+        let head = format!("live {} (seed {}, {percent:.0}% of the Rayleigh step)", run.code, run.seed);
+        let (scene, mut inside) = (&self.scene.name, Vec::new());
+        for check in live_checks(&self.scene, run, recorded) {
+            let name = &check.observable;
+            match (check.value, check.interval, check.inside) {
+                (Some(value), Some([low, high]), Some(true)) => {
+                    inside.push(format!("{name} {value:.4} ({low:.4} to {high:.4})"));
+                }
+                (Some(value), Some([low, high]), _) => found.outside.push(format!(
+                    "{scene}: {head} lies outside the 99% interval of the recorded seeds: {name} {value:.4} ({low:.4} to {high:.4})"
+                )),
+                (None, _, _) => found.unchecked.push(format!("{scene}: {head} has no value of {name}")),
+                (Some(_), None, _) => found.unchecked.push(format!(
+                    "{scene}: {name} of the {head} has no recorded spread to be held against"
+                )),
+            }
+        }
+        if !inside.is_empty() {
+            let listed = inside.join(", ");
+            self.notes.push(format!("{head} lies inside the 99% interval of the recorded seeds: {listed}"));
+        }
+    }
+}

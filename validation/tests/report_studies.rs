@@ -1,0 +1,60 @@
+//! Studies in a report: the page, the tests as XML, the badge, the data, and what is different from an earlier one.
+
+use crate::support::sample;
+use makadam_validation::report::{Changes, Qualification, StudyOutcome, read, write};
+use std::fs;
+
+fn with(outcome: StudyOutcome) -> Qualification {
+    let mut qualification = sample::qualification(vec![sample::drum(false)]);
+    qualification.studies.push(sample::study(outcome));
+    qualification
+}
+
+#[test]
+fn a_study_stands_in_every_file() {
+    let qualification = with(StudyOutcome::Failed);
+    let folder = tempfile::tempdir().unwrap();
+    let paths = write(&qualification, folder.path()).unwrap();
+    let page = fs::read_to_string(&paths.html).unwrap();
+    for words in [
+        "Tier full. Seeds a scene: Makadam 5 (live), LIGGGHTS 5 (recorded, not run), YADE 5 (recorded, not run).",
+        "<section id=\"study-stability\">",
+        "<a href=\"#study-stability\">Hard cases</a>",
+        "<a href=\"stability/stability.md\">",
+        "<strong>Failed.</strong> Hard cases: 0 of 1 test passed, 1 failed (stack-10).",
+        "10 grains stay where they are",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    let junit = fs::read_to_string(folder.path().join("junit.xml")).unwrap();
+    for words in [
+        "testsuite name=\"Hard cases\" tests=\"1\"",
+        "failures=\"1\"",
+        "classname=\"full.stability\"",
+        "top grain below its place",
+    ] {
+        assert!(junit.contains(words), "{words} in {junit}");
+    }
+    assert_eq!(read(&paths.json).unwrap(), qualification);
+}
+
+#[test]
+fn a_known_exception_is_said_and_is_no_success() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&with(StudyOutcome::KnownException), folder.path()).unwrap();
+    let badge = fs::read_to_string(folder.path().join("badge.svg")).unwrap();
+    assert!(badge.contains(", 1 known exception"), "{badge}");
+    let junit = fs::read_to_string(folder.path().join("junit.xml")).unwrap();
+    assert!(junit.contains("<skipped message=\"known exception: "), "{junit}");
+}
+
+#[test]
+fn a_test_of_a_study_that_comes_goes_or_changes_is_said() {
+    let (passed, failed) = (with(StudyOutcome::Passed), with(StudyOutcome::Failed));
+    assert_eq!(Changes::between(&passed, &passed), Changes::default());
+    assert_eq!(Changes::between(&passed, &failed).outcomes, ["stability: stack-10: passed before, failed now"]);
+    let without = sample::qualification(vec![sample::drum(false)]);
+    let changes = Changes::between(&passed, &without);
+    assert!(changes.has_lost() && changes.lost == ["stability: stack-10"]);
+    assert_eq!(Changes::between(&without, &passed).gained, ["stability: stack-10"]);
+}
