@@ -7,7 +7,7 @@ use crate::compare::{Announce, MeasuredRun, Runs};
 use crate::draw::numbers::Rounding;
 use crate::output::WriteError;
 use crate::output::file_stem;
-use crate::peers::{Code, CodeError, Makadam};
+use crate::peers::{Code, CodeError, Makadam, Purpose};
 use crate::plan::{Expectation, Scene};
 use crate::provenance::scene_hash;
 use crate::statistics::Outcome;
@@ -152,6 +152,7 @@ impl Plan<'_> {
         let runs = Runs {
             scene: &version.scene,
             scene_file: self.scene_file,
+            purpose: Purpose::Measuring,
             seeds: vec![seed],
             rayleigh_fraction: 0.2,
             stiffness_factor: 1.0,

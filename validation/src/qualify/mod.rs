@@ -7,10 +7,10 @@ pub use one_scene::{JudgeError, Judged, OneScene};
 pub use record::on_record;
 
 use crate::compare::{
-    Announce, CodeRuns, CodeSummary, Comparison, Harvest, Reference, ReferenceError, Runs, Timing, comparison,
+    Announce, CodeRuns, CodeSummary, Comparison, Harvest, Reference, ReferenceError, Runs, Timed, comparison,
     live_checks,
 };
-use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
+use crate::peers::{Code, CodeError, Liggghts, Makadam, Purpose, Yade};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{Qualification, Standing};
@@ -229,36 +229,27 @@ impl Case {
     }
 
     fn run(&self, settings: &Settings<'_>, code: &dyn Code, seed: u64) -> Result<Harvest, CodeError> {
-        let runs = Runs {
+        self.runs(settings, seed).one(code, &self.scene, seed)
+    }
+
+    fn runs<'a>(&'a self, settings: &Settings<'a>, seed: u64) -> Runs<'a> {
+        Runs {
             scene: &self.scene,
             scene_file: &self.file,
+            purpose: Purpose::Measuring,
             seeds: vec![seed],
             rayleigh_fraction: LIVE_FRACTION,
             stiffness_factor: 1.0,
             time_limit: settings.time_limit,
             recordings: None,
             announce: settings.announce,
-        };
-        runs.one(code, &self.scene, seed)
+        }
     }
 
-    /// Runs a code alone on the machine and notes how long it took.
+    /// Times a code, nothing else of this command running, and notes how long it took.
     fn time(&mut self, settings: &Settings<'_>, code: &dyn Code) -> Result<Harvest, CodeError> {
-        let harvest = self.run(settings, code, LIVE_SEED)?;
-        let run = &harvest.run;
-        self.timings.push(CodeSummary {
-            code: run.code.clone(),
-            version: run.version.clone(),
-            source: crate::compare::Source::Live,
-            seeds: vec![run.seed],
-            time_step: run.time_step,
-            rayleigh_fraction: run.rayleigh_fraction,
-            stiffness_factor: 1.0,
-            wall_seconds_per_simulated_second: run.wall_seconds / run.simulated_seconds,
-            timing: Timing::Alone,
-            processor: run.processor.clone(),
-            provenance: "timed by this command on one core, alone on the machine".into(),
-        });
+        let Timed { summary, harvest } = self.runs(settings, LIVE_SEED).time(code, LIVE_SEED)?;
+        self.timings.push(summary);
         Ok(harvest)
     }
 
