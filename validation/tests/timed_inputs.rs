@@ -85,32 +85,43 @@ fn place(frame: &Snapshot, axis: usize) -> f64 {
     frame.particles[0].position[axis]
 }
 
-/// A grain on the wall of a turning drum rolls there in place of being carried up; its spin is the drum's speed over its radius. A
-/// primitive cylinder must drag it as the mesh does, about each axis, with the right sign.
+/// A grain on the wall of a turning drum is spun up to the drum's speed and sways there. A primitive cylinder must drag it as the mesh does,
+/// about each axis, with the right sign.
 #[test]
 fn a_turning_drum_drags_a_grain_as_its_mesh_does() {
     for along in 0..3 {
-        let scene = drum(along, 1.0, [0.0, 0.003, -0.045], "");
+        let scene = drum(along, 0.3, [0.0, 0.003, -0.045], "");
         both(&scene, |code, measured, timed| {
-            let last = [measured, timed].map(|recording| recording.frames.last().unwrap());
-            let spin = last.map(|frame| frame.particles[0].spin[along]);
-            let expected = 3.0 * 0.05 / 0.005;
-            // YADE's facets damp, and a hair of the drag goes into climbing.
+            let full = 3.0 * 0.05 / 0.005;
+            let spins = |recording: &Recording| {
+                recording.frames.iter().map(|frame| frame.particles[0].spin[along]).collect::<Vec<_>>()
+            };
+            let (one, other) = (spins(measured), spins(timed));
+            let last = one[one.len() - 1];
             assert!(
-                (spin[0] / expected - 1.0).abs() < 0.1,
-                "{code} about {along}: measured {}, not {expected}",
-                spin[0]
+                (0.6 * full..1.4 * full).contains(&last),
+                "{code} about {along}: it spins at {last}, not about {full}"
             );
-            assert!((spin[1] / spin[0] - 1.0).abs() < 0.05, "{code} about {along}: spins {spin:?}");
-            for axis in 0..3 {
-                let [one, other] = last.map(|frame| place(frame, axis));
-                assert!((one - other).abs() < 5e-4, "{code} about {along}: {one} and {other} on axis {axis}");
+            let mean = |spins: &[f64]| spins.iter().sum::<f64>() / spins.len() as f64;
+            assert!(
+                (mean(&one) - mean(&other)).abs() < 0.02 * full,
+                "{code} about {along}: spins {one:.1?} and {other:.1?}"
+            );
+            // A grain in YADE is knocked wherever it passes from facet to facet, by either mesh at other places.
+            for (one, other) in one.iter().zip(&other).filter(|_| code != "YADE") {
+                assert!((one - other).abs() < 0.04 * full, "{code} about {along}: spins at {one} and {other}");
+            }
+            for (one, other) in measured.frames.iter().zip(&timed.frames) {
+                for axis in 0..3 {
+                    let (one, other) = (place(one, axis), place(other, axis));
+                    assert!((one - other).abs() < 5e-4, "{code} about {along}: at {one} and {other} on axis {axis}");
+                }
             }
         });
     }
 }
 
-/// Twelve grains fall into a box and come to rest at the same heights, whether it is a mesh or planes.
+/// Four grains fall into a box and come to rest at the same heights, whether it is a mesh or planes.
 #[test]
 fn few_grains_in_a_box_come_to_rest_at_the_same_heights() {
     let mut text = format!(
