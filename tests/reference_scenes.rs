@@ -6,7 +6,7 @@
 use approx::assert_relative_eq;
 use makadam::scene::Stop;
 use makadam_validation::compare::{Harvest, MeasuredRun, Reference};
-use makadam_validation::peers::{Code, Job, Makadam};
+use makadam_validation::peers::{Code, Job, Makadam, Purpose};
 use makadam_validation::plan::Scene;
 use makadam_validation::qualify::{Tier, on_record};
 use makadam_validation::report::TestOnRecord;
@@ -20,6 +20,7 @@ fn simulate(scene: &Scene, file: &Path, seeds: u64) -> Vec<MeasuredRun> {
         let job = Job {
             scene,
             scene_file: file,
+            purpose: Purpose::Measuring,
             seed,
             stiffness_factor: 1.0,
             rayleigh_fraction: 0.1,

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::settings::{Whole, seed_of};
 use crate::stepping::beside;
 use makadam_validation::observables::{catalogue, measure, measure_frames, series};
-use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Makadam, Yade};
+use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Makadam, Purpose, Yade};
 use makadam_validation::provenance::Build;
 use makadam_validation::recording;
 use pyo3::prelude::*;
@@ -57,6 +57,7 @@ impl Recording {
             stiffness_factor: 1.0,
             threads: 1,
             wall_seconds,
+            core_seconds: None,
             simulated_seconds: (last.0.time - first.0.time).max(f64::MIN_POSITIVE),
             frames: frames.iter().map(|frame| (*frame.0).clone()).collect(),
             lacks: Vec::new(),
@@ -220,6 +221,7 @@ pub fn simulate(
         let job = Job {
             scene: &scene.plan,
             scene_file: &scene.file,
+            purpose: Purpose::Measuring,
             seed,
             stiffness_factor: 1.0,
             rayleigh_fraction,

@@ -2,7 +2,7 @@
 //!
 //! A recording that is already there is left alone.
 
-use makadam_validation::peers::{Code, Job, Liggghts, Yade};
+use makadam_validation::peers::{Code, Job, Liggghts, Purpose, Yade};
 use makadam_validation::plan::Scene;
 use makadam_validation::scenes;
 use std::path::{Path, PathBuf};
@@ -31,6 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let recording = code.simulate(&Job {
         scene: &scene,
         scene_file: &file,
+        purpose: Purpose::Measuring,
         seed: seed.parse()?,
         stiffness_factor: factor,
         rayleigh_fraction: fraction.parse()?,

@@ -31,6 +31,10 @@ pub struct Recording {
     pub threads: usize,
     /// Wall time of the time stepping, s, set-up and output left out as far as the code tells them apart.
     pub wall_seconds: f64,
+    /// Processor time of the time stepping on one core, s, set-up and output left out; absent where the system or the code does not
+    /// tell. A file does not say it.
+    #[serde(skip)]
+    pub core_seconds: Option<f64>,
     /// Simulated time, s.
     pub simulated_seconds: f64,
     /// Frames, in the order of time, the last one at the end of the run.
@@ -273,6 +277,7 @@ mod tests {
             stiffness_factor: 1.0,
             threads: 1,
             wall_seconds: 2.0,
+            core_seconds: None,
             simulated_seconds: 0.2,
             frames: vec![Snapshot { particles: vec![grain], ..Snapshot::default() }],
             lacks: vec![Content::Spins],

@@ -45,6 +45,7 @@ fn run(setting: &str, seed: u64, scene: &Scene) -> KeptRun {
             rayleigh_fraction: None,
             stiffness_factor: 1.0,
             wall_seconds: 6.0,
+            core_seconds: None,
             simulated_seconds: 1.5,
             processor: Build::here().processor,
             date: "2026-01-02T03:04:05Z".into(),

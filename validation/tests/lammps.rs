@@ -3,7 +3,7 @@
 use makadam::scene::populate;
 use makadam::snapshot::Partner;
 use makadam_validation::peers::lammps::read_frames;
-use makadam_validation::peers::{Code, CodeError, Job, Lammps};
+use makadam_validation::peers::{Code, CodeError, Job, Lammps, Purpose};
 use makadam_validation::plan::Scene;
 use std::path::Path;
 use std::process::Command;
@@ -47,6 +47,7 @@ fn deck(scene: &Scene) -> Result<String, String> {
     let job = Job {
         scene,
         scene_file: Path::new("lammps.toml"),
+        purpose: Purpose::Measuring,
         seed: 1,
         stiffness_factor: 1.0,
         rayleigh_fraction: 0.2,

@@ -23,5 +23,6 @@ mod scene_hashes;
 mod slopes_and_flow;
 mod sphere_volume;
 mod statistics;
+mod timed_inputs;
 mod tradeoff;
 mod viewer;

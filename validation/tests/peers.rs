@@ -6,7 +6,7 @@ use makadam_validation::import::{merge_wall_contacts, read_dump};
 use makadam_validation::peers::liggghts::loop_seconds;
 use makadam_validation::peers::mesh::{Mesh, wall_mesh};
 use makadam_validation::peers::yade::read_frames;
-use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Yade, lammps};
+use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Purpose, Yade, lammps};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
@@ -224,6 +224,7 @@ fn simulate(
     code.simulate(&Job {
         scene,
         scene_file: Path::new("peers.toml"),
+        purpose: Purpose::Measuring,
         seed: 1,
         stiffness_factor: 1.0,
         rayleigh_fraction: fraction,

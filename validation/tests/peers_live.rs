@@ -2,7 +2,7 @@
 
 use makadam::scene::Cohesion;
 use makadam::snapshot::{Contact, Partner, Snapshot};
-use makadam_validation::peers::{Code, Job, Lammps, Liggghts, Yade};
+use makadam_validation::peers::{Code, Job, Lammps, Liggghts, Purpose, Yade};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
 use nalgebra::Vector3;
@@ -34,6 +34,7 @@ fn in_these(codes: &[&dyn Code], scene: &Scene, fraction: f64, check: impl Fn(&s
             .simulate(&Job {
                 scene,
                 scene_file: Path::new("live.toml"),
+                purpose: Purpose::Measuring,
                 seed: 1,
                 stiffness_factor: 1.0,
                 rayleigh_fraction: fraction,
@@ -318,6 +319,7 @@ fn a_lid_that_a_force_drives_falls_freely_and_then_presses() {
     let refused = Liggghts::default().simulate(&Job {
         scene: &scene(GRAVITY, 0.1, 0.1, &body),
         scene_file: Path::new("live.toml"),
+        purpose: Purpose::Measuring,
         seed: 1,
         stiffness_factor: 1.0,
         rayleigh_fraction: 0.1,

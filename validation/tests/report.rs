@@ -354,6 +354,11 @@ fn runs_side_by_side_are_not_timed_anywhere() {
     let text = text(&page(&sample::qualification(vec![drum.clone()])));
     assert!(text.contains("not timed: ran side by side") && !text.contains("0.92 s"), "{text}");
     assert!(comparison_table(&drum, false).contains("not timed: ran side by side"));
+    // Nor are runs for measuring, one after the other: their inputs may slow a code down.
+    drum.codes[1].timing = Timing::Measuring;
+    let sentence = speed_sentence(&drum).expect("a sentence");
+    assert!(sentence.contains("LIGGGHTS not timed: ran for measuring") && !sentence.contains("faster"), "{sentence}");
+    drum.codes[1].timing = Timing::SideBySide;
     // One code that was timed alone does not make a ratio with one that was not.
     drum.codes[0].timing = Timing::Alone;
     let sentence = speed_sentence(&drum).expect("a sentence");

@@ -164,6 +164,7 @@ impl Code for Rapier {
             stiffness_factor: job.stiffness_factor,
             threads: 1,
             wall_seconds: wall.as_secs_f64(),
+            core_seconds: None,
             simulated_seconds: steps as f64 * self.settings.step,
             frames,
             lacks: Vec::new(),

@@ -213,6 +213,7 @@ impl Code for Siconos {
             stiffness_factor: job.stiffness_factor,
             threads: 1,
             wall_seconds: result.seconds,
+            core_seconds: None,
             simulated_seconds: steps as f64 * step,
             frames,
             lacks: Vec::new(),

@@ -4,7 +4,7 @@ use super::arguments::{CodeName, ExportArguments, ExportFormat, load};
 use super::{Console, Failure, codes};
 use crate::export::{ExportError, Kind, absent_from_gsd, write_gsd, write_vtkhdf};
 use crate::output::{create_folder, file_stem};
-use crate::peers::Job;
+use crate::peers::{Job, Purpose};
 use crate::run_frames::RunFrames;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,6 +32,7 @@ fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) 
     let job = Job {
         scene: &scene,
         scene_file: &file,
+        purpose: Purpose::Measuring,
         seed: arguments.seed.unwrap_or(scene.seed),
         stiffness_factor: 1.0,
         rayleigh_fraction: arguments.rayleigh_fraction,

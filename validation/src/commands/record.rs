@@ -99,6 +99,7 @@ mod tests {
                 stiffness_factor: job.stiffness_factor,
                 threads: 1,
                 wall_seconds: 1.0,
+                core_seconds: None,
                 simulated_seconds: 0.4,
                 frames: Vec::new(),
                 lacks: Vec::new(),

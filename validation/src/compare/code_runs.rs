@@ -31,7 +31,7 @@ pub struct CodeRuns {
 }
 
 impl CodeRuns {
-    /// The runs made here and now, up to `side_by_side` of them at a time.
+    /// The runs for measuring made here and now, up to `side_by_side` of them at a time.
     pub fn live(code: &str, side_by_side: usize, mut harvests: Vec<Harvest>) -> CodeRuns {
         harvests.sort_by_key(|harvest| harvest.run.seed);
         let mut pool = ForcePool::new(code);
@@ -40,7 +40,7 @@ impl CodeRuns {
         CodeRuns {
             code: code.into(),
             source: Source::Live,
-            timing: if side_by_side > 1 { Timing::SideBySide } else { Timing::Alone },
+            timing: if side_by_side > 1 { Timing::SideBySide } else { Timing::Measuring },
             provenance: match side_by_side {
                 0 | 1 => "run by this command, one run after the other".into(),
                 several => format!("run by this command, up to {several} runs side by side"),
@@ -61,7 +61,7 @@ impl CodeRuns {
     /// How the code was run; `None` without runs.
     pub fn summary(&self) -> Option<CodeSummary> {
         let first = self.runs.first()?;
-        let mut pace: Vec<f64> = self.runs.iter().map(|run| run.wall_seconds / run.simulated_seconds).collect();
+        let mut pace: Vec<f64> = self.runs.iter().map(MeasuredRun::pace).collect();
         pace.sort_by(f64::total_cmp);
         let middle = (pace[(pace.len() - 1) / 2] + pace[pace.len() / 2]) / 2.0;
         Some(CodeSummary {

@@ -16,12 +16,15 @@ pub enum Source {
     Recorded,
 }
 
-/// How the wall times of a code's runs came about.
+/// How the times of a code's runs came about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Timing {
-    /// One run after the other, each alone as far as this command goes: what a ratio of speeds can be taken of.
+    /// By runs for timing, from the inputs from which each code is fastest, one run after the other: processor time of the stepping, without
+    /// set-up and output. What a ratio of speeds can be taken of.
     Alone,
+    /// By runs for measuring, one after the other: their inputs may slow a code down, so that they are no measure of its speed.
+    Measuring,
     /// Several runs at a time, which share the machine's memory and caches: no measure of speed.
     #[default]
     SideBySide,
@@ -82,9 +85,9 @@ pub struct CodeSummary {
     pub rayleigh_fraction: Option<f64>,
     /// Factor on Young's modulus.
     pub stiffness_factor: f64,
-    /// Median over runs of wall time over simulated time, one core.
+    /// Median over runs of the time of the stepping over simulated time, one core: processor time, or wall time of runs that do not tell it.
     pub wall_seconds_per_simulated_second: f64,
-    /// How that wall time came about.
+    /// How that time came about.
     #[serde(default)]
     pub timing: Timing,
     /// Processor on which these runs were timed.

@@ -2,7 +2,7 @@
 
 use super::{Harvest, Runs};
 use crate::output::{WriteError, file_stem};
-use crate::peers::{Code, CodeError};
+use crate::peers::{Code, CodeError, Purpose};
 use crate::plan::Scene;
 use crate::provenance::{JUDGE, processor, scene_hash};
 use crate::study::{Found, Key, RunCache, sealed, unseal};
@@ -181,6 +181,8 @@ fn alone(runs: &Runs<'_>, scene: &Scene, code: &dyn Code, seed: u64) -> Key {
 fn keyed(runs: &Runs<'_>, scene: &Scene, code: &dyn Code, seed: u64, mark: &str, processor: &str) -> Key {
     let name = format!("{}-{}-s{seed}{mark}", file_stem(&scene.name), code.name().to_lowercase());
     let watch = serde_json::to_string(&scene.watch).expect("a checked scene holds finite numbers and plain text");
+    // Where a code is timed by the input that it is measured by, one run is both.
+    let timing = runs.purpose == Purpose::Timing && !code.timing_input().is_empty();
     let parts = [
         format!("{:016x}", scene_hash(scene)),
         watch,
@@ -190,6 +192,7 @@ fn keyed(runs: &Runs<'_>, scene: &Scene, code: &dyn Code, seed: u64, mark: &str,
         BUILD.to_string(),
         JUDGE.to_string(),
         processor.to_string(),
+        String::from(if timing { "timing" } else { "" }),
     ];
     Key::new(name, &parts.each_ref().map(String::as_str)).apart()
 }

@@ -6,7 +6,7 @@ use crate::observables::{ForcePool, Measurement, measure, series};
 use crate::peers::UNDAMPED_TANGENT;
 use crate::plan::Scene;
 use crate::provenance::processor;
-use crate::recording::{Noticed, Recording};
+use crate::recording::{Content, Noticed, Recording};
 use serde::{Deserialize, Serialize};
 
 /// One run of one code, measured.
@@ -29,6 +29,10 @@ pub struct MeasuredRun {
     pub stiffness_factor: f64,
     /// Wall time of the time stepping, s.
     pub wall_seconds: f64,
+    /// Processor time of the time stepping on one core, s; absent where the code does not tell, and of recorded runs: a line of `runs.csv`
+    /// does not say it.
+    #[serde(default)]
+    pub core_seconds: Option<f64>,
     /// Simulated time, s.
     pub simulated_seconds: f64,
     /// Processor that it ran on.
@@ -52,6 +56,11 @@ impl MeasuredRun {
     pub fn value(&self, observable: &str) -> Option<f64> {
         self.measurements.iter().find(|measurement| measurement.observable == observable).map(|found| found.value)
     }
+
+    /// Time of the stepping over simulated time: processor time, or wall time where nothing else is known.
+    pub fn pace(&self) -> f64 {
+        self.core_seconds.unwrap_or(self.wall_seconds) / self.simulated_seconds
+    }
 }
 
 /// A measured run, and what pictures and distributions are made from.
@@ -67,6 +76,8 @@ pub struct Harvest {
     pub final_state: Option<FinalState>,
     /// What was noticed on the way.
     pub alarms: Vec<Noticed>,
+    /// What its frames did not tell; what needs it was not measured.
+    pub lacks: Vec<Content>,
 }
 
 impl Harvest {
@@ -84,6 +95,7 @@ impl Harvest {
                 rayleigh_fraction: recording.rayleigh_fraction,
                 stiffness_factor: recording.stiffness_factor,
                 wall_seconds: recording.wall_seconds,
+                core_seconds: recording.core_seconds,
                 simulated_seconds: recording.simulated_seconds,
                 processor: processor(),
                 date,
@@ -92,6 +104,7 @@ impl Harvest {
             },
             forces,
             alarms: recording.alarms.clone(),
+            lacks: recording.lacks.clone(),
             series: series(scene, recording),
             final_state: recording.frames.last().map(|frame| FinalState {
                 code: recording.code.clone(),

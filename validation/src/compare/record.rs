@@ -4,7 +4,7 @@ use super::{
     Announce, CodeRuns, MergeError, Missing, Reference, ReferenceError, Runs, Simulated, Wanted, physics_hash,
 };
 use crate::output::WriteError;
-use crate::peers::{Code, CodeError};
+use crate::peers::{Code, CodeError, Purpose};
 use crate::plan::Scene;
 use crate::statistics::Ensemble;
 use rayon::prelude::*;
@@ -121,6 +121,7 @@ impl Recorder<'_> {
         Runs {
             scene: self.scene,
             scene_file: self.scene_file,
+            purpose: Purpose::Measuring,
             seeds: missing.seeds.clone(),
             rayleigh_fraction: self.rayleigh_fraction,
             stiffness_factor: self.stiffness_factor,

@@ -183,6 +183,7 @@ mod tests {
             rayleigh_fraction: None,
             stiffness_factor: 1.0,
             wall_seconds: 3.0,
+            core_seconds: None,
             simulated_seconds: 1.5,
             processor: String::new(),
             date: String::new(),

@@ -1,8 +1,8 @@
 //! Runs of one code over several seeds, side by side, measured as they end.
 
-use super::{Harvest, physics_hash};
+use super::{CodeSummary, Harvest, Source, Timing, physics_hash};
 use crate::output::{cache_folder, file_stem};
-use crate::peers::{Code, CodeError, Job};
+use crate::peers::{Code, CodeError, Job, Purpose};
 use crate::plan::Scene;
 use crate::provenance::utc;
 use crate::recording::{Recording, RecordingError};
@@ -17,11 +17,14 @@ pub type Share = Box<dyn Fn(f64) + Send + Sync>;
 pub type Announce<'a> = &'a (dyn Fn(&str) -> Share + Sync);
 
 /// What is asked of a code.
+#[derive(Clone)]
 pub struct Runs<'a> {
     /// The scene as its file says it.
     pub scene: &'a Scene,
     /// Its file.
     pub scene_file: &'a Path,
+    /// What the runs are for.
+    pub purpose: Purpose,
     /// Seeds of the initial positions.
     pub seeds: Vec<u64>,
     /// Time step of explicit codes over the Rayleigh step.
@@ -35,6 +38,14 @@ pub struct Runs<'a> {
     pub recordings: Option<PathBuf>,
     /// Opens progress displays.
     pub announce: Announce<'a>,
+}
+
+/// A code that was timed on one seed and measured.
+pub struct Timed {
+    /// How long it took.
+    pub summary: CodeSummary,
+    /// What was measured.
+    pub harvest: Harvest,
 }
 
 /// What came of the runs.
@@ -91,6 +102,7 @@ impl Runs<'_> {
         let recording = code.simulate(&Job {
             scene,
             scene_file: self.scene_file,
+            purpose: self.purpose,
             seed,
             stiffness_factor: self.stiffness_factor,
             rayleigh_fraction: self.rayleigh_fraction,
@@ -104,6 +116,42 @@ impl Runs<'_> {
         // The raw output of a run that ended well is in the recording; a folder that stays does no harm.
         let _ = std::fs::remove_dir_all(&work_folder);
         Ok(Harvest::of(scene, &recording, code.contact_law(), utc(SystemTime::now())))
+    }
+
+    /// Times the code on one seed of the scene by a run for timing. Where that does not tell all that is measured, a run for measuring
+    /// does. `take` makes either, or takes what is kept of it.
+    ///
+    /// # Errors
+    /// That of either run.
+    pub fn time<E>(
+        &self,
+        code: &dyn Code,
+        seed: u64,
+        take: impl Fn(&Runs<'_>) -> Result<Harvest, E>,
+    ) -> Result<Timed, E> {
+        let run_for = |purpose: Purpose| take(&Runs { purpose, ..self.clone() });
+        let timed = run_for(Purpose::Timing)?;
+        let run = &timed.run;
+        let input = match code.timing_input() {
+            "" => String::new(),
+            words => format!("; its input for timing: {words}"),
+        };
+        let summary = CodeSummary {
+            code: run.code.clone(),
+            version: run.version.clone(),
+            source: Source::Live,
+            seeds: vec![seed],
+            time_step: run.time_step,
+            rayleigh_fraction: run.rayleigh_fraction,
+            stiffness_factor: run.stiffness_factor,
+            wall_seconds_per_simulated_second: run.pace(),
+            // Without processor time there is no time that other codes' can be divided by.
+            timing: if run.core_seconds.is_some() { Timing::Alone } else { Timing::Measuring },
+            processor: run.processor.clone(),
+            provenance: format!("processor time of the stepping of one run by this command{input}"),
+        };
+        let harvest = if timed.lacks.is_empty() { timed } else { run_for(Purpose::Measuring)? };
+        Ok(Timed { summary, harvest })
     }
 
     /// A recording that is kept, if it is the one that its name says.
@@ -121,8 +169,9 @@ impl Runs<'_> {
     fn file_stem(&self, code: &dyn Code, seed: u64) -> String {
         let law = Some(code.contact_law()).filter(|law| !law.is_empty());
         let law = law.map_or_else(String::new, |law| format!("-{}", file_stem(law)));
+        let purpose = if self.purpose == Purpose::Timing { "-timing" } else { "" };
         format!(
-            "{}-{}-s{seed}-f{}-e{}-{}{law}",
+            "{}-{}-s{seed}-f{}-e{}-{}{law}{purpose}",
             file_stem(&self.scene.name),
             code.name().to_lowercase(),
             self.rayleigh_fraction,

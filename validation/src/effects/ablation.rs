@@ -5,7 +5,7 @@
 use super::variations::{Variation, variations};
 use crate::compare::{Announce, KeptError, KeptRuns, MeasuredRun, Runs};
 use crate::draw::numbers::Rounding;
-use crate::peers::{CodeError, Makadam};
+use crate::peers::{CodeError, Makadam, Purpose};
 use crate::plan::{Expectation, Scene};
 use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, Equivalence, equivalence};
@@ -142,6 +142,7 @@ impl Plan<'_> {
         Runs {
             scene: &version.scene,
             scene_file: self.scene_file,
+            purpose: Purpose::Measuring,
             seeds: vec![seed],
             rayleigh_fraction: 0.2,
             stiffness_factor: 1.0,

@@ -97,6 +97,7 @@ impl Assembly<'_> {
             stiffness_factor: 1.0,
             threads: 1,
             wall_seconds: 0.0,
+            core_seconds: None,
             simulated_seconds,
             frames,
             lacks,

@@ -36,6 +36,7 @@ fn recording(frames: Vec<Snapshot>, lacks: Vec<Content>) -> Recording {
         stiffness_factor: 1.0,
         threads: 1,
         wall_seconds: 0.0,
+        core_seconds: None,
         simulated_seconds: 0.3,
         frames,
         lacks,

@@ -3,7 +3,7 @@
 use crate::compare::Announce;
 use crate::observables::{Measurement, measure};
 use crate::output::{WriteError, file_stem};
-use crate::peers::{Code, CodeError, Job, Makadam};
+use crate::peers::{Code, CodeError, Job, Makadam, Purpose};
 use crate::plan::Scene;
 use crate::provenance::{Build, scene_hash};
 use crate::recording::Noticed;
@@ -275,6 +275,7 @@ fn run(plan: &Plan<'_>, cache: &RunCache, point: &Prepared, seed: u64) -> Result
         let recorded = Makadam.simulate(&Job {
             scene: &point.scene,
             scene_file: plan.file,
+            purpose: Purpose::Measuring,
             seed,
             stiffness_factor: 1.0,
             rayleigh_fraction: 1.0,

@@ -43,7 +43,7 @@ impl DeckRun<'_> {
         let remove = || self.dumps.iter().for_each(|dump| _ = std::fs::remove_file(dump));
         remove();
         let engine_log = folder.join("engine.log");
-        Run {
+        let core_share = Run {
             code: self.code,
             program: self.program,
             arguments: &["-in", "deck.in", "-log", "engine.log", "-nocite"].map(OsString::from),
@@ -64,7 +64,8 @@ impl DeckRun<'_> {
         remove();
         (job.progress)(1.0);
         let wall_seconds = (self.loop_seconds)(&String::from_utf8_lossy(&text));
-        Ok(plan.recording(self.code, version, job, wall_seconds, frames))
+        let core_seconds = core_share.map(|share| share * wall_seconds);
+        Ok(Recording { core_seconds, ..plan.recording(self.code, version, job, wall_seconds, frames) })
     }
 }
 

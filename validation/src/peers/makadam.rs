@@ -1,5 +1,6 @@
 //! Makadam itself, as one of the codes.
 
+use super::core_share::ThreadClock;
 use super::{Code, CodeError, Job};
 use crate::execution::Execution;
 use crate::output::WriteError;
@@ -40,6 +41,7 @@ impl Code for Makadam {
         let mut watchdog = Watchdog::new(&scene.watch, &simulation);
         let stepping = Stepping::new(steps, job.progress).framed(scene.measure.interval).watched(&mut watchdog);
         let keep = |simulation: &Simulation, taken: &Taken| frames.extend(taken.framed.then(|| simulation.snapshot()));
+        let clock = ThreadClock::start();
         let wall = stepping.carry_out(&mut simulation, keep).map_err(|halt| match halt {
             Halt::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },
             Halt::Interrupted | Halt::OutOfTime(_) => interrupted(),
@@ -54,6 +56,7 @@ impl Code for Makadam {
             stiffness_factor: job.stiffness_factor,
             threads: 1,
             wall_seconds: wall.as_secs_f64(),
+            core_seconds: clock.core_seconds(wall),
             simulated_seconds: simulation.time() - started,
             frames,
             lacks: Vec::new(),

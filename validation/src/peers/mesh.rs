@@ -6,8 +6,25 @@ use makadam::scene::{Domain, Shape};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Largest sagitta of a cylinder's facets over the smallest grain's radius.
-const SAGITTA: f64 = 0.005;
+/// How finely curved walls are cut into facets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fineness {
+    /// Largest sagitta of a cylinder's facets over the smallest grain's radius.
+    sagitta: f64,
+    /// Fewest facets around a cylinder.
+    fewest: usize,
+    /// Whether cylinders are cut into rings, so that no angle of a triangle is below the bend between neighbours.
+    rings: bool,
+}
+
+/// So fine that no observable that is compared tells a cylinder from its mesh.
+pub const FINE: Fineness = Fineness { sagitta: 0.005, fewest: 100, rings: true };
+
+/// As coarse as angles of repose, packing fraction and coordination number bear (`validation/docs/timing.md`).
+pub const COARSE: Fineness = Fineness { sagitta: 0.025, fewest: 32, rings: false };
+
+/// Smallest angle of a triangle of a mesh without rings, rad: LIGGGHTS refuses meshes with angles of a degree.
+const SHARPEST: f64 = 1.5 * PI / 180.0;
 
 /// Corners of a disc's outline.
 const DISC_CORNERS: usize = 32;
@@ -37,16 +54,21 @@ pub struct Mesh {
 
 /// The surface of a wall; empty for a plane that misses the domain.
 pub fn wall_mesh(shape: &Shape, domain: &Domain, smallest_radius: f64) -> Mesh {
+    cut_wall(shape, domain, smallest_radius, FINE)
+}
+
+/// The same, its curved parts cut so finely.
+pub fn cut_wall(shape: &Shape, domain: &Domain, smallest_radius: f64, fineness: Fineness) -> Mesh {
     let mut mesh = match shape {
         Shape::Plane { point, normal } => plane(Vector3::from(*point), unit(normal), &reach(domain)),
         Shape::Box { min, max, open } => open_box(*min, *max, open, &reach(domain)),
         Shape::Cylinder { base, axis, radius, length } => {
-            cylinder(Vector3::from(*base), unit(axis), *radius, *length, smallest_radius)
+            cylinder(Vector3::from(*base), unit(axis), *radius, *length, smallest_radius, fineness)
         }
         // Codes that need meshes refuse these beforehand.
         Shape::Spheres { .. } => Mesh::default(),
         // Over a smaller hole a grain sinks by less than cylinders are coarse: `hole^2 / 2 r`.
-        Shape::Disc { centre, normal, radius, hole } if hole * hole > 2.0 * SAGITTA * smallest_radius.powi(2) => {
+        Shape::Disc { centre, normal, radius, hole } if hole * hole > 2.0 * FINE.sagitta * smallest_radius.powi(2) => {
             ring(Vector3::from(*centre), unit(normal), *radius, *hole)
         }
         Shape::Disc { centre, normal, radius, .. } => disc(Vector3::from(*centre), unit(normal), *radius),
@@ -167,16 +189,24 @@ fn open_box(min: [f64; 3], max: [f64; 3], open: &[String], limits: &Domain) -> M
     Mesh { triangles, bend: 0.0 }
 }
 
-fn cylinder(base: Vector3<f64>, axis: Vector3<f64>, radius: f64, length: f64, smallest_radius: f64) -> Mesh {
+fn cylinder(
+    base: Vector3<f64>,
+    axis: Vector3<f64>,
+    radius: f64,
+    length: f64,
+    smallest_radius: f64,
+    fineness: Fineness,
+) -> Mesh {
     let (u, v) = frame(&axis);
-    let sagitta = (SAGITTA * smallest_radius / radius).clamp(1e-6, 0.5);
-    let segments = ((PI / (1.0 - sagitta).acos()).ceil() as usize).clamp(100, 1000);
+    let sagitta = (fineness.sagitta * smallest_radius / radius).clamp(1e-6, 0.5);
+    let segments = ((PI / (1.0 - sagitta).acos()).ceil() as usize).clamp(fineness.fewest, 1000);
     let half_angle = PI / segments as f64;
     // The corners lie a hair outside, so that the mean radius is right.
     let corner_radius = radius * (1.0 + half_angle * half_angle / 3.0);
-    // Rings keep the triangles' smallest angle above the bend between neighbours, which LIGGGHTS asks for.
+    // Rings keep the triangles' smallest angle above the bend between neighbours, as LIGGGHTS advises, or above what it refuses.
     let width = 2.0 * corner_radius * half_angle.sin();
-    let rings = (length / (width / (3.0 * half_angle).tan())).ceil().max(1.0) as usize;
+    let sharpest = if fineness.rings { 3.0 * half_angle } else { SHARPEST };
+    let rings = (length / (width / sharpest.tan())).ceil().max(1.0) as usize;
     let corner = |segment: usize, ring: usize| {
         let (sine, cosine) = (2.0 * half_angle * (segment % segments) as f64).sin_cos();
         base + (u * cosine + v * sine) * corner_radius + axis * (length * ring as f64 / rings as f64)

@@ -1,5 +1,6 @@
 //! The codes that are compared: one trait, one file a code.
 
+mod core_share;
 mod data_file;
 mod deck_run;
 pub mod external;
@@ -9,11 +10,13 @@ mod makadam;
 pub mod mesh;
 mod palette;
 mod plan;
+mod primitives;
 mod process;
 mod stl;
 pub mod yade;
 mod yade_rolling;
 
+pub use core_share::CoreClock;
 pub use external::{DescriptionError, External};
 pub use lammps::Lammps;
 pub use liggghts::Liggghts;
@@ -34,12 +37,24 @@ pub const HERTZ_MINDLIN: &str = "Hertz-Mindlin, damped";
 /// What decks of earlier versions said: the tangential spring without damping.
 pub const UNDAMPED_TANGENT: &str = "Hertz-Mindlin, tangent undamped";
 
+/// What a run is for. The same scene at the same time step either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Purpose {
+    /// Measuring: the frames tell of all contacts, and curved walls are fine meshes where the code has no others.
+    #[default]
+    Measuring,
+    /// Timing: the input from which the code is fastest with the same physics. Its frames may lack contacts with walls.
+    Timing,
+}
+
 /// One run that is asked of a code.
 pub struct Job<'a> {
     /// The scene, its stiffness already scaled by `stiffness_factor`.
     pub scene: &'a Scene,
     /// File that the scene came from, named in errors.
     pub scene_file: &'a Path,
+    /// What it is for.
+    pub purpose: Purpose,
     /// Seed of the initial positions.
     pub seed: u64,
     /// Factor that has been applied to every Young's modulus of the scene; recorded.
@@ -63,6 +78,10 @@ pub trait Code: Sync {
     /// The law of its contacts as it is told here; empty where the code has one of its own alone. Runs under one are not mixed with runs
     /// under another.
     fn contact_law(&self) -> &'static str {
+        ""
+    }
+    /// What it is told otherwise where it is timed, as the end of a sentence; empty where it is told the same.
+    fn timing_input(&self) -> &'static str {
         ""
     }
     /// Writes the files from which it runs the scene into the job's folder, and returns the command that runs it there.

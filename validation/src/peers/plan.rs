@@ -71,6 +71,7 @@ impl Plan {
             stiffness_factor: job.stiffness_factor,
             threads: 1,
             wall_seconds,
+            core_seconds: None,
             simulated_seconds: self.steps as f64 * self.time_step,
             frames,
             lacks: Vec::new(),

@@ -1,6 +1,7 @@
 //! A peer as a child process: started in its own group, watched, stopped whole.
 
 use super::CodeError;
+use super::core_share::share_of;
 use crate::output::shown;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::ffi::{OsStr, OsString};
@@ -84,8 +85,8 @@ impl Drop for Group {
 }
 
 impl Run<'_> {
-    /// Runs the program to its end.
-    pub fn execute(&self) -> Result<(), CodeError> {
+    /// Runs the program to its end. Gives the share of a core that it got, 0 to 1, if it ran long enough for the system to tell.
+    pub fn execute(&self) -> Result<Option<f64>, CodeError> {
         let Some(program) = locate(self.program) else { return Err(CodeError::Missing { code: self.code }) };
         let log = File::create(&self.log).map_err(|source| io(&self.log, source))?;
         let log_copy = log.try_clone().map_err(|source| io(&self.log, source))?;
@@ -101,6 +102,7 @@ impl Run<'_> {
         let mut group = Group(command.spawn().map_err(|source| io(&program, source))?);
         let start = Instant::now();
         let mut pause = Duration::from_millis(5);
+        let mut core_share = None;
         let status = loop {
             if let Some(status) = group.0.try_wait().map_err(|source| io(&program, source))? {
                 break status;
@@ -113,12 +115,14 @@ impl Run<'_> {
                 let seconds = self.limit.as_secs_f64();
                 return Err(CodeError::TimedOut { code: self.code, seconds, log: self.log.clone() });
             }
+            // Both times of the same moment: one that has ended tells no more.
+            core_share = share_of(group.0.id(), start).or(core_share);
             std::thread::sleep(pause);
             pause = (pause * 2).min(Duration::from_millis(200));
             (self.watch)();
         };
         if status.success() {
-            return Ok(());
+            return Ok(core_share);
         }
         let tail = self.last_words();
         if tail.contains("No space left on device") {

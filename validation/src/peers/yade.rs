@@ -1,11 +1,12 @@
 //! YADE: a job file for `yade_driver.py`, which runs inside it, and the frames that come back.
 
-use super::mesh::{Triangle, wall_mesh};
+use super::mesh::{COARSE, FINE, Mesh, Triangle, cut_wall};
 use super::palette::Palette;
 use super::plan::{MotionPhase, Plan};
+use super::primitives::{Primitive, primitives};
 use super::process::{self, Program, Run, io};
 use super::yade_rolling::{Rolling, rolling};
-use super::{Code, CodeError, HERTZ_MINDLIN, Job};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose};
 use crate::import::{contact_from_force, measurable, merge_wall_contacts};
 use crate::recording::Recording;
 use crate::scenes::in_file;
@@ -24,8 +25,10 @@ const NAME: &str = "YADE";
 const LACKS: [&Effect; 5] = [&CHANGING_GRAVITY, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &TWISTING];
 const DRIVER: &str = include_str!("yade_driver.py");
 
-/// Reach of YADE's candidate list over the smallest radius; a matter of speed alone.
+/// Reach of YADE's candidate list over the smallest radius; a matter of speed alone. The second one is that at which packing and drum are
+/// fastest.
 const VERLET_DISTANCE: f64 = 0.2;
+const FASTEST_VERLET_DISTANCE: f64 = 0.3;
 
 /// Doubles in the rows of a frame.
 const HEADER: usize = 3;
@@ -93,6 +96,8 @@ struct WallEntry {
     /// Whether the triangles stand for a curved surface.
     curved: bool,
     triangles: Vec<Triangle>,
+    /// Endless planes across an axis: the axis, 0 to 2, and where on it they are, m.
+    planes: Vec<(usize, f64)>,
     motions: Vec<MotionEntry>,
     /// Absent where no force drives it.
     drive: Option<DriveEntry>,
@@ -130,6 +135,9 @@ struct MotionEntry {
 pub struct RunResult {
     /// Wall time of the stepping, s.
     pub seconds: f64,
+    /// Processor time of the stepping, s.
+    #[serde(default)]
+    pub core_seconds: Option<f64>,
     /// Steps taken.
     pub steps: u64,
 }
@@ -140,9 +148,9 @@ pub struct RunResult {
 /// What is wrong, in words.
 pub fn read_result(bytes: &[u8]) -> Result<RunResult, String> {
     let result: RunResult = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
-    match result.seconds.is_finite() && result.seconds >= 0.0 {
-        true => Ok(result),
-        false => Err(format!("{} s is no wall time", result.seconds)),
+    match [result.seconds].into_iter().chain(result.core_seconds).find(|time| !time.is_finite() || *time < 0.0) {
+        None => Ok(result),
+        Some(time) => Err(format!("{time} s is no time of a run")),
     }
 }
 
@@ -153,6 +161,10 @@ impl Code for Yade {
 
     fn contact_law(&self) -> &'static str {
         HERTZ_MINDLIN
+    }
+
+    fn timing_input(&self) -> &'static str {
+        "fixed planes across an axis are its walls, curved walls coarse meshes; candidates reach 0.3 of the smallest radius"
     }
 
     fn version(&self) -> Option<String> {
@@ -210,7 +222,8 @@ impl Code for Yade {
         read_driven_walls(&bytes, &driven, &mut frames).map_err(|what| problem(&driven_path, what))?;
         let _ = (std::fs::remove_file(&frames_path), std::fs::remove_file(&driven_path));
         (job.progress)(1.0);
-        Ok(plan.recording(NAME, version, job, result.seconds, frames))
+        let RunResult { seconds, core_seconds, .. } = result;
+        Ok(Recording { core_seconds, ..plan.recording(NAME, version, job, seconds, frames) })
     }
 }
 
@@ -260,13 +273,18 @@ fn job_file<'a>(
 ) -> JobFile<'a> {
     let scene = job.scene;
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let surfaces = surfaces(job, grains, rolling.is_some());
     let pairs = palette.pairs().map(|(a, b, pair)| (a, b, pair.friction.atan(), pair.restitution)).collect();
     JobFile {
         time_step: plan.time_step,
         steps: plan.steps,
         frames: plan.frames(),
         gravity: scene.gravity,
-        verlet_distance: VERLET_DISTANCE * smallest,
+        verlet_distance: smallest
+            * match job.purpose {
+                Purpose::Measuring => VERLET_DISTANCE,
+                Purpose::Timing => FASTEST_VERLET_DISTANCE,
+            },
         materials: palette
             .materials()
             .map(|material| MaterialEntry {
@@ -291,11 +309,12 @@ fn job_file<'a>(
         walls: scene
             .wall
             .iter()
-            .map(|wall| (wall, wall_mesh(&wall.shape, &scene.domain, smallest)))
-            .map(|(wall, mesh)| WallEntry {
+            .zip(surfaces)
+            .map(|(wall, (mesh, planes))| WallEntry {
                 material: palette.index(&wall.material, true),
                 curved: mesh.bend > 0.0,
                 triangles: mesh.triangles,
+                planes,
                 motions: plan
                     .phases(&wall.motion)
                     .iter()
@@ -305,6 +324,30 @@ fn job_file<'a>(
             })
             .collect(),
     }
+}
+
+/// The surfaces of each wall: triangles, and for timing planes in their place where a wall is some. Planes resist rolling otherwise than
+/// facets do, which the coefficient stands for.
+fn surfaces(job: &Job<'_>, grains: &[Grain], rolls: bool) -> Vec<(Mesh, Vec<(usize, f64)>)> {
+    let Job { scene, purpose, .. } = job;
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let (fineness, found) = match purpose {
+        Purpose::Measuring => (FINE, vec![Vec::new(); scene.wall.len()]),
+        Purpose::Timing => (COARSE, primitives(scene, grains)),
+    };
+    let plane = |primitive: &Primitive| match *primitive {
+        Primitive::Plane { axis, at } if !rolls => Some((axis, at)),
+        Primitive::Plane { .. } | Primitive::Cylinder { .. } => None,
+    };
+    let of = |(wall, found): (&makadam::scene::Wall, &Vec<Primitive>)| match found
+        .iter()
+        .filter_map(plane)
+        .collect::<Vec<_>>()
+    {
+        planes if planes.is_empty() => (cut_wall(&wall.shape, &scene.domain, smallest, fineness), planes),
+        planes => (Mesh::default(), planes),
+    };
+    scene.wall.iter().zip(&found).map(of).collect()
 }
 
 fn drive_entry(motion: &Motion, plan: &Plan) -> Option<DriveEntry> {

@@ -1,7 +1,7 @@
 //! One scene in several codes, judged.
 
 use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison};
-use crate::peers::{Code, CodeError};
+use crate::peers::{Code, CodeError, Purpose};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::Qualification;
@@ -83,6 +83,7 @@ impl OneScene<'_> {
         let runs = Runs {
             scene,
             scene_file: self.scene_file,
+            purpose: Purpose::Measuring,
             seeds: (1..=seeds).collect(),
             rayleigh_fraction: self.rayleigh_fraction,
             stiffness_factor: 1.0,

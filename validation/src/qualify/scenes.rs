@@ -3,10 +3,10 @@
 use super::jobs::{Job, weight};
 use super::{LIVE_FRACTION, LIVE_SEED, QualifyError, Settings};
 use crate::compare::{
-    CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, Reference, Runs, STIFF, Source, Timing,
-    comparison, live_checks,
+    CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, Reference, Runs, STIFF, Timed, comparison,
+    live_checks,
 };
-use crate::peers::{Code, Makadam};
+use crate::peers::{Code, Makadam, Purpose};
 use crate::plan::Scene;
 use crate::scenes::{self, SceneError};
 use makadam::scene::SceneFileError;
@@ -80,6 +80,7 @@ impl Case {
         Runs {
             scene: &self.scene,
             scene_file: &self.file,
+            purpose: Purpose::Measuring,
             seeds: vec![seed],
             rayleigh_fraction: LIVE_FRACTION,
             stiffness_factor,
@@ -118,28 +119,20 @@ impl Case {
         comparison
     }
 
-    /// Runs a code alone on the machine and notes how long it took; a run that an earlier start has kept is not made again.
+    /// Times a code, nothing else of this command running, and notes how long it took; runs that an earlier start has kept are not made
+    /// again.
     pub(super) fn time(
         &mut self,
         settings: &Settings<'_>,
         kept: &KeptRuns,
         code: &dyn Code,
     ) -> Result<Harvest, KeptError> {
-        let harvest = kept.take_alone(&self.runs(settings, LIVE_SEED, 1.0), code, LIVE_SEED)?;
-        let run = &harvest.run;
-        self.timings.push(CodeSummary {
-            code: run.code.clone(),
-            version: run.version.clone(),
-            source: Source::Live,
-            seeds: vec![run.seed],
-            time_step: run.time_step,
-            rayleigh_fraction: run.rayleigh_fraction,
-            stiffness_factor: 1.0,
-            wall_seconds_per_simulated_second: run.wall_seconds / run.simulated_seconds,
-            timing: Timing::Alone,
-            processor: run.processor.clone(),
-            provenance: "timed by this command on one core, alone on the machine".into(),
-        });
+        let runs = self.runs(settings, LIVE_SEED, 1.0);
+        let Timed { summary, harvest } = runs.time(code, LIVE_SEED, |runs| match runs.purpose {
+            Purpose::Timing => kept.take_alone(runs, code, LIVE_SEED),
+            Purpose::Measuring => kept.take(runs, code, LIVE_SEED),
+        })?;
+        self.timings.push(summary);
         Ok(harvest)
     }
 

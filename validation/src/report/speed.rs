@@ -1,5 +1,5 @@
-//! Makadam's speed against each peer. A ratio is taken only between runs of one qualification on one processor, each of which was
-//! timed alone: runs side by side share memory and caches, so that their wall times are no measure of speed.
+//! Makadam's speed against each peer. A ratio is taken only between runs for timing of one qualification on one processor: runs side by
+//! side share memory and caches, and the inputs of runs for measuring may slow a code down.
 
 use super::qualification::join;
 use super::{tables, words};
@@ -7,20 +7,23 @@ use crate::compare::{CodeSummary, Comparison, Source, Timing};
 use crate::draw::numbers::{compact, duration, two_digits};
 use crate::study::{Table, cells};
 
-/// What stands in the place of a speed where runs went side by side.
-const NOT_TIMED: &str = "not timed: ran side by side";
-
-/// The wall time of a simulated second, or why there is none.
-pub(super) fn time(code: &CodeSummary) -> String {
-    match code.timing {
-        Timing::SideBySide => NOT_TIMED.into(),
-        Timing::Alone | Timing::Recorded => duration(code.wall_seconds_per_simulated_second),
+/// What stands in the place of a speed of runs that were not timed.
+fn not_timed(timing: Timing) -> Option<&'static str> {
+    match timing {
+        Timing::SideBySide => Some("not timed: ran side by side"),
+        Timing::Measuring => Some("not timed: ran for measuring"),
+        Timing::Alone | Timing::Recorded => None,
     }
+}
+
+/// The time of a simulated second, or why there is none.
+pub(super) fn time(code: &CodeSummary) -> String {
+    not_timed(code.timing).map_or_else(|| duration(code.wall_seconds_per_simulated_second), String::from)
 }
 
 /// The runs that a speed is quoted from, one a code, at the scene's own stiffness.
 ///
-/// Runs that were timed alone go before those side by side, and these before recorded ones. Of a peer that ran with several time
+/// Runs for timing go before those for measuring, these before those side by side, and these before recorded ones. Of a peer that ran with several time
 /// steps the fastest counts, so that no speed-up is taken over a needlessly slow peer.
 fn timed(comparison: &Comparison) -> Vec<&CodeSummary> {
     let usable = |code: &&CodeSummary| {
@@ -30,8 +33,9 @@ fn timed(comparison: &Comparison) -> Vec<&CodeSummary> {
     };
     let rank = |code: &CodeSummary| match code.timing {
         Timing::Alone => 0,
-        Timing::SideBySide => 1,
-        Timing::Recorded => 2,
+        Timing::Measuring => 1,
+        Timing::SideBySide => 2,
+        Timing::Recorded => 3,
     };
     let better = |a: &CodeSummary, b: &CodeSummary| {
         (rank(a), a.wall_seconds_per_simulated_second) < (rank(b), b.wall_seconds_per_simulated_second)
@@ -47,7 +51,7 @@ fn timed(comparison: &Comparison) -> Vec<&CodeSummary> {
     best
 }
 
-/// How many times faster the first is; none unless both were timed alone here and now on one processor.
+/// How many times faster the first is; none unless both were timed here and now on one processor.
 fn ratio(judged: &CodeSummary, peer: &CodeSummary) -> Option<f64> {
     let alone = |code: &CodeSummary| code.source == Source::Live && code.timing == Timing::Alone;
     let comparable = alone(judged) && alone(peer) && judged.processor == peer.processor && peer.code != judged.code;
@@ -60,20 +64,22 @@ pub fn speed_sentence(comparison: &Comparison) -> Option<String> {
     let timed = timed(comparison);
     let times: Vec<String> = timed
         .iter()
-        .filter(|code| code.timing != Timing::SideBySide)
+        .filter(|code| not_timed(code.timing).is_none())
         .map(|code| match code.source {
             Source::Live => format!("{} {}", code.code, time(code)),
             Source::Recorded => format!("{} {} (recorded on {})", code.code, time(code), processor(code)),
         })
         .collect();
-    let untimed: Vec<&str> =
-        timed.iter().filter(|code| code.timing == Timing::SideBySide).map(|code| code.code.as_str()).collect();
     let mut heads = Vec::new();
     if !times.is_empty() {
         heads.push(format!("{} a simulated second", times.join(", ")));
     }
-    if !untimed.is_empty() {
-        heads.push(format!("{} {NOT_TIMED}", join(&untimed)));
+    for timing in [Timing::SideBySide, Timing::Measuring] {
+        let untimed: Vec<&str> =
+            timed.iter().filter(|code| code.timing == timing).map(|code| code.code.as_str()).collect();
+        heads.extend(
+            not_timed(timing).filter(|_| !untimed.is_empty()).map(|words| format!("{} {words}", join(&untimed))),
+        );
     }
     if heads.is_empty() {
         return None;
@@ -112,7 +118,7 @@ fn processor(code: &CodeSummary) -> &str {
 
 /// The speeds of all scenes; nothing where nothing was timed.
 pub(super) fn table(comparisons: &[Comparison]) -> Option<Table> {
-    let numbers = ["wall time per simulated second", "over Makadam's"];
+    let numbers = ["time per simulated second", "over Makadam's"];
     let table = Table::new(&["scene", "code"], &numbers).with_words("setting").with_words("source");
     let mut table = table.of_class("wide");
     for comparison in comparisons {

@@ -2,7 +2,7 @@
 
 use super::{Case, Evidence, Outcome, Verdict};
 use crate::output::WriteError;
-use crate::peers::{Code, CodeError, Job};
+use crate::peers::{Code, CodeError, Job, Purpose};
 use crate::scenes::{SceneError, named};
 use crate::stepping::{Halt, Stepping, Taken, steps_in};
 use crate::study::Finding;
@@ -90,6 +90,7 @@ impl Case {
         let job = Job {
             scene: &self.scene,
             scene_file: Path::new(&self.name),
+            purpose: Purpose::Measuring,
             seed: self.scene.seed,
             stiffness_factor: 1.0,
             rayleigh_fraction: self.peer_step.map_or(RAYLEIGH_FRACTION, |step| step / rayleigh_step),

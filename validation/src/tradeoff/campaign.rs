@@ -1,13 +1,12 @@
 //! Carries out a plan: one run after the other on one core, the reference and cheap ones first, each kept as it ends.
 
 use super::configuration::Configuration;
-use super::core_share::CoreClock;
 use super::cost::Costs;
 use super::kept::{KeptRun, run_key};
 use super::plan::Plan;
 use crate::compare::{Harvest, Runs, Share};
 use crate::output::WriteError;
-use crate::peers::{Code, CodeError};
+use crate::peers::{Code, CodeError, CoreClock, Purpose};
 use crate::plan::Scene;
 use crate::provenance::{Build, command_line, processor};
 use crate::scenes::{SceneError, in_file};
@@ -290,6 +289,7 @@ impl Campaign<'_> {
         let runs = Runs {
             scene: self.scene,
             scene_file: self.scene_file,
+            purpose: Purpose::Timing,
             seeds: vec![task.seed],
             rayleigh_fraction: configuration.rayleigh_fraction().unwrap_or_default(),
             stiffness_factor: configuration.stiffness_factor,

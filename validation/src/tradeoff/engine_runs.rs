@@ -1,12 +1,11 @@
 //! The runs of an engine that stands beside the codes: setting by setting, seed by seed, each kept as it ends.
 
 use super::configuration::{Configuration, Knobs};
-use super::core_share::CoreClock;
 use super::engines::{EngineError, EngineOrigin, EngineRecord};
 use super::kept::KeptRun;
 use crate::compare::{Runs, Share, physics_hash};
 use crate::output::WriteError;
-use crate::peers::{Code, CodeError};
+use crate::peers::{Code, CodeError, CoreClock, Purpose};
 use crate::plan::Scene;
 use crate::provenance::{Build, utc};
 use std::path::{Path, PathBuf};
@@ -89,6 +88,7 @@ impl EngineRuns<'_> {
             let asked = Runs {
                 scene: self.scene,
                 scene_file: self.scene_file,
+                purpose: Purpose::Timing,
                 seeds: vec![seed],
                 rayleigh_fraction: 0.0,
                 stiffness_factor: 1.0,

@@ -238,6 +238,7 @@ fn read_row(record: &csv::StringRecord, observables: &[&str], origin: &EngineOri
             rayleigh_fraction: None,
             stiffness_factor: 1.0,
             wall_seconds: pace * simulated_seconds / core_share.unwrap_or(1.0),
+            core_seconds: None,
             simulated_seconds,
             processor: origin.build.processor.clone(),
             date: text(7).into(),

@@ -26,9 +26,9 @@ pub struct KeptRun {
 }
 
 impl KeptRun {
-    /// Wall time of the stepping on a core of its own, s: as measured, times the share of a core that the run got.
+    /// Processor time of the stepping on one core, s; where the run does not tell it, wall time times the share of a core that it got.
     pub fn core_seconds(&self) -> f64 {
-        self.run.wall_seconds * self.core_share.unwrap_or(1.0)
+        self.run.core_seconds.unwrap_or(self.run.wall_seconds * self.core_share.unwrap_or(1.0))
     }
 
     /// The same over simulated time.
@@ -44,6 +44,8 @@ pub fn run_key(scene: &Scene, configuration: &Configuration, version: &str, seed
     let scene = configuration.scene(scene);
     let knobs = serde_json::to_string(configuration).expect("a configuration holds only numbers and plain text");
     let name = format!("{}-{}-s{seed}", file_stem(&scene.name), configuration.code.to_lowercase());
-    Key::new(name, &[&format!("{:016x}", scene_hash(&scene)), &knobs, version, &seed.to_string(), processor, JUDGE])
-        .apart()
+    // Explicit codes are run from inputs for timing.
+    let purpose = if configuration.rayleigh_fraction().is_some() { "timing" } else { "" };
+    let scene = format!("{:016x}", scene_hash(&scene));
+    Key::new(name, &[&scene, &knobs, version, &seed.to_string(), processor, JUDGE, purpose]).apart()
 }

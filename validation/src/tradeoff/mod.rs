@@ -10,13 +10,13 @@
 //! stiffness, seed by seed: soft grains are other physics. The reference is the smallest step with the most sweeps;
 //! three grids tell how far it may still be from the limit ([`Convergence`]).
 //!
-//! Runs are timed one after the other on one core. A wall time is that of the stepping, without set-up and output, times the
-//! share of a core that the run got: what it takes on a core of its own, however busy the machine was.
+//! Runs are timed one after the other on one core, peers by the inputs from which they are fastest
+//! ([`Purpose::Timing`](crate::peers::Purpose::Timing)). A time is the processor time of the stepping, without set-up and output: what
+//! it takes on a core of its own, however busy the machine was.
 
 mod campaign;
 mod configuration;
 mod convergence;
-mod core_share;
 mod cost;
 mod engine_runs;
 mod engines;
@@ -39,7 +39,6 @@ mod words;
 pub use campaign::{Campaign, CampaignError, Outcome, Progress};
 pub use configuration::{Configuration, Knobs};
 pub use convergence::Convergence;
-pub use core_share::CoreClock;
 pub use engine_runs::{EngineRunError, EngineRuns};
 pub use engines::{EngineError, EngineOrigin, EngineRecord, recorded_engines};
 pub use front::pareto_front;

@@ -80,6 +80,7 @@ pub fn recording(frames: Vec<Snapshot>) -> Recording {
         stiffness_factor: 1.0,
         threads: 1,
         wall_seconds: 1.0,
+        core_seconds: None,
         simulated_seconds: 1.0,
         frames,
         lacks: Vec::new(),

@@ -14,6 +14,7 @@ pub(super) fn sample() -> (Scene, Reference) {
         rayleigh_fraction: Some(0.1),
         stiffness_factor: factor,
         wall_seconds: 12.5,
+        core_seconds: None,
         simulated_seconds: 1.5,
         processor: "a processor".into(),
         date: "2026-01-02T03:04:05Z".into(),

@@ -1,6 +1,7 @@
 //! The input of LAMMPS: deck and initial grains.
 
 use super::surfaces::{Surface, region, variables};
+use crate::peers::Purpose;
 use crate::peers::data_file::{data, neighbours};
 use crate::peers::palette::Palette;
 use crate::peers::plan::Plan;
@@ -56,9 +57,10 @@ pub(super) fn files(
     grains: &[Grain],
     surfaces: &[Surface],
     plan: &Plan,
+    purpose: Purpose,
 ) -> Result<[(&'static str, String); 2], String> {
     let palette = Palette::new(scene, grains);
-    let deck = deck(scene, grains, surfaces, plan, &palette)?;
+    let deck = deck(scene, grains, surfaces, plan, &palette, purpose)?;
     Ok([("deck.in", deck), ("grains.data", data(scene, grains, &palette, kinds(&palette)))])
 }
 
@@ -68,10 +70,11 @@ fn deck(
     surfaces: &[Surface],
     plan: &Plan,
     palette: &Palette<'_>,
+    purpose: Purpose,
 ) -> Result<String, String> {
     let mut text = String::from("units si\natom_style sphere\nboundary f f f\nnewton off\ncomm_modify vel yes\n");
     text += "processors 1 1 1\nread_data grains.data\n";
-    text += &neighbours(scene, grains);
+    text += &neighbours(scene, grains, purpose);
     let laws = Laws::new(palette, grains)?;
     text += "pair_style granular\n";
     let kinds = kinds(palette);
@@ -100,14 +103,15 @@ fn deck(
         let Some(pair) = palette.coefficients(*kind, entry) else { continue };
         let law = laws.of(*kind, entry, &pair, true);
         let (kind, words) = (kind + 1, "wall/gran/region granular");
-        let _ = writeln!(text, "fix wall{number} kind{kind} {words} {law} region surface{surface} contacts");
+        let told = if purpose == Purpose::Measuring { " contacts" } else { "" };
+        let _ = writeln!(text, "fix wall{number} kind{kind} {words} {law} region surface{surface}{told}");
     }
     text += "fix integrate all nve/sphere\n";
     text += "compute ids all property/local patom1 patom2 cutoff radius\n";
     text += "compute pairs all pair/local fx fy fz p1 p2 p3 cutoff radius\n";
     let _ = writeln!(text, "thermo_style custom step atoms ke\nthermo {}", (plan.steps / REPORTS).max(1));
     text += "thermo_modify flush yes lost error norm no\n";
-    dumps(&mut text, plan, meetings.len());
+    dumps(&mut text, plan, if purpose == Purpose::Measuring { meetings.len() } else { 0 });
     // One run: where one ends and another begins, walls would have no velocity for a step.
     let _ = writeln!(text, "run {}", plan.steps);
     Ok(text)

@@ -7,10 +7,10 @@ use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
 use super::palette::Palette;
 use super::plan::Plan;
 use super::process::Program;
-use super::{Code, CodeError, HERTZ_MINDLIN, Job};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
-use crate::recording::Recording;
+use crate::recording::{Content, Recording};
 use crate::scenes::in_file;
 use makadam::effects::catalogue::{
     CHANGING_GRAVITY, COHESION, DRIVEN_WALLS, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
@@ -55,6 +55,10 @@ impl Code for Lammps {
         HERTZ_MINDLIN
     }
 
+    fn timing_input(&self) -> &'static str {
+        "contacts with walls are neither kept nor dumped; skin of half the smallest radius"
+    }
+
     fn version(&self) -> Option<String> {
         self.program.version(&["-help", "-log", "none"], version_in)
     }
@@ -69,7 +73,10 @@ impl Code for Lammps {
         let folder = job.work_folder;
         let dumps: Vec<PathBuf> = dumps.into_iter().map(|name| folder.join(name)).collect();
         let run = DeckRun { code: NAME, program: self.program.path(), log: "lammps.log", loop_seconds, dumps: &dumps };
-        run.carry_out(job, version, &plan, || read_frames(job.scene, &grains, largest_step, folder, open))
+        let told = job.purpose == Purpose::Measuring;
+        let read = || frames_in(job.scene, &grains, largest_step, folder, told, open);
+        let recording = run.carry_out(job, version, &plan, read)?;
+        Ok(Recording { lacks: if told { Vec::new() } else { vec![Content::WallContacts] }, ..recording })
     }
 }
 
@@ -92,9 +99,10 @@ fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
     let plan = Plan::new(scene, largest_step);
     let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };
     let surfaces = surfaces(&scene.wall, &grains).map_err(unsupported)?;
-    let files = deck::files(scene, &grains, &surfaces, &plan).map_err(unsupported)?;
+    let files = deck::files(scene, &grains, &surfaces, &plan, job.purpose).map_err(unsupported)?;
     super::write_files(job.work_folder, files)?;
-    let dumps = dump_names(scene, &grains, &surfaces).collect();
+    let told = if job.purpose == Purpose::Measuring { &surfaces[..] } else { &[] };
+    let dumps = dump_names(scene, &grains, told).collect();
     Ok(Input { grains, largest_step, plan, dumps })
 }
 
@@ -137,9 +145,22 @@ pub fn read_frames<R: BufRead>(
     folder: &Path,
     open: impl Fn(&Path) -> Result<R, CodeError>,
 ) -> Result<Vec<Snapshot>, CodeError> {
+    frames_in(scene, grains, time_step, folder, true, open)
+}
+
+/// The same; `told` says whether there are dumps of contacts with surfaces.
+fn frames_in<R: BufRead>(
+    scene: &Scene,
+    grains: &[Grain],
+    time_step: f64,
+    folder: &Path,
+    told: bool,
+    open: impl Fn(&Path) -> Result<R, CodeError>,
+) -> Result<Vec<Snapshot>, CodeError> {
     let plan = Plan::new(scene, time_step);
     let asked = plan.frames();
-    let surfaces = surfaces(&scene.wall, grains).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
+    let surfaces = if told { surfaces(&scene.wall, grains) } else { Ok(Vec::new()) };
+    let surfaces = surfaces.map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
     let meetings = deck::meetings(&surfaces, deck::kinds(&Palette::new(scene, grains)));
     let fault = |file: &Path, line: usize, problem: String| CodeError::Output {
         code: NAME,

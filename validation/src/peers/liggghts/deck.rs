@@ -1,7 +1,7 @@
 //! The input of LIGGGHTS: deck, initial grains, one mesh file a wall.
 
+use super::walls::Walls;
 use crate::peers::data_file::{data, neighbours};
-use crate::peers::mesh::Mesh;
 use crate::peers::palette::Palette;
 use crate::peers::plan::Plan;
 use crate::peers::stl::stl;
@@ -27,27 +27,21 @@ const REPORTS: u64 = 100;
 pub(super) fn files(
     scene: &Scene,
     grains: &[Grain],
-    meshes: &[(usize, Mesh)],
+    walls: &Walls,
     plan: &Plan,
 ) -> Result<Vec<(String, String)>, String> {
     let palette = Palette::new(scene, grains);
     let mut files = vec![
-        ("deck.in".to_string(), deck(scene, grains, meshes, plan, &palette)?),
+        ("deck.in".to_string(), deck(scene, grains, walls, plan, &palette)?),
         ("grains.data".to_string(), data(scene, grains, &palette, palette.len())),
     ];
-    for (wall, mesh) in meshes {
+    for (wall, mesh) in &walls.meshes {
         files.push((format!("wall{wall}.stl"), stl(mesh)));
     }
     Ok(files)
 }
 
-fn deck(
-    scene: &Scene,
-    grains: &[Grain],
-    meshes: &[(usize, Mesh)],
-    plan: &Plan,
-    palette: &Palette<'_>,
-) -> Result<String, String> {
+fn deck(scene: &Scene, grains: &[Grain], walls: &Walls, plan: &Plan, palette: &Palette<'_>) -> Result<String, String> {
     let mut text = String::from("atom_style granular\natom_modify map array\nboundary f f f\nnewton off\n");
     text += "communicate single vel yes\nunits si\nprocessors 1 1 1\n";
     let moduli = || palette.materials().map(|material| material.youngs_modulus);
@@ -59,7 +53,7 @@ fn deck(
         text += "soft_particles yes\n";
     }
     text += "read_data grains.data\n";
-    text += &neighbours(scene, grains);
+    text += &neighbours(scene, grains, walls.purpose);
 
     properties(&mut text, palette)?;
     // Off: a limited force changes restitution (0.3 becomes 0.4). Everything else as the code has it, tangential damping too.
@@ -75,7 +69,7 @@ fn deck(
         let [x, y, z]: [f64; 3] = direction.into();
         let _ = writeln!(text, "fix gravity all gravity {:.17e} vector {x:.17e} {y:.17e} {z:.17e}", gravity.norm());
     }
-    for (wall, mesh) in meshes {
+    for (wall, mesh) in &walls.meshes {
         let kind = palette.index(&scene.wall[*wall].material, true) + 1;
         let _ = write!(text, "fix wall{wall} all mesh/surface file wall{wall}.stl type {kind}");
         // Contacts keep their history from one triangle of a curved surface to the next.
@@ -84,20 +78,24 @@ fn deck(
             false => text.push('\n'),
         }
     }
-    if !meshes.is_empty() {
-        let names: Vec<String> = meshes.iter().map(|(wall, _)| format!("wall{wall}")).collect();
+    if !walls.meshes.is_empty() {
+        let names: Vec<String> = walls.meshes.iter().map(|(wall, _)| format!("wall{wall}")).collect();
         let (count, names) = (names.len(), names.join(" "));
         let _ = writeln!(text, "fix walls all wall/gran {model} mesh n_meshes {count} meshes {names} {settings}");
+    }
+    for (number, (wall, words)) in walls.primitives.iter().enumerate() {
+        let kind = palette.index(&scene.wall[*wall].material, true) + 1;
+        let _ = writeln!(text, "fix primitive{number} all wall/gran {model} primitive type {kind} {words} {settings}");
     }
     text += "fix integrate all nve/sphere\n";
     // These must stand before the first run.
     text += "compute pairs all pair/gran/local id force contactPoint\n";
-    if !meshes.is_empty() {
+    if walls.are_told() {
         text += "compute walls all wall/gran/local pos id force\n";
     }
     let _ = writeln!(text, "thermo_style custom step atoms ke\nthermo {}", (plan.steps / REPORTS).max(1));
     text += "thermo_modify flush yes lost error norm no\n";
-    pieces(&mut text, scene, meshes, plan);
+    pieces(&mut text, scene, walls, plan);
     Ok(text)
 }
 
@@ -139,12 +137,12 @@ fn properties(text: &mut String, palette: &Palette<'_>) -> Result<(), String> {
 }
 
 /// The runs between the times at which walls start or stop or frames become denser.
-fn pieces(text: &mut String, scene: &Scene, meshes: &[(usize, Mesh)], plan: &Plan) {
+fn pieces(text: &mut String, scene: &Scene, walls: &Walls, plan: &Plan) {
     let boundaries = plan.boundaries(scene);
     let mut dumping = 0;
     let ends = plan.fine_from == plan.steps;
     for (index, &at) in boundaries.iter().enumerate() {
-        for (wall, _) in meshes {
+        for (wall, _) in &walls.meshes {
             let motion = &scene.wall[*wall].motion;
             let phases = plan.phases(motion);
             if phases.iter().any(|phase| phase.last == at && at < plan.steps) {
@@ -157,12 +155,12 @@ fn pieces(text: &mut String, scene: &Scene, meshes: &[(usize, Mesh)], plan: &Pla
         let Some(next) = boundaries.get(index + 1) else { break };
         let every = if at >= plan.fine_from && !ends { plan.fine } else { plan.coarse };
         if every != dumping {
-            dumps(text, "", every, dumping != 0, !meshes.is_empty());
+            dumps(text, "", every, dumping != 0, walls.are_told());
             dumping = every;
         }
         // A dump whose interval is the whole run adds the last frame where the interval misses it.
         if *next == plan.steps && !plan.steps.is_multiple_of(every) {
-            dumps(text, "last", plan.steps, false, !meshes.is_empty());
+            dumps(text, "last", plan.steps, false, walls.are_told());
         }
         let _ = writeln!(text, "run {}", next - at);
     }

@@ -1,15 +1,16 @@
 //! LIGGGHTS: a deck, wall meshes and initial grains go in; dumps and a log come back.
 
 mod deck;
+mod turn;
+mod walls;
 
 use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
-use super::mesh::{Mesh, wall_mesh};
 use super::plan::Plan;
 use super::process::Program;
-use super::{Code, CodeError, HERTZ_MINDLIN, Job};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
-use crate::recording::Recording;
+use crate::recording::{Content, Recording};
 use crate::scenes::in_file;
 use makadam::effects::catalogue::{
     CHANGING_GRAVITY, COHESION, DRIVEN_WALLS, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
@@ -20,6 +21,8 @@ use nalgebra::Vector3;
 use std::ffi::OsString;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
+use turn::Turn;
+use walls::Walls;
 
 const NAME: &str = "LIGGGHTS";
 /// Effects that it has not, or that are left out of the comparison: its servo wall has a controller in place of a mass, the pull of
@@ -63,36 +66,62 @@ impl Code for Liggghts {
         write_input(job).map(|_| "liggghts -in deck.in".into())
     }
 
+    fn timing_input(&self) -> &'static str {
+        "walls are its primitives where they can be, else coarse meshes, whose contacts are not dumped; skin of half the smallest radius"
+    }
+
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let version = self.version().ok_or(CodeError::Missing { code: NAME })?;
-        let Input { grains, plan, largest_step } = write_input(job)?;
+        let Input { grains, plan, walls, turn } = write_input(job)?;
         let dumps = ["grains", "pairs", "walls"].map(|name| job.work_folder.join(format!("{name}.dump")));
         let run =
             DeckRun { code: NAME, program: self.program.path(), log: "liggghts.log", loop_seconds, dumps: &dumps };
-        run.carry_out(job, version, &plan, || read_frames(job.scene, &grains, largest_step, &dumps, open))
+        let told: Vec<usize> = match walls.are_told() {
+            true => walls.meshes.iter().map(|(wall, _)| *wall).collect(),
+            false => Vec::new(),
+        };
+        let read = || {
+            let frames = frames_in(&grains, &plan, &told, &dumps, open)?;
+            Ok(frames.into_iter().map(|frame| turn.frame_back(frame)).collect())
+        };
+        let recording = run.carry_out(job, version, &plan, read)?;
+        let lacks = match job.purpose {
+            Purpose::Measuring => Vec::new(),
+            Purpose::Timing => vec![Content::WallContacts],
+        };
+        Ok(Recording { lacks, ..recording })
     }
 }
 
 /// What a run is made of, beside its files.
 struct Input {
     grains: Vec<Grain>,
-    /// What the time step may be at most, s.
-    largest_step: f64,
     plan: Plan,
+    walls: Walls,
+    /// The coordinates of the deck and of its dumps.
+    turn: Turn,
 }
 
 /// Writes deck, grains and meshes into the job's folder.
 fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
-    let scene = job.scene;
-    let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
-    super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
-    let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
-    let plan = Plan::new(scene, largest_step);
-    let meshes = meshes_of(scene, &grains);
+    let grains = populate(job.scene, job.seed).map_err(in_file(job.scene_file))?;
+    super::refuse_unsupported(NAME, &LACKS, job.scene, &grains)?;
+    let plan = Plan::new(job.scene, job.rayleigh_fraction * job.scene.rayleigh_step(&grains));
+    let (turn, scene, grains) = match job.purpose {
+        Purpose::Measuring => (Turn::default(), job.scene.clone(), grains),
+        Purpose::Timing => {
+            let turn = Turn::of(job.scene);
+            (turn, turn.scene(job.scene), turn.grains(&grains))
+        }
+    };
+    let walls = match job.purpose {
+        Purpose::Measuring => Walls::measured(&scene, &grains),
+        Purpose::Timing => Walls::timed(&scene, &grains),
+    };
     let files =
-        deck::files(scene, &grains, &meshes, &plan).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
+        deck::files(&scene, &grains, &walls, &plan).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
     super::write_files(job.work_folder, files)?;
-    Ok(Input { grains, largest_step, plan })
+    Ok(Input { grains, plan, walls, turn })
 }
 
 /// The version in the words "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled ...".
@@ -129,9 +158,19 @@ pub fn read_frames<R: BufRead>(
     dumps: &[PathBuf; 3],
     open: impl Fn(&Path) -> Result<R, CodeError>,
 ) -> Result<Vec<Snapshot>, CodeError> {
-    let plan = Plan::new(scene, time_step);
+    let meshes: Vec<usize> = Walls::measured(scene, grains).meshes.iter().map(|(wall, _)| *wall).collect();
+    frames_in(grains, &Plan::new(scene, time_step), &meshes, dumps, open)
+}
+
+/// The frames of a plan in the dumps; `meshes` are the walls of the dump of grains and walls, which is not read where there are none.
+fn frames_in<R: BufRead>(
+    grains: &[Grain],
+    plan: &Plan,
+    meshes: &[usize],
+    dumps: &[PathBuf; 3],
+    open: impl Fn(&Path) -> Result<R, CodeError>,
+) -> Result<Vec<Snapshot>, CodeError> {
     let asked = plan.frames();
-    let walls_with_mesh: Vec<usize> = meshes_of(scene, grains).into_iter().map(|(wall, _)| wall).collect();
     let fault = |file: &Path, line: usize, problem: String| CodeError::Output {
         code: NAME,
         file: file.to_path_buf(),
@@ -152,7 +191,7 @@ pub fn read_frames<R: BufRead>(
     };
     let states = read(&dumps[0], deck::GRAIN_COLUMNS)?;
     let pairs = read(&dumps[1], deck::PAIR_COLUMNS)?;
-    let walls = match walls_with_mesh.is_empty() {
+    let walls = match meshes.is_empty() {
         true => Vec::new(),
         false => read(&dumps[2], deck::WALL_COLUMNS)?,
     };
@@ -170,7 +209,7 @@ pub fn read_frames<R: BufRead>(
             contacts.extend(contact(a, Partner::Grain(b.id), vector(&r[6..]).into(), normal, &r[3..]));
         }
         for (row, r) in walls.get(index).into_iter().flat_map(DumpFrame::rows).enumerate() {
-            let mesh = if r[6] >= 0.0 { walls_with_mesh.get(r[6] as usize) } else { None };
+            let mesh = if r[6] >= 0.0 { meshes.get(r[6] as usize) } else { None };
             let (Some(&wall), Some(a)) = (mesh, particle(&particles, r[8])) else {
                 return Err(fault(&dumps[2], walls[index].line + row, format!("no mesh {} or grain {}", r[6], r[8])));
             };
@@ -183,11 +222,4 @@ pub fn read_frames<R: BufRead>(
         frames.push(measurable(frame).map_err(|problem| fault(&dumps[1], pairs[index].line, problem))?);
     }
     Ok(frames)
-}
-
-/// The walls that have triangles, with these: LIGGGHTS numbers its meshes itself, and a wall without triangles has none.
-fn meshes_of(scene: &Scene, grains: &[Grain]) -> Vec<(usize, Mesh)> {
-    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
-    let meshes = scene.wall.iter().map(|wall| wall_mesh(&wall.shape, &scene.domain, smallest));
-    meshes.enumerate().filter(|(_, mesh)| !mesh.triangles.is_empty()).collect()
 }

@@ -1,0 +1,132 @@
+//! How much of a core a run got: on a busy machine wall time tells of the neighbours.
+//!
+//! The time of a run is the processor time of its stepping on one core, for every code: the wall time of the stepping, without set-up and
+//! output, times the share of a core that the run got.
+
+use std::time::{Duration, Instant};
+
+/// Clock ticks a second in the files of `/proc`: Linux shows 100 on every machine, whatever it counts in.
+const TICKS: f64 = 100.0;
+
+/// Watches the calling thread and the child processes that it waits for.
+pub struct CoreClock {
+    started: Instant,
+    processor: Option<f64>,
+}
+
+impl CoreClock {
+    /// Starts watching.
+    pub fn start() -> CoreClock {
+        CoreClock { started: Instant::now(), processor: processor_seconds() }
+    }
+
+    /// Processor time over elapsed time since the start, at most 1; absent where the system does not tell.
+    pub fn share(&self) -> Option<f64> {
+        let processor = processor_seconds()? - self.processor?;
+        share(processor, self.started.elapsed())
+    }
+}
+
+/// Processor time that a stepping takes of this thread, from its start on.
+pub(super) struct ThreadClock {
+    started: Instant,
+    processor: Option<f64>,
+}
+
+impl ThreadClock {
+    /// Starts watching.
+    pub(super) fn start() -> ThreadClock {
+        ThreadClock { started: Instant::now(), processor: own_seconds() }
+    }
+
+    /// Processor time of a part of what the thread has done since the start, s: its wall time times the share of a core; absent
+    /// where the system does not tell.
+    pub(super) fn core_seconds(&self, wall: Duration) -> Option<f64> {
+        let processor = own_seconds()? - self.processor?;
+        Some(wall.as_secs_f64() * share(processor, self.started.elapsed())?)
+    }
+}
+
+/// Wall time below which ticks are too coarse to tell a share.
+const SHORTEST: Duration = Duration::from_millis(300);
+
+/// Share of a core that a process has got since its start, 0 to 1; absent in its first moments and where the system does not tell.
+pub(super) fn share_of(process: u32, started: Instant) -> Option<f64> {
+    let elapsed = started.elapsed();
+    let text = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    let processor = seconds_in(&text, OWN)?;
+    (elapsed >= SHORTEST).then(|| share(processor, elapsed)).flatten()
+}
+
+fn share(processor: f64, elapsed: Duration) -> Option<f64> {
+    let elapsed = elapsed.as_secs_f64();
+    (elapsed > 0.0).then(|| (processor / elapsed).clamp(0.0, 1.0))
+}
+
+/// Processor time of this thread and of the children that it has waited for, s.
+fn processor_seconds() -> Option<f64> {
+    Some(own_seconds()? + children_seconds()?)
+}
+
+/// Processor time of this thread, s.
+fn own_seconds() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
+}
+
+/// Processor time of children that have ended, s.
+fn children_seconds() -> Option<f64> {
+    seconds_in(&std::fs::read_to_string("/proc/self/stat").ok()?, CHILDREN)
+}
+
+/// Places of user time in a line of `stat` behind the program's name; system time is the next one.
+const OWN: usize = 11;
+const CHILDREN: usize = 13;
+
+/// User and system time in a line of `stat`, s.
+fn seconds_in(line: &str, place: usize) -> Option<f64> {
+    // The program's name, in brackets, may hold blanks.
+    let fields: Vec<&str> = line.rsplit_once(')')?.1.split_whitespace().collect();
+    let ticks = |field: usize| fields.get(field)?.parse::<f64>().ok();
+    Some((ticks(place)? + ticks(place + 1)?) / TICKS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn sleeping_takes_no_core() {
+        // Of this thread alone: other tests may wait for children meanwhile.
+        let before = own_seconds().unwrap();
+        std::thread::sleep(Duration::from_millis(200));
+        assert!(own_seconds().unwrap() - before < 0.1);
+    }
+
+    #[test]
+    fn a_thread_is_asked_for_its_own_time_alone() {
+        let clock = ThreadClock::start();
+        std::thread::sleep(Duration::from_millis(100));
+        assert!(clock.core_seconds(Duration::from_secs(1)).unwrap() < 0.5, "it slept");
+    }
+
+    #[test]
+    fn a_process_that_sleeps_gets_no_core() {
+        let (started, mut child) = (Instant::now(), std::process::Command::new("sleep").arg("5").spawn().unwrap());
+        assert_eq!(share_of(child.id(), started), None, "in the first moments");
+        std::thread::sleep(SHORTEST);
+        assert!(share_of(child.id(), started).unwrap() < 0.1);
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert_eq!(share_of(child.id(), started), None, "it is gone");
+    }
+
+    #[test]
+    fn children_count() {
+        let before = children_seconds().unwrap();
+        let busy = "i=0; while [ $i -lt 300000 ]; do i=$((i+1)); done";
+        assert!(std::process::Command::new("sh").args(["-c", busy]).status().unwrap().success());
+        assert!(children_seconds().unwrap() > before + 0.02, "the loop takes some hundredths of a second");
+    }
+}
