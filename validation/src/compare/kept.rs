@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Seed of the run that pictures and curves over time are made from; of the others the numbers alone are kept.
 const PICTURED_SEED: u64 = 1;
@@ -26,7 +25,8 @@ pub struct KeptRuns {
     again: bool,
     /// Names of the runs that were made by this start.
     made: Mutex<BTreeSet<String>>,
-    taken: AtomicUsize,
+    /// Names of those that it took from an earlier one.
+    taken: Mutex<BTreeSet<String>>,
     damaged: Mutex<Vec<String>>,
 }
 
@@ -71,7 +71,7 @@ impl KeptRuns {
             cache: RunCache::open(folder)?,
             again,
             made: Mutex::default(),
-            taken: AtomicUsize::new(0),
+            taken: Mutex::default(),
             damaged: Mutex::default(),
         })
     }
@@ -111,8 +111,7 @@ impl KeptRuns {
 
     /// Runs that this start made, and runs that it took from an earlier one.
     pub fn counts(&self) -> [usize; 2] {
-        let made = self.made.lock().expect("nothing panics while it holds the lock").len();
-        [made, self.taken.load(Ordering::Relaxed)]
+        [&self.made, &self.taken].map(|names| names.lock().expect("nothing panics while it holds the lock").len())
     }
 
     /// Files that were damaged, in sentences.
@@ -135,7 +134,9 @@ impl KeptRuns {
                 return Ok(None);
             }
         };
-        self.taken.fetch_add(usize::from(!own), Ordering::Relaxed);
+        if !own {
+            self.taken.lock().expect("nothing panics while it holds the lock").insert(key.name().into());
+        }
         Ok(Some(match kept {
             Kept::Run(harvest) => Ok(*harvest),
             Kept::Worthless(problem) => Err(KeptError::Worthless(problem)),
