@@ -137,7 +137,6 @@ pub fn compare_runs<'py>(
             tier: "compare".into(),
             comparisons: vec![comparison(&scene.plan, &measured, notes)],
             wall_seconds: 0.0,
-            core_seconds: None,
             provenance: Default::default(),
             notes: Vec::new(),
             outside_spread: Vec::new(),
