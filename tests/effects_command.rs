@@ -29,7 +29,7 @@ fn a_scene_tells_its_effects_their_lines_and_their_cost() {
         assert_eq!((&effect(&study, name)["on"], &effect(&study, name)["line"]), (&Value::Bool(false), &Value::Null));
     }
     let kernels = study["costs"]["kernels"].as_array().unwrap();
-    assert_eq!(kernels.len(), 5);
+    assert_eq!(kernels.len(), 7);
     let called: Vec<_> = kernels.iter().filter(|kernel| kernel["called"] == true).collect();
     assert_eq!(called.len(), 1);
     assert_eq!(called[0]["effects"], "friction");
@@ -38,6 +38,8 @@ fn a_scene_tells_its_effects_their_lines_and_their_cost() {
     // Five numbers a contact: two levers and an angular impulse.
     let bytes = |number: usize| kernels[number]["bytes"].as_u64().unwrap();
     assert_eq!((bytes(4) - bytes(1), bytes(2) - bytes(1)), (40, 40));
+    // Four of a tangential spring: its compliance and its bias.
+    assert_eq!((bytes(5) - bytes(1), bytes(6) - bytes(4)), (32, 32));
     assert!(study["look"]["lost"].as_f64().unwrap() > 0.0);
     assert_eq!(study["ablation"], Value::Null);
     assert!(folder.path().join("results/effects/smoke/effects.json").is_file());

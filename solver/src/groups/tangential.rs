@@ -1,7 +1,6 @@
 //! What friction adds to lane groups; without it they are shorter by that.
 
 use super::PairGroup;
-use crate::effects::EffectSet;
 use crate::lanes::Eight;
 
 /// Friction coefficients and tangential impulses of eight contacts, or of sixteen in single precision.
@@ -220,9 +219,10 @@ impl PairGroups {
         with_pairs!(self, groups => groups.truncate(count));
     }
 
-    /// Becomes groups of the kind that suits the effects; what there was is dropped if it was of another.
-    pub(crate) fn suit(&mut self, effects: EffectSet) {
-        match (effects.tangential(), effects.spring(), &self) {
+    /// Becomes groups with a tangential part, or without, and with springs in it, or without; what there was is dropped if it was of
+    /// another kind.
+    pub(crate) fn suit(&mut self, tangential: bool, springs: bool) {
+        match (tangential, springs, &self) {
             (false, _, PairGroups::Smooth(_))
             | (true, false, PairGroups::Frictional(_))
             | (true, true, PairGroups::Sprung(_)) => {}

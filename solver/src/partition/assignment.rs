@@ -227,7 +227,7 @@ impl TaskGroups {
     pub(crate) fn restart_pairs(&mut self, list: u64, dummies: u32, effects: EffectSet) {
         (self.pairs_used, self.pair_contacts, self.assigned_from) = (0, 0, list);
         self.pair_waits.clear();
-        self.pairs.suit(effects);
+        self.pairs.suit(effects.tangential(), effects.spring());
         self.pair_sources.truncate(self.pairs.len());
         with_pairs!(&mut self.pairs, pairs => pairs.iter_mut().for_each(|group| group.clear(dummies)));
         self.pair_sources.fill(Sources::NONE);
@@ -244,7 +244,7 @@ impl TaskGroups {
 
     /// Drops all groups; those to come suit the effects. Memory stays, unless friction comes or goes.
     pub(crate) fn empty(&mut self, effects: EffectSet) {
-        self.pairs.suit(effects);
+        self.pairs.suit(effects.tangential(), effects.spring());
         (self.pairs_used, self.walls_used, self.driven_walls) = (0, 0, 0);
         (self.pair_contacts, self.wall_contacts, self.assigned_from) = (0, 0, 0);
         self.pair_waits.clear();

@@ -37,6 +37,7 @@ impl Axis {
 
     /// A logarithmic axis; its ends are moved out to powers of ten.
     pub(crate) fn logarithmic(label: &str, low: f64, high: f64) -> Axis {
+        let [low, high] = positive(low, high);
         let low = 10f64.powf((low.log10() + 1e-9).floor());
         let high = 10f64.powf((high.log10() - 1e-9).ceil()).max(10.0 * low);
         Axis { label: label.into(), low, high, scale: Scale::Decades }
@@ -44,6 +45,7 @@ impl Axis {
 
     /// A logarithmic axis that is marked in steps of 1, 2, 5; its ends are moved out to marks.
     pub(crate) fn fine(label: &str, low: f64, high: f64) -> Axis {
+        let [low, high] = positive(low, high);
         let mark = |value: f64, up: bool| {
             let power = 10f64.powf((value.log10() + 1e-9).floor());
             let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
@@ -59,6 +61,7 @@ impl Axis {
 
     /// A logarithmic axis that is marked at powers of two.
     pub(crate) fn doublings(label: &str, low: f64, high: f64) -> Axis {
+        let [low, high] = positive(low, high);
         Axis { label: label.into(), low, high: high.max(2.0 * low), scale: Scale::Doublings }
     }
 
@@ -94,11 +97,35 @@ impl Axis {
     }
 }
 
+/// The ends of a logarithmic axis: zero has no place on it, and would take marks without end.
+fn positive(low: f64, high: f64) -> [f64; 2] {
+    const DECADES: f64 = 1e6;
+    let high = if high > 0.0 && high.is_finite() { high } else { 1.0 };
+    let low = if low > 0.0 && low.is_finite() { low } else { high / DECADES };
+    [low.clamp(f64::MIN_POSITIVE, high), high]
+}
+
 fn power_of_ten(exponent: i32) -> String {
     match exponent {
         0 => "1".into(),
         1 => "10".into(),
         2 => "100".into(),
         k => format!("10{}", superscript(k)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_has_no_place_on_a_logarithmic_axis() {
+        for make in [Axis::logarithmic, Axis::fine, Axis::doublings] {
+            for (low, high) in [(0.0, 2.0), (-1.0, 3e-3), (0.0, 0.0), (f64::NAN, f64::INFINITY)] {
+                let axis = make("time", low, high);
+                assert!(axis.low > 0.0 && axis.high > axis.low, "{low} {high}");
+                assert!((1..100).contains(&axis.ticks(5).len()), "{low} {high}");
+            }
+        }
     }
 }

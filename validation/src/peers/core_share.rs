@@ -70,8 +70,9 @@ fn processor_seconds() -> Option<f64> {
 
 /// Processor time of this thread, s.
 fn own_seconds() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    text.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
+    // The files of /proc show a running thread as it was at its last tick, which is long for a run of milliseconds.
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
 }
 
 /// Processor time of children that have ended, s.
