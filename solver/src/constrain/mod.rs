@@ -17,7 +17,7 @@ use crate::effects::restitution::{bears, with_restitution};
 use crate::effects::spring::tangential_compliance;
 use crate::effects::{EffectSet, with_effects};
 use crate::groups::{ContactLanes, Tangential, WallGroup, with_pairs};
-use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots};
+use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots, dot, minus, times};
 use crate::partition::{
     ByBodies, ByNumber, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups, TaskGroups,
 };
@@ -271,21 +271,17 @@ fn write_contacts<L: Lanes, T: Tangential>(
     let bears = bears(&constraint);
     let share = L::select(bears, L::splat(constants.warm_start), <L as Number>::zero());
     let [impulse, x, y, z] = remembered;
+    let along = dot(normal, [x, y, z]);
+    let across = minus([x, y, z], times(normal, along));
     if let Some(tangential) = contacts.tangential.lanes_mut() {
-        let along = crate::lanes::dot(normal, [x, y, z]);
-        for (axis, component) in [x, y, z].into_iter().enumerate() {
-            ((component - normal[axis] * along) * share).store(&mut tangential.impulse[axis]);
-        }
+        across.into_iter().zip(&mut tangential.impulse).for_each(|(component, lanes)| (component * share).store(lanes));
         material.friction.store(&mut tangential.coefficient);
     }
     if let (Some(ratio), Some(spring)) = (material.stiffness_ratio, contacts.tangential.spring_mut()) {
         let compliance = tangential_compliance(&constraint, ratio, scheme.step);
         let held = L::select(bears, compliance, <L as Number>::zero());
-        let along = crate::lanes::dot(normal, [x, y, z]);
         compliance.store(&mut spring.compliance);
-        for (axis, component) in [x, y, z].into_iter().enumerate() {
-            ((component - normal[axis] * along) * held).store(&mut spring.bias[axis]);
-        }
+        across.into_iter().zip(&mut spring.bias).for_each(|(component, lanes)| (component * held).store(lanes));
     }
     normal.into_iter().zip(&mut contacts.normal).for_each(|(component, lanes)| component.store(lanes));
     (impulse * share).store(&mut contacts.impulse_normal);

@@ -18,7 +18,6 @@ pub mod vibration;
 
 use crate::groups::{ContactLayout, FrictionLanes, SpringLanes};
 use crate::scene::ContactCoefficients;
-pub(crate) use catalogue::FRICTION;
 use catalogue::Trigger;
 pub use catalogue::{CATALOGUE, Effect};
 

@@ -25,6 +25,7 @@
 
 use super::catalogue::{Call, Change, Effect};
 use super::compliance::NormalConstraint;
+use super::friction::FRICTION;
 use crate::lanes::Number;
 use crate::scene::{DocumentPath, Material};
 use serde::{Deserialize, Serialize};
@@ -52,7 +53,7 @@ pub static TANGENTIAL_SPRING: Effect = Effect {
     ..Effect::of_scene("tangential spring", |scene| {
         let why = match scene.solver.tangential_law {
             TangentialLaw::Rigid => return Err("solver.tangential_law is rigid"),
-            TangentialLaw::Spring { .. } if super::FRICTION.called_by(scene).is_err() => {
+            TangentialLaw::Spring { .. } if FRICTION.called_by(scene).is_err() => {
                 return Err("grains are smooth");
             }
             TangentialLaw::Spring { stiffness_ratio: None } => "Mindlin's stiffness".into(),

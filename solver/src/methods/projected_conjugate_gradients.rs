@@ -17,7 +17,7 @@
 
 use super::group::{Block, ContactPass, Group, add, load, store};
 use super::problem::{Tally, fit, part, visit};
-use super::visits::{TANGENTIAL, natural_map};
+use super::visits::natural_map;
 use super::{Method, Problem};
 use crate::effects::Effects;
 use crate::lanes::{Lanes, Slots, TaskSlots, dot, minus, plus, times};
@@ -159,7 +159,7 @@ impl ContactPass for Turn<'_> {
             let tangential = minus(times(normal, along), velocity);
             residual = plus(residual, tangential);
             operated = plus(operated, minus(across, times(normal, across_normal)));
-            scaled = plus(scaled, times(tangential, L::splat(1.0) / (L::splat(TANGENTIAL) * inverse_mass)));
+            scaled = plus(scaled, times(tangential, L::splat(1.0) / contact.tangential_operator::<E>(inverse_mass)));
         }
         let gradient = along_cone::<L, E>(&contact, scaled);
         let direction = along_cone::<L, E>(&contact, direction);

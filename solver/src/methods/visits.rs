@@ -9,9 +9,6 @@ use crate::sweep::kernel::Contact;
 use crate::sweep::{Directions, LaneResidual, Off};
 use crate::world::Body;
 
-/// Tangential operator over inverse mass: `S_t = 3.5 S_n` for solid spheres.
-pub(crate) const TANGENTIAL: f64 = 3.5;
-
 /// Copies impulses into a vector.
 pub(crate) struct Keep<'a> {
     pub to: &'a mut [Block],
@@ -121,7 +118,7 @@ impl ContactPass for Step<'_> {
         let mut slope = slack * way_normal;
         if E::FRICTION {
             let change_tangential = minus(change, times(normal, change_normal));
-            let operator = L::splat(TANGENTIAL) * inverse_mass;
+            let operator = contact.tangential_operator::<E>(inverse_mass);
             scaled = scaled + operator * dot(change_tangential, change_tangential);
             slope = slope + dot(velocity, way) - along * way_normal;
         }

@@ -9,8 +9,8 @@ use nalgebra::{Matrix3, Vector3};
 /// w = W lambda + q      W = G M^-1 G^T + Sigma'      q = G v + (velocities of walls) - (biases along the normals)
 /// ```
 ///
-/// with v the velocities before the contacts act, pulls included. Sigma' stands on the diagonal, in the rows of normals and, where there are tangential springs, in the others. A solution
-/// has `0 <= lambda_n _|_ w_n >= 0` and Coulomb's law of w_t and lambda_t at each contact. (V. Acary, M. Brémond, T. Koziara, F.
+/// with v the velocities before the contacts act, pulls included. Sigma' stands on the diagonal in the rows of normals; the compliance of
+/// tangential springs stands in the others, and their biases in q. A solution has `0 <= lambda_n _|_ w_n >= 0` and Coulomb's law of w_t and lambda_t at each contact. (V. Acary, M. Brémond, T. Koziara, F.
 /// Pérignon, *FCLIB: a collection of discrete 3D frictional contact problems*, Inria technical report 444, 2014.)
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LocalProblem {

@@ -19,8 +19,9 @@
 //! resistance  the same of the angular impulse L and omega_b - omega_a: a disc across the normal, an interval along it
 //! ```
 //!
-//! Sigma_t and b are those of a [tangential spring](crate::effects::spring), zero where there is none. q holds what the step asks of the contact: its stabilisation, `(4/h) Y d + Y u_n0`, or the speed `-e u_n0` at which an impact
-//! leaves (C. Lacoursière, *Ghosts and machines*, Umeå 2007, sections 4 and 10). These are the laws that
+//! q holds what the step asks of the contact: its stabilisation, `(4/h) Y d + Y u_n0`, or the speed `-e u_n0` at which an impact
+//! leaves (C. Lacoursière, *Ghosts and machines*, Umeå 2007, sections 4 and 10). Sigma_t and b are those of a
+//! [tangential spring](crate::effects::spring), zero where there is none. These are the laws that
 //! [`sweep`](crate::sweep) relaxes; `docs/problem.md` tells how a problem is kept in a file.
 //!
 //! Driven walls are bodies too. Along an axis a with mass M a wall has `M^-1 = a a^T / M` and no inertia that could turn;

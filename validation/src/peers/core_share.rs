@@ -30,7 +30,7 @@ impl CoreClock {
 /// Processor time that a stepping takes of this thread, from its start on.
 pub(super) struct ThreadClock {
     started: Instant,
-    processor: Option<f64>,
+    processor: f64,
 }
 
 impl ThreadClock {
@@ -39,11 +39,10 @@ impl ThreadClock {
         ThreadClock { started: Instant::now(), processor: own_seconds() }
     }
 
-    /// Processor time of a part of what the thread has done since the start, s: its wall time times the share of a core; absent
-    /// where the system does not tell.
+    /// Processor time of a part of what the thread has done since the start, s: its wall time times the share of a core; absent where no
+    /// time has passed.
     pub(super) fn core_seconds(&self, wall: Duration) -> Option<f64> {
-        let processor = own_seconds()? - self.processor?;
-        Some(wall.as_secs_f64() * share(processor, self.started.elapsed())?)
+        Some(wall.as_secs_f64() * share(own_seconds() - self.processor, self.started.elapsed())?)
     }
 }
 
@@ -65,14 +64,14 @@ fn share(processor: f64, elapsed: Duration) -> Option<f64> {
 
 /// Processor time of this thread and of the children that it has waited for, s.
 fn processor_seconds() -> Option<f64> {
-    Some(own_seconds()? + children_seconds()?)
+    Some(own_seconds() + children_seconds()?)
 }
 
 /// Processor time of this thread, s.
-fn own_seconds() -> Option<f64> {
+fn own_seconds() -> f64 {
     // The files of /proc show a running thread as it was at its last tick, which is long for a run of milliseconds.
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
 /// Processor time of children that have ended, s.
@@ -100,9 +99,9 @@ mod tests {
     #[test]
     fn sleeping_takes_no_core() {
         // Of this thread alone: other tests may wait for children meanwhile.
-        let before = own_seconds().unwrap();
+        let before = own_seconds();
         std::thread::sleep(Duration::from_millis(200));
-        assert!(own_seconds().unwrap() - before < 0.1);
+        assert!(own_seconds() - before < 0.1);
     }
 
     #[test]

@@ -1,18 +1,17 @@
 //! How each method converges on the problem of one step, alone on the machine, since each iteration is timed.
 
-use super::{Part, Place, QualifyError, test};
+use super::{Named, Part, Place, QualifyError, scenes_named, test};
 use crate::convergence::{self, Curve, Effort, Problem, Study, TOLERANCES};
 use crate::execution::Execution;
 use crate::plan::Scene;
 use crate::prepared::{Start, StartError, start};
 use crate::provenance::{JUDGE, Provenance, processor, scene_hash};
 use crate::report::{StudyOutcome, StudySection, StudyTest};
-use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::{Document, Key, RunCache};
 use makadam::BUILD;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -31,7 +30,7 @@ const KNOWN_EXCEPTIONS: [(&str, &str, &str); 1] = [(
 
 pub(super) struct Convergence<'a> {
     place: Place<'a>,
-    scenes: Vec<(&'static str, PathBuf, Scene)>,
+    scenes: Vec<Named>,
     solved: Mutex<Vec<Solved>>,
 }
 
@@ -46,12 +45,7 @@ struct Solved {
 
 impl<'a> Convergence<'a> {
     pub(super) fn open(names: &[&'static str], place: Place<'a>) -> Result<Convergence<'a>, QualifyError> {
-        let open = |&name: &&'static str| {
-            let file = scenes::find(name, &place.settings.roots)?;
-            let scene = scenes::load(&file)?;
-            Ok((name, file, scene))
-        };
-        let scenes = names.iter().map(open).collect::<Result<_, QualifyError>>()?;
+        let scenes = scenes_named(names, place)?;
         Ok(Convergence { place, scenes, solved: Mutex::default() })
     }
 

@@ -10,7 +10,9 @@ use super::jobs::Job;
 use super::tier::Study;
 use super::{QualifyError, Settings};
 use crate::compare::KeptRuns;
+use crate::plan::Scene;
 use crate::report::{StudyOutcome, StudySection, StudyTest};
+use crate::scenes;
 use std::path::{Path, PathBuf};
 
 /// A study under way.
@@ -48,6 +50,19 @@ impl Place<'_> {
     fn folder(&self, study: &str) -> PathBuf {
         self.settings.folder.join(study)
     }
+}
+
+/// A scene by the name that the table has of it, with its file.
+type Named = (&'static str, PathBuf, Scene);
+
+/// The scenes of these names.
+fn scenes_named(names: &[&'static str], place: Place<'_>) -> Result<Vec<Named>, QualifyError> {
+    let open = |&name: &&'static str| {
+        let file = scenes::find(name, &place.settings.roots)?;
+        let scene = scenes::load(&file)?;
+        Ok((name, file, scene))
+    };
+    names.iter().map(open).collect()
 }
 
 /// The part that a study of the table is.

@@ -1,13 +1,12 @@
 //! What accuracy costs in time: few settings of Makadam, timed one after the other, alone on the machine.
 
-use super::{Part, Place, QualifyError, test};
+use super::{Named, Part, Place, QualifyError, scenes_named, test};
 use crate::compare::FEW_SEEDS;
 use crate::output::file_stem;
 use crate::peers::{Code, Makadam};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{StudySection, StudyTest};
-use crate::scenes;
 use crate::study::{Document, RunCache};
 use crate::tradeoff::{Bound, Campaign, CampaignError, Outcome, Plan, QUICK_TIME_LIMIT, Scope, Study, Terms};
 use std::path::PathBuf;
@@ -15,18 +14,13 @@ use std::sync::{Arc, Mutex};
 
 pub(super) struct Tradeoff<'a> {
     place: Place<'a>,
-    scenes: Vec<(&'static str, PathBuf, Scene)>,
+    scenes: Vec<Named>,
     outcomes: Mutex<Vec<Outcome>>,
 }
 
 impl<'a> Tradeoff<'a> {
     pub(super) fn open(names: &[&'static str], place: Place<'a>) -> Result<Tradeoff<'a>, QualifyError> {
-        let open = |&name: &&'static str| {
-            let file = scenes::find(name, &place.settings.roots)?;
-            let scene = scenes::load(&file)?;
-            Ok((name, file, scene))
-        };
-        let scenes = names.iter().map(open).collect::<Result<_, QualifyError>>()?;
+        let scenes = scenes_named(names, place)?;
         Ok(Tradeoff { place, scenes, outcomes: Mutex::default() })
     }
 
