@@ -2,7 +2,10 @@
 
 use makadam::Simulation;
 use makadam::scene::{Scene, Stop};
-use makadam_validation::problem::{BodyVelocities, Check, Method, ProblemFile, Settings, bytes, check, parse, read};
+use makadam_validation::problem::{
+    AGREEMENT, BodyVelocities, Check, FromSiconos, Method, ProblemFile, RECORDED, Settings, bytes, check, parse, pose,
+    read,
+};
 use std::path::PathBuf;
 
 const SETTINGS: Settings = Settings { tolerance: 1e-11, most_sweeps: 100_000 };
@@ -10,7 +13,7 @@ const SETTINGS: Settings = Settings { tolerance: 1e-11, most_sweeps: 100_000 };
 const NAMES: [&str; 3] = ["packing", "drum", "oedometer"];
 
 fn recorded(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/problems").join(name)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/problem/recorded").join(name)
 }
 
 fn bytes_of(name: &str) -> Vec<u8> {
@@ -50,7 +53,7 @@ fn a_problem_reads_back_to_the_bit() {
     let torques = posed("packing", |scene| scene.material.values_mut().for_each(|one| one.rolling_friction = 0.1), 300);
     assert!(torques.local.is_none());
     assert_eq!(parse(bytes(&torques, None).unwrap()).unwrap(), torques);
-    let checked = check(&torques, &SETTINGS, false).unwrap();
+    let checked = check(&torques, &SETTINGS, &FromSiconos::Nothing).unwrap();
     assert_eq!(checked.answers.len(), 2, "{checked:?}");
     assert_agree(&checked);
 }
@@ -60,7 +63,7 @@ fn recorded_problems_have_one_solution_by_all_solvers() {
     for name in NAMES {
         let file = read(&recorded(&format!("{name}.hdf5"))).unwrap();
         assert!(file.contacts() > 80, "{name}: {}", file.contacts());
-        let checked = check(&file, &SETTINGS, false).unwrap();
+        let checked = check(&file, &SETTINGS, &FromSiconos::Nothing).unwrap();
         let methods: Vec<Method> = checked.answers.iter().map(|answer| answer.method).collect();
         assert_eq!(methods, [Method::Reference, Method::Direct, Method::Lanes], "{:?}", checked.left_out);
         assert_agree(&checked);
@@ -142,4 +145,37 @@ fn a_local_problem_alone_is_solved_directly() {
         assert!((one - other).amax() < 1e-9, "{one}, {other}");
     }
     makadam_validation::problem::solve(&alone, Method::Reference, &SETTINGS).unwrap_err();
+}
+
+/// What Siconos found is on record with the problem that it was found for.
+#[test]
+fn answers_of_siconos_on_record_are_those_of_the_reference() {
+    for recorded in &RECORDED {
+        let impulses = recorded.siconos().unwrap();
+        let file = recorded.problem().unwrap();
+        let checked = check(&file, &Settings::DEFAULT, &FromSiconos::Recorded(impulses.clone())).unwrap();
+        let found = checked.answers.iter().find(|answer| answer.method == Method::Siconos).unwrap();
+        assert!(found.residual.unwrap() < 1e-8 * checked.unit, "{}: {found:?}", recorded.name);
+        assert!(checked.agrees(1e-6), "{}: {checked:?}", recorded.name);
+        // One impulse that is off by a thousandth is seen.
+        let mut wrong = impulses;
+        let largest = (0..wrong.len()).max_by(|&a, &b| wrong[a].norm().total_cmp(&wrong[b].norm())).unwrap();
+        wrong[largest] *= 1.001;
+        let checked = check(&file, &Settings::DEFAULT, &FromSiconos::Recorded(wrong)).unwrap();
+        assert!(!checked.agrees(AGREEMENT), "{}: {checked:?}", recorded.name);
+    }
+}
+
+#[test]
+fn problems_on_record_are_those_that_their_scenes_pose() {
+    for recorded in &RECORDED {
+        let mut simulation = Simulation::new(&recorded.scene().unwrap(), 1).unwrap();
+        while simulation.time() < recorded.time - 1e-9 {
+            simulation.step();
+        }
+        let posed = pose(&simulation, recorded.name);
+        assert!(posed.lanes_converged, "{}", recorded.name);
+        let file = recorded.problem().unwrap();
+        assert_eq!(posed.file.contacts(), file.contacts(), "{}", recorded.name);
+    }
 }

@@ -5,14 +5,10 @@ use super::arguments::{
 };
 use super::{Console, Failure, OUTSIDE_TOLERANCE, begin, json};
 use crate::execution::Execution;
-use crate::problem::{self, BodyVelocities, Check, ProblemFile, Settings};
+use crate::problem::{self, Check, FromSiconos, Settings};
 use crate::stepping::steps_in;
-use makadam::scene::Stop;
 use serde::Serialize;
 use std::process::ExitCode;
-
-/// Sweeps over lanes end at this residual, over g h.
-const LANES: Stop = Stop::Residual { tolerance: 1e-11, max_sweeps: 200_000 };
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -46,24 +42,20 @@ fn export(arguments: &ProblemExportArguments, console: &Console) -> Result<ExitC
         }
     }
     drop(bar);
-    let contact = simulation.contact_problem();
     let title = format!("{}, seed {seed}, t = {} s", scene.name, simulation.time());
-    if !contact.contacts.iter().any(|contact| contact.bears()) {
+    let posed = problem::pose(&simulation, &title);
+    if posed.file.contacts() == 0 {
         return Err(Failure::Usage(format!(
             "{} has no contacts at {} s, so there is no problem to export; give another time with --time",
             scene.name,
             simulation.time()
         )));
     }
-    let (state, report) = simulation.solution_in_lanes(LANES);
-    let converged = report.reason == makadam::solve::StopReason::Residual;
-    if !converged {
+    if !posed.lanes_converged {
         console.warn("the sweeps over lanes did not converge; the file is written without their answer");
     }
-    let lanes = converged.then_some(BodyVelocities { velocities: state.velocities, spins: state.spins });
-    let content = ProblemFile::new(&title, contact, lanes);
-    problem::write(&arguments.output, &content, None)?;
-    console.result(&format!("{title}: {} contacts, {}", content.contacts(), arguments.output.display()))?;
+    problem::write(&arguments.output, &posed.file, None)?;
+    console.result(&format!("{title}: {} contacts, {}", posed.file.contacts(), arguments.output.display()))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -97,10 +89,11 @@ fn solve(arguments: &ProblemSolveArguments, console: &Console) -> Result<ExitCod
 /// Solves files' problems by every solver and compares.
 fn check(arguments: &ProblemCheckArguments, console: &Console) -> Result<ExitCode, Failure> {
     let settings = Settings { tolerance: arguments.tolerance, most_sweeps: arguments.sweeps };
+    let siconos = if arguments.siconos { FromSiconos::Run } else { FromSiconos::Nothing };
     let mut checks: Vec<Check> = Vec::new();
     for path in &arguments.files {
         let file = problem::read(path)?;
-        let mut check = problem::check(&file, &settings, arguments.siconos)?;
+        let mut check = problem::check(&file, &settings, &siconos)?;
         if check.title.is_empty() {
             check.title = path.display().to_string();
         }

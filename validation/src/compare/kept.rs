@@ -27,7 +27,6 @@ pub struct KeptRuns {
     made: Mutex<BTreeSet<String>>,
     /// Names of those that it took from an earlier one.
     taken: Mutex<BTreeSet<String>>,
-    damaged: Mutex<Vec<String>>,
 }
 
 /// Why there is no run.
@@ -67,13 +66,7 @@ impl KeptRuns {
     /// # Errors
     /// [`WriteError`] if the system refuses.
     pub fn open(folder: &Path, again: bool) -> Result<KeptRuns, WriteError> {
-        Ok(KeptRuns {
-            cache: RunCache::open(folder)?,
-            again,
-            made: Mutex::default(),
-            taken: Mutex::default(),
-            damaged: Mutex::default(),
-        })
+        Ok(KeptRuns { cache: RunCache::open(folder)?, again, made: Mutex::default(), taken: Mutex::default() })
     }
 
     /// A run of a code, which is made if it is not there. It may have been made beside others or alone on the machine.
@@ -114,26 +107,12 @@ impl KeptRuns {
         [&self.made, &self.taken].map(|names| names.lock().expect("nothing panics while it holds the lock").len())
     }
 
-    /// Files that were damaged, in sentences.
-    pub fn damaged(&self) -> Vec<String> {
-        self.damaged.lock().expect("nothing panics while it holds the lock").clone()
-    }
-
     fn find(&self, key: &Key) -> Result<Option<Result<Harvest, KeptError>>, KeptError> {
         let own = self.made.lock().expect("nothing panics while it holds the lock").contains(key.name());
         if self.again && !own {
             return Ok(None);
         }
-        let kept = match self.cache.find(key)? {
-            Found::Run(kept) => kept,
-            Found::Nothing => return Ok(None),
-            Found::Damaged(file) => {
-                let said =
-                    format!("a kept run was damaged and has been made again; the file is now {}", file.display());
-                self.damaged.lock().expect("nothing panics while it holds the lock").push(said);
-                return Ok(None);
-            }
-        };
+        let Found::Run(kept) = self.cache.find(key)? else { return Ok(None) };
         if !own {
             self.taken.lock().expect("nothing panics while it holds the lock").insert(key.name().into());
         }
@@ -183,7 +162,7 @@ fn keyed(runs: &Runs<'_>, scene: &Scene, code: &dyn Code, seed: u64, mark: &str,
     let name = format!("{}-{}-s{seed}{mark}", file_stem(&scene.name), code.name().to_lowercase());
     let watch = serde_json::to_string(&scene.watch).expect("a checked scene holds finite numbers and plain text");
     // Where a code is timed by the input that it is measured by, one run is both.
-    let timing = runs.purpose == Purpose::Timing && !code.timing_input().is_empty();
+    let timing = runs.purpose == Purpose::Timing && code.timing_input().is_some();
     let parts = [
         format!("{:016x}", scene_hash(scene)),
         watch,

@@ -132,10 +132,7 @@ impl Runs<'_> {
         let run_for = |purpose: Purpose| take(&Runs { purpose, ..self.clone() });
         let timed = run_for(Purpose::Timing)?;
         let run = &timed.run;
-        let input = match code.timing_input() {
-            "" => String::new(),
-            words => format!("; its input for timing: {words}"),
-        };
+        let input = code.timing_input().map(|words| format!("; its input for timing: {words}")).unwrap_or_default();
         let summary = CodeSummary {
             code: run.code.clone(),
             version: run.version.clone(),

@@ -80,9 +80,9 @@ pub trait Code: Sync {
     fn contact_law(&self) -> &'static str {
         ""
     }
-    /// What it is told otherwise where it is timed, as the end of a sentence; empty where it is told the same.
-    fn timing_input(&self) -> &'static str {
-        ""
+    /// What it is told otherwise where it is timed, as the end of a sentence; `None` where it is told the same.
+    fn timing_input(&self) -> Option<&'static str> {
+        None
     }
     /// Writes the files from which it runs the scene into the job's folder, and returns the command that runs it there.
     ///

@@ -163,8 +163,10 @@ impl Code for Yade {
         HERTZ_MINDLIN
     }
 
-    fn timing_input(&self) -> &'static str {
-        "fixed planes across an axis are its walls, curved walls coarse meshes; candidates reach 0.3 of the smallest radius"
+    fn timing_input(&self) -> Option<&'static str> {
+        Some(
+            "fixed planes across an axis are its walls, curved walls coarse meshes; candidates reach 0.3 of the smallest radius",
+        )
     }
 
     fn version(&self) -> Option<String> {

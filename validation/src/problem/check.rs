@@ -31,16 +31,24 @@ pub struct Settings {
     pub most_sweeps: u32,
 }
 
+impl Settings {
+    /// What `makadam problem check` does unless told otherwise.
+    pub const DEFAULT: Settings = Settings { tolerance: 1e-10, most_sweeps: 100_000 };
+}
+
+/// Largest difference of velocities between solvers that agree, over the problem's unit of velocity.
+pub const AGREEMENT: f64 = 1e-5;
+
 /// What a solver came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
     /// The solver.
     pub method: Method,
-    /// Sweeps, iterations or Newton steps; unknown where the file carries the answer.
+    /// Sweeps, iterations or Newton steps; unknown where the answer is on record.
     pub iterations: Option<u32>,
     /// Whether it ended at its tolerance.
     pub converged: bool,
-    /// Wall time, s; unknown where the file carries the answer.
+    /// Wall time, s; unknown where the answer is on record.
     pub seconds: Option<f64>,
     /// Largest residual of any contact, m/s: the natural map. Unknown where impulses are.
     pub residual: Option<f64>,
@@ -110,7 +118,7 @@ pub fn solve(file: &ProblemFile, method: Method, settings: &Settings) -> Result<
         Method::Direct => {
             let local = file.local.as_ref().ok_or_else(torques)?;
             let direct = local.direct_solution().map_err(|error: DirectError| error.to_string())?;
-            let iterations = direct.newton_steps as u32;
+            let iterations = Some(direct.newton_steps as u32);
             of_impulses(file, local, direct.impulses, Method::Direct, iterations, Some(direct.residual))
         }
         Method::Lanes => {
@@ -120,7 +128,7 @@ pub fn solve(file: &ProblemFile, method: Method, settings: &Settings) -> Result<
         Method::Siconos => {
             let local = file.local.as_ref().ok_or_else(torques)?;
             let found = siconos::solve(local, settings).map_err(|error: SiconosError| error.to_string())?;
-            let mut answer = of_impulses(file, local, found.impulses, Method::Siconos, found.iterations, None);
+            let mut answer = of_impulses(file, local, found.impulses, Method::Siconos, Some(found.iterations), None);
             answer.converged = found.converged;
             answer.seconds = Some(found.seconds);
             answer
@@ -130,18 +138,34 @@ pub fn solve(file: &ProblemFile, method: Method, settings: &Settings) -> Result<
     Ok(answer)
 }
 
-/// Solves a problem by every solver that there is, Siconos only `with_siconos`, and compares their answers with the first.
+/// Where the answer of Siconos comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FromSiconos {
+    /// It is left out.
+    Nothing,
+    /// It is run.
+    Run,
+    /// These impulses are its answer, in the frames of the contacts that may bear something, N s.
+    Recorded(Vec<Vector3<f64>>),
+}
+
+/// Solves a problem by every solver that there is, Siconos as it is asked for, and compares their answers with the first.
 ///
 /// # Errors
-/// [`SiconosError`] if it was asked for and is not there.
-pub fn check(file: &ProblemFile, settings: &Settings, with_siconos: bool) -> Result<Check, SiconosError> {
-    if with_siconos {
+/// [`SiconosError`] if it has to be run and is not there.
+pub fn check(file: &ProblemFile, settings: &Settings, siconos: &FromSiconos) -> Result<Check, SiconosError> {
+    if *siconos == FromSiconos::Run {
         siconos::version()?;
     }
-    let methods = [Method::Reference, Method::Direct, Method::Lanes, Method::Siconos];
+    let own = [Method::Reference, Method::Direct, Method::Lanes].map(|method| (method, solve(file, method, settings)));
+    let of_siconos = match siconos {
+        FromSiconos::Nothing => None,
+        FromSiconos::Run => Some(solve(file, Method::Siconos, settings)),
+        FromSiconos::Recorded(impulses) => Some(recorded(file, impulses)),
+    };
     let (mut answers, mut left_out) = (Vec::new(), Vec::new());
-    for method in methods.into_iter().filter(|method| with_siconos || *method != Method::Siconos) {
-        match solve(file, method, settings) {
+    for (method, answer) in own.into_iter().chain(of_siconos.map(|answer| (Method::Siconos, answer))) {
+        match answer {
             Ok(answer) => answers.push(answer),
             Err(why) => left_out.push(format!("{}: {why}", method.name())),
         }
@@ -227,19 +251,28 @@ fn of_impulses(
     local: &LocalProblem,
     impulses: Vec<Vector3<f64>>,
     method: Method,
-    iterations: u32,
+    iterations: Option<u32>,
     residual: Option<f64>,
 ) -> Answer {
     let state =
         file.contact.as_ref().map(|problem| (problem, problem.state_of(&problem.impulses_of(local, &impulses))));
     let of_state = state.as_ref().map(|(problem, state)| problem.residuals(state).max());
     Answer {
-        iterations: Some(iterations),
+        iterations,
         residual: of_state.or(residual),
         contact_velocities: local.velocities(&impulses),
         bodies: state.map(|(_, state)| velocities_of(state)),
         impulses,
         ..Answer::of(method)
+    }
+}
+
+/// The answer of Siconos that is on record.
+fn recorded(file: &ProblemFile, impulses: &[Vector3<f64>]) -> Result<Answer, String> {
+    let local = file.local.as_ref().ok_or("the file has no local problem")?;
+    match impulses.len() == local.offset.len() {
+        true => Ok(of_impulses(file, local, impulses.to_vec(), Method::Siconos, None, None)),
+        false => Err(format!("{} impulses are on record for {} contacts", impulses.len(), local.offset.len())),
     }
 }
 

@@ -20,6 +20,9 @@ pub(super) const CHECKSUM: &str = "makadam/checksum";
 /// Where the title stands for FCLIB.
 pub(super) const TITLE: &str = "fclib_local/info/title";
 
+/// Impulses of a solution, which are no part of the problem.
+pub(super) const SOLUTION: &str = "solution/r";
+
 /// Version of the layout below `makadam`.
 pub(super) const VERSION: i32 = 1;
 

@@ -8,13 +8,17 @@
 
 mod check;
 mod dataset;
+mod pose;
 mod read;
+mod recorded;
 mod siconos;
 mod words;
 mod write;
 
-pub use check::{Answer, Check, Method, Settings, check, solve};
-pub use read::{ProblemFileError, parse, read};
+pub use check::{AGREEMENT, Answer, Check, FromSiconos, Method, Settings, check, solve};
+pub use pose::{Posed, pose};
+pub use read::{ProblemFileError, parse, read, solution};
+pub use recorded::{RECORDED, Recorded, SICONOS};
 pub use siconos::{SiconosError, version as siconos_version};
 pub use words::{table, words};
 pub use write::{bytes, write};

@@ -1,8 +1,8 @@
 //! Files into problems. Whatever is wrong with a file is an error that names it.
 
 use super::dataset::{
-    CHECKSUM, CONTACT_PROBLEM, Datasets, Kind, LANES, LOCAL, Numbers, SPRINGS, TITLE, VERSION, VERSION_WITH_SPRINGS,
-    checksum,
+    CHECKSUM, CONTACT_PROBLEM, Datasets, Kind, LANES, LOCAL, Numbers, SOLUTION, SPRINGS, TITLE, VERSION,
+    VERSION_WITH_SPRINGS, checksum,
 };
 use super::{BodyVelocities, ProblemFile};
 use hdf5_pure::File;
@@ -99,6 +99,17 @@ pub fn parse(bytes: Vec<u8>) -> Result<ProblemFile, String> {
     let title = if has("makadam") { "makadam/title" } else { TITLE };
     let title = reader.file.dataset(title).and_then(|dataset| dataset.read_string()).unwrap_or_default();
     Ok(ProblemFile { title: title.into_iter().next().unwrap_or_default(), contact, local, lanes })
+}
+
+/// The impulses of the solution that a file holds, in the frames of the contacts, N s: FCLIB's `solution/r`.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn solution(bytes: Vec<u8>) -> Result<Vec<Vector3<f64>>, String> {
+    let file = File::from_bytes(bytes).map_err(|error| format!("it is no HDF5 file, or not all of one ({error})"))?;
+    let numbers = file.dataset(SOLUTION).and_then(|dataset| dataset.read_f64());
+    let numbers = numbers.map_err(|error| format!("{SOLUTION}: {error}"))?;
+    Ok(numbers.chunks_exact(3).map(Vector3::from_column_slice).collect())
 }
 
 struct Reader {

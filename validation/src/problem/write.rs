@@ -1,7 +1,7 @@
 //! Problems into files.
 
 use super::dataset::{
-    CONTACT_PROBLEM, Datasets, LANES, LOCAL, Numbers, SPRINGS, TITLE, VERSION, VERSION_WITH_SPRINGS, checksum,
+    CONTACT_PROBLEM, Datasets, LANES, LOCAL, Numbers, SOLUTION, SPRINGS, TITLE, VERSION, VERSION_WITH_SPRINGS, checksum,
 };
 use super::{BodyVelocities, ProblemFile};
 use crate::output::{WriteError, write_durably};
@@ -43,7 +43,7 @@ pub fn bytes(file: &ProblemFile, solution: Option<&[Vector3<f64>]>) -> Result<Ve
     }
     let sum = checksum(&datasets);
     if let (Some(local), Some(impulses)) = (&file.local, solution) {
-        datasets.insert("solution/r", flat(impulses));
+        datasets.insert(SOLUTION, flat(impulses));
         datasets.insert("solution/u", flat(&local.velocities(impulses)));
     }
     // Groups, by their paths; those inside of others are put into these when they are done.

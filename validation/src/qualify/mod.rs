@@ -25,7 +25,7 @@ use crate::provenance::account;
 use crate::report::{Qualification, Standing, StudySection};
 use crate::scenes::{SceneError, find, known};
 use crate::stability::StabilityError;
-use crate::study::DocumentError;
+use crate::study::{DocumentError, damaged_below};
 use scenes::{AgainstRecorded, Case};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -246,7 +246,11 @@ fn notes(
             "{taken} of {total} runs of scenes were taken from an earlier start in this folder; their wall times are those of then."
         ));
     }
-    notes.extend(kept.damaged());
+    let damaged = damaged_below(&settings.folder).into_iter();
+    notes.extend(
+        damaged
+            .map(|file| format!("a kept run was damaged and has been made again; the file is now {}", file.display())),
+    );
     notes.extend(failed.iter().cloned());
     Ok(notes)
 }

@@ -62,6 +62,7 @@ fn lines<T: DeserializeOwned>(table: &str) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::RECORDED;
     use crate::qualify::tier::{Study, TIERS};
     use crate::stability::{KNOWN_EXCEPTIONS, catalogue};
 
@@ -107,6 +108,12 @@ mod tests {
                             let needed =
                                 ablated.needed.iter().map(move |effect| format!("{}: {effect}", ablated.scene));
                             std::iter::once(format!("{}: as it is", ablated.scene)).chain(needed)
+                        });
+                        assert_eq!(own, tests.collect::<Vec<_>>());
+                    }
+                    Study::ContactProblems => {
+                        let tests = RECORDED.iter().flat_map(|problem| {
+                            ["direct", "lanes", "siconos"].map(|solver| format!("{}: {solver}", problem.name))
                         });
                         assert_eq!(own, tests.collect::<Vec<_>>());
                     }

@@ -45,6 +45,8 @@ pub enum Study {
     Ablation(&'static [Ablated]),
     /// Scenes of `makadam convergence`.
     Convergence(&'static [&'static str]),
+    /// Problems of `makadam problem check` that the program holds.
+    ContactProblems,
     /// Scenes of `makadam tradeoff --quick --codes makadam`.
     Tradeoff(&'static [&'static str]),
 }
@@ -151,6 +153,7 @@ pub const TIERS: [Extent; 3] = [
             Study::HardCases(&[]),
             LAWS,
             Study::Ablation(&SMALL_ABLATIONS),
+            Study::ContactProblems,
             Study::Convergence(&["packing", "drum"]),
         ],
     },
@@ -165,6 +168,7 @@ pub const TIERS: [Extent; 3] = [
             Study::HardCases(&[]),
             LAWS,
             Study::Ablation(&ALL_ABLATIONS),
+            Study::ContactProblems,
             Study::Convergence(&["packing", "drum"]),
             Study::Tradeoff(&["packing", "drum", "heap"]),
         ],
@@ -185,6 +189,7 @@ impl Study {
             Study::HardCases(_) => "stability",
             Study::Laws(_) => "laws",
             Study::Ablation(_) => "effects",
+            Study::ContactProblems => "contact-problems",
             Study::Convergence(_) => "convergence",
             Study::Tradeoff(_) => "tradeoff",
         }

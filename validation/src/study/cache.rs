@@ -14,6 +14,9 @@ use std::path::{Path, PathBuf};
 /// Version of the layout; files of another one are damaged.
 const VERSION: u32 = 1;
 
+/// Ending of the name of a file that was damaged.
+const DAMAGED: &str = "damaged";
+
 /// What tells a run from every other one, and the name of its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
@@ -97,7 +100,7 @@ impl RunCache {
             Some(sealed) if sealed.key == key.hash => Ok(Found::Run(sealed.kept)),
             Some(_) => Ok(Found::Nothing),
             None => {
-                let aside = file.with_extension("damaged");
+                let aside = file.with_extension(DAMAGED);
                 std::fs::rename(&file, &aside).map_err(|error| WriteError::new(&file, error))?;
                 Ok(Found::Damaged(aside))
             }
@@ -128,6 +131,21 @@ impl RunCache {
         self.keep(key, &run)?;
         Ok(run)
     }
+}
+
+/// Files in a folder, and in those that it holds, that were damaged and moved aside, at this start or an earlier one, sorted.
+pub fn damaged_below(folder: &Path) -> Vec<PathBuf> {
+    let mut damaged = Vec::new();
+    for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
+        // No link is followed: a folder may hold one to itself.
+        match path.symlink_metadata() {
+            Ok(about) if about.is_dir() => damaged.extend(damaged_below(&path)),
+            Ok(_) if path.extension().is_some_and(|extension| extension == DAMAGED) => damaged.push(path),
+            _ => {}
+        }
+    }
+    damaged.sort();
+    damaged
 }
 
 /// Bytes of the file of a run.
@@ -171,7 +189,7 @@ mod tests {
         let text = std::fs::read_to_string(&file).unwrap();
         std::fs::write(&file, text.replace("\"kept\": 5", "\"kept\": 6")).unwrap();
         assert_eq!(take("one", false, 7), 7, "a number that was changed is not what was kept");
-        assert!(folder.path().join("runs/case-s1.damaged").is_file());
+        assert_eq!(damaged_below(folder.path()), [folder.path().join("runs/case-s1.damaged")]);
         assert_ne!(cache.file(&key("one").apart()), cache.file(&key("two").apart()));
     }
 }

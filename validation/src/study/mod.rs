@@ -11,7 +11,7 @@ mod finding;
 mod page;
 mod table;
 
-pub use cache::{Found, Key, RunCache, sealed, unseal};
+pub use cache::{Found, Key, RunCache, damaged_below, sealed, unseal};
 pub use document::{Document, DocumentError, File};
 pub(crate) use document::{drawn, json, table, write_together};
 pub use finding::Finding;

@@ -2,7 +2,7 @@
 
 use super::shared::SceneArguments;
 use super::values::positive;
-use crate::problem::Method;
+use crate::problem::{AGREEMENT, Method, Settings};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -51,10 +51,10 @@ pub struct ProblemSolveArguments {
     #[arg(long, value_enum, default_value_t = MethodName::Reference)]
     pub method: MethodName,
     /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).
-    #[arg(long, default_value_t = 1e-10, value_parser = positive)]
+    #[arg(long, default_value_t = Settings::DEFAULT.tolerance, value_parser = positive)]
     pub tolerance: f64,
     /// Largest number of sweeps.
-    #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = Settings::DEFAULT.most_sweeps, value_parser = clap::value_parser!(u32).range(1..))]
     pub sweeps: u32,
     /// Also write the problem to this file, with the solution in FCLIB's group.
     #[arg(short, long)]
@@ -71,13 +71,13 @@ pub struct ProblemCheckArguments {
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).
-    #[arg(long, default_value_t = 1e-10, value_parser = positive)]
+    #[arg(long, default_value_t = Settings::DEFAULT.tolerance, value_parser = positive)]
     pub tolerance: f64,
     /// Largest number of sweeps.
-    #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = Settings::DEFAULT.most_sweeps, value_parser = clap::value_parser!(u32).range(1..))]
     pub sweeps: u32,
     /// Largest velocity difference at which answers agree, in the same units.
-    #[arg(long, default_value_t = 1e-5, value_parser = positive)]
+    #[arg(long, default_value_t = AGREEMENT, value_parser = positive)]
     pub agreement: f64,
     /// Also solve with Siconos, which must be installed (Debian's python3-siconos).
     #[arg(long)]

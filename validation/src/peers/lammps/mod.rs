@@ -55,8 +55,8 @@ impl Code for Lammps {
         HERTZ_MINDLIN
     }
 
-    fn timing_input(&self) -> &'static str {
-        "contacts with walls are neither kept nor dumped; skin of half the smallest radius"
+    fn timing_input(&self) -> Option<&'static str> {
+        Some("contacts with walls are neither kept nor dumped; skin of half the smallest radius")
     }
 
     fn version(&self) -> Option<String> {

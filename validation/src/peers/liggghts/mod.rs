@@ -66,8 +66,10 @@ impl Code for Liggghts {
         write_input(job).map(|_| "liggghts -in deck.in".into())
     }
 
-    fn timing_input(&self) -> &'static str {
-        "walls are its primitives where they can be, else coarse meshes, whose contacts are not dumped; skin of half the smallest radius"
+    fn timing_input(&self) -> Option<&'static str> {
+        Some(
+            "walls are its primitives where they can be, else coarse meshes, whose contacts are not dumped; skin of half the smallest radius",
+        )
     }
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {

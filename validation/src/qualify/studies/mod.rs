@@ -1,6 +1,7 @@
 //! Studies that are a part of a qualification: each is made by its own room, in a folder of its own, from runs that are kept there.
 
 mod ablation;
+mod contact_problems;
 mod convergence;
 mod hard_cases;
 mod laws;
@@ -75,6 +76,7 @@ pub(super) fn open<'a>(study: &Study, place: Place<'a>) -> Result<Box<dyn Part +
         Study::Laws(laws) => Box::new(laws::Laws::open(laws, place)?),
         Study::Ablation(scenes) => Box::new(ablation::Ablations::open(scenes, place)?),
         Study::Convergence(scenes) => Box::new(convergence::Convergence::open(scenes, place)?),
+        Study::ContactProblems => Box::new(contact_problems::ContactProblems::open(place)?),
         Study::Tradeoff(scenes) => Box::new(tradeoff::Tradeoff::open(scenes, place)?),
     })
 }
