@@ -92,6 +92,8 @@ fn a_hertzian_grain_rests_at_its_static_overlap() {
     let overlap = RADIUS - simulation.snapshot().particles[0].position[2];
     assert_relative_eq!(overlap, expected, max_relative = 1e-6);
     assert_relative_eq!(wall_force(&simulation), mass(RADIUS) * GRAVITY, max_relative = 1e-6);
+    // The integral of a force that goes with the overlap to the power 3/2.
+    assert_relative_eq!(simulation.energy().elastic, 0.4 * mass(RADIUS) * GRAVITY * overlap, max_relative = 1e-5);
 }
 
 #[test]
@@ -105,6 +107,7 @@ fn a_linear_grain_rests_at_its_static_overlap() {
     run_until(&mut simulation, 1.0);
     let overlap = RADIUS - simulation.snapshot().particles[0].position[2];
     assert_relative_eq!(overlap, mass(RADIUS) * GRAVITY / 1e4, max_relative = 1e-6);
+    assert_relative_eq!(simulation.energy().elastic, 0.5 * mass(RADIUS) * GRAVITY * overlap, max_relative = 1e-5);
 }
 
 #[test]
