@@ -7,11 +7,26 @@ use crate::study::Answer;
 /// The residual that methods are held against, in the study's unit: what a qualification asks of each method.
 const TOLERANCE: f64 = 1e-2;
 
-/// Which method reaches 0.01 of the unit soonest by wall time, which is next, and which do not reach it.
+/// Which method reaches 0.01 of the unit soonest by wall time, which is next, and which do not reach it. Where the start is there already,
+/// the next smaller residual is what tells methods apart.
 pub(super) fn answer(study: &Study) -> Answer {
-    let to = format!("{} {}", compact(TOLERANCE), study.problem.residual_unit_name);
+    let unit = &study.problem.residual_unit_name;
+    let is_start = |tolerance: f64| {
+        let at = |curve: &Curve| curve.reached.iter().find(|one| one.tolerance == tolerance)?.iterations;
+        study.methods.first().and_then(at) == Some(0)
+    };
+    let smaller = study.tolerances.iter().copied().filter(|tolerance| *tolerance <= TOLERANCE);
+    let Some(tolerance) = smaller.clone().find(|tolerance| !is_start(*tolerance)) else {
+        let sentence = format!("The start is below {} {unit}.", compact(smaller.fold(TOLERANCE, f64::min)));
+        return Answer { class: "agree", word: "There is nothing to solve.".into(), sentence };
+    };
+    let to = format!("{} {unit}", compact(tolerance));
+    let started = match tolerance < TOLERANCE {
+        true => format!(" The start is below {} {unit} already.", compact(TOLERANCE)),
+        false => String::new(),
+    };
     let reached = |curve: &Curve| -> Option<(u32, f64)> {
-        let Reached { iterations, seconds, .. } = *curve.reached.iter().find(|one| one.tolerance == TOLERANCE)?;
+        let Reached { iterations, seconds, .. } = *curve.reached.iter().find(|one| one.tolerance == tolerance)?;
         iterations.zip(seconds)
     };
     let mut there: Vec<(&Curve, u32, f64)> = (study.methods.iter())
@@ -21,8 +36,8 @@ pub(super) fn answer(study: &Study) -> Answer {
     let others: Vec<&str> =
         study.methods.iter().filter(|curve| reached(curve).is_none()).map(|curve| curve.method.name()).collect();
     let short = match others.as_slice() {
-        [] => String::new(),
-        _ => format!(" Not within {} iterations: {}.", study.iterations, others.join(", ")),
+        [] => started,
+        _ => format!(" Not within {} iterations: {}.{started}", study.iterations, others.join(", ")),
     };
     let Some((first, iterations, seconds)) = there.first() else {
         let word = format!("No method reaches {to}.");
@@ -113,6 +128,24 @@ mod tests {
             (none.class, none.text().as_str()),
             ("undecided", "No method reaches 0.01 g h. Not within 10 iterations: jacobi.")
         );
+    }
+
+    #[test]
+    fn a_start_that_is_there_already_is_no_answer() {
+        // The first point lies at 2; scaled down, at 0.002.
+        let near = |method, factor| {
+            let solve = curve(method, factor, 1e-3);
+            Curve::new(method, vec![solve.points], 1e3)
+        };
+        let found = answer(&study(vec![near(SolverMethod::GaussSeidel, 10.0)])).text();
+        assert_eq!(
+            found,
+            "Fastest to 0.001 g h: gauss-seidel. It takes 1 sweep in 1.0 ms. The start is below 0.01 g h already."
+        );
+        let mut solved = curve(SolverMethod::GaussSeidel, 10.0, 1e-3);
+        solved.reached.iter_mut().for_each(|one| (one.iterations, one.seconds) = (Some(0), Some(0.0)));
+        let found = answer(&study(vec![solved])).text();
+        assert_eq!(found, "There is nothing to solve. The start is below 1×10⁻⁶ g h.");
     }
 
     #[test]

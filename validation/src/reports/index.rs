@@ -80,7 +80,12 @@ impl Index {
                     let page = page.is_file().then(|| below(&page));
                     read.push((entry(below(path), page, &qualification), rows_alone(qualification)));
                 }
-                Err(problem) => unreadable.push(Unreadable { file: below(path), problem }),
+                Err(problem) => {
+                    // The file is named once, from the folder on.
+                    let named = format!("{}: ", path.display());
+                    let problem = problem.strip_prefix(&named).unwrap_or(&problem).to_string();
+                    unreadable.push(Unreadable { file: below(path), problem });
+                }
             }
         }
         let unseen = found.unseen.iter();

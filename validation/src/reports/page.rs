@@ -57,8 +57,8 @@ impl Index {
 /// All reports, one a row.
 fn table(reports: &[Entry]) -> Table {
     let table = Table::new(&["date (UTC)", "tier", "verdict"], &["tests passed"]);
-    let table = table.with_words("against the one before").with_words("version").with_numbers(["wall time"]);
-    let mut table = table.with_words("processor").with_words("report").of_class("wide");
+    let table = table.with_words("report").with_words("against the one before").with_words("version").of_class("wide");
+    let mut table = table.with_numbers(["wall time"]).with_words("processor");
     for (place, entry) in reports.iter().enumerate() {
         let report = entry.page.as_ref().unwrap_or(&entry.file);
         table.row(cells![
@@ -66,11 +66,11 @@ fn table(reports: &[Entry]) -> Table {
             &entry.tier,
             Cell::from("").outcome(Some((entry.standing.class(), entry.standing.words()))),
             entry.count(),
+            Cell::from(report).linked(address(report)),
             changes(entry, place),
             entry.build(),
             duration(entry.wall_seconds),
             entry.processor.as_deref(),
-            Cell::from(report).linked(address(report)),
         ]);
     }
     table

@@ -17,7 +17,8 @@ pub(super) fn answer(study: &Study) -> Answer {
     let (word, measured) = match best {
         Some(best) => {
             let serial = own().find(|row| row.scheduler == Scheduler::Serial && row.portion == best.portion);
-            (format!("{} times as fast on {} threads.", two_digits(best.speedup), best.threads), step(best, serial))
+            let faster = format!("{} times as fast on {} threads.", two_digits(best.speedup), best.threads);
+            (if gains(best) { faster } else { format!("Nothing gained: {faster}") }, step(best, serial))
         }
         None => {
             let step = own().next().map_or(String::new(), |row| format!("A step takes {}. ", time(row.step_seconds)));
@@ -26,10 +27,15 @@ pub(super) fn answer(study: &Study) -> Answer {
     };
     let class = match (study.same_bits, best) {
         (false, _) => "disagree",
-        (true, None) => "undecided",
-        (true, Some(_)) => "agree",
+        (true, Some(best)) if gains(best) => "agree",
+        (true, _) => "undecided",
     };
     Answer { class, word, sentence: format!("{measured}{}{bits}", with_more_cores(study)) }
+}
+
+/// Whether threads make a step faster.
+fn gains(row: &MeasuredRow) -> bool {
+    row.speedup > 1.0
 }
 
 /// A step of a row and of the serial one.
