@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const RECORDED: [(&str, f64); 1] = [("wall_force_over_weight", 1.0)];
 
 /// Writes references of the small scene by hand: two codes, three seeds, one observable, which alone is compared.
-fn with_references(folder: &Path) -> PathBuf {
+pub fn with_references(folder: &Path) -> PathBuf {
     let scene = changed(folder, "name = \"smoke\"", "name = \"changed\"");
     let text = std::fs::read_to_string(&scene).unwrap();
     let (head, compared) = text.split_once("[[compare]]").unwrap();

@@ -106,6 +106,19 @@ fn the_schema_takes_every_template_and_has_every_key_of_theirs() {
 }
 
 #[test]
+fn the_schema_of_reports_is_printed_and_has_no_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let schema: Value = serde_json::from_str(&said(folder.path(), &["schema", "--report"])).unwrap();
+    assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
+    assert_eq!(schema["title"], "Makadam report");
+    assert_eq!(schema["required"], serde_json::json!(["version", "verdict", "qualification"]));
+    let step = &schema["$defs"]["SolverSettings"]["properties"]["step"];
+    assert!(step["description"].as_str().unwrap().contains("Time step"), "{step}");
+    let (code, _, errors) = outcome(folder.path(), &["schema", "--report", "--markdown"]);
+    assert!(code == 2 && errors.contains("cannot be used with"), "{code}: {errors}");
+}
+
+#[test]
 fn a_scene_is_changed_by_set_and_read_from_standard_input() {
     let folder = tempfile::tempdir().unwrap();
     let smoke = smoke().display().to_string();

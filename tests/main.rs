@@ -18,6 +18,7 @@ mod output_folder;
 mod problem_command;
 mod qualify_command;
 mod reference_scenes;
+mod reports_command;
 mod resume_command;
 mod roofline_command;
 mod run_command;

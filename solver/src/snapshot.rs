@@ -30,6 +30,7 @@ use serde::{Deserialize, Serialize};
 
 /// State of one grain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Particle {
     /// Number of the grain; grains are numbered from 0 without holes, in the order of [`populate`](crate::scene::populate()).
     pub id: u32,

@@ -31,6 +31,7 @@ pub mod provenance;
 pub mod qualify;
 pub mod recording;
 pub mod report;
+pub mod reports;
 pub mod roofline;
 pub mod run_frames;
 pub mod scaling;

@@ -11,8 +11,9 @@ use makadam::scene::{
     Accuracy, Beforehand, Checked, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material, PairRule,
     Population, SceneError, SceneFileError, SolverSettings, Wall, Watch,
 };
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize, Serializer};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
@@ -154,7 +155,7 @@ impl Scene {
 
 /// A scene as it is written: the keys in the order that recorded hashes are taken in. What is left out where it has its default keeps
 /// the hashes of scenes from before there was such a key.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Document<'s> {
     name: &'s str,
     description: &'s str,
@@ -246,6 +247,21 @@ impl Serialize for Scene {
             compare,
         };
         document.serialize(serializer)
+    }
+}
+
+/// That of the scene as it is written.
+impl JsonSchema for Scene {
+    fn schema_name() -> Cow<'static, str> {
+        "Scene".into()
+    }
+
+    fn schema_id() -> Cow<'static, str> {
+        concat!(module_path!(), "::Scene").into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        Document::json_schema(generator)
     }
 }
 

@@ -17,6 +17,7 @@ mod peers_live;
 mod pictures;
 mod problem;
 mod report;
+mod report_files;
 mod report_studies;
 mod scaling;
 mod scene_hashes;

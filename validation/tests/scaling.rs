@@ -2,9 +2,10 @@
 
 use crate::support::scaling_sample as sample;
 use approx::assert_relative_eq;
+use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
 use makadam::schedule::{Phase, Region, Scheduler};
-use makadam_validation::scaling::{Costs, Machine, Replayed, ReplayedRow, Traffic, replay, table};
+use makadam_validation::scaling::{Costs, Machine, MeasuredRow, Replayed, ReplayedRow, Traffic, replay, table};
 use makadam_validation::study::Document;
 
 const NOTHING: Costs =
@@ -183,6 +184,18 @@ fn a_study_says_what_is_replayed() {
     let page = study.write(folder.path()).unwrap();
     let html = std::fs::read_to_string(page).unwrap();
     assert!(html.contains("Replayed on the model xeon-phi-3120") && html.contains("The thesis"), "{html}");
+    let widest = |row: &&MeasuredRow| row.threads > 1 && row.instruction_set == InstructionSet::Avx512;
+    // The page opens with the answer, and so does the terminal.
+    let best = study.measured.iter().filter(widest).max_by(|a, b| a.speedup.total_cmp(&b.speedup));
+    let best = best.expect("more than one thread was measured");
+    let head = html.split_once("</h1>").unwrap().1.trim_start();
+    assert!(head.starts_with("<p class=\"verdict agree\"><strong>"), "{head}");
+    for words in
+        [format!(" times as fast on {} threads.</strong> A step takes ", best.threads), "Replayed on more cores".into()]
+    {
+        assert!(head.split_once("</p>").unwrap().0.contains(&words), "{words}");
+    }
+    assert!(table(&study).lines().nth(1).unwrap().contains(&format!("times as fast on {} threads.", best.threads)));
     let findings = study.findings.join("\n");
     assert!(findings.contains("Threads change the duration of each other's tasks, by at most +3.0%"), "{findings}");
     for name in ["here-time", "here-speedup", "xeon-phi-3120-time", "xeon-phi-3120-speedup", "instruction-sets-time"] {

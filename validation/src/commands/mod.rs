@@ -19,6 +19,7 @@ mod picture;
 mod problem;
 mod qualify;
 mod record;
+mod reports;
 mod roofline;
 mod run;
 mod scaling;
@@ -78,6 +79,7 @@ pub fn main() -> ExitCode {
         Command::Export(export) => export::export(export, &console),
         Command::Problem(problem) => problem::problem(problem, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
+        Command::Reports(reports) => reports::reports(reports, &console),
         Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),
         Command::Stability(stability) => stability::stability(stability, &console),

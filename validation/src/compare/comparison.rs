@@ -4,10 +4,11 @@ use crate::observables::{ForceDistribution, Series};
 use crate::plan::Scene;
 use crate::statistics::Outcome;
 use makadam::snapshot::Particle;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Where a code's numbers came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Source {
     /// Run here and now.
@@ -17,7 +18,7 @@ pub enum Source {
 }
 
 /// How the times of a code's runs came about.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Timing {
     /// By runs for timing, from the inputs from which each code is fastest, one run after the other: processor time of the stepping, without
@@ -33,7 +34,7 @@ pub enum Timing {
 }
 
 /// One observable of one code, and its difference from a reference code.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Row {
     /// Name of the scene.
     pub scene: String,
@@ -69,7 +70,7 @@ pub struct Row {
 }
 
 /// How a code was run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CodeSummary {
     /// The code.
     pub code: String,
@@ -97,7 +98,7 @@ pub struct CodeSummary {
 }
 
 /// The grains of one code at the end of a run, for pictures.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FinalState {
     /// The code.
     pub code: String,
@@ -117,7 +118,7 @@ fn makadam() -> String {
 }
 
 /// Everything that a comparison of one scene yields.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Comparison {
     /// The scene.
     pub scene: Scene,

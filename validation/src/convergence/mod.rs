@@ -9,6 +9,7 @@
 //! Every method starts from the same state of the same problem, and one measure is taken of all of them: the natural map of
 //! [`makadam::methods`].
 
+mod answer;
 mod figures;
 mod measure;
 mod page;

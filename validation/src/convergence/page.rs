@@ -1,5 +1,6 @@
 //! The files of a study: its curves, its figures, and a page with a table and what they say.
 
+use super::answer::answer;
 use super::figures::figures;
 use super::study::{Reached, Study};
 use crate::draw::figure::Figure;
@@ -24,6 +25,7 @@ impl Document for Study {
         let title = format!("Convergence on the scene {}", problem.scene);
         let others = context! {
             study => self,
+            answer => answer(self),
             particles => count(problem.particles),
             contacts => count(problem.contacts),
             step => compact(1e3 * problem.time_step),

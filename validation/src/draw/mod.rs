@@ -9,6 +9,7 @@
 pub(crate) mod axis;
 mod columns;
 pub(crate) mod figure;
+mod labels;
 pub(crate) mod names;
 pub(crate) mod numbers;
 pub(crate) mod plot;

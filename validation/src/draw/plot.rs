@@ -1,6 +1,7 @@
 //! The one kind of plot: a frame with two axes, a light grid, a legend above.
 
 pub(crate) use super::axis::Axis;
+use super::labels::{Area, Room, distance};
 use super::names::{CodeStyle, code_style};
 use super::svg::{Anchor, Drawing};
 
@@ -14,6 +15,12 @@ const BOTTOM: f64 = 44.0;
 const TICK_HEIGHT: f64 = 11.0;
 /// Height of a line of a legend.
 const LEGEND_LINE: f64 = 18.0;
+/// Height of a line of the key of numbers.
+const KEY_LINE: f64 = 15.0;
+/// Half the size of the largest marker.
+const MARKER: f64 = 6.5;
+/// Distance from a marker's middle from which on a line leads to its number.
+const LEADER: f64 = 11.0;
 /// Where the lines of a legend of several begin.
 const LEGEND_LEFT: f64 = 14.0;
 
@@ -46,10 +53,8 @@ pub(crate) struct Plot {
     /// Upper and lower edge of the frame.
     top: f64,
     bottom: f64,
-    /// Where markers are.
-    marks: Vec<[f64; 2]>,
-    /// Where words were put beside points and lines: left, right and baseline.
-    taken: Vec<[f64; 3]>,
+    /// Where markers, lines and numbers are.
+    room: Room,
 }
 
 impl Plot {
@@ -88,8 +93,7 @@ impl Plot {
             y,
             top,
             bottom,
-            marks: Vec::new(),
-            taken: Vec::new(),
+            room: Room::new(Area { low: [LEFT, top], high: [WIDTH - RIGHT, bottom] }),
         };
         plot.grid();
         plot
@@ -133,6 +137,7 @@ impl Plot {
     /// A curve of a class, cut off at the frame.
     pub(crate) fn curve(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
         let points: Vec<[f64; 2]> = points.map(|[x, y]| self.at(x, y)).collect();
+        points.windows(2).for_each(|ends| self.room.line([ends[0], ends[1]]));
         self.drawing.begin_clip([LEFT, self.top], WIDTH - LEFT - RIGHT, self.bottom - self.top);
         self.drawing.curve(class, points.into_iter());
         self.drawing.end_clip();
@@ -141,19 +146,22 @@ impl Plot {
     /// A code's marker, if it lies inside the frame.
     pub(crate) fn marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
         if self.contains(x, y) {
-            let at = self.at(x, y);
-            self.marks.push(at);
-            self.drawing.marker(style, at, size, false);
+            self.mark(style, [x, y], size, false);
         }
     }
 
     /// A code's open marker, if it lies inside the frame.
     pub(crate) fn open_marker(&mut self, style: CodeStyle, x: f64, y: f64, size: f64) {
         if self.contains(x, y) {
-            let at = self.at(x, y);
-            self.marks.push(at);
-            self.drawing.marker(style, at, size, true);
+            self.mark(style, [x, y], size, true);
         }
+    }
+
+    fn mark(&mut self, style: CodeStyle, [x, y]: [f64; 2], size: f64, hollow: bool) {
+        let at = self.at(x, y);
+        // The widest shape is 1.25 times as wide as its size says.
+        self.room.mark(Area::around(at, [1.3 * size; 2]));
+        self.drawing.marker(style, at, size, hollow);
     }
 
     /// A vertical bar of error, cut off at the frame.
@@ -162,6 +170,7 @@ impl Plot {
         let high = high.min(self.y.high);
         if self.contains(x, low) && self.contains(x, high) {
             let (a, b) = (self.at(x, low), self.at(x, high));
+            self.room.line([a, b]);
             self.drawing.line(class, a, b);
         }
     }
@@ -211,42 +220,42 @@ impl Plot {
         self.drawing.text("tick", [x + right, y + down], anchor, text);
     }
 
-    /// A few words beside a point, on the side where they hide fewest markers. They are left out where they would run into other
-    /// words on any side. Markers come first.
-    pub(crate) fn label_beside(&mut self, [x, y]: [f64; 2], text: &str) {
-        let ([x, y], width) = (self.at(x, y), width_of(text));
-        let sides = [[7.0, -6.0], [7.0, 14.0], [-7.0 - width, -6.0], [-7.0 - width, 14.0]];
-        self.put(sides.map(|[right, down]| [x + right, y + down]).into_iter(), text);
-    }
-
-    /// A few words above or below a level line that goes all across, where they hide fewest markers; as far to the right as
-    /// that allows.
-    pub(crate) fn label_on_line(&mut self, y: f64, text: &str) {
-        let (y, width) = (self.at(self.x.low, y)[1], width_of(text));
-        let (first, room) = (LEFT + 6.0, WIDTH - LEFT - RIGHT - 12.0 - width);
-        let places = (0..=8).rev().map(|place| first + room * f64::from(place) / 8.0);
-        self.put(places.flat_map(|x| [[x, y - 5.0], [x, y + 13.0]]), text);
-    }
-
-    /// Words at that of the places, the left ends of their baselines, where they hide fewest markers.
-    fn put(&mut self, places: impl Iterator<Item = [f64; 2]>, text: &str) {
-        let width = width_of(text);
-        let free = places.filter(|&[left, baseline]| {
-            let meets = |&[l, r, b]: &[f64; 3]| left < r && l < left + width && (baseline - b).abs() < TICK_HEIGHT;
-            let inside =
-                left >= LEFT && left + width <= WIDTH - RIGHT && baseline - 9.0 >= self.top && baseline <= self.bottom;
-            inside && !self.taken.iter().any(meets)
-        });
-        let hidden = |&[left, baseline]: &[f64; 2]| {
-            let hides = |&&[x, y]: &&[f64; 2]| {
-                (left - 4.0..left + width + 4.0).contains(&x) && (baseline - 13.0..baseline + 5.0).contains(&y)
-            };
-            self.marks.iter().filter(hides).count()
-        };
-        if let Some([left, baseline]) = free.min_by_key(hidden) {
-            self.taken.push([left, left + width, baseline]);
-            self.drawing.text("tick beside", [left, baseline], Anchor::Start, text);
+    /// A number beside a marker that is drawn already, where it hides neither markers nor other numbers; with a line to the marker where
+    /// it is not next to it. Markers and curves come first.
+    pub(crate) fn number(&mut self, [x, y]: [f64; 2], number: usize) {
+        let (at, text) = (self.at(x, y), number.to_string());
+        let Some(area) = self.room.place(at, [width_of(&text) + 2.0, TICK_HEIGHT]) else { return };
+        let near = area.nearest(at);
+        let way = distance(near, at);
+        if way > LEADER {
+            let edge = std::array::from_fn(|axis| at[axis] + (near[axis] - at[axis]) * MARKER / way);
+            self.drawing.line("leader", edge, near);
         }
+        let middle = (area.low[0] + area.high[0]) / 2.0;
+        self.drawing.text("tick beside", [middle, area.high[1] - 2.0], Anchor::Middle, &text);
+    }
+
+    /// What numbers stand for, below the axis: lines of entries behind the marker of each style.
+    pub(crate) fn key_of_numbers(&mut self, groups: &[(CodeStyle, Vec<(usize, &str)>)]) {
+        let (mut y, first) = (self.bottom + BOTTOM + 4.0, LEGEND_LEFT + 14.0);
+        for (style, entries) in groups {
+            y += KEY_LINE;
+            self.drawing.marker(*style, [LEGEND_LEFT, y - 4.0], 3.6, false);
+            let mut x = first;
+            for (number, words) in entries {
+                let text = format!("{number}: {words}");
+                if x > first && x + width_of(&text) > WIDTH {
+                    (x, y) = (first, y + KEY_LINE);
+                }
+                let lines = broken(&text, WIDTH - first);
+                for (place, line) in lines.iter().enumerate() {
+                    (x, y) = if place > 0 { (first, y + KEY_LINE) } else { (x, y) };
+                    self.drawing.text("tick", [x, y], Anchor::Start, line);
+                }
+                x += lines.last().map_or(0.0, |line| width_of(line)) + 14.0;
+            }
+        }
+        self.drawing.grow(y + 6.0);
     }
 
     /// A few words above the straight line from one point to another, near its beginning.
@@ -268,6 +277,22 @@ impl Plot {
     pub(crate) fn finish(self, name: &str) -> String {
         self.drawing.finish(name)
     }
+}
+
+/// A text in lines that are no wider than so many pixels, unless a single word is.
+fn broken(text: &str, width: f64) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last_mut().expect("there is a line from the beginning");
+        if line.is_empty() {
+            *line += word;
+        } else if width_of(line) + width_of(word) + width_of(" ") <= width {
+            *line += &format!(" {word}");
+        } else {
+            lines.push(word.into());
+        }
+    }
+    lines
 }
 
 /// Width of a tick label in pixels. There is no measuring of text here; 6.4 a character is on the wide side.

@@ -24,6 +24,11 @@ impl Drawing {
         Drawing { body: String::new(), width, height }
     }
 
+    /// Makes it higher.
+    pub(crate) fn grow(&mut self, height: f64) {
+        self.height = self.height.max(height);
+    }
+
     /// A straight line.
     pub(crate) fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
         let _ = write!(

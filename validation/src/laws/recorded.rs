@@ -36,6 +36,7 @@ fn section(law: &dyn Law, result: &LawResult) -> PublishedLaw {
             })
             .collect(),
         figures: law.figures(&result.means).into_iter().map(|figure| (figure.svg, figure.caption)).collect(),
+        rows: law.recorded().into(),
     }
 }
 

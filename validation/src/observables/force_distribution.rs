@@ -6,10 +6,11 @@ use super::view::View;
 use super::{bed_of, heap_of, measured_frames, setting_of};
 use crate::plan::Scene;
 use crate::recording::Recording;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Distribution of normal forces over their mean, all seeds of a code pooled.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ForceDistribution {
     /// The code.
     pub code: String,

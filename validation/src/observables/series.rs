@@ -1,9 +1,10 @@
 //! Quantities over time.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// An observable over time in one run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Series {
     /// The code.
     pub code: String,

@@ -83,16 +83,20 @@ impl Changes {
         !self.lost.is_empty()
     }
 
-    /// In lines.
-    pub fn text(&self) -> String {
+    /// Each change in a line, after the kind of change.
+    pub fn lines(&self) -> Vec<String> {
         let parts = [
             ("lost", &self.lost),
             ("new", &self.gained),
             ("changed", &self.outcomes),
             ("moved beyond noise", &self.moved),
         ];
-        let lines: Vec<String> =
-            parts.iter().flat_map(|(word, list)| list.iter().map(move |text| format!("{word}: {text}"))).collect();
+        parts.iter().flat_map(|(word, list)| list.iter().map(move |text| format!("{word}: {text}"))).collect()
+    }
+
+    /// In lines.
+    pub fn text(&self) -> String {
+        let lines = self.lines();
         match lines.is_empty() {
             true => "against the earlier report: the same tests and outcomes, and no mean moved beyond noise".into(),
             false => format!("against the earlier report:\n  {}", lines.join("\n  ")),

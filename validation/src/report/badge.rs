@@ -1,7 +1,6 @@
 //! The verdict as a badge: a small picture for a page that links to the report.
 
 use super::qualification::{Qualification, Standing, plural};
-use super::studies::StudyCount;
 use crate::draw::svg::escape;
 
 /// Width of a letter at 11 pixels, on the safe side.
@@ -10,9 +9,7 @@ const LETTER: usize = 7;
 /// The badge as SVG.
 pub(super) fn svg(qualification: &Qualification) -> String {
     let verdict = qualification.verdict();
-    let of_studies = |count: fn(&StudyCount) -> usize| verdict.studies.iter().map(count).sum::<usize>();
-    let tests = verdict.agree + verdict.disagree + verdict.undecided + verdict.not_measured;
-    let (agree, tests) = (verdict.agree + of_studies(|one| one.passed), tests + of_studies(|one| one.tests));
+    let (agree, tests) = (verdict.passed(), verdict.tests());
     let (word, colour) = match verdict.standing {
         Standing::Agree => ("agree", "#2a7a2f"),
         Standing::Disagree => ("agree", "#b3261e"),
@@ -24,7 +21,7 @@ pub(super) fn svg(qualification: &Qualification) -> String {
         Standing::NothingCompared => "nothing compared".to_string(),
         _ => format!("{agree} of {tests} tests {word}"),
     };
-    let right = match of_studies(|one| one.known_exceptions.len()) {
+    let right = match verdict.studies.iter().map(|study| study.known_exceptions.len()).sum() {
         0 => right,
         known => format!("{right}, {}", plural(known, "known exception")),
     };

@@ -12,60 +12,86 @@ fn mueth(force: f64) -> f64 {
     3.0 * (1.0 - 0.75 * (-force * force).exp()) * (-1.5 * force).exp()
 }
 
+/// Name of the curve of the literature.
+const LITERATURE: &str = "Mueth 1998";
+
+/// A point of a curve.
+pub(super) struct Point {
+    /// Normal force over its mean.
+    pub(super) force: f64,
+    /// Probability density.
+    pub(super) density: f64,
+    /// Lower and upper end of the counting error; absent on the curve of the literature.
+    pub(super) error: Option<[f64; 2]>,
+}
+
+/// What the plot shows: the points of each code with its name, then those of the literature. Nothing if no code has forces.
+pub(super) fn curves(comparison: &Comparison) -> Vec<(&str, Vec<Point>)> {
+    let of_code = comparison.forces.iter().map(|one| (one.code.as_str(), points(one)));
+    let mut curves: Vec<_> = of_code.filter(|(_, points)| !points.is_empty()).collect();
+    if !curves.is_empty() {
+        let right = right(&curves);
+        let literature = (0..=200).map(|k| right * f64::from(k) / 200.0);
+        let literature = literature.map(|force| Point { force, density: mueth(force), error: None }).collect();
+        curves.push((LITERATURE, literature));
+    }
+    curves
+}
+
+/// The bins that hold forces.
+fn points(distribution: &ForceDistribution) -> Vec<Point> {
+    let half_bin = half_width(&distribution.force);
+    let bins = distribution.force.iter().copied().zip(distribution.density.iter().copied());
+    let held = bins.filter(|&(force, density)| force.is_finite() && density.is_finite() && density > 0.0);
+    held.map(|(force, density)| {
+        // The bin holds density x width x samples forces.
+        let held = density * 2.0 * half_bin * distribution.samples as f64;
+        let relative = 1.0 / held.sqrt();
+        let error = (held > 0.0).then(|| [density * (1.0 - relative).max(1e-12), density * (1.0 + relative)]);
+        Point { force, density, error }
+    })
+    .collect()
+}
+
+/// Right end of the axis. Beyond eight mean forces there are a handful of contacts in a scene.
+fn right(curves: &[(&str, Vec<Point>)]) -> f64 {
+    let forces = curves.iter().flat_map(|(_, points)| points.iter().map(|point| point.force));
+    forces.fold(1.0, f64::max).clamp(1.0, 8.0)
+}
+
 /// The plot and its caption; none if no code has forces.
 pub(super) fn figure(comparison: &Comparison) -> Option<(String, String)> {
-    let positive = |d: &ForceDistribution| {
-        d.force
-            .iter()
-            .copied()
-            .zip(d.density.iter().copied())
-            .filter(|&(f, p)| f.is_finite() && p.is_finite() && p > 0.0)
-            .collect::<Vec<_>>()
-    };
-    let all: Vec<(&ForceDistribution, Vec<(f64, f64)>)> =
-        comparison.forces.iter().map(|d| (d, positive(d))).filter(|(_, points)| !points.is_empty()).collect();
-    if all.is_empty() {
-        return None;
-    }
-    let points = || all.iter().flat_map(|(_, points)| points.iter());
-    // Beyond eight mean forces there are a handful of contacts in a scene.
-    let right = points().map(|p| p.0).fold(1.0, f64::max).clamp(1.0, 8.0);
-    let shown = || points().filter(move |p| p.0 <= right);
-    let low = shown().map(|p| p.1).fold(0.1, f64::min).max(1e-5);
-    let high = shown().map(|p| p.1).fold(1.0, f64::max);
+    let curves = curves(comparison);
+    let (literature, all) = curves.split_last()?;
+    let right = right(all);
+    let shown = || all.iter().flat_map(|(_, points)| points.iter()).filter(|p| p.force <= right).map(|p| p.density);
+    let low = shown().fold(0.1, f64::min).max(1e-5);
+    let high = shown().fold(1.0, f64::max);
     let mut plot = Plot::new(
         Axis::linear("normal force over its mean, f", 0.0, right),
         Axis::logarithmic("probability density P(f)", low, high),
     );
-    plot.curve(
-        "literature",
-        (0..=200).map(|k| {
-            let f = right * k as f64 / 200.0;
-            [f, mueth(f)]
-        }),
-    );
-    for (distribution, points) in &all {
-        let style = names::code_style(&distribution.code);
+    let line = |points: &[Point]| points.iter().map(|point| [point.force, point.density]).collect::<Vec<_>>();
+    plot.curve("literature", line(&literature.1).into_iter());
+    for (code, points) in all {
+        let style = names::code_style(code);
         let error = format!("{} error", style.class);
-        plot.curve(&format!("{} curve thin", style.class), points.iter().map(|&(f, p)| [f, p]));
-        let half_bin = half_width(&distribution.force);
-        for &(force, density) in points {
-            // Counting error: the bin holds density x width x samples forces.
-            let held = density * 2.0 * half_bin * distribution.samples as f64;
-            if held > 0.0 {
-                let relative = 1.0 / held.sqrt();
-                plot.error_bar(&error, force, density * (1.0 - relative).max(1e-12), density * (1.0 + relative));
+        plot.curve(&format!("{} curve thin", style.class), line(points).into_iter());
+        for point in points {
+            if let Some([low, high]) = point.error {
+                plot.error_bar(&error, point.force, low, high);
             }
         }
     }
-    for (distribution, points) in &all {
-        let style = names::code_style(&distribution.code);
-        points.iter().for_each(|&(force, density)| plot.marker(style, force, density, 3.2));
+    for (code, points) in all {
+        let style = names::code_style(code);
+        points.iter().for_each(|point| plot.marker(style, point.force, point.density, 3.2));
     }
-    let mut keys: Vec<Key<'_>> = all.iter().map(|(d, _)| Key::Code(&d.code)).collect();
-    keys.push(Key::Line("literature", "Mueth 1998"));
+    let mut keys: Vec<Key<'_>> = all.iter().map(|(code, _)| Key::Code(code)).collect();
+    keys.push(Key::Line("literature", LITERATURE));
     plot.legend(&keys);
-    let samples: Vec<String> = all.iter().map(|(d, _)| format!("{} {}", d.code, count(d.samples))).collect();
+    let counted = comparison.forces.iter().filter(|one| all.iter().any(|(code, _)| *code == one.code));
+    let samples: Vec<String> = counted.map(|one| format!("{} {}", one.code, count(one.samples))).collect();
     let caption = format!(
         "Distribution of normal forces over their mean. The codes should lie on one curve, flat below the mean and \
          exponential above it; the grey curve is the fit of Mueth et al. (1998) to forces at the walls of a packing of \

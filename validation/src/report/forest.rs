@@ -12,40 +12,57 @@ const RIGHT: f64 = 88.0;
 const LINE: f64 = 21.0;
 const HEADING: f64 = 25.0;
 
+/// What a line of the plot shows.
+pub(super) struct Line<'a> {
+    /// The row that it is of.
+    pub(super) row: &'a Row,
+    /// Whether it is of the judged code; the others are the floor.
+    pub(super) judged: bool,
+    /// The code that it is compared with.
+    pub(super) reference: &'a str,
+    /// The difference, in margins.
+    pub(super) difference: f64,
+    /// The interval that the verdict rests on, in margins; absent for want of seeds.
+    pub(super) interval: Option<[f64; 2]>,
+}
+
+/// The lines of the plot, those of an observable together.
+pub(super) fn lines(comparison: &Comparison) -> Vec<Line<'_>> {
+    let line = |row: &'_ Row| {
+        let margin = row.margin.filter(|margin| *margin > 0.0)?;
+        let difference = row.difference.filter(|difference| difference.is_finite())? / margin;
+        let interval = row.interval_of_verdict.or(row.interval90);
+        let interval = interval.filter(|ends| ends.iter().all(|end| end.is_finite()));
+        Some((difference, interval.map(|ends| ends.map(|end| end / margin))))
+    };
+    let lines = comparison.rows.iter().filter_map(|row| {
+        let (difference, interval) = line(row)?;
+        let judged = row.code == comparison.judged;
+        Some(Line { row, judged, reference: row.reference_code.as_deref()?, difference, interval })
+    });
+    let mut lines: Vec<Line<'_>> = lines.collect();
+    let mut observables: Vec<&str> = Vec::new();
+    for line in &lines {
+        if !observables.contains(&line.row.observable.as_str()) {
+            observables.push(&line.row.observable);
+        }
+    }
+    lines.sort_by_key(|line| observables.iter().position(|known| *known == line.row.observable));
+    lines
+}
+
 /// The plot; none if no row has a margin.
 pub(super) fn figure(comparison: &Comparison) -> Option<String> {
-    let rows: Vec<&Row> = comparison
-        .rows
-        .iter()
-        .filter(|r| {
-            r.difference.is_some_and(f64::is_finite) && r.margin.is_some_and(|m| m > 0.0) && r.reference_code.is_some()
-        })
-        .collect();
-    let mut observables: Vec<&str> = rows.iter().map(|r| r.observable.as_str()).collect();
-    observables.dedup();
-    // `dedup` joins neighbours only; rows of one observable may be apart.
-    let mut seen = Vec::new();
-    observables.retain(|o| {
-        if seen.contains(o) {
-            false
-        } else {
-            seen.push(*o);
-            true
-        }
-    });
-    if observables.is_empty() {
+    let lines = lines(comparison);
+    let groups = || lines.chunk_by(|one, other| one.row.observable == other.row.observable);
+    if lines.is_empty() {
         return None;
     }
-    let reach = rows
-        .iter()
-        .flat_map(|r| {
-            interval(r).into_iter().flatten().chain(r.difference).map(|v| (v / r.margin.unwrap_or(1.0)).abs())
-        })
-        .filter(|v| v.is_finite())
-        .fold(1.6, f64::max);
+    let values = lines.iter().flat_map(|line| line.interval.into_iter().flatten().chain([line.difference]));
+    let reach = values.map(f64::abs).fold(1.6, f64::max);
     // A pair that is far outside would press all others into a line; it gets an arrow.
     let reach = (reach * 1.08).min(4.0);
-    let height = 26.0 + observables.len() as f64 * HEADING + rows.len() as f64 * LINE + 34.0;
+    let height = 26.0 + groups().count() as f64 * HEADING + lines.len() as f64 * LINE + 34.0;
     let mut drawing = Drawing::new(WIDTH, height);
     let x = |v: f64| LEFT + (v / reach + 1.0) / 2.0 * (WIDTH - LEFT - RIGHT);
     let bottom = height - 34.0;
@@ -65,36 +82,29 @@ pub(super) fn figure(comparison: &Comparison) -> Option<String> {
     drawing.text("label", [x(0.0), height - 5.0], Anchor::Middle, "difference of the means, in margins");
 
     let mut y = 24.0;
-    for observable in observables {
+    for group in groups() {
         y += HEADING;
-        drawing.text("heading", [0.0, y - 8.0], Anchor::Start, &names::observable(observable));
-        for row in rows.iter().filter(|r| r.observable == observable) {
-            line(&mut drawing, row, row.code == comparison.judged, y + LINE / 2.0 - 4.0, reach, &x);
+        drawing.text("heading", [0.0, y - 8.0], Anchor::Start, &names::observable(&group[0].row.observable));
+        for line in group {
+            draw(&mut drawing, line, y + LINE / 2.0 - 4.0, reach, &x);
             y += LINE;
         }
     }
     Some(drawing.finish("intervals of differences against the margins"))
 }
 
-fn interval(row: &Row) -> Option<[f64; 2]> {
-    row.interval_of_verdict.or(row.interval90)
-}
-
-fn line(drawing: &mut Drawing, row: &Row, judged: bool, y: f64, reach: f64, x: &impl Fn(f64) -> f64) {
-    let (Some(difference), Some(margin), Some(reference)) = (row.difference, row.margin, row.reference_code.as_deref())
-    else {
-        return;
-    };
+fn draw(drawing: &mut Drawing, line: &Line<'_>, y: f64, reach: f64, x: &impl Fn(f64) -> f64) {
+    let Line { row, judged, reference, difference, interval } = *line;
     let style = names::code_style(if judged { reference } else { "" });
     let label = format!("{} − {reference}", row.code);
     drawing.text(if judged { "name" } else { "name faint" }, [LEFT - 10.0, y + 4.0], Anchor::End, &label);
-    let clamp = |v: f64| (v / margin).clamp(-reach, reach);
-    if let Some([low, high]) = interval(row).filter(|i| i.iter().all(|v| v.is_finite())) {
+    let clamp = |v: f64| v.clamp(-reach, reach);
+    if let Some([low, high]) = interval {
         drawing.line(&format!("{} whisker", style.class), [x(clamp(low)), y], [x(clamp(high)), y]);
         for end in [low, high] {
             let at = x(clamp(end));
-            if (end / margin).abs() > reach {
-                let way = (end / margin).signum();
+            if end.abs() > reach {
+                let way = end.signum();
                 drawing.polygon(
                     &format!("{} marker", style.class),
                     &[[at + 7.0 * way, y], [at - way, y - 5.0], [at - way, y + 5.0]],
@@ -104,8 +114,8 @@ fn line(drawing: &mut Drawing, row: &Row, judged: bool, y: f64, reach: f64, x: &
             }
         }
     }
-    if (difference / margin).abs() <= reach {
-        drawing.marker(style, [x(difference / margin), y], 4.5, !judged);
+    if difference.abs() <= reach {
+        drawing.marker(style, [x(difference), y], 4.5, !judged);
     }
     let (class, text) = match (judged, row.outcome) {
         (false, _) => ("name faint", "floor".to_string()),

@@ -6,6 +6,7 @@
 //! StudySection ─> table     │
 //!            ─> plots       │   ──────> report.json, rows.csv, junit.xml, badge.svg
 //!            ─> pictures    ┘
+//!            ─> drawn ────────────────> differences.csv, series.csv, forces.csv, grains.csv, and a file a law
 //! ```
 //!
 //! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures show what the
@@ -13,6 +14,7 @@
 
 mod against;
 mod badge;
+mod drawn;
 mod forces;
 mod forest;
 mod junit;
@@ -23,6 +25,7 @@ mod pictures;
 pub mod published;
 mod qualification;
 mod rows;
+mod schema;
 mod series;
 mod speed;
 mod studies;
@@ -34,6 +37,7 @@ mod write;
 pub use against::Changes;
 pub use on_record::{Lost, TestOnRecord};
 pub use qualification::{Qualification, Standing, Verdict};
+pub use schema::schema;
 pub use speed::speed_sentence;
 pub use studies::{StudyCount, StudyOutcome, StudySection, StudyTest, StudyTestOnRecord};
 pub use terminal::comparison_table;

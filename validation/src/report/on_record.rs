@@ -3,11 +3,12 @@
 use super::qualification::Qualification;
 use super::studies::StudyTestOnRecord;
 use crate::compare::{Comparison, Row};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// A test of equivalence on record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TestOnRecord {
     /// Name of the scene.
     pub scene: String,

@@ -1,6 +1,6 @@
 //! The page: everything that the template shows, gathered and named.
 
-use super::qualification::{Qualification, Standing, join};
+use super::qualification::{Qualification, join};
 use super::{forces, forest, pictures, published, series, speed, studies, tables};
 use crate::compare::{Comparison, Source};
 use crate::draw::{names, numbers};
@@ -24,7 +24,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         tier => qualification.tier,
         wall_time => numbers::duration(qualification.wall_seconds),
         verdict => verdict,
-        standing => standing(verdict.standing),
+        standing => context! { word => verdict.standing.words(), class => verdict.standing.class() },
         style => style(),
         grain_rules => pictures::rules(),
         gradients => pictures::gradients(),
@@ -95,18 +95,6 @@ fn facts(comparison: &Comparison) -> String {
         None => "measured in the last frame".into(),
     };
     format!("Simulated time {} s, {measured}.", numbers::compact(scene.duration))
-}
-
-/// Mark, word and style of a verdict.
-fn standing(standing: Standing) -> Value {
-    let (word, class) = match standing {
-        Standing::Agree => ("Agree", "agree"),
-        Standing::Disagree => ("Disagree", "disagree"),
-        Standing::Undecided => ("Undecided", "undecided"),
-        Standing::NotMeasured => ("Not measured", "undecided"),
-        Standing::NothingCompared => ("No verdict", "undecided"),
-    };
-    context! { word => word, class => class }
 }
 
 /// What was run here and now and what was read from recordings, a sentence or two a code.

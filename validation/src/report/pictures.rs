@@ -36,9 +36,14 @@ pub(super) struct Gallery {
     pub(super) caption: String,
 }
 
+/// The states that are drawn.
+pub(super) fn states(comparison: &Comparison) -> Vec<&FinalState> {
+    comparison.final_states.iter().filter(|state| !state.particles.is_empty()).collect()
+}
+
 /// The pictures of a scene; none if no code left a final state.
 pub(super) fn gallery(comparison: &Comparison) -> Option<Gallery> {
-    let states: Vec<&FinalState> = comparison.final_states.iter().filter(|s| !s.particles.is_empty()).collect();
+    let states = states(comparison);
     let first = states.first()?;
     let top = top_of_scale(comparison, &states);
     let mut outside = 0;

@@ -3,10 +3,11 @@
 use crate::draw::numbers;
 use crate::study::{Cell, Table, cells};
 use minijinja::{Value, context};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A law and what was measured of it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PublishedLaw {
     /// Its name.
     pub name: String,
@@ -25,10 +26,20 @@ pub struct PublishedLaw {
     /// Drawings with their captions; only the page has them.
     #[serde(skip)]
     pub figures: Vec<(String, String)>,
+    /// Rows of the runs that they draw the means of, as CSV; only the file beside the page has them.
+    #[serde(skip)]
+    pub rows: String,
+}
+
+impl PublishedLaw {
+    /// Name of the file of its rows.
+    pub(super) fn file(&self) -> String {
+        format!("law-{}.csv", self.name)
+    }
 }
 
 /// A figure and its bounds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Judged {
     /// What was measured.
     pub what: String,
@@ -62,7 +73,8 @@ pub(super) fn table(laws: &[PublishedLaw]) -> Table {
 /// What the template shows of a law beside its figures.
 pub(super) fn shown(law: &PublishedLaw) -> Value {
     let figures = law.figures.iter().map(|(svg, caption)| context! { svg => svg, caption => caption });
-    context! { law => law, wall_time => numbers::duration(law.wall_seconds), figures => figures.collect::<Vec<_>>() }
+    let data = (!law.rows.is_empty()).then(|| law.file());
+    context! { law => law, data => data, wall_time => numbers::duration(law.wall_seconds), figures => figures.collect::<Vec<_>>() }
 }
 
 /// Three decimals; a typographic minus.

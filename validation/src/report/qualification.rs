@@ -5,11 +5,12 @@ use super::published::PublishedLaw;
 use super::studies::{StudyCount, StudySection, StudyTestOnRecord};
 use crate::compare::{Comparison, Row};
 use crate::statistics::Outcome;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// One qualification: every scene that was compared, and where the numbers came from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Qualification {
     /// Title of the report.
     pub title: String,
@@ -44,7 +45,7 @@ pub struct Qualification {
 }
 
 /// What a qualification says as a whole.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
     /// Every test of equivalence and of a study passed, and every live run lies inside the recorded spread.
@@ -60,7 +61,7 @@ pub enum Standing {
 }
 
 /// The verdict of a qualification, counted over the tests of the judged code against the others.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Verdict {
     /// What it comes to.
     pub standing: Standing,
@@ -85,6 +86,41 @@ pub struct Verdict {
     pub studies: Vec<StudyCount>,
     /// The verdict in words; the first sentence is that of the tests of equivalence.
     pub sentence: String,
+}
+
+impl Standing {
+    /// In a word or two.
+    pub fn words(self) -> &'static str {
+        match self {
+            Standing::Agree => "Agree",
+            Standing::Disagree => "Disagree",
+            Standing::Undecided => "Undecided",
+            Standing::NotMeasured => "Not measured",
+            Standing::NothingCompared => "No verdict",
+        }
+    }
+
+    /// Style class of its mark.
+    pub(crate) fn class(self) -> &'static str {
+        match self {
+            Standing::Agree => "agree",
+            Standing::Disagree => "disagree",
+            Standing::Undecided | Standing::NotMeasured | Standing::NothingCompared => "undecided",
+        }
+    }
+}
+
+impl Verdict {
+    /// Tests of equivalence and of studies that passed.
+    pub fn passed(&self) -> usize {
+        self.agree + self.studies.iter().map(|study| study.passed).sum::<usize>()
+    }
+
+    /// All tests of equivalence and of studies.
+    pub fn tests(&self) -> usize {
+        let of_studies = self.studies.iter().map(|study| study.tests).sum::<usize>();
+        self.agree + self.disagree + self.undecided + self.not_measured + of_studies
+    }
 }
 
 impl Qualification {

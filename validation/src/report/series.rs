@@ -19,21 +19,53 @@ pub(super) struct SeriesFigure {
 /// Points beyond this number are thinned: they would fall on the same pixels.
 const MOST_POINTS: usize = 600;
 
-/// One figure an observable that was followed over time.
-pub(super) fn figures(comparison: &Comparison) -> Vec<SeriesFigure> {
+/// What a figure shows of one run.
+pub(super) struct Curve<'a> {
+    /// The run's code, seed and observable.
+    pub(super) series: &'a Series,
+    /// Times, s, and values, thinned where there are many.
+    pub(super) points: Vec<[f64; 2]>,
+    /// The mean over the measured window, at the window's beginning and end, s.
+    pub(super) mean: Option<[[f64; 2]; 2]>,
+}
+
+/// What is shown of an observable: a curve a run.
+pub(super) fn curves<'a>(comparison: &'a Comparison, observable: &str) -> Vec<Curve<'a>> {
+    let all = comparison.series.iter().filter(|s| s.observable == observable && !s.time.is_empty());
+    let points = |series: &'a Series| series.time.iter().copied().zip(series.value.iter().copied());
+    let end = all.clone().flat_map(points).map(|(t, _)| t).filter(|t| t.is_finite()).fold(0.0, f64::max);
+    all.map(|series| {
+        let stride = series.time.len().div_ceil(MOST_POINTS);
+        let mean = comparison.scene.measure.from.and_then(|from| {
+            let window = points(series).filter(|&(t, v)| t >= from && v.is_finite()).map(|(_, v)| v);
+            let window: Vec<f64> = window.collect();
+            let mean = window.iter().sum::<f64>() / window.len() as f64;
+            (!window.is_empty()).then_some([[from, mean], [end, mean]])
+        });
+        Curve { series, points: points(series).step_by(stride).map(|(t, v)| [t, v]).collect(), mean }
+    })
+    .collect()
+}
+
+/// The observables that there is a figure of.
+pub(super) fn observables(comparison: &Comparison) -> Vec<&str> {
     let mut observables: Vec<&str> = Vec::new();
     for series in &comparison.series {
         if !observables.contains(&series.observable.as_str()) && !series.time.is_empty() {
             observables.push(&series.observable);
         }
     }
-    observables.into_iter().filter_map(|observable| figure(comparison, observable)).collect()
+    observables
+}
+
+/// One figure an observable that was followed over time.
+pub(super) fn figures(comparison: &Comparison) -> Vec<SeriesFigure> {
+    observables(comparison).into_iter().filter_map(|observable| figure(comparison, observable)).collect()
 }
 
 fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
-    let all: Vec<&Series> =
-        comparison.series.iter().filter(|s| s.observable == observable && !s.time.is_empty()).collect();
-    let points = || all.iter().flat_map(|s| s.time.iter().copied().zip(s.value.iter().copied()));
+    let all = curves(comparison, observable);
+    let points = || all.iter().flat_map(|c| c.series.time.iter().copied().zip(c.series.value.iter().copied()));
     let end = points().map(|(t, _)| t).filter(|t| t.is_finite()).fold(0.0, f64::max);
     // The start-up of a run may lie far away and would flatten what is measured: the range is the window's.
     let from = comparison.scene.measure.from;
@@ -54,36 +86,25 @@ fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
         plot.window(from, end, "measured window");
     }
     let mut codes: Vec<&str> = Vec::new();
-    for series in &all {
+    for Curve { series, points, .. } in &all {
         let style = names::code_style(&series.code);
-        let stride = series.time.len().div_ceil(MOST_POINTS);
-        let curve = series.time.iter().zip(&series.value).step_by(stride).map(|(&t, &v)| [t, v]);
-        plot.curve(&format!("{} curve thin", style.class), curve);
+        plot.curve(&format!("{} curve thin", style.class), points.iter().copied());
         if !codes.contains(&series.code.as_str()) {
             codes.push(&series.code);
         }
     }
     // Means last, so that they lie on top of the curves.
-    if let Some(from) = from {
-        for series in &all {
-            let window: Vec<f64> = (series.time.iter().zip(&series.value))
-                .filter(|&(&t, &v)| t >= from && v.is_finite())
-                .map(|(_, &v)| v)
-                .collect();
-            if window.is_empty() {
-                continue;
-            }
-            let mean = window.iter().sum::<f64>() / window.len() as f64;
-            let style = names::code_style(&series.code);
-            plot.curve(&format!("{} curve strong", style.class), [[from, mean], [end, mean]].into_iter());
-            let place = codes.iter().position(|&c| c == series.code).unwrap_or(0) as f64;
-            plot.marker(style, from + (end - from) * (0.15 + 0.2 * place), mean, 4.5);
-        }
+    for Curve { series, mean, .. } in &all {
+        let Some([[from, mean], [end, _]]) = *mean else { continue };
+        let style = names::code_style(&series.code);
+        plot.curve(&format!("{} curve strong", style.class), [[from, mean], [end, mean]].into_iter());
+        let place = codes.iter().position(|&c| c == series.code).unwrap_or(0) as f64;
+        plot.marker(style, from + (end - from) * (0.15 + 0.2 * place), mean, 4.5);
     }
     plot.legend(&codes.iter().map(|code| Key::Code(code)).collect::<Vec<_>>());
     let name = names::observable(observable);
     let seeds: Vec<String> = {
-        let mut seeds: Vec<u64> = all.iter().map(|s| s.seed).collect();
+        let mut seeds: Vec<u64> = all.iter().map(|c| c.series.seed).collect();
         seeds.sort_unstable();
         seeds.dedup();
         seeds.iter().map(u64::to_string).collect()

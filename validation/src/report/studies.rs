@@ -3,10 +3,11 @@
 use super::qualification::plural;
 use crate::study::{Cell, Table, cells};
 use minijinja::{Value, context};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A study and its tests.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StudySection {
     /// Its name: that of the command that makes such a study alone.
     pub name: String,
@@ -27,7 +28,7 @@ pub struct StudySection {
 }
 
 /// A test of a study.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct StudyTest {
     /// Its name, unique in the study.
     pub name: String,
@@ -42,7 +43,7 @@ pub struct StudyTest {
 }
 
 /// What a test of a study came to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StudyOutcome {
     /// What is right was measured.
@@ -56,7 +57,7 @@ pub enum StudyOutcome {
 }
 
 /// The tests of a study, counted.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct StudyCount {
     /// Name of the study.
     pub name: String,
@@ -73,7 +74,7 @@ pub struct StudyCount {
 }
 
 /// A test of a study that a qualification must make.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct StudyTestOnRecord {
     /// Name of the study.
     pub study: String,

@@ -1,8 +1,9 @@
 //! The files of a report: rendered whole in memory, then written together.
 
 use super::qualification::{Qualification, Verdict};
-use super::{badge, junit, page, rows};
+use super::{badge, drawn, junit, page, rows};
 use crate::study::{DocumentError, write_together};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub const REPORT_VERSION: u32 = 1;
 
 /// What `report.json` holds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReportDocument {
     /// [`REPORT_VERSION`] at the time of writing.
     pub version: u32,
@@ -31,7 +32,8 @@ pub struct ReportPaths {
     pub csv: PathBuf,
 }
 
-/// Writes `report.html`, `report.json`, `rows.csv`, `junit.xml` and `badge.svg` into a folder, which is made if it is not there.
+/// Writes `report.html`, `report.json`, `rows.csv`, `junit.xml`, `badge.svg` and the CSV files that the figures link to into a folder, which
+/// is made if it is not there.
 ///
 /// All of them are complete on disk under temporary names before the first is renamed, so an earlier report stays
 /// whole if this one fails.
@@ -49,13 +51,14 @@ pub fn write(qualification: &Qualification, folder: &Path) -> Result<ReportPaths
         json: folder.join("report.json"),
         csv: folder.join("rows.csv"),
     };
-    let files = [
+    let mut files = vec![
         ("report.html".to_string(), page::render(qualification)?.into_bytes()),
         ("report.json".to_string(), serde_json::to_vec(&document)?),
         rows::table(qualification).csv("rows")?,
         ("junit.xml".to_string(), junit::document(qualification)?.into_bytes()),
         ("badge.svg".to_string(), badge::svg(qualification).into_bytes()),
     ];
+    files.extend(drawn::files(qualification)?);
     write_together(folder, &files)?;
     Ok(paths)
 }

@@ -9,6 +9,7 @@
 //!
 //! A replayed number is never called measured: rows, files, figures and sentences say which is which.
 
+mod answer;
 mod costs;
 mod figures;
 mod findings;

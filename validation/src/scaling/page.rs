@@ -1,5 +1,6 @@
 //! The files of a study: its rows, its figures, and a page with tables and what they say.
 
+use super::answer::answer;
 use super::figures::{figures, site};
 use super::findings::{LINEAR_SHARE, PARALLEL, curve_rows, curves, time};
 use super::machine::Machine;
@@ -35,6 +36,7 @@ impl Document for Study {
     fn page(&self, figures: &[Figure]) -> Result<String, minijinja::Error> {
         let others = context! {
             study => self,
+            answer => answer(self),
             particles => count(self.particles),
             contacts => count(self.contacts.round() as usize),
             bytes => self.bytes_per_contact_sweep.map(two_digits),

@@ -7,6 +7,7 @@
 //! comparisons of one code with its peers together err in no more than 5%.
 
 use super::ensemble::{Ensemble, student_quantile};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -17,7 +18,7 @@ const SIGNIFICANCE: f64 = 0.05;
 const POWER: f64 = 0.9;
 
 /// Verdict of the equivalence test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
     /// The interval of the difference lies inside the margin.

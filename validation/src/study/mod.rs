@@ -5,12 +5,14 @@
 //!                      └─> terminal, Markdown
 //! ```
 
+mod answer;
 mod cache;
 mod document;
 mod finding;
 mod page;
 mod table;
 
+pub(crate) use answer::Answer;
 pub use cache::{Found, Key, RunCache, damaged_below, sealed, unseal};
 pub use document::{Document, DocumentError, File};
 pub(crate) use document::{drawn, json, table, write_together};

@@ -9,13 +9,14 @@ pub(crate) fn style() -> &'static str {
 }
 
 /// Templates whose every value is escaped, with the parts that all pages share: "head" takes `title` and `style`,
-/// "figures" takes `figures`, "provenance" takes pairs.
+/// "answer" takes `answer`, "figures" takes `figures`, "provenance" takes pairs.
 pub(crate) fn environment() -> Result<Environment<'static>, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_trim_blocks(true);
     environment.set_lstrip_blocks(true);
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_template("head", include_str!("head.html"))?;
+    environment.add_template("answer", include_str!("answer.html"))?;
     environment.add_template("figures", include_str!("figures.html"))?;
     environment.add_template("provenance", include_str!("provenance.html"))?;
     Ok(environment)

@@ -76,7 +76,8 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
         name: format!("{}-{}", file_stem(name), file_stem(&stiffness.replace(' ', ""))),
         svg: panel(study, reference, series, &about)?,
         caption: format!(
-            "{about}. Lines are Pareto fronts, bars one standard error over seeds; points at the lower edge lie below it."
+            "{about}. Lines are Pareto fronts, bars one standard error over seeds; points at the lower edge lie below it. \
+             The numbered settings are named below the plot."
         ),
     })
 }
@@ -117,7 +118,7 @@ fn variations(study: &Study, reference: &Reference) -> Vec<Figure> {
             svg: panel(study, reference, all, &about)?,
             caption: format!(
                 "{about}. Sweeps are Gauss-Seidel in double precision with over-relaxation and warm start; lines are the Pareto \
-                 front of each kind."
+                 front of each kind. The numbered settings are named below the plot."
             ),
         })
     };

@@ -29,6 +29,8 @@ mod page;
 mod panel;
 mod plan;
 mod ranking;
+#[cfg(test)]
+mod recorded;
 mod rows;
 mod study;
 mod table;

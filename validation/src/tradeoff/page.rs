@@ -9,8 +9,8 @@ use super::words::{self, modulus, titled};
 use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker, code_style, observable};
 use crate::draw::numbers::{count, duration, two_digits};
-use crate::study::{Cell, Document, DocumentError, File, Table, cells, json, page, table};
-use minijinja::{Value, context};
+use crate::study::{Answer, Cell, Document, DocumentError, File, Table, cells, json, page, table};
+use minijinja::context;
 
 impl Document for Study {
     const NAME: &'static str = "tradeoff";
@@ -31,7 +31,7 @@ impl Document for Study {
     fn page(&self, figures: &[Figure]) -> Result<String, minijinja::Error> {
         let others = context! {
             study => self,
-            standing => standing(self),
+            answer => answer(self),
             particles => count(self.particles),
             limit => duration(self.time_limit),
             bounds => self.bounds.iter().map(words::bound).collect::<Vec<_>>().join(", "),
@@ -50,8 +50,8 @@ fn is_shifted(study: &Study) -> bool {
     study.references.iter().any(|row| row.shift.is_some())
 }
 
-/// Word, style and sentence at the head.
-fn standing(study: &Study) -> Value {
+/// What stands at the head.
+fn answer(study: &Study) -> Answer {
     let (word, class) = match (study.complete, study.reaches_bounds("Makadam")) {
         (false, _) => ("Not finished.", "undecided"),
         (true, Some(true)) => ("Within the bounds.", "agree"),
@@ -66,7 +66,8 @@ fn standing(study: &Study) -> Value {
             two_digits(wall)
         )
     });
-    context! { word => word, class => class, sentence => sentence.as_ref().or(study.findings.first()) }
+    let sentence = sentence.or_else(|| study.findings.first().cloned()).unwrap_or_default();
+    Answer { class, word: word.into(), sentence }
 }
 
 /// The fastest settings; nothing where there are none.

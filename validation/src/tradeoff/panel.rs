@@ -32,7 +32,7 @@ pub(super) struct Series<'a> {
     pub(super) cut: Vec<&'a Point>,
     /// What its line joins, from the cheapest; may hold members of another series.
     pub(super) front: Vec<Member<'a>>,
-    /// Whether the settings stand beside the front.
+    /// Whether the settings on the front are numbered, and named below the plot.
     pub(super) labelled: bool,
 }
 
@@ -91,13 +91,16 @@ pub(super) fn panel(study: &Study, reference: &Reference, mut series: Vec<Series
     if cut().next().is_some() {
         keys.push(Key::Points(open, "extrapolated, no error"));
     }
+    let bound = bound_of(study, name);
+    let (within_bound, noisy) = (bound.map(|bound| format!("bound {}", compact(bound))), noise > bottom);
+    keys.extend(within_bound.as_deref().map(|words| Key::Line("ideal", words)));
+    keys.extend(noisy.then_some(Key::Line("ideal noise", "noise of the seeds (median)")));
     let mut plot = Plot::with_legend(x, y, &keys);
     let mut level = |class: &str, value: f64| plot.curve(class, [[left, value], [right, value]].into_iter());
-    let bound = bound_of(study, name);
     if let Some(bound) = bound {
         level("ideal", bound);
     }
-    if noise > bottom {
+    if noisy {
         level("ideal noise", noise);
     }
     let fronts: Vec<&Point> = series.iter().flat_map(|series| series.front.iter().map(|member| member.point)).collect();
@@ -107,18 +110,18 @@ pub(super) fn panel(study: &Study, reference: &Reference, mut series: Vec<Series
     for (style, point) in cut() {
         plot.open_marker(style, wall(point), top, 5.0);
     }
-    // Words come last, so that they find room between the markers.
-    for one in series.iter().filter(|series| series.labelled) {
+    // Numbers come last, so that they find room between the markers.
+    let (mut number, mut groups) = (0, Vec::new());
+    for one in series.iter().filter(|series| series.labelled && lines(series)) {
+        let mut entries = Vec::new();
         for member in &one.front {
-            plot.label_beside(within(member, [bottom, top]), &member.point.short_setting);
+            number += 1;
+            plot.number(within(member, [bottom, top]), number);
+            entries.push((number, member.point.short_setting.as_str()));
         }
+        groups.push((one.style, entries));
     }
-    if let Some(bound) = bound {
-        plot.label_on_line(bound, &format!("bound {}", compact(bound)));
-    }
-    if noise > bottom {
-        plot.label_on_line(noise, "noise of the seeds (median)");
-    }
+    plot.key_of_numbers(&groups);
     Some(plot.finish(about))
 }
 

@@ -61,6 +61,9 @@ pub struct SchemaArguments {
     /// Print a page in Markdown instead of the JSON Schema.
     #[arg(long)]
     pub markdown: bool,
+    /// Print the JSON Schema of report.json, which qualify, compare and judge write, instead of that of scenes. There is no page of it.
+    #[arg(long, conflicts_with = "markdown")]
+    pub report: bool,
 }
 
 /// Arguments of `makadam completions`.

@@ -18,7 +18,7 @@ pub use pictures::{AnimateArguments, ExportArguments, ExportFormat, PictureArgum
 pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
-pub use runs::{CompareArguments, QualifyArguments, RunArguments, TierName};
+pub use runs::{CompareArguments, QualifyArguments, ReportsArguments, RunArguments, TierName};
 pub use shared::{CodeRunArguments, load};
 pub use studies::{
     ConvergenceArguments, EffectsArguments, LawsArguments, RooflineArguments, ScalingArguments, StabilityArguments,
@@ -57,7 +57,7 @@ pub enum Command {
     Check(CheckArguments),
     /// Define the numbers that can be measured.
     Observables(ObservablesArguments),
-    /// Print the scene language, as a JSON Schema or as a page.
+    /// Print the scene language, as a JSON Schema or as a page; or the JSON Schema of reports.
     Schema(SchemaArguments),
     /// Simulate a scene: frames for ParaView, observables as CSV, provenance as JSON.
     Run(RunArguments),
@@ -71,6 +71,8 @@ pub enum Command {
     Judge(JudgeArguments),
     /// Judge Makadam on the reference scenes and write one report.
     Qualify(QualifyArguments),
+    /// List all reports below a folder on one page, with what changed from one to the next.
+    Reports(ReportsArguments),
     /// Measure how a scene's step scales with threads, and replay it on more cores than this machine has.
     Scaling(ScalingArguments),
     /// Measure how each method converges on the problem of one step: residual against iterations and wall time.

@@ -122,3 +122,13 @@ pub struct QualifyArguments {
     #[command(flatten)]
     pub output: OutputArguments,
 }
+
+/// Arguments of `makadam reports`.
+#[derive(Debug, Args)]
+pub struct ReportsArguments {
+    /// Folder below which every report.json is looked for; its index.html is written anew.
+    pub folder: PathBuf,
+    /// Print the list as JSON.
+    #[arg(long)]
+    pub json: bool,
+}

@@ -113,7 +113,7 @@ pub struct CodeRunArguments {
     /// How many threads.
     #[command(flatten)]
     pub side_by_side: ThreadArguments,
-    /// Folder for report.html, report.json, rows.csv, junit.xml and badge.svg; if absent, nothing is written.
+    /// Folder for report.html, report.json, rows.csv, junit.xml and badge.svg, and the CSV files that figures link to; if absent, nothing is written.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the comparison as JSON.

@@ -1,0 +1,192 @@
+//! The files of a report: data as the schema says, and all that its page links to.
+
+use crate::support::sample;
+use jsonschema::Validator;
+use makadam_validation::plan::Scene;
+use makadam_validation::report::{Qualification, StudyOutcome, StudySection, read, schema, write};
+use makadam_validation::scenes;
+use roxmltree::{Document, ParsingOptions};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// A report with every kind of part: scenes with and without verdicts, a law, a study, what was noticed.
+fn full() -> Qualification {
+    let comparisons = vec![sample::drum(true), sample::packing(), sample::alone()];
+    // Its pages are files of the study, which are not written here.
+    let study = StudySection { pages: Vec::new(), ..sample::study(StudyOutcome::Passed) };
+    Qualification { laws: vec![sample::outflow()], studies: vec![study], ..sample::qualification(comparisons) }
+}
+
+fn document(folder: &Path) -> Value {
+    let paths = write(&full(), folder).expect("a report");
+    serde_json::from_slice(&fs::read(paths.json).expect("the data")).expect("JSON")
+}
+
+/// What is wrong with a document, each fault with its place.
+fn faults(validator: &Validator, document: &Value) -> Vec<String> {
+    validator.iter_errors(document).map(|fault| format!("{}: {fault}", fault.instance_path())).collect()
+}
+
+fn validator() -> Validator {
+    jsonschema::draft202012::new(&schema()).expect("a schema of draft 2020-12")
+}
+
+#[test]
+fn a_report_is_what_its_schema_says() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert_eq!(faults(&validator(), &document(folder.path())), Vec::<String>::new());
+}
+
+#[test]
+fn every_held_scene_is_what_the_schema_says_of_scenes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (validator, mut document) = (validator(), document(folder.path()));
+    for name in scenes::names() {
+        let text = scenes::text(&scenes::find(name, &[]).expect("a scene")).expect("its text");
+        let scene = Scene::parse(&text).expect("a scene");
+        document["qualification"]["comparisons"][0]["scene"] = serde_json::to_value(&scene).expect("plain data");
+        assert_eq!(faults(&validator, &document), Vec::<String>::new(), "{name}");
+    }
+}
+
+#[test]
+fn a_report_with_a_wrong_type_or_a_missing_field_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (validator, whole) = (validator(), document(folder.path()));
+    let row = "/qualification/comparisons/0/rows/0";
+    for (place, wrong) in [
+        ("/version", json!("1")),
+        ("/verdict/standing", json!("fine")),
+        ("/verdict/agree", json!(-1)),
+        ("/qualification/wall_seconds", json!(null)),
+        ("/qualification/comparisons", json!({})),
+        (&format!("{row}/mean"), json!("27.13")),
+        (&format!("{row}/interval90"), json!([1.0])),
+        (&format!("{row}/outcome"), json!("Agree")),
+        ("/qualification/comparisons/0/scene/domain/min", json!([0.0, 0.0])),
+        ("/qualification/comparisons/0/final_states/0/particles/0/id", json!(0.5)),
+        ("/qualification/studies/0/tests/0/outcome", json!("excused")),
+    ] {
+        let mut document = whole.clone();
+        *document.pointer_mut(place).unwrap_or_else(|| panic!("{place} is in no report")) = wrong;
+        let faults = faults(&validator, &document);
+        assert!(faults.iter().any(|fault| fault.starts_with(place)), "{place}: {faults:?}");
+    }
+    for place in [
+        "/version",
+        "/verdict",
+        "/verdict/sentence",
+        "/qualification/provenance",
+        "/qualification/outside_spread",
+        &format!("{row}/margin"),
+        "/qualification/comparisons/0/scene/solver",
+        "/qualification/comparisons/0/codes/0/processor",
+        "/qualification/laws/0/judged/0/holds",
+    ] {
+        let (parent, key) = place.rsplit_once('/').expect("a place");
+        let mut document = whole.clone();
+        let parent = document.pointer_mut(parent).and_then(Value::as_object_mut).expect("an object");
+        parent.remove(key).unwrap_or_else(|| panic!("{place} is in no report"));
+        let faults = faults(&validator, &document);
+        assert!(faults.iter().any(|fault| fault.contains(&format!("\"{key}\" is a required property"))), "{faults:?}");
+    }
+}
+
+#[test]
+fn every_field_of_a_report_is_described() {
+    let schema = schema();
+    for (name, table) in schema["$defs"].as_object().expect("types") {
+        for (key, value) in table["properties"].as_object().into_iter().flatten() {
+            assert!(value["description"].is_string(), "{key} of {name}");
+        }
+    }
+}
+
+#[test]
+fn every_link_of_the_page_leads_to_a_file_beside_it_and_every_figure_has_one() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let paths = write(&full(), folder.path()).expect("a report");
+    let page = fs::read_to_string(paths.html).expect("the page");
+    let options = ParsingOptions { allow_dtd: true, ..Default::default() };
+    let page = Document::parse_with_options(&page, options).expect("well-formed markup");
+    let links = page.descendants().filter_map(|node| node.attribute("href")).filter(|link| !link.starts_with('#'));
+    let mut links: Vec<&str> = links.collect();
+    assert!(links.iter().all(|link| folder.path().join(link).is_file()), "{links:?}");
+    links.sort_unstable();
+    links.dedup();
+    let expected =
+        ["differences.csv", "forces.csv", "grains.csv", "law-outflow.csv", "report.json", "rows.csv", "series.csv"];
+    assert_eq!(links, expected);
+    for figure in page.descendants().filter(|node| node.has_tag_name("figure")) {
+        let linked = figure.descendants().any(|node| node.attribute("href").is_some_and(|link| link.ends_with(".csv")));
+        let caption = figure.descendants().find(|node| node.has_tag_name("figcaption")).and_then(|node| node.text());
+        assert!(linked, "{caption:?}");
+    }
+}
+
+/// The records of a file by the names of their columns.
+fn records(file: &Path) -> Vec<BTreeMap<String, String>> {
+    csv::Reader::from_path(file).expect("a file").deserialize().collect::<Result<_, _>>().expect("rows of one length")
+}
+
+#[test]
+fn files_hold_the_numbers_that_figures_draw() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let qualification = full();
+    write(&qualification, folder.path()).expect("a report");
+    let all = |name: &str| records(&folder.path().join(name));
+    let number = |record: &BTreeMap<String, String>, column: &str| record[column].parse::<f64>().expect("a number");
+    let [drum, packing, alone] = &qualification.comparisons[..] else { panic!("three scenes") };
+
+    // A line of the forest for each row with a margin, in its units.
+    let differences = all("differences.csv");
+    let drawn = [drum, packing, alone].into_iter().flat_map(|c| &c.rows);
+    let drawn: Vec<_> = drawn.filter(|row| row.margin.is_some() && row.reference_code.is_some()).collect();
+    assert_eq!(differences.len(), drawn.len());
+    for row in drawn {
+        let same = |record: &&BTreeMap<String, String>| {
+            [&record["scene"], &record["observable"], &record["code"]] == [&row.scene, &row.observable, &row.code]
+                && Some(&record["reference_code"]) == row.reference_code.as_ref()
+        };
+        let record = differences.iter().find(same).expect("a line");
+        assert_eq!(row.difference.zip(row.margin).map(|(d, m)| d / m), Some(number(record, "difference_in_margins")));
+        let low = row.interval_of_verdict.zip(row.margin).map(|([low, _], margin)| low / margin);
+        assert_eq!(low, Some(number(record, "low_in_margins")));
+        assert_eq!(record["judged"], (row.code == "Makadam").to_string());
+    }
+
+    // Every point of the curves, and the two ends of each mean.
+    let series = all("series.csv");
+    let runs: Vec<_> = series.iter().filter(|record| record["line"] == "run").collect();
+    let points: Vec<_> = [drum, packing, alone].into_iter().flat_map(|c| &c.series).collect();
+    assert!(points.iter().all(|s| s.time.len() <= 600), "none of them is thinned");
+    assert_eq!(runs.len(), points.iter().map(|s| s.time.len()).sum::<usize>());
+    assert_eq!((number(runs[0], "time_s"), number(runs[0], "value")), (points[0].time[0], points[0].value[0]));
+    let measured = points.iter().filter(|s| s.observable == points[0].observable).count();
+    let means: Vec<_> = series.iter().filter(|record| record["line"] == "mean").collect();
+    assert!(means.len() >= 2 * measured && number(means[0], "time_s") == drum.scene.measure.from.expect("a window"));
+
+    // The bins of each code with the counting error, and the curve of the literature.
+    let forces = all("forces.csv");
+    let first = forces.iter().find(|record| record["code"] == drum.forces[0].code).expect("a bin");
+    assert_eq!(number(first, "density"), drum.forces[0].density[0]);
+    assert!(number(first, "density_low") < number(first, "density"));
+    assert_eq!(forces.iter().filter(|r| r["scene"] == "drum" && r["code"] == "Mueth 1998").count(), 201);
+
+    // Every grain of the pictures.
+    let grains = all("grains.csv");
+    let states: Vec<_> = [drum, packing, alone].into_iter().flat_map(|c| &c.final_states).collect();
+    assert_eq!(grains.len(), states.iter().map(|state| state.particles.len()).sum::<usize>());
+    assert_eq!(number(&grains[5], "z_m"), states[0].particles[5].position[2]);
+
+    // What was read back has the same numbers, and draws no laws.
+    let again = read(&folder.path().join("report.json")).expect("the data");
+    let other = tempfile::tempdir().expect("a temporary folder");
+    write(&again, other.path()).expect("a report");
+    for name in ["differences.csv", "series.csv", "forces.csv", "grains.csv", "rows.csv"] {
+        let [one, two] = [folder.path(), other.path()].map(|folder| fs::read(folder.join(name)).expect("a file"));
+        assert!(one == two, "{name}");
+    }
+}
