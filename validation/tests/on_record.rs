@@ -38,6 +38,12 @@ fn a_test_that_was_not_made_is_no_pass() {
     let misspelt = TestOnRecord { observable: "packing_factor".into(), ..test.clone() };
     qualification.on_record.push(misspelt.clone());
     is_lost(&qualification, &misspelt, "was not made");
+    // Of two to which the same happened one sentence tells.
+    let other = TestOnRecord { observable: "packing_ratio".into(), ..test.clone() };
+    qualification.on_record.push(other.clone());
+    let said = format!(" Each of 2 tests on record was not made: {misspelt}, {other}.");
+    assert!(qualification.verdict().sentence.ends_with(&said), "{}", qualification.verdict().sentence);
+    qualification.on_record.pop();
     // A margin that is gone is a test that is gone.
     qualification.on_record.pop();
     qualification.comparisons[0].rows.iter_mut().for_each(|row| row.margin = None);

@@ -185,11 +185,25 @@ impl Qualification {
         for (study, count) in self.studies.iter().zip(&verdict.studies) {
             verdict.sentence += &format!(" {}", count.sentence(&study.title));
         }
-        for Lost { test, what } in lost {
-            verdict.sentence += &format!(" A test on record {what}: {test}.");
-        }
+        verdict.sentence += &told(&lost);
         verdict
     }
+}
+
+/// Tests on record that were not made as they stand there, in sentences: one for all of which the same became.
+fn told(lost: &[Lost]) -> String {
+    let mut fates: Vec<(&str, Vec<&str>)> = Vec::new();
+    for Lost { test, what } in lost {
+        match fates.iter_mut().find(|(fate, _)| fate == what) {
+            Some((_, tests)) => tests.push(test),
+            None => fates.push((what, vec![test])),
+        }
+    }
+    let sentence = |(fate, tests): (&str, Vec<&str>)| match tests.as_slice() {
+        [test] => format!(" A test on record {fate}: {test}."),
+        tests => format!(" Each of {} tests on record {fate}: {}.", tests.len(), tests.join(", ")),
+    };
+    fates.into_iter().map(sentence).collect()
 }
 
 /// Whether the two references themselves differ by more than the margin of a row: then the row proves nothing.
