@@ -5,7 +5,7 @@ use makadam_validation::plan::Scene;
 use makadam_validation::scenes;
 
 /// Reference scenes with the hash of what other codes are given of them, by which recorded results are known.
-const HASHES: [(&str, &str); 10] = [
+const HASHES: [(&str, &str); 12] = [
     ("cohesive-heap", "97bf81c8022fea88"),
     ("drum", "6b1ce0781e5c37d5"),
     ("drum-caps", "f370629e4d422826"),
@@ -15,6 +15,8 @@ const HASHES: [(&str, &str); 10] = [
     ("heap-rolling", "fcf081bd58b7642d"),
     ("oedometer", "6ea3a3f15c6b76c9"),
     ("packing", "d4a0ed254a056927"),
+    ("packing-high-friction", "7dae9461a7456f11"),
+    ("packing-low-friction", "8653e7e5915dbbe7"),
     ("vibrated-bed", "8856ff0207b596e6"),
 ];
 

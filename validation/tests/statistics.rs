@@ -138,3 +138,15 @@ fn one_more_seed() {
     assert!(!inside_recorded_spread(12.0, &recorded).expect("seeds").inside);
     assert_eq!(inside_recorded_spread(1.0, &[1.0]), None);
 }
+
+#[test]
+fn a_margin_ends_where_it_says() {
+    let (one, other) = (ensemble(&[1.0, 1.1, 1.2, 1.3]), ensemble(&[1.05, 1.1, 1.3]));
+    for (first, second) in [(&one, &other), (&other, &one)] {
+        let [low, high] = equivalence(first, second, None, 3).interval_of_verdict.unwrap();
+        let reach = high.max(-low);
+        let outcome = |share: f64| equivalence(first, second, Some(share * reach), 3).outcome;
+        assert_eq!(outcome(1.001), Some(Outcome::Agree));
+        assert_eq!(outcome(0.999), Some(Outcome::Undecided));
+    }
+}

@@ -129,7 +129,16 @@ const ALL_ABLATIONS: [Ablated; 8] = [
 ];
 
 /// Every scene with margins and recorded references of both peers.
-const REFERENCE_SCENES: [&str; 6] = ["packing", "drum", "drum-caps", "heap", "drum-rolling", "heap-rolling"];
+const REFERENCE_SCENES: [&str; 8] = [
+    "packing",
+    "packing-low-friction",
+    "packing-high-friction",
+    "drum",
+    "drum-caps",
+    "heap",
+    "drum-rolling",
+    "heap-rolling",
+];
 
 /// What each tier consists of.
 pub const TIERS: [Extent; 3] = [
