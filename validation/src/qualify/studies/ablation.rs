@@ -11,14 +11,15 @@ use crate::qualify::jobs::weight;
 use crate::qualify::tier::Ablated;
 use crate::report::{StudyOutcome, StudySection, StudyTest};
 use crate::scenes;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
 pub(super) struct Ablations<'a> {
     place: Place<'a>,
     scenes: Vec<Opened>,
-    /// Wall time of the runs, s, and their number.
-    spent: Mutex<(f64, usize)>,
+    /// Wall time of each run, s, in an order that does not depend on which ends first.
+    spent: Mutex<BTreeMap<String, f64>>,
 }
 
 /// A scene that is varied.
@@ -58,13 +59,14 @@ impl Part for Ablations<'_> {
             for version in self.plan(opened).versions() {
                 for &seed in &opened.seeds {
                     let version = version.clone();
+                    let identity = KeptRuns::identity(&self.plan(opened).runs(&version, seed), &Makadam, seed);
                     jobs.push(Job {
-                        identity: KeptRuns::identity(&self.plan(opened).runs(&version, seed), &Makadam, seed),
+                        identity: identity.clone(),
                         weight: weight(&version.scene),
                         work: Box::new(move || match self.plan(opened).one(&version, seed) {
                             Ok(run) => {
                                 let mut spent = self.spent.lock().expect("nothing panics while it holds the lock");
-                                *spent = (spent.0 + run.wall_seconds, spent.1 + 1);
+                                spent.insert(identity.clone(), run.wall_seconds);
                                 Ok(())
                             }
                             Err(error @ (KeptError::Write(_) | KeptError::Code(CodeError::Interrupted { .. }))) => {
@@ -91,15 +93,15 @@ impl Part for Ablations<'_> {
             study.write(&self.place.folder("effects").join(ablated.scene))?;
             pages.push(format!("effects/{}/ablation.md", ablated.scene));
         }
-        let (wall_seconds, runs) = *self.spent.lock().expect("nothing panics while it holds the lock");
+        let spent = self.spent.lock().expect("nothing panics while it holds the lock");
         Ok(StudySection {
             name: "effects".into(),
             title: "Effects that scenes need".into(),
             scope: "Scenes with each of their effects off, and resistance to turning on: what a scene is known to need must move an \
                     observable by more than its margin."
                 .into(),
-            runs,
-            wall_seconds,
+            runs: spent.len(),
+            wall_seconds: spent.values().sum(),
             pages,
             tests,
             notes: Vec::new(),
