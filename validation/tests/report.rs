@@ -478,21 +478,6 @@ fn published_laws_stand_beside_the_verdict_and_not_in_it() {
 }
 
 #[test]
-fn a_report_is_there_for_machines_too() {
-    let mut qualification = all(Outcome::Agree);
-    qualification.outside_spread = vec!["packing: a live run lies <outside>".into()];
-    qualification.comparisons[0].rows[0].outcome = Some(Outcome::Disagree);
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let paths = write(&qualification, folder.path()).expect("a report");
-    let junit = fs::read_to_string(folder.path().join("junit.xml")).expect("the tests");
-    assert!(junit.contains("failures=\"2\"") && junit.contains("&lt;outside&gt;"), "{junit}");
-    let badge = fs::read_to_string(folder.path().join("badge.svg")).expect("the badge");
-    assert!(badge.contains("7 of 8 tests agree"), "{badge}");
-    assert_eq!(read(&paths.json).expect("the data"), qualification);
-    assert!(read(&paths.csv).unwrap_err().contains("give the report.json"));
-}
-
-#[test]
 fn what_is_different_from_an_earlier_report_is_told() {
     let earlier = all(Outcome::Agree);
     assert_eq!(Changes::between(&earlier, &earlier), Changes::default());

@@ -5,6 +5,7 @@ use jsonschema::Validator;
 use makadam_validation::plan::Scene;
 use makadam_validation::report::{Qualification, StudyOutcome, StudySection, read, schema, write};
 use makadam_validation::scenes;
+use makadam_validation::statistics::Outcome;
 use roxmltree::{Document, ParsingOptions};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -189,4 +190,21 @@ fn files_hold_the_numbers_that_figures_draw() {
         let [one, two] = [folder.path(), other.path()].map(|folder| fs::read(folder.join(name)).expect("a file"));
         assert!(one == two, "{name}");
     }
+}
+
+#[test]
+fn tests_and_badge_are_there_for_machines() {
+    let mut drum = sample::drum(false);
+    drum.rows.iter_mut().for_each(|row| row.outcome = row.margin.and(Some(Outcome::Agree)));
+    drum.rows[0].outcome = Some(Outcome::Disagree);
+    let mut qualification = sample::qualification(vec![drum]);
+    qualification.outside_spread = vec!["packing: a live run lies <outside>".into()];
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let paths = write(&qualification, folder.path()).expect("a report");
+    let junit = fs::read_to_string(folder.path().join("junit.xml")).expect("the tests");
+    assert!(junit.contains("failures=\"2\"") && junit.contains("&lt;outside&gt;"), "{junit}");
+    let badge = fs::read_to_string(folder.path().join("badge.svg")).expect("the badge");
+    assert!(badge.contains("7 of 8 tests agree"), "{badge}");
+    assert_eq!(read(&paths.json).expect("the data"), qualification);
+    assert!(read(&paths.csv).unwrap_err().contains("give the report.json"));
 }

@@ -2,6 +2,7 @@
 
 use super::arguments::ReportsArguments;
 use super::{Console, Failure, json};
+use crate::draw::numbers::plural;
 use crate::output::JSON_VERSION;
 use crate::reports::{DEEPEST, Entry, Index, Unreadable, find};
 use serde::Serialize;
@@ -44,12 +45,9 @@ pub(super) fn reports(arguments: &ReportsArguments, console: &Console) -> Result
         false => format!("{}\npage: {page}", index.text()),
     })?;
     match reports.is_empty() {
-        true => Err(Failure::Running(format!("none of the {} found could be read", count(found.reports.len())))),
+        true => {
+            Err(Failure::Running(format!("none of the {} found could be read", plural(found.reports.len(), "report"))))
+        }
         false => Ok(ExitCode::SUCCESS),
     }
-}
-
-/// "1 report", "2 reports".
-fn count(reports: usize) -> String {
-    if reports == 1 { "1 report".into() } else { format!("{reports} reports") }
 }

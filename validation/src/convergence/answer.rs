@@ -1,7 +1,7 @@
 //! What a study of convergence answers: which method is first at the residual that a run asks for, and how soon.
 
 use super::study::{Curve, Reached, Study};
-use crate::draw::numbers::{compact, two_digits};
+use crate::draw::numbers::{compact, plural, two_digits};
 use crate::study::Answer;
 
 /// The residual that methods are held against, in the study's unit: what a qualification asks of each method.
@@ -56,7 +56,7 @@ pub(super) fn answer(study: &Study) -> Answer {
 /// Iterations, called sweeps where each is one.
 fn steps(curve: &Curve, iterations: u32) -> String {
     let word = if curve.method.name() == "gauss-seidel" { "sweep" } else { "iteration" };
-    format!("{iterations} {word}{}", if iterations == 1 { "" } else { "s" })
+    plural(iterations as usize, word)
 }
 
 fn time(seconds: f64) -> String {

@@ -94,6 +94,11 @@ fn with_minus(text: String) -> String {
     text.replace('-', "−")
 }
 
+/// "1 test", "2 tests".
+pub(crate) fn plural(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}
+
 /// A whole number as superscript digits.
 pub(crate) fn superscript(exponent: i32) -> String {
     exponent

@@ -1,6 +1,7 @@
 //! The verdict as a badge: a small picture for a page that links to the report.
 
-use super::qualification::{Qualification, Standing, plural};
+use super::qualification::{Qualification, Standing};
+use crate::draw::numbers::plural;
 use crate::draw::svg::escape;
 
 /// Width of a letter at 11 pixels, on the safe side.

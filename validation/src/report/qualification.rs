@@ -4,6 +4,7 @@ use super::on_record::{Lost, TestOnRecord};
 use super::published::PublishedLaw;
 use super::studies::{StudyCount, StudySection, StudyTestOnRecord};
 use crate::compare::{Comparison, Row};
+use crate::draw::numbers::plural;
 use crate::statistics::Outcome;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -274,11 +275,6 @@ fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize)
 
 fn is(count: usize) -> &'static str {
     if count == 1 { "is" } else { "are" }
-}
-
-/// "1 test", "2 tests".
-pub(super) fn plural(count: usize, noun: &str) -> String {
-    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
 /// "a", "a and b", "a, b and c".

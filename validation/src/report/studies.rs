@@ -1,6 +1,6 @@
 //! Studies that were a part of a qualification: their tests, what each came to, and where the study itself is written.
 
-use super::qualification::plural;
+use crate::draw::numbers::plural;
 use crate::study::{Cell, Table, cells};
 use minijinja::{Value, context};
 use schemars::JsonSchema;

@@ -1,10 +1,10 @@
 //! The tables of a scene: values and differences, how each code was run, the bias of soft grains.
 
-use super::qualification::{floor_exceeds_margin, join, plural};
+use super::qualification::{floor_exceeds_margin, join};
 use super::{speed, words};
 use crate::compare::{Comparison, Row};
 use crate::draw::names;
-use crate::draw::numbers::{Rounding, compact};
+use crate::draw::numbers::{Rounding, compact, plural};
 use crate::statistics::Outcome;
 use crate::study::{Cell, Table, cells};
 

@@ -10,6 +10,7 @@
 //! walls     n x 3 f32                 corners of triangles, and ends of edges, m; once if walls rest
 //! ```
 
+use crate::draw::numbers::plural;
 use crate::pictures::{MOST_KINDS, PALETTE, Scale, Subject, VIRIDIS, wall_edges};
 use crate::run_frames::{ContactLine, Quantity, RunFolderError, RunFrame, RunFrames, Walls};
 use serde_json::{Value, json};
@@ -362,6 +363,5 @@ fn surfaces(walls: &Walls, arrays: &mut Arrays) -> Value {
 }
 
 fn about(frame: &RunFrame, frames: usize) -> String {
-    let plural = if frames == 1 { "" } else { "s" };
-    format!("{}; {frames} frame{plural}", crate::pictures::sizes(frame))
+    format!("{}; {}", crate::pictures::sizes(frame), plural(frames, "frame"))
 }

@@ -1,6 +1,6 @@
 //! A run's summary for people.
 
-use crate::draw::numbers::{significant, two_digits};
+use crate::draw::numbers::{plural, significant, two_digits};
 use crate::output::RunSummary;
 use makadam::Balance;
 
@@ -83,8 +83,7 @@ fn findings(summary: &RunSummary) -> String {
     }
     text += "NOT SOUND: the problems below make the numbers doubtful\n";
     for alarm in &summary.alarms {
-        let looks = if alarm.count == 1 { "check" } else { "checks" };
-        text += &format!("{:<16} {}; noticed in {} {looks}\n", alarm.kind, alarm.first, alarm.count);
+        text += &format!("{:<16} {}; noticed in {}\n", alarm.kind, alarm.first, plural(alarm.count as usize, "check"));
     }
     text
 }
