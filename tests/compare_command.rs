@@ -1,14 +1,12 @@
 //! `makadam compare`: the JSON contract, recorded references, live peers where they are installed.
 
 use crate::support::changed::changed;
+use crate::support::invented::record;
 use crate::support::makadam;
 use crate::support::small_scene::smoke;
 use makadam_validation::peers::{Code, Liggghts, Yade};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-
-/// What is recorded of the small scene by hand.
-const RECORDED: [(&str, f64); 1] = [("wall_force_over_weight", 1.0)];
 
 /// Writes references of the small scene by hand: two codes, three seeds, one observable, which alone is compared.
 pub fn with_references(folder: &Path) -> PathBuf {
@@ -17,28 +15,7 @@ pub fn with_references(folder: &Path) -> PathBuf {
     let (head, compared) = text.split_once("[[compare]]").unwrap();
     let first = compared.split("[[compare]]").next().unwrap();
     std::fs::write(&scene, format!("{head}[[compare]]{first}")).unwrap();
-    let references = folder.join("changed-reference");
-    std::fs::create_dir(&references).unwrap();
-    let mut runs = String::from(
-        "code,version,seed,time_step,rayleigh_fraction,stiffness_factor,wall_seconds,simulated_seconds,processor,date,scene_hash\n",
-    );
-    let mut measurements = String::from(
-        "code,version,seed,time_step,rayleigh_fraction,stiffness_factor,observable,unit,value,standard_error,frames\n",
-    );
-    for code in ["YADE", "LIGGGHTS"] {
-        for seed in 1..=3 {
-            runs += &format!("{code},1.0,{seed},1e-5,0.1,1.0,4.0,0.4,invented,2026-01-01T00:00:00Z,0\n");
-            for (observable, middle) in RECORDED {
-                let value = middle + 0.001 * f64::from(seed);
-                measurements += &format!("{code},1.0,{seed},1e-5,0.1,1.0,{observable},,{value},,1\n");
-            }
-        }
-    }
-    let write = |name: &str, text: &str| std::fs::write(references.join(name), text).unwrap();
-    write("runs.csv", &runs);
-    write("measurements.csv", &measurements);
-    write("forces.csv", "code,force_over_mean,density,samples\n");
-    write("series.csv", "code,seed,observable,time,value\n");
+    record(&folder.join("changed-reference"));
     scene
 }
 

@@ -1,6 +1,7 @@
 //! `makadam qualify`: every finished run is kept in the folder of the report, whatever ends the command, and none is made twice; each part
 //! of a tier counts.
 
+use crate::support::invented::record;
 use crate::support::makadam;
 use crate::support::small_scene::smoke;
 use makadam_validation::compare::Row;
@@ -24,26 +25,9 @@ fn tiny(folder: &Path, name: &str) {
     let first = compared.split("[[compare]]").next().unwrap();
     let head = head.replace("\"smoke\"", &format!("\"{name}\"")).replace("count = 200", "count = 40");
     let scene = folder.join("reference-scenes").join(name);
-    std::fs::create_dir_all(scene.join("reference")).unwrap();
+    std::fs::create_dir_all(&scene).unwrap();
     std::fs::write(scene.join("scene.toml"), format!("{head}[[compare]]{first}")).unwrap();
-    let mut runs = String::from(
-        "code,version,seed,time_step,rayleigh_fraction,stiffness_factor,wall_seconds,simulated_seconds,processor,date,scene_hash\n",
-    );
-    let mut measurements = String::from(
-        "code,version,seed,time_step,rayleigh_fraction,stiffness_factor,observable,unit,value,standard_error,frames\n",
-    );
-    for code in ["YADE", "LIGGGHTS"] {
-        for seed in 1..=3 {
-            runs += &format!("{code},1.0,{seed},1e-5,0.1,1.0,4.0,0.4,invented,2026-01-01T00:00:00Z,0\n");
-            let value = 1.0 + 0.001 * f64::from(seed);
-            measurements += &format!("{code},1.0,{seed},1e-5,0.1,1.0,wall_force_over_weight,,{value},,1\n");
-        }
-    }
-    let write = |name: &str, text: &str| std::fs::write(scene.join("reference").join(name), text).unwrap();
-    write("runs.csv", &runs);
-    write("measurements.csv", &measurements);
-    write("forces.csv", "code,force_over_mean,density,samples\n");
-    write("series.csv", "code,seed,observable,time,value\n");
+    record(&scene.join("reference"));
 }
 
 fn bench() -> tempfile::TempDir {

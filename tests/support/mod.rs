@@ -1,7 +1,9 @@
-//! What the end-to-end tests share: the command, a small and a tiny scene, changed copies of the former and the lines of a scene.
+//! What the end-to-end tests share: the command, a small and a tiny scene, changed copies of the former,
+//! invented records and the lines of a scene.
 
 pub mod changed;
 pub mod disk;
+pub mod invented;
 pub mod lines;
 pub mod small_scene;
 pub mod tiny_scene;

@@ -1,0 +1,26 @@
+//! Invented records of YADE and LIGGGHTS, for tests of what is made of records.
+
+use std::path::Path;
+
+/// Writes what is recorded of both codes into a folder: three seeds of the force on walls over the weight, a little above 1.
+pub fn record(folder: &Path) {
+    std::fs::create_dir_all(folder).unwrap();
+    let mut runs = String::from(
+        "code,version,seed,time_step,rayleigh_fraction,stiffness_factor,wall_seconds,simulated_seconds,processor,date,scene_hash\n",
+    );
+    let mut measurements = String::from(
+        "code,version,seed,time_step,rayleigh_fraction,stiffness_factor,observable,unit,value,standard_error,frames\n",
+    );
+    for code in ["YADE", "LIGGGHTS"] {
+        for seed in 1..=3 {
+            runs += &format!("{code},1.0,{seed},1e-5,0.1,1.0,4.0,0.4,invented,2026-01-01T00:00:00Z,0\n");
+            let value = 1.0 + 0.001 * f64::from(seed);
+            measurements += &format!("{code},1.0,{seed},1e-5,0.1,1.0,wall_force_over_weight,,{value},,1\n");
+        }
+    }
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("runs.csv", &runs);
+    write("measurements.csv", &measurements);
+    write("forces.csv", "code,force_over_mean,density,samples\n");
+    write("series.csv", "code,seed,observable,time,value\n");
+}
