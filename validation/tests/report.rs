@@ -3,7 +3,7 @@
 use crate::support::sample;
 use makadam_validation::compare::{CodeSummary, Comparison, Row, Source, Timing};
 use makadam_validation::report::{
-    Changes, Qualification, REPORT_VERSION, ReportDocument, Standing, comparison_table, read, speed_sentence, write,
+    Changes, Qualification, REPORT_VERSION, ReportDocument, Standing, comparison_table, speed_sentence, write,
 };
 use makadam_validation::statistics::Outcome;
 use makadam_validation::study::DocumentError;
