@@ -3,7 +3,7 @@
 use crate::support::changed::changed;
 use crate::support::invented::record;
 use crate::support::makadam;
-use crate::support::small_scene::smoke;
+use crate::support::small_scene::{compared_once, smoke};
 use makadam_validation::peers::{Code, Liggghts, Yade};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -11,10 +11,8 @@ use std::path::{Path, PathBuf};
 /// Writes references of the small scene by hand: two codes, three seeds, one observable, which alone is compared.
 pub fn with_references(folder: &Path) -> PathBuf {
     let scene = changed(folder, "name = \"smoke\"", "name = \"changed\"");
-    let text = std::fs::read_to_string(&scene).unwrap();
-    let (head, compared) = text.split_once("[[compare]]").unwrap();
-    let first = compared.split("[[compare]]").next().unwrap();
-    std::fs::write(&scene, format!("{head}[[compare]]{first}")).unwrap();
+    let text = compared_once(&std::fs::read_to_string(&scene).unwrap());
+    std::fs::write(&scene, text).unwrap();
     record(&folder.join("changed-reference"));
     scene
 }

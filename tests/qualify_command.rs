@@ -3,7 +3,7 @@
 
 use crate::support::invented::record;
 use crate::support::makadam;
-use crate::support::small_scene::smoke;
+use crate::support::small_scene::{compared_once, smoke};
 use makadam_validation::compare::Row;
 use makadam_validation::qualify::{Ablated, Extent, Settings, Study, qualify};
 use makadam_validation::report::{Qualification, Standing, StudyOutcome, read};
@@ -20,13 +20,11 @@ const RUNS: usize = 32;
 
 /// Writes a tiny scene and what is recorded of two codes on it, under `reference-scenes` in a folder.
 fn tiny(folder: &Path, name: &str) {
-    let text = std::fs::read_to_string(smoke()).unwrap();
-    let (head, compared) = text.split_once("[[compare]]").unwrap();
-    let first = compared.split("[[compare]]").next().unwrap();
-    let head = head.replace("\"smoke\"", &format!("\"{name}\"")).replace("count = 200", "count = 40");
+    let text = compared_once(&std::fs::read_to_string(smoke()).unwrap());
+    let text = text.replace("\"smoke\"", &format!("\"{name}\"")).replace("count = 200", "count = 40");
     let scene = folder.join("reference-scenes").join(name);
     std::fs::create_dir_all(&scene).unwrap();
-    std::fs::write(scene.join("scene.toml"), format!("{head}[[compare]]{first}")).unwrap();
+    std::fs::write(scene.join("scene.toml"), text).unwrap();
     record(&scene.join("reference"));
 }
 

@@ -22,9 +22,14 @@ fn springy(step: f64, ratio: &str) -> String {
     )
 }
 
+/// Overlap at which the floor bears the ball's weight by Hertz's law, m; the effective modulus is in Pa.
+fn static_overlap(modulus: f64) -> f64 {
+    (MASS * 9.81 / (4.0 / 3.0 * modulus * RADIUS.sqrt())).powf(2.0 / 3.0)
+}
+
 /// A ball that rests on the floor, at the overlap that bears its weight, and has just been given a speed.
 fn pushed(step: f64, ratio: &str, speed: f64) -> Scene {
-    let overlap = (MASS * 9.81 / (4.0 / 3.0 * MODULUS * RADIUS.sqrt())).powf(2.0 / 3.0);
+    let overlap = static_overlap(MODULUS);
     let ball = grain(RADIUS, [0.0, 0.0, RADIUS - overlap], [speed, 0.0, 0.0]);
     let body = format!("{FLOOR}{ball}");
     Setup {
@@ -46,7 +51,7 @@ fn slip(simulation: &Simulation) -> f64 {
 
 #[test]
 fn a_ball_on_a_floor_swings_with_the_period_of_its_spring() {
-    let overlap = (MASS * 9.81 / (4.0 / 3.0 * MODULUS * RADIUS.sqrt())).powf(2.0 / 3.0);
+    let overlap = static_overlap(MODULUS);
     for (ratio, text) in [(RATIO, String::new()), (0.3, ", stiffness_ratio = 0.3".into())] {
         // The surface has the mass 2/7 m at its contact.
         let stiffness = ratio * 2.0 * MODULUS * (RADIUS * overlap).sqrt();
@@ -169,7 +174,7 @@ fn a_stiff_spring_is_no_spring() {
 fn what_an_impact_bore_within_one_step_is_no_load_of_the_spring() {
     // An inelastic ball, a hundred times as stiff as the others, hits the floor aslant where the floor bears its weight. The impact is over
     // within the step, and the ball rolls on. Were its spring loaded with what the impact bore, its surface would slip by 9 mm/s in the next step.
-    let overlap = (MASS * 9.81 / (4.0 / 3.0 * 100.0 * MODULUS * RADIUS.sqrt())).powf(2.0 / 3.0);
+    let overlap = static_overlap(100.0 * MODULUS);
     let body = format!("{FLOOR}{}", grain(RADIUS, [0.0, 0.0, RADIUS - overlap], [1.0, 0.0, -1.0]));
     let setup = Setup { restitution: 0.0, youngs_modulus: 1e9, solver: springy(1e-3, ""), body, ..Setup::default() };
     let mut ball = setup.start();

@@ -235,6 +235,7 @@ mod tests {
         let square = mean(&ball.iter().map(|p| p.norm_squared()).collect::<Vec<_>>());
         assert_relative_eq!(square, 0.6, epsilon = 0.02);
     }
+
     #[test]
     fn a_flank_has_the_angle_of_its_slope() {
         for degrees in [5.0_f64, 20.0, 35.0, 60.0] {
