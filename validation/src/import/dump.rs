@@ -62,7 +62,7 @@ fn frames_of(reader: impl BufRead, columns: Option<usize>) -> Result<Vec<DumpFra
         while !lines.text.starts_with("ITEM: TIMESTEP") {
             // LAMMPS can say units and time before.
             match lines.text.trim_end() {
-                "ITEM: UNITS" => lines.next()?,
+                "ITEM: UNITS" => lines.units()?,
                 "ITEM: TIME" => time = Some(lines.number()?),
                 _ => lines.expect("ITEM: TIMESTEP")?,
             }
@@ -144,6 +144,18 @@ impl<R: BufRead> Lines<R> {
         self.next()?;
         let number = self.text.trim().parse().ok().filter(|number: &f64| number.is_finite());
         number.ok_or_else(|| self.fault("a number belongs here".into()))
+    }
+
+    /// The units of the dump: numbers of others than SI would be taken for metres, seconds and newtons.
+    fn units(&mut self) -> Result<(), DumpFault> {
+        self.next()?;
+        match self.text.trim() {
+            "si" => Ok(()),
+            other => {
+                let problem = format!("the dump is in units '{other}'; write the dump in SI units ('units si')");
+                Err(self.fault(problem))
+            }
+        }
     }
 
     fn integer(&mut self) -> Result<u64, DumpFault> {

@@ -295,3 +295,21 @@ fn files_are_numbered_by_the_last_number_of_their_names() {
     assert_eq!(number("grains.csv"), None);
     assert_eq!(number("99999999999999999999999.csv"), None);
 }
+
+#[test]
+fn a_dump_in_other_units_than_si_is_refused_by_their_name() {
+    let dump = |units: &str| {
+        let frame = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS id x y z\n1 0 0 0\n";
+        parse(Path::new("a.dump"), format!("{units}{frame}").into_bytes())
+    };
+    let told = dump("ITEM: UNITS\nsi\nITEM: TIME\n0.5\n").unwrap();
+    assert_eq!((told.len(), told[0].time), (1, Some(0.5)));
+    assert_eq!(dump("").unwrap().len(), 1, "what tells no units is in SI");
+    for units in ["cgs", "lj", "real", "metal", "micro", "SI "] {
+        let error = dump(&format!("ITEM: UNITS\n{units}\n")).unwrap_err().to_string();
+        let wanted =
+            format!("a.dump: line 2: the dump is in units '{}'; write the dump in SI units ('units si')", units.trim());
+        assert_eq!(error, wanted);
+    }
+    assert!(dump("ITEM: UNITS\nsi\nITEM: UNITS\ncgs\n").unwrap_err().to_string().contains("line 4"));
+}
