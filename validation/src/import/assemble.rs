@@ -2,6 +2,7 @@
 
 use super::columns::{Column, Places};
 use super::frame_table::{FrameTable, ImportError};
+use super::sequence::{one_after_the_other, series};
 use super::{Tables, contact_from_force, measurable, merge_wall_contacts};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
@@ -27,7 +28,7 @@ pub struct Assembly<'a> {
     pub seed: u64,
     /// Time step by which frames are numbered, s.
     pub time_step: Option<f64>,
-    /// Time between frames that are not numbered, s; the first is at time 0.
+    /// Time between frames that are not numbered, s; the first is at time 0. They follow the numbers in the names of their files.
     pub interval: Option<f64>,
 }
 
@@ -112,6 +113,12 @@ impl Assembly<'_> {
         table.time.or_else(stepped).or_else(|| Some(place as f64 * self.interval?))
     }
 
+    /// Whether some of these frames get their times by their place among the others.
+    fn counts(&self, tables: &[FrameTable]) -> bool {
+        let untold = |table: &FrameTable| table.time.is_none() && (table.step.is_none() || self.time_step.is_none());
+        self.interval.is_some() && tables.iter().any(untold)
+    }
+
     /// Frames with their times, in the order of time.
     fn timed<'t>(
         &self,
@@ -119,7 +126,8 @@ impl Assembly<'_> {
         notes: &mut Vec<String>,
     ) -> Result<Vec<(f64, &'t FrameTable)>, ImportError> {
         let mut timed = Vec::with_capacity(tables.len());
-        for (place, table) in tables.iter().enumerate() {
+        let ordered = if self.counts(tables) { one_after_the_other(tables)? } else { tables.iter().collect() };
+        for (place, table) in ordered.into_iter().enumerate() {
             let time = match self.time_of(table, place) {
                 Some(time) => time,
                 None if tables.len() == 1 => {
@@ -162,20 +170,20 @@ impl Assembly<'_> {
         let mut apart = f64::INFINITY;
         grains.windows(2).for_each(|pair| apart = apart.min(pair[1].0 - pair[0].0));
         let single = grains.len() == 1 && tables.iter().all(|table| table.time.is_none());
-        // Files of different contacts have frames of the same times, each in an order of its own.
-        let mut of_file: BTreeMap<&Path, usize> = BTreeMap::new();
         let mut strangers = 0;
-        for table in tables {
-            let count = of_file.entry(&table.file).or_default();
-            let time = self.time_of(table, *count);
-            *count += 1;
-            let near = |time: f64| grains.iter().position(|(own, _)| (own - time).abs() <= SAME_TIME * apart.min(1.0));
-            match if single { Some(0) } else { time.and_then(near) } {
-                Some(place) if !found[place].iter().any(|known: &&FrameTable| known.file == table.file) => {
-                    found[place].push(table);
+        // Each kind of contacts has frames of the same times, in an order of its own.
+        for of_kind in series(tables, self.counts(tables))? {
+            for (place, table) in of_kind.into_iter().enumerate() {
+                let time = self.time_of(table, place);
+                let near =
+                    |time: f64| grains.iter().position(|(own, _)| (own - time).abs() <= SAME_TIME * apart.min(1.0));
+                match if single { Some(0) } else { time.and_then(near) } {
+                    Some(place) if !found[place].iter().any(|known: &&FrameTable| known.file == table.file) => {
+                        found[place].push(table);
+                    }
+                    Some(_) => {}
+                    None => strangers += 1,
                 }
-                Some(_) => {}
-                None => strangers += 1,
             }
         }
         if strangers > 0 {

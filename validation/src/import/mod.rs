@@ -11,6 +11,7 @@ mod columns;
 mod contacts;
 mod dump;
 mod frame_table;
+mod sequence;
 mod text;
 mod vtk;
 
@@ -46,6 +47,7 @@ impl Tables {
     /// # Errors
     /// [`ImportError`] with file and line.
     pub fn add_grains(&mut self, path: &Path, columns: &[String]) -> Result<(), ImportError> {
+        once(&self.grains, path)?;
         if !path.is_dir() {
             self.grains.extend(renamed(read(path)?, columns)?);
             return Ok(());
@@ -69,8 +71,17 @@ impl Tables {
     /// # Errors
     /// [`ImportError`] with file and line.
     pub fn add_contacts(&mut self, path: &Path, columns: &[String]) -> Result<(), ImportError> {
+        once(&self.contacts, path)?;
         self.contacts.extend(renamed(read(path)?, columns)?);
         Ok(())
+    }
+}
+
+/// Refuses a file that has been read: its frames would count twice.
+fn once(known: &[FrameTable], path: &Path) -> Result<(), ImportError> {
+    match known.iter().any(|table| table.file == path) {
+        true => Err(ImportError::new(path, 1, "the file is given twice; name each file once")),
+        false => Ok(()),
     }
 }
 

@@ -313,3 +313,63 @@ fn a_dump_in_other_units_than_si_is_refused_by_their_name() {
     }
     assert!(dump("ITEM: UNITS\nsi\nITEM: UNITS\ncgs\n").unwrap_err().to_string().contains("line 4"));
 }
+
+/// A grain at a height that tells the frame.
+fn marked(frame: usize) -> String {
+    format!("id,x,y,z,r\n1,0,0,{frame},1\n2,0,0,{},1\n", frame as f64 + 1.9)
+}
+
+/// The first grain's height, or the force on it, in the order of time.
+fn heights(imported: &Imported) -> Vec<f64> {
+    imported.recording.frames.iter().map(|frame| frame.particles[0].position[2]).collect()
+}
+
+#[test]
+fn frames_that_are_counted_follow_the_numbers_of_their_files() {
+    let (scene, _) = packing();
+    let owned =
+        |name: &str, frame: usize| -> (&'static str, String) { (format!("{name}{frame}.csv").leak(), marked(frame)) };
+    let counted = |tables: &Tables| {
+        let interval = Some(INTERVAL);
+        Assembly { scene: &scene, code: "frames", version: "", seed: 1, time_step: None, interval }.assemble(tables)
+    };
+    // As a shell gives them: 1, 10, 11, 2, ...
+    let names = |name: &str| {
+        let mut files: Vec<_> = (0..12).map(|frame| owned(name, frame)).collect();
+        files.sort();
+        files
+    };
+    let grains = names("grains_");
+    let force = |(name, _): &(&'static str, String)| {
+        let frame: usize = name.trim_end_matches(".csv").rsplit('_').next().unwrap().parse().unwrap();
+        (
+            name.replace("grains", "pairs").leak() as &str,
+            format!("first,second,fx,fy,fz\n1,2,0,0,{}\n", -1.0 - frame as f64),
+        )
+    };
+    let contacts: Vec<_> = grains.iter().map(force).collect();
+    let imported = counted(&tables(&grains, &contacts).unwrap()).unwrap();
+    let wanted: Vec<f64> = (0..12).map(f64::from).collect();
+    assert_eq!(heights(&imported), wanted);
+    let times: Vec<f64> = imported.recording.frames.iter().map(|frame| frame.time).collect();
+    assert_eq!(times, wanted.iter().map(|frame| frame * INTERVAL).collect::<Vec<_>>());
+    let forces = imported.recording.frames.iter().map(|frame| frame.contacts[0].normal_force - 1.0).collect::<Vec<_>>();
+    assert_eq!(forces, wanted);
+    // Two names with numbers of their own: which follows which is not made up.
+    let both = [names("small_"), names("large_")].concat();
+    let error = counted(&tables(&both, &[]).unwrap()).unwrap_err().to_string();
+    assert!(error.contains("files of several names (large_#.csv, small_#.csv)"), "{error}");
+}
+
+#[test]
+fn a_file_that_is_given_twice_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.csv");
+    std::fs::write(&file, marked(0)).unwrap();
+    let mut tables = Tables::default();
+    tables.add_grains(&file, &[]).unwrap();
+    assert!(tables.add_grains(&file, &[]).unwrap_err().to_string().contains("given twice"));
+    // Grains and contacts may stand in one file.
+    tables.add_contacts(&file, &[]).unwrap();
+    assert!(tables.add_contacts(&file, &[]).unwrap_err().to_string().contains("given twice"));
+}

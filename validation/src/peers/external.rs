@@ -47,7 +47,7 @@ struct Description {
     contact_columns: Vec<String>,
     /// Time step by which frames or files are numbered, s.
     time_step: Option<f64>,
-    /// Time between frames that tell neither time nor step, s.
+    /// Time between frames that tell neither time nor step, s; files follow the numbers in their names.
     interval: Option<f64>,
 }
 

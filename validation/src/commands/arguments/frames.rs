@@ -30,7 +30,7 @@ pub struct MeasureArguments {
     /// Time step (s) of frames or files that are numbered by steps.
     #[arg(long, value_parser = seconds)]
     pub time_step: Option<f64>,
-    /// Time (s) between frames that tell neither time nor step; the first is at 0.
+    /// Time (s) between frames that tell neither time nor step; the first is at 0, and files follow the numbers in their names.
     #[arg(long, value_parser = seconds, conflicts_with = "time_step")]
     pub interval: Option<f64>,
     /// Seed of the initial positions: of the grains whose radii are taken where files have none; if absent, the scene's.

@@ -1,0 +1,167 @@
+//! The order of files by the numbers in their names, and which of them tell of one thing from frame to frame.
+
+use super::frame_table::{FrameTable, ImportError};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A number in a name: its digits without leading zeros, the shorter one being the smaller.
+type Number = (usize, String);
+
+/// A path with `#` in place of each number, and the numbers.
+fn split(path: &Path) -> (String, Vec<Number>) {
+    let (mut text, mut numbers) = (String::new(), Vec::new());
+    let name = path.to_string_lossy();
+    let mut rest = &name[..];
+    while let Some(start) = rest.find(|letter: char| letter.is_ascii_digit()) {
+        let end = rest[start..].find(|letter: char| !letter.is_ascii_digit()).map_or(rest.len(), |end| start + end);
+        let digits = rest[start..end].trim_start_matches('0');
+        numbers.push((digits.len(), digits.to_string()));
+        text += &rest[..start];
+        text.push('#');
+        rest = &rest[end..];
+    }
+    (text + rest, numbers)
+}
+
+/// The name of a path with `#` in place of its numbers.
+fn name_of(path: &Path) -> String {
+    split(Path::new(path.file_name().unwrap_or(path.as_os_str()))).0
+}
+
+/// The whole path with `#` in place of the last number of the file's name, which counts time steps.
+fn without_step(path: &Path) -> String {
+    let name = path.to_string_lossy();
+    let digit = |letter: char| letter.is_ascii_digit();
+    let stem = name.len() - path.extension().map_or(0, |extension| extension.to_string_lossy().len() + 1);
+    let Some(last) = name[..stem].rfind(digit) else { return name.into_owned() };
+    let start = name[..last].trim_end_matches(digit).len();
+    format!("{}#{}", &name[..start], &name[last + 1..])
+}
+
+/// Files whose names differ in numbers alone, by these numbers.
+fn by_numbers(mut files: Vec<&Path>) -> Result<Vec<&Path>, ImportError> {
+    files.sort_by_cached_key(|file| split(file).1);
+    for pair in files.windows(2) {
+        let [earlier, later] = [pair[0], pair[1]].map(|file| split(file).1);
+        if earlier.iter().zip(&later).any(|(before, after)| after < before) {
+            let problem = format!(
+                "which number in the names counts frames is not clear: from {} on, one rises and another falls; leave names that \
+                 differ in one number, or tell times by steps (--time-step) or by a column time",
+                pair[0].display()
+            );
+            return Err(ImportError::new(pair[1], 1, problem));
+        }
+    }
+    Ok(files)
+}
+
+/// Files without repetition, in the order of their tables.
+fn files_of(tables: &[FrameTable]) -> Vec<&Path> {
+    let mut files: Vec<&Path> = tables.iter().map(|table| &*table.file).collect();
+    files.dedup();
+    files
+}
+
+/// Frames of grains that follow one another, of one file or of several: by the numbers in the names where these differ in numbers
+/// alone, else as they stand.
+///
+/// # Errors
+/// [`ImportError`] where the names do not tell one order.
+pub(super) fn one_after_the_other(tables: &[FrameTable]) -> Result<Vec<&FrameTable>, ImportError> {
+    let files = files_of(tables);
+    let mut alike: BTreeMap<String, Vec<&Path>> = BTreeMap::new();
+    files.iter().for_each(|file| alike.entry(split(file).0).or_default().push(file));
+    let files = match alike.len() {
+        1 => by_numbers(files)?,
+        names if names == files.len() => files,
+        _ => {
+            let [one, other] =
+                [0, 1].map(|place| alike.values().nth(place).map_or_else(String::new, |files| name_of(files[0])));
+            let problem = format!(
+                "files of several names ({one}, {other}) tell neither times nor one order; leave files of one name, or tell times by \
+                 steps (--time-step) or by a column time"
+            );
+            return Err(ImportError::new(files[0], 1, problem));
+        }
+    };
+    let rank: BTreeMap<&Path, usize> = files.into_iter().zip(0..).collect();
+    let mut ordered: Vec<&FrameTable> = tables.iter().collect();
+    ordered.sort_by_key(|table| rank[&*table.file]);
+    Ok(ordered)
+}
+
+/// Tables of contacts as series, each of which tells of one kind of contacts from frame to frame: a file of several frames, or files
+/// of one frame each whose names differ in their numbers. With `by_place` a series is in the order of its frames.
+///
+/// # Errors
+/// [`ImportError`] where the frames have to be counted and the names do not tell one order.
+pub(super) fn series(tables: &[FrameTable], by_place: bool) -> Result<Vec<Vec<&FrameTable>>, ImportError> {
+    let mut of_file: BTreeMap<&Path, Vec<&FrameTable>> = BTreeMap::new();
+    tables.iter().for_each(|table| of_file.entry(&table.file).or_default().push(table));
+    let mut all = Vec::new();
+    let mut alike: BTreeMap<String, Vec<&Path>> = BTreeMap::new();
+    for file in files_of(tables) {
+        match &of_file[file][..] {
+            [_] if by_place => alike.entry(split(file).0).or_default().push(file),
+            [_] => alike.entry(without_step(file)).or_default().push(file),
+            several => all.push(several.to_vec()),
+        }
+    }
+    for files in alike.into_values() {
+        let files = if by_place { by_numbers(files)? } else { files };
+        all.push(files.iter().flat_map(|file| of_file[file].iter().copied()).collect());
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tables(files: &[&str]) -> Vec<FrameTable> {
+        let table = |file: &&str| FrameTable {
+            file: file.into(),
+            line: 1,
+            time: None,
+            step: None,
+            columns: Vec::new(),
+            values: Vec::new(),
+        };
+        files.iter().map(table).collect()
+    }
+
+    fn names(tables: &[&FrameTable]) -> Vec<String> {
+        tables.iter().map(|table| table.file.display().to_string()).collect()
+    }
+
+    #[test]
+    fn frames_follow_the_numbers_in_their_names() {
+        let ordered = |files: &[&str]| one_after_the_other(&tables(files)).map(|ordered| names(&ordered));
+        assert_eq!(ordered(&["a10.csv", "a2.csv", "a1.csv"]).unwrap(), ["a1.csv", "a2.csv", "a10.csv"]);
+        assert_eq!(ordered(&["a10.csv", "a002.csv"]).unwrap(), ["a002.csv", "a10.csv"]);
+        assert_eq!(ordered(&["f10/a.csv", "f9/a.csv"]).unwrap(), ["f9/a.csv", "f10/a.csv"]);
+        assert_eq!(ordered(&["9_of_10.csv", "10_of_10.csv"]).unwrap(), ["9_of_10.csv", "10_of_10.csv"]);
+        // Without numbers the order is that in which they are given.
+        assert_eq!(ordered(&["late.csv", "early.csv"]).unwrap(), ["late.csv", "early.csv"]);
+        let refused = |files: &[&str], words: &str| {
+            let error = ordered(files).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        };
+        refused(&["small_1.csv", "small_2.csv", "large_1.csv"], "files of several names (large_#.csv, small_#.csv)");
+        refused(&["rank0_1.csv", "rank0_2.csv", "rank1_1.csv"], "rank1_1.csv: line 1: which number in the names");
+    }
+
+    #[test]
+    fn contacts_of_one_kind_are_one_series() {
+        let of = |files: &[&str], by_place: bool| -> Vec<Vec<String>> {
+            series(&tables(files), by_place).unwrap().iter().map(|series| names(series)).collect()
+        };
+        let both = ["pair10.csv", "pair9.csv", "wall9.csv", "wall10.csv"];
+        assert_eq!(of(&both, true), [["pair9.csv", "pair10.csv"], ["wall9.csv", "wall10.csv"]]);
+        // A file of several frames counts its own.
+        assert_eq!(of(&["w0.csv", "w0.csv", "w1.csv", "w1.csv"], true), [["w0.csv", "w0.csv"], ["w1.csv", "w1.csv"]]);
+        let walls = ["wall0.200.csv", "wall0.400.csv", "wall1.200.csv", "wall1.400.csv"];
+        assert_eq!(of(&walls, false), [[walls[0], walls[1]], [walls[2], walls[3]]]);
+        assert!(series(&tables(&walls), true).unwrap_err().to_string().contains("which number in the names"));
+    }
+}
