@@ -62,6 +62,7 @@ impl Recording {
             frames: frames.iter().map(|frame| (*frame.0).clone()).collect(),
             lacks: Vec::new(),
             alarms: Vec::new(),
+            notes: Vec::new(),
         };
         Ok(Recording { scene, recording: Arc::new(recording) })
     }

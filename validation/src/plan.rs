@@ -277,6 +277,15 @@ pub struct Measure {
     pub observables: Vec<Observable>,
 }
 
+impl Measure {
+    /// Whether a frame at a time (s) is one of those from `from` on; none is where there is no such time.
+    pub fn covers(&self, time: f64) -> bool {
+        // Times are sums of steps: a frame due at `from` may bear a time just below it.
+        let slack = 1e-3 * self.interval;
+        self.from.is_some_and(|from| time >= from - slack)
+    }
+}
+
 impl Default for Measure {
     fn default() -> Self {
         Self { interval: 0.05, from: None, observables: Vec::new() }

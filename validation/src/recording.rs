@@ -43,6 +43,9 @@ pub struct Recording {
     pub lacks: Vec<Content>,
     /// What a watchdog noticed on the way, the first of each kind.
     pub alarms: Vec<Noticed>,
+    /// What a reader must know of frames that were read from files of any code, in sentences. A file does not say it.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 /// What a watchdog noticed and did not end the run for.
@@ -282,6 +285,7 @@ mod tests {
             frames: vec![Snapshot { particles: vec![grain], ..Snapshot::default() }],
             lacks: vec![Content::Spins],
             alarms: vec![Noticed { what: "deep".into(), grave: true }],
+            notes: Vec::new(),
         };
         let sealed = recording.to_bytes();
         assert_eq!(Recording::parse(&sealed).unwrap(), recording);

@@ -169,6 +169,7 @@ impl Code for Rapier {
             frames,
             lacks: Vec::new(),
             alarms: Vec::new(),
+            notes: Vec::new(),
         })
     }
 }

@@ -218,6 +218,7 @@ impl Code for Siconos {
             frames,
             lacks: Vec::new(),
             alarms: Vec::new(),
+            notes: Vec::new(),
         })
     }
 }

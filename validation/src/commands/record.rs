@@ -104,6 +104,7 @@ mod tests {
                 frames: Vec::new(),
                 lacks: Vec::new(),
                 alarms: Vec::new(),
+                notes: Vec::new(),
             })
         }
     }

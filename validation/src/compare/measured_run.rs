@@ -78,6 +78,9 @@ pub struct Harvest {
     pub alarms: Vec<Noticed>,
     /// What its frames did not tell; what needs it was not measured.
     pub lacks: Vec<Content>,
+    /// What a reader must know of its frames, in sentences.
+    #[serde(default)]
+    pub notes: Vec<String>,
 }
 
 impl Harvest {
@@ -105,6 +108,7 @@ impl Harvest {
             forces,
             alarms: recording.alarms.clone(),
             lacks: recording.lacks.clone(),
+            notes: recording.notes.clone(),
             series: series(scene, recording),
             final_state: recording.frames.last().map(|frame| FinalState {
                 code: recording.code.clone(),

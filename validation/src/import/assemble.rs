@@ -2,7 +2,7 @@
 
 use super::columns::{Column, Places};
 use super::frame_table::{FrameTable, ImportError};
-use super::sequence::{one_after_the_other, series};
+use super::timing::Given;
 use super::{Tables, contact_from_force, measurable, merge_wall_contacts};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
@@ -12,9 +12,6 @@ use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Two times are the same if they are nearer than this part of the time between frames.
-const SAME_TIME: f64 = 1e-3;
 
 /// What is known of frames beside their files.
 pub struct Assembly<'a> {
@@ -75,7 +72,13 @@ impl Assembly<'_> {
             Some(_) => None,
             None => Some(self.radii(first, numbers.len(), &mut notes)?),
         };
-        let mut contacts = self.contacts(&tables.contacts, &grains, &mut notes)?;
+        let Given { tables: mut contacts, unsure } = self.contacts(&tables.contacts, &grains, &mut notes)?;
+        for content in unsure {
+            if !lacks.contains(&content) {
+                lacks.push(content);
+            }
+        }
+        self.count(&grains, &mut notes);
         let mut frames = Vec::with_capacity(grains.len());
         for (place, (time, table)) in grains.iter().enumerate() {
             let particles = particles(table, &numbers, radii.as_deref())?;
@@ -103,111 +106,9 @@ impl Assembly<'_> {
             frames,
             lacks,
             alarms: Vec::new(),
+            notes: Vec::new(),
         };
         Ok(Imported { recording, notes })
-    }
-
-    /// Time of a frame, s: what it tells itself, that of its step, or that of its place among the others.
-    fn time_of(&self, table: &FrameTable, place: usize) -> Option<f64> {
-        let stepped = || Some(table.step? as f64 * self.time_step?);
-        table.time.or_else(stepped).or_else(|| Some(place as f64 * self.interval?))
-    }
-
-    /// Whether some of these frames get their times by their place among the others.
-    fn counts(&self, tables: &[FrameTable]) -> bool {
-        let untold = |table: &FrameTable| table.time.is_none() && (table.step.is_none() || self.time_step.is_none());
-        self.interval.is_some() && tables.iter().any(untold)
-    }
-
-    /// Frames with their times, in the order of time.
-    fn timed<'t>(
-        &self,
-        tables: &'t [FrameTable],
-        notes: &mut Vec<String>,
-    ) -> Result<Vec<(f64, &'t FrameTable)>, ImportError> {
-        let mut timed = Vec::with_capacity(tables.len());
-        let ordered = if self.counts(tables) { one_after_the_other(tables)? } else { tables.iter().collect() };
-        for (place, table) in ordered.into_iter().enumerate() {
-            let time = match self.time_of(table, place) {
-                Some(time) => time,
-                None if tables.len() == 1 => {
-                    notes.push(format!(
-                        "the frame tells no time: it is taken as the end of the run, {} s",
-                        self.scene.duration
-                    ));
-                    self.scene.duration
-                }
-                None => {
-                    let remedy = "give --time-step where frames or files are numbered by steps, else --interval, the time between them";
-                    return Err(table.fault(0, format!("the frame tells no time; {remedy}")));
-                }
-            };
-            timed.push((time, table));
-        }
-        timed.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let all = timed.len();
-        timed.dedup_by(|later, earlier| later.0 == earlier.0);
-        if timed.len() < all {
-            notes.push(format!(
-                "{} frames have the time of another one: the first of each is measured",
-                all - timed.len()
-            ));
-        }
-        Ok(timed)
-    }
-
-    /// The tables of contacts of each frame.
-    fn contacts<'t>(
-        &self,
-        tables: &'t [FrameTable],
-        grains: &[(f64, &FrameTable)],
-        notes: &mut Vec<String>,
-    ) -> Result<Vec<Vec<&'t FrameTable>>, ImportError> {
-        let mut found = vec![Vec::new(); grains.len()];
-        if tables.is_empty() {
-            return Ok(found);
-        }
-        let mut apart = f64::INFINITY;
-        grains.windows(2).for_each(|pair| apart = apart.min(pair[1].0 - pair[0].0));
-        let single = grains.len() == 1 && tables.iter().all(|table| table.time.is_none());
-        let mut strangers = 0;
-        // Each kind of contacts has frames of the same times, in an order of its own.
-        for of_kind in series(tables, self.counts(tables))? {
-            for (place, table) in of_kind.into_iter().enumerate() {
-                let time = self.time_of(table, place);
-                let near =
-                    |time: f64| grains.iter().position(|(own, _)| (own - time).abs() <= SAME_TIME * apart.min(1.0));
-                match if single { Some(0) } else { time.and_then(near) } {
-                    Some(place) if !found[place].iter().any(|known: &&FrameTable| known.file == table.file) => {
-                        found[place].push(table);
-                    }
-                    Some(_) => {}
-                    None => strangers += 1,
-                }
-            }
-        }
-        if strangers > 0 {
-            notes.push(format!(
-                "{strangers} frames of contacts have no frame of grains at their time: they are not measured"
-            ));
-        }
-        let empty = found.iter().filter(|tables| tables.is_empty()).count();
-        // A table with a column of times has no rows where there are no contacts; other files have a frame then.
-        let by_rows = tables.iter().all(|table| table.time.is_some() && table.step.is_none());
-        if by_rows && empty > 0 {
-            notes.push(format!("{empty} of {} frames have no contacts in the files", found.len()));
-        }
-        match found.iter().position(Vec::is_empty) {
-            None => Ok(found),
-            Some(_) if by_rows => Ok(found),
-            Some(place) => {
-                let (time, table) = grains[place];
-                Err(table.fault(
-                    0,
-                    format!("no contacts are given for this frame, at {time} s; give those of all frames, or of none"),
-                ))
-            }
-        }
     }
 
     /// Radii of the scene's grains, m.

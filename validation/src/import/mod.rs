@@ -13,6 +13,7 @@ mod dump;
 mod frame_table;
 mod sequence;
 mod text;
+mod timing;
 mod vtk;
 
 pub use assemble::{Assembly, Imported};

@@ -28,16 +28,6 @@ fn name_of(path: &Path) -> String {
     split(Path::new(path.file_name().unwrap_or(path.as_os_str()))).0
 }
 
-/// The whole path with `#` in place of the last number of the file's name, which counts time steps.
-fn without_step(path: &Path) -> String {
-    let name = path.to_string_lossy();
-    let digit = |letter: char| letter.is_ascii_digit();
-    let stem = name.len() - path.extension().map_or(0, |extension| extension.to_string_lossy().len() + 1);
-    let Some(last) = name[..stem].rfind(digit) else { return name.into_owned() };
-    let start = name[..last].trim_end_matches(digit).len();
-    format!("{}#{}", &name[..start], &name[last + 1..])
-}
-
 /// Files whose names differ in numbers alone, by these numbers.
 fn by_numbers(mut files: Vec<&Path>) -> Result<Vec<&Path>, ImportError> {
     files.sort_by_cached_key(|file| split(file).1);
@@ -90,28 +80,26 @@ pub(super) fn one_after_the_other(tables: &[FrameTable]) -> Result<Vec<&FrameTab
     Ok(ordered)
 }
 
-/// Tables of contacts as series, each of which tells of one kind of contacts from frame to frame: a file of several frames, or files
-/// of one frame each whose names differ in their numbers. With `by_place` a series is in the order of its frames.
+/// Frames of contacts as series, each of which has a frame for each of the grains', in their order: a file of several frames, or files
+/// of one frame each whose names differ in numbers alone.
 ///
 /// # Errors
-/// [`ImportError`] where the frames have to be counted and the names do not tell one order.
-pub(super) fn series(tables: &[FrameTable], by_place: bool) -> Result<Vec<Vec<&FrameTable>>, ImportError> {
+/// [`ImportError`] where the names do not tell one order.
+pub(super) fn side_by_side(tables: &[FrameTable]) -> Result<Vec<Vec<&FrameTable>>, ImportError> {
     let mut of_file: BTreeMap<&Path, Vec<&FrameTable>> = BTreeMap::new();
     tables.iter().for_each(|table| of_file.entry(&table.file).or_default().push(table));
-    let mut all = Vec::new();
+    let mut series = Vec::new();
     let mut alike: BTreeMap<String, Vec<&Path>> = BTreeMap::new();
     for file in files_of(tables) {
         match &of_file[file][..] {
-            [_] if by_place => alike.entry(split(file).0).or_default().push(file),
-            [_] => alike.entry(without_step(file)).or_default().push(file),
-            several => all.push(several.to_vec()),
+            [_] => alike.entry(split(file).0).or_default().push(file),
+            several => series.push(several.to_vec()),
         }
     }
     for files in alike.into_values() {
-        let files = if by_place { by_numbers(files)? } else { files };
-        all.push(files.iter().flat_map(|file| of_file[file].iter().copied()).collect());
+        series.push(by_numbers(files)?.iter().flat_map(|file| of_file[file].iter().copied()).collect());
     }
-    Ok(all)
+    Ok(series)
 }
 
 #[cfg(test)]
@@ -152,16 +140,15 @@ mod tests {
     }
 
     #[test]
-    fn contacts_of_one_kind_are_one_series() {
-        let of = |files: &[&str], by_place: bool| -> Vec<Vec<String>> {
-            series(&tables(files), by_place).unwrap().iter().map(|series| names(series)).collect()
+    fn each_series_of_contacts_counts_its_own_frames() {
+        let of = |files: &[&str]| -> Vec<Vec<String>> {
+            side_by_side(&tables(files)).unwrap().iter().map(|series| names(series)).collect()
         };
         let both = ["pair10.csv", "pair9.csv", "wall9.csv", "wall10.csv"];
-        assert_eq!(of(&both, true), [["pair9.csv", "pair10.csv"], ["wall9.csv", "wall10.csv"]]);
+        assert_eq!(of(&both), [["pair9.csv", "pair10.csv"], ["wall9.csv", "wall10.csv"]]);
         // A file of several frames counts its own.
-        assert_eq!(of(&["w0.csv", "w0.csv", "w1.csv", "w1.csv"], true), [["w0.csv", "w0.csv"], ["w1.csv", "w1.csv"]]);
-        let walls = ["wall0.200.csv", "wall0.400.csv", "wall1.200.csv", "wall1.400.csv"];
-        assert_eq!(of(&walls, false), [[walls[0], walls[1]], [walls[2], walls[3]]]);
-        assert!(series(&tables(&walls), true).unwrap_err().to_string().contains("which number in the names"));
+        assert_eq!(of(&["w0.csv", "w0.csv", "w1.csv", "w1.csv"]), [["w0.csv", "w0.csv"], ["w1.csv", "w1.csv"]]);
+        let walls = tables(&["wall0.1.csv", "wall0.2.csv", "wall1.1.csv", "wall1.2.csv"]);
+        assert!(side_by_side(&walls).unwrap_err().to_string().contains("which number in the names"));
     }
 }

@@ -41,6 +41,7 @@ fn recording(frames: Vec<Snapshot>, lacks: Vec<Content>) -> Recording {
         frames,
         lacks,
         alarms: Vec::new(),
+        notes: Vec::new(),
     }
 }
 
@@ -372,4 +373,74 @@ fn a_file_that_is_given_twice_is_refused() {
     // Grains and contacts may stand in one file.
     tables.add_contacts(&file, &[]).unwrap();
     assert!(tables.add_contacts(&file, &[]).unwrap_err().to_string().contains("given twice"));
+}
+
+#[test]
+fn frames_of_one_time_are_one_only_where_they_are_the_same() {
+    let (scene, _) = packing();
+    let at = |name: &'static str, frame: usize| {
+        let text = marked(frame).replace("id,", "time,id,").replace("\n1,", "\n0.5,1,").replace("\n2,", "\n0.5,2,");
+        (name, text)
+    };
+    let twice = tables(&[at("a.csv", 3), at("b.csv", 3)], &[]).unwrap();
+    let imported = assembled(&scene, &twice).unwrap();
+    assert_eq!(heights(&imported), [3.0]);
+    assert!(imported.notes.contains(&"1 frames are the same as another one at their time".to_string()));
+    let error = assembled(&scene, &tables(&[at("a.csv", 3), at("b.csv", 4)], &[]).unwrap()).unwrap_err().to_string();
+    assert!(error.contains("b.csv: line 2: it has a frame at 0.5 s, as a.csv has (line 2)"), "{error}");
+}
+
+#[test]
+fn missing_grains_are_told() {
+    let (scene, _) = packing();
+    let grains = |text: &str| tables(&[("a.csv", format!("time,id,x,y,z,r\n{text}"))], &[]).unwrap();
+    let notes = |text: &str| assembled(&scene, &grains(text)).unwrap().notes;
+    assert_eq!(
+        notes("0.3,1,0,0,0,1\n0.4,1,0,0,0,1\n0.4,2,0,0,0,1\n"),
+        ["the frames have 1 to 2 grains, and the scene has 100: those that are there are measured"]
+    );
+    let all: String = (0..100).map(|id| format!("0.3,{id},0,0,{id},1\n")).collect();
+    assert!(notes(&all).is_empty());
+}
+
+/// Contacts that are told of one frame only would count as none in the others.
+#[test]
+fn contacts_are_told_of_each_measured_frame_or_not_measured() {
+    let (scene, frames) = packing();
+    let text = |head: &str, rows: Rows, of: &dyn Fn(usize) -> bool| {
+        let mut text = format!("time {head}\n");
+        for (_, frame) in frames.iter().enumerate().filter(|(place, _)| of(*place)) {
+            rows(frame, &|to| _ = write!(to, "{:e} ", frame.time), &mut text);
+        }
+        text.replace(' ', ",")
+    };
+    let grains = [("grains.csv", text(GRAINS, &grain_rows, &|_| true))];
+    let last = frames.len() - 1;
+    let imported = |of: &dyn Fn(usize) -> bool| {
+        let contacts = [("contacts.csv", text(CONTACTS, &contact_rows, of))];
+        assembled(&scene, &tables(&grains, &contacts).unwrap())
+    };
+    // Those before the first measured one may be left out.
+    let late = imported(&|place| frames[place].time > 0.19).unwrap();
+    assert!(measure(&scene, &late.recording).iter().any(|one| one.observable == "friction_mobilisation"));
+    assert_eq!((late.recording.lacks, late.notes), (vec![Content::DrivenWalls], vec![]));
+    for only in [2, last] {
+        let Imported { recording, notes } = imported(&|place| place == only).unwrap();
+        assert_eq!(recording.lacks, [Content::DrivenWalls, Content::Contacts, Content::WallContacts]);
+        assert!(notes.len() == 1 && notes[0].starts_with("contacts.csv has no rows at "), "{notes:?}");
+        assert!(measure(&scene, &recording).iter().all(|one| one.observable != "friction_mobilisation"));
+    }
+    // A file a frame, numbered by steps: heads alone tell that there are none.
+    let files = |name: &'static str, lost: usize| -> Vec<(&'static str, String)> {
+        let kept = (0..=last).filter(|place| *place != lost);
+        let wall =
+            |place| (&*format!("{name}.{}.csv", place * 100).leak(), "first,wall,fx,fy,fz,px,py,pz\n".to_string());
+        kept.map(wall).collect()
+    };
+    let pairs = |place: usize| (&*format!("pairs.{}.csv", place * 100).leak(), "first,second,fx,fy,fz\n".to_string());
+    let pairs: Vec<_> = (0..=last).map(pairs).collect();
+    let both = |lost| assembled(&scene, &tables(&grains, &[pairs.clone(), files("walls", lost)].concat()).unwrap());
+    assert!(both(1).is_ok());
+    let error = both(last).unwrap_err().to_string();
+    assert!(error.contains("walls.0.csv: line 2: no contacts are given for the frame at 0.3"), "{error}");
 }

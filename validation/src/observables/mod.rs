@@ -225,7 +225,5 @@ pub fn measured_frames<'a>(scene: &Scene, recording: &'a Recording) -> Vec<&'a S
 
 /// Whether a frame at a time (s) is one of those from `scene.measure.from` on; none is where the scene gives no such time.
 pub fn is_measured(scene: &Scene, time: f64) -> bool {
-    // Times are sums of steps: a frame due at `from` may bear a time just below it.
-    let slack = 1e-3 * scene.measure.interval;
-    scene.measure.from.is_some_and(|from| time >= from - slack)
+    scene.measure.covers(time)
 }

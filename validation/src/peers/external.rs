@@ -12,7 +12,7 @@ use super::{Code, CodeError, Job};
 use crate::import::{Assembly, ImportError, Imported, Tables};
 use crate::observables::{is_measured, measured_frames};
 use crate::output::{cells::csv_below, shown};
-use crate::recording::Recording;
+use crate::recording::{Recording, frame_belongs_to};
 use crate::scenes::in_file;
 use makadam::scene::{Grain, populate};
 use serde::Deserialize;
@@ -142,7 +142,13 @@ impl External {
     }
 
     /// The frames that the run has left.
-    fn recording(&self, job: &Job<'_>, plan: &Plan, wall_seconds: f64) -> Result<Recording, CodeError> {
+    fn recording(
+        &self,
+        job: &Job<'_>,
+        plan: &Plan,
+        grains: &[Grain],
+        wall_seconds: f64,
+    ) -> Result<Recording, CodeError> {
         let Description { columns, contact_columns, time_step, interval, version, .. } = &self.description;
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
         let mut tables = Tables::default();
@@ -160,15 +166,38 @@ impl External {
             time_step: *time_step,
             interval: *interval,
         };
-        let Imported { recording, .. } = assembly.assemble(&tables).map_err(refused)?;
+        let Imported { recording, notes } = assembly.assemble(&tables).map_err(refused)?;
         self.check_times(job, plan, &recording)?;
+        self.check_grains(job, grains, &recording)?;
         Ok(Recording {
+            notes,
             rayleigh_fraction: None,
             stiffness_factor: job.stiffness_factor,
             wall_seconds,
             simulated_seconds: plan.steps as f64 * plan.time_step,
             ..recording
         })
+    }
+
+    /// Refuses frames without all grains of the scene: none can leave it. Frames without any grain are not measured.
+    fn check_grains(&self, job: &Job<'_>, grains: &[Grain], recording: &Recording) -> Result<(), CodeError> {
+        let refused = |problem: String| Err(self.output(job.work_folder, 1, problem));
+        for frame in recording.frames.iter().filter(|frame| !frame.particles.is_empty()) {
+            let (found, wanted, time) = (frame.particles.len(), grains.len(), frame.time);
+            if found != wanted {
+                return refused(format!(
+                    "the frame at {time} s has {found} grains, and grains.csv has {wanted}; leave all of them in each frame"
+                ));
+            }
+            // Grains are ranked by their numbers over all frames.
+            if (0..).zip(&frame.particles).any(|(place, particle)| particle.id != place) {
+                return refused(format!(
+                    "grains have other numbers in the frame at {time} s than in others; number them alike in all frames"
+                ));
+            }
+            frame_belongs_to(frame, job.scene).or_else(refused)?;
+        }
+        Ok(())
     }
 
     /// Refuses a run that has not left the frames that are measured: a mean over others is another number.
@@ -239,7 +268,7 @@ impl Code for External {
         }
         .execute()?;
         let wall_seconds = clock.elapsed().as_secs_f64();
-        let recording = self.recording(job, &plan, wall_seconds)?;
+        let recording = self.recording(job, &plan, &grains, wall_seconds)?;
         (job.progress)(1.0);
         Ok(recording)
     }

@@ -61,6 +61,7 @@ impl Code for Makadam {
             frames,
             lacks: Vec::new(),
             alarms: Noticed::by(&watchdog),
+            notes: Vec::new(),
         })
     }
 }

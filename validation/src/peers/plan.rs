@@ -76,6 +76,7 @@ impl Plan {
             frames,
             lacks: Vec::new(),
             alarms: Vec::new(),
+            notes: Vec::new(),
         }
     }
 

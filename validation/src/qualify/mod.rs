@@ -8,6 +8,7 @@
 
 mod jobs;
 mod one_scene;
+mod reading_notes;
 mod record;
 mod scenes;
 mod studies;

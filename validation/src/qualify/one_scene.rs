@@ -1,5 +1,6 @@
 //! One scene in several codes, judged.
 
+use super::reading_notes::reading_notes;
 use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison};
 use crate::peers::{Code, CodeError, Purpose};
 use crate::plan::Scene;
@@ -117,6 +118,7 @@ impl OneScene<'_> {
                 let own = harvest.alarms.iter();
                 notes.extend(own.map(|alarm| format!("{code}, seed {}: {}", harvest.run.seed, alarm.words())));
             }
+            notes.extend(reading_notes(code, &simulated.harvests));
             measured.push(CodeRuns::live(code, side_by_side, simulated.harvests));
         }
         if let Some(error @ CodeError::Scene(_)) = failure {

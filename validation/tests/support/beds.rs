@@ -85,6 +85,7 @@ pub fn recording(frames: Vec<Snapshot>) -> Recording {
         frames,
         lacks: Vec::new(),
         alarms: Vec::new(),
+        notes: Vec::new(),
     }
 }
 

@@ -278,6 +278,7 @@ pub fn recordings() -> Vec<Vec<u8>> {
         frames: vec![frame(0.1), frame(0.15), frame(0.2)],
         lacks: Vec::new(),
         alarms: Vec::new(),
+        notes: Vec::new(),
     };
     vec![recording.to_bytes()]
 }

@@ -1,0 +1,204 @@
+//! When frames are: grains and contacts in the order of time, each with what belongs to it.
+
+use super::assemble::Assembly;
+use super::columns::{Column, Places};
+use super::frame_table::{FrameTable, ImportError};
+use super::sequence::{one_after_the_other, side_by_side};
+use crate::recording::Content;
+use std::collections::BTreeMap;
+
+/// Two times are the same if they are nearer than this part of the time between frames.
+const SAME_TIME: f64 = 1e-3;
+
+/// Contacts as files give them.
+pub(super) struct Given<'t> {
+    /// The tables of each frame of grains.
+    pub tables: Vec<Vec<&'t FrameTable>>,
+    /// What they may lack, since they tell nothing of some measured frames.
+    pub unsure: Vec<Content>,
+}
+
+impl Assembly<'_> {
+    /// Time of a frame, s: what it tells itself, that of its step, or that of its place among the others.
+    fn time_of(&self, table: &FrameTable, place: usize) -> Option<f64> {
+        let stepped = || Some(table.step? as f64 * self.time_step?);
+        table.time.or_else(stepped).or_else(|| Some(place as f64 * self.interval?))
+    }
+
+    /// Whether some of these frames get their times by their place among the others.
+    fn counts(&self, tables: &[FrameTable]) -> bool {
+        let untold = |table: &FrameTable| table.time.is_none() && (table.step.is_none() || self.time_step.is_none());
+        self.interval.is_some() && tables.iter().any(untold)
+    }
+
+    /// Frames with their times, in the order of time.
+    pub(super) fn timed<'t>(
+        &self,
+        tables: &'t [FrameTable],
+        notes: &mut Vec<String>,
+    ) -> Result<Vec<(f64, &'t FrameTable)>, ImportError> {
+        let mut timed = Vec::with_capacity(tables.len());
+        let ordered = if self.counts(tables) { one_after_the_other(tables)? } else { tables.iter().collect() };
+        for (place, table) in ordered.into_iter().enumerate() {
+            let time = match self.time_of(table, place) {
+                Some(time) => time,
+                None if tables.len() == 1 => {
+                    notes.push(format!(
+                        "the frame tells no time: it is taken as the end of the run, {} s",
+                        self.scene.duration
+                    ));
+                    self.scene.duration
+                }
+                None => {
+                    let remedy = "give --time-step where frames or files are numbered by steps, else --interval, the time between them";
+                    return Err(table.fault(0, format!("the frame tells no time; {remedy}")));
+                }
+            };
+            timed.push((time, table));
+        }
+        timed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all = timed.len();
+        timed.dedup_by(|(later, table), (earlier, known)| {
+            is_same_time(*earlier, *later) && (&table.columns, &table.values) == (&known.columns, &known.values)
+        });
+        if timed.len() < all {
+            notes.push(format!("{} frames are the same as another one at their time", all - timed.len()));
+        }
+        if let Some(pair) = timed.windows(2).find(|pair| is_same_time(pair[0].0, pair[1].0)) {
+            let ((time, one), (_, other)) = (pair[0], pair[1]);
+            let problem = format!(
+                "it has a frame at {time} s, as {} has (line {}); leave one frame at each time, with all grains",
+                one.file.display(),
+                one.line
+            );
+            return Err(other.fault(0, problem));
+        }
+        Ok(timed)
+    }
+
+    /// Notes frames that have no grains, and others than those of the scene.
+    pub(super) fn count(&self, grains: &[(f64, &FrameTable)], notes: &mut Vec<String>) {
+        let counts: Vec<usize> = grains.iter().map(|(_, table)| table.rows().count()).collect();
+        let filled = || counts.iter().filter(|count| **count > 0);
+        let empty = counts.len() - filled().count();
+        if empty > 0 {
+            notes.push(format!("{empty} of {} frames have no grains: they are not measured", counts.len()));
+        }
+        let (fewest, most) = (filled().min().copied().unwrap_or(0), filled().max().copied().unwrap_or(0));
+        let wanted = self.scene.grain_count();
+        if (fewest, most) != (wanted, wanted) {
+            let found = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
+            notes.push(format!(
+                "the frames have {found} grains, and the scene has {wanted}: those that are there are measured"
+            ));
+        }
+    }
+
+    /// Which of the frames are measured.
+    fn measured(&self, grains: &[(f64, &FrameTable)]) -> Vec<bool> {
+        let last = grains.iter().rposition(|(_, table)| table.rows().next().is_some());
+        let is_measured = |(place, (time, _)): (usize, &(f64, &FrameTable))| match self.scene.measure.from {
+            Some(_) => self.scene.measure.covers(*time),
+            None => Some(place) == last,
+        };
+        grains.iter().enumerate().map(is_measured).collect()
+    }
+
+    /// The tables of contacts of each frame.
+    pub(super) fn contacts<'t>(
+        &self,
+        tables: &'t [FrameTable],
+        grains: &[(f64, &FrameTable)],
+        notes: &mut Vec<String>,
+    ) -> Result<Given<'t>, ImportError> {
+        let mut given = Given { tables: vec![Vec::new(); grains.len()], unsure: Vec::new() };
+        if tables.is_empty() {
+            return Ok(given);
+        }
+        let mut apart = f64::INFINITY;
+        grains.windows(2).for_each(|pair| apart = apart.min(pair[1].0 - pair[0].0));
+        let single = grains.len() == 1 && tables.iter().all(|table| table.time.is_none());
+        let near = |time: f64| grains.iter().position(|(own, _)| (own - time).abs() <= SAME_TIME * apart.min(1.0));
+        let mut strangers = 0;
+        let mut kinds: BTreeMap<&[String], (Vec<&FrameTable>, Vec<bool>)> = BTreeMap::new();
+        // Where frames are counted, files of different contacts count their own.
+        let all = if self.counts(tables) { side_by_side(tables)? } else { vec![tables.iter().collect()] };
+        for (place, table) in all.iter().flat_map(|series| series.iter().enumerate()) {
+            let time = self.time_of(table, place);
+            let Some(at) = (if single { Some(0) } else { time.and_then(near) }) else {
+                strangers += 1;
+                continue;
+            };
+            if given.tables[at].iter().any(|known: &&FrameTable| known.file == table.file) {
+                let problem = format!("it has two frames of contacts at {} s; leave one at each time", grains[at].0);
+                return Err(table.fault(0, problem));
+            }
+            given.tables[at].push(table);
+            let (of_kind, told) =
+                kinds.entry(&table.columns).or_insert_with(|| (Vec::new(), vec![false; grains.len()]));
+            of_kind.push(table);
+            told[at] = true;
+        }
+        // Contacts with walls may be told apart from those between grains: each must be told of every measured frame.
+        let measured = self.measured(grains);
+        let count = measured.iter().filter(|measured| **measured).count();
+        for (of_kind, told) in kinds.values() {
+            let untold = || (0..grains.len()).filter(|&at| measured[at] && !told[at]);
+            if let Some(first) = untold().next() {
+                given.unsure.extend(untold_contacts(of_kind, grains[first].0, [untold().count(), count], notes)?);
+            }
+        }
+        if strangers > 0 {
+            notes.push(format!(
+                "{strangers} frames of contacts have no frame of grains at their time: they are not measured"
+            ));
+        }
+        match given.tables.iter().position(Vec::is_empty) {
+            Some(place) if !tables.iter().all(is_by_rows) => {
+                let (time, table) = grains[place];
+                Err(table.fault(0, untold_at(time)))
+            }
+            _ => Ok(given),
+        }
+    }
+}
+
+/// Whether a table was cut out of one with a column of times: that has no rows where there are no contacts, and other files have a
+/// frame then.
+fn is_by_rows(table: &FrameTable) -> bool {
+    table.time.is_some() && table.step.is_none()
+}
+
+/// What is unsure of contacts that are told in some of the measured frames only: not in `untold[0]` of `untold[1]`, the first at
+/// `time`.
+fn untold_contacts(
+    tables: &[&FrameTable],
+    time: f64,
+    untold: [usize; 2],
+    notes: &mut Vec<String>,
+) -> Result<Vec<Content>, ImportError> {
+    let first = tables[0];
+    if !tables.iter().all(|table| is_by_rows(table)) {
+        return Err(first.fault(0, untold_at(time)));
+    }
+    let [untold, measured] = untold;
+    notes.push(format!(
+        "{} has no rows at {time} s, and of {untold} of {measured} measured frames: there may be none, or they are not told, so what \
+         needs its contacts is not measured; leave a file of contacts for each frame, without a column of times, and with the heads of \
+         its columns alone where there are none",
+        first.file.file_name().unwrap_or_default().display()
+    ));
+    let places = Places::of(first);
+    let kinds = [(Column::Second, Content::Contacts), (Column::Wall, Content::WallContacts)];
+    Ok(kinds.into_iter().filter(|(column, _)| places.find(*column).is_some()).map(|(_, content)| content).collect())
+}
+
+/// What is wrong with contacts that are not told at a time (s).
+fn untold_at(time: f64) -> String {
+    format!("no contacts are given for the frame at {time} s; give those of all frames, or of none")
+}
+
+/// Whether two times are one but for rounding.
+fn is_same_time(earlier: f64, later: f64) -> bool {
+    later - earlier <= 1e-9 * later.abs()
+}
