@@ -55,8 +55,10 @@ fn files_of_other_codes_are_measured_and_what_they_lack_is_said() {
     assert!(text.contains("not measured: gini: the frames have no contacts between grains"), "{text}");
     assert!(text.contains("largest_overlap"), "{text}");
     let vtu = data("validation/tests/frames/yade/spheres.400.vtu");
-    let (_, text, _) = outcome(folder.path(), &["measure", &vtu, "--scene", "packing-100", "--time-step", "1e-2"]);
+    let (_, text, notes) = outcome(folder.path(), &["measure", &vtu, "--scene", "packing-100", "--time-step", "1e-2"]);
     assert!(!text.contains("kinetic_energy: "), "velocities and spins are there: {text}");
+    assert!(notes.contains("the last frame is measured, at 4 s, and the scene ends at 0.6 s"), "{notes}");
+    assert!(notes.contains("the frames have 60 grains, and the scene has 100"), "{notes}");
     let refused: [(&[&str], i32, &str); 4] = [
         (&["measure", "nothing.csv", "--scene", "packing-100"], 3, "nothing.csv: line 1:"),
         (&["measure", &plain, "--scene", "packing-101"], 3, "packing-100"),

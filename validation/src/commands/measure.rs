@@ -6,8 +6,10 @@ use crate::draw::numbers::significant;
 use crate::import::{Assembly, Imported, Tables};
 use crate::observables::{Measurement, Unmeasured, measure as measure_recording, measured_frames, unmeasured};
 use crate::output::JSON_VERSION;
+use crate::plan::Scene;
 use crate::recording::Recording;
 use crate::study::{Table, cells};
+use makadam::snapshot::Snapshot;
 use serde::Serialize;
 use std::process::ExitCode;
 
@@ -43,8 +45,10 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
         time_step: arguments.time_step,
         interval: arguments.interval,
     };
-    let Imported { recording, notes } = assembly.assemble(&tables)?;
-    let frames = measured_frames(&scene, &recording).len();
+    let Imported { recording, mut notes } = assembly.assemble(&tables)?;
+    let measured = measured_frames(&scene, &recording);
+    notes.extend(other_end(&scene, &measured));
+    let frames = measured.len();
     if frames == 0 {
         let (last, from) = (recording.simulated_seconds, scene.measure.from.unwrap_or(0.0));
         return Err(Failure::Usage(format!(
@@ -75,6 +79,13 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
         true => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
         false => Ok(ExitCode::SUCCESS),
     }
+}
+
+/// That the one frame that is measured is not at the end of the run, where the scene measures its end.
+fn other_end(scene: &Scene, measured: &[&Snapshot]) -> Option<String> {
+    let time = measured.last().filter(|_| scene.measure.from.is_none())?.time;
+    let is_other = (time - scene.duration).abs() > 0.01 * scene.measure.interval;
+    is_other.then(|| format!("the last frame is measured, at {time} s, and the scene ends at {} s", scene.duration))
 }
 
 fn text(recording: &Recording, frames: usize, measurements: &[Measurement], not_measured: &[Unmeasured]) -> String {

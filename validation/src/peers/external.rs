@@ -5,16 +5,17 @@
 //! ```
 
 use super::mesh::wall_mesh;
-use super::plan::Plan;
 use super::process::{Run, io, locate};
 use super::stl::stl;
 use super::{Code, CodeError, Job};
 use crate::import::{Assembly, ImportError, Imported, Tables};
-use crate::observables::{is_measured, measured_frames};
+use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
+use crate::plan::{Measure, Scene};
 use crate::recording::{Recording, frame_belongs_to};
 use crate::scenes::in_file;
 use makadam::scene::{Grain, populate};
+use makadam::snapshot::Snapshot;
 use serde::Deserialize;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -142,13 +143,7 @@ impl External {
     }
 
     /// The frames that the run has left.
-    fn recording(
-        &self,
-        job: &Job<'_>,
-        plan: &Plan,
-        grains: &[Grain],
-        wall_seconds: f64,
-    ) -> Result<Recording, CodeError> {
+    fn recording(&self, job: &Job<'_>, grains: &[Grain], wall_seconds: f64) -> Result<Recording, CodeError> {
         let Description { columns, contact_columns, time_step, interval, version, .. } = &self.description;
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
         let mut tables = Tables::default();
@@ -167,14 +162,14 @@ impl External {
             interval: *interval,
         };
         let Imported { recording, notes } = assembly.assemble(&tables).map_err(refused)?;
-        self.check_times(job, plan, &recording)?;
+        self.check_times(job, &recording)?;
         self.check_grains(job, grains, &recording)?;
         Ok(Recording {
             notes,
             rayleigh_fraction: None,
             stiffness_factor: job.stiffness_factor,
             wall_seconds,
-            simulated_seconds: plan.steps as f64 * plan.time_step,
+            simulated_seconds: job.scene.duration,
             ..recording
         })
     }
@@ -200,37 +195,47 @@ impl External {
         Ok(())
     }
 
-    /// Refuses a run that has not left the frames that are measured: a mean over others is another number.
-    fn check_times(&self, job: &Job<'_>, plan: &Plan, recording: &Recording) -> Result<(), CodeError> {
+    /// Refuses a run of which other frames would be measured than those of frames.csv: a mean over others is another number.
+    fn check_times(&self, job: &Job<'_>, recording: &Recording) -> Result<(), CodeError> {
+        let refused = |problem: String| Err(self.output(job.work_folder, 1, problem));
         let slack = 0.01 * job.scene.measure.interval;
-        let has = |time: f64| recording.frames.iter().any(|frame| (frame.time - time).abs() <= slack);
-        let asked = asked(job, plan);
-        match asked.iter().find(|time| !has(**time)) {
-            None if measured_frames(job.scene, recording).len() == asked.len() => Ok(()),
-            None => {
-                let (found, wanted) = (measured_frames(job.scene, recording).len(), asked.len());
-                Err(self.output(
-                    job.work_folder,
-                    1,
-                    format!("{found} frames where {wanted} are measured; leave those of frames.csv"),
-                ))
+        let asked = asked(job.scene);
+        let Some(first) = asked.first() else { return Ok(()) };
+        let due = recording.frames.iter().filter(|frame| frame.time >= first - slack);
+        if let Some(empty) = due.clone().find(|frame| frame.particles.is_empty()) {
+            return refused(format!(
+                "the frame at {} s has no grains; leave all of them at each time of frames.csv",
+                empty.time
+            ));
+        }
+        let is_at = |time: f64, frame: &Snapshot| (frame.time - time).abs() <= slack;
+        if let Some(time) = asked.iter().find(|time| !due.clone().any(|frame| is_at(**time, frame))) {
+            return refused(format!("no frame at {time} s; leave one at each time of frames.csv"));
+        }
+        let measured = measured_frames(job.scene, recording);
+        if let Some(other) = measured.iter().find(|frame| !asked.iter().any(|time| is_at(*time, frame))) {
+            return refused(format!(
+                "a frame at {} s would be measured, and is not in frames.csv; leave those that are",
+                other.time
+            ));
+        }
+        match (measured.len(), asked.len()) {
+            (found, wanted) if found == wanted => Ok(()),
+            (found, wanted) => {
+                refused(format!("{found} frames where {wanted} are measured; leave one at each time of frames.csv"))
             }
-            Some(time) => Err(self.output(
-                job.work_folder,
-                1,
-                format!("no frame at {time} s; leave one at each time of frames.csv"),
-            )),
         }
     }
 }
 
-/// Times of the frames that are measured, s.
-fn asked(job: &Job<'_>, plan: &Plan) -> Vec<f64> {
-    let times: Vec<f64> = plan.frames().iter().map(|step| *step as f64 * plan.time_step).collect();
-    match job.scene.measure.from {
-        Some(_) => times.into_iter().filter(|time| is_measured(job.scene, *time)).collect(),
-        None => times.last().copied().into_iter().collect(),
-    }
+/// Times of the frames that are measured, s: whole intervals from `measure.from` on, and the end of the run.
+fn asked(scene: &Scene) -> Vec<f64> {
+    let Measure { interval, from, .. } = scene.measure;
+    // A time just below a whole interval is that one but for rounding.
+    let first = from.map(|from| (from / interval - 1e-3).ceil().max(0.0));
+    let times = (0..).map(|place| (first.unwrap_or(0.0) + f64::from(place)) * interval);
+    let before_end = times.take_while(|time| first.is_some() && *time < scene.duration - 1e-3 * interval);
+    before_end.chain([scene.duration]).collect()
 }
 
 impl Code for External {
@@ -245,11 +250,9 @@ impl Code for External {
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
         let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
-        // It has a time step of its own; frames are due at those of the scene.
-        let plan = Plan::new(scene, scene.measure.interval);
         let folder = job.work_folder;
         std::fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
-        for (name, bytes) in input(job, &grains, &plan) {
+        for (name, bytes) in input(job, &grains) {
             let path = folder.join(name);
             std::fs::write(&path, bytes).map_err(|source| io(&path, source))?;
         }
@@ -268,7 +271,7 @@ impl Code for External {
         }
         .execute()?;
         let wall_seconds = clock.elapsed().as_secs_f64();
-        let recording = self.recording(job, &plan, &grains, wall_seconds)?;
+        let recording = self.recording(job, &grains, wall_seconds)?;
         (job.progress)(1.0);
         Ok(recording)
     }
@@ -285,7 +288,7 @@ fn folder_of(file: &Path) -> std::io::Result<PathBuf> {
 }
 
 /// What a code is given: names and contents of files.
-fn input(job: &Job<'_>, grains: &[Grain], plan: &Plan) -> Vec<(String, Vec<u8>)> {
+fn input(job: &Job<'_>, grains: &[Grain]) -> Vec<(String, Vec<u8>)> {
     let scene = job.scene;
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
     let row = |(id, grain): (usize, &Grain)| {
@@ -299,10 +302,7 @@ fn input(job: &Job<'_>, grains: &[Grain], plan: &Plan) -> Vec<(String, Vec<u8>)>
     let mut files = vec![
         ("scene.json".to_string(), scene_text.into_bytes()),
         ("grains.csv".to_string(), csv_below(&heads, grains.iter().enumerate().map(row)).expect(numbers)),
-        (
-            "frames.csv".to_string(),
-            csv_below(&["time"], asked(job, plan).into_iter().map(|time| [time])).expect(numbers),
-        ),
+        ("frames.csv".to_string(), csv_below(&["time"], asked(scene).into_iter().map(|time| [time])).expect(numbers)),
     ];
     for (place, wall) in scene.wall.iter().enumerate() {
         let mesh = wall_mesh(&wall.shape, &scene.domain, smallest);
@@ -311,4 +311,27 @@ fn input(job: &Job<'_>, grains: &[Grain], plan: &Plan) -> Vec<(String, Vec<u8>)>
         }
     }
     files
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::{find, load};
+
+    #[test]
+    fn frames_are_asked_for_when_makadam_is_measured() {
+        let asked_of = |duration: f64, interval: f64, from: Option<f64>| {
+            let mut scene = load(&find("packing-100", &[]).unwrap()).unwrap();
+            scene.duration = duration;
+            scene.measure = Measure { interval, from, ..scene.measure };
+            asked(&scene)
+        };
+        assert_eq!(asked_of(0.6, 0.25, None), [0.6]);
+        assert_eq!(asked_of(0.02, 0.25, None), [0.02]);
+        assert_eq!(asked_of(0.6, 0.25, Some(0.0)), [0.0, 0.25, 0.5, 0.6]);
+        assert_eq!(asked_of(0.5, 0.25, Some(0.2)), [0.25, 0.5]);
+        assert_eq!(asked_of(0.6, 0.25, Some(0.55)), [0.6]);
+        // 3 x 0.1 is just above 0.3.
+        assert_eq!(asked_of(0.3, 0.1, Some(0.1)), [0.1, 0.2, 0.3]);
+    }
 }
