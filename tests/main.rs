@@ -12,6 +12,7 @@ mod effects_command;
 mod fault_tables;
 mod faults;
 mod foreign_commands;
+mod judged_frames;
 mod laws_command;
 mod learn_commands;
 mod output_folder;

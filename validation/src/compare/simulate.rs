@@ -170,7 +170,7 @@ impl Runs<'_> {
         format!(
             "{}-{}-s{seed}-f{}-e{}-{}{law}{purpose}",
             file_stem(&self.scene.name),
-            code.name().to_lowercase(),
+            file_stem(&code.name().to_lowercase()),
             self.rayleigh_fraction,
             self.stiffness_factor,
             physics_hash(self.scene)

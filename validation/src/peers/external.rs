@@ -5,7 +5,8 @@
 //! ```
 
 use super::mesh::wall_mesh;
-use super::process::{Run, io, locate};
+use super::process::{Run, locate};
+use super::run_folder::{RunFolder, check_pattern};
 use super::stl::stl;
 use super::{Code, CodeError, Job};
 use crate::import::{Assembly, ImportError, Imported, Tables};
@@ -93,6 +94,7 @@ impl External {
         if command.is_empty() || grains.is_empty() {
             return Err(fault("command and grains name at least a program and a file".into()));
         }
+        grains.iter().chain(&description.contacts).try_for_each(|pattern| check_pattern(pattern)).map_err(fault)?;
         if [description.time_step, description.interval]
             .into_iter()
             .flatten()
@@ -121,37 +123,28 @@ impl External {
             .into()
     }
 
-    /// Files below the folder that patterns name, in the order of their names.
-    fn files(&self, folder: &Path, patterns: &[String]) -> Result<Vec<PathBuf>, CodeError> {
-        let mut found = Vec::new();
-        for pattern in patterns {
-            let whole = Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(pattern);
-            let missing = |problem: String| self.output(folder, 1, problem);
-            let paths = glob::glob(&whole.display().to_string()).map_err(|error| missing(error.to_string()))?;
-            let mut own: Vec<PathBuf> = paths.filter_map(Result::ok).filter(|path| path.is_file()).collect();
-            if own.is_empty() {
-                return Err(missing(format!("the run has left no file {pattern}")));
-            }
-            own.sort();
-            found.extend(own);
-        }
-        Ok(found)
-    }
-
     fn output(&self, file: &Path, line: usize, problem: String) -> CodeError {
         CodeError::Output { code: self.name, file: file.to_path_buf(), line, problem }
     }
 
     /// The frames that the run has left.
-    fn recording(&self, job: &Job<'_>, grains: &[Grain], wall_seconds: f64) -> Result<Recording, CodeError> {
+    fn recording(
+        &self,
+        job: &Job<'_>,
+        folder: &RunFolder,
+        grains: &[Grain],
+        wall_seconds: f64,
+    ) -> Result<Recording, CodeError> {
+        let files =
+            |pattern: &String| folder.files(pattern).map_err(|problem| self.output(job.work_folder, 1, problem));
         let Description { columns, contact_columns, time_step, interval, version, .. } = &self.description;
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
         let mut tables = Tables::default();
-        for path in self.files(job.work_folder, &self.description.grains)? {
-            tables.add_grains(&path, columns).map_err(refused)?;
+        for pattern in &self.description.grains {
+            files(pattern)?.iter().try_for_each(|path| tables.add_grains(path, columns)).map_err(refused)?;
         }
-        for path in self.files(job.work_folder, &self.description.contacts)? {
-            tables.add_contacts(&path, contact_columns).map_err(refused)?;
+        for pattern in &self.description.contacts {
+            files(pattern)?.iter().try_for_each(|path| tables.add_contacts(path, contact_columns)).map_err(refused)?;
         }
         let assembly = Assembly {
             scene: job.scene,
@@ -250,12 +243,7 @@ impl Code for External {
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
         let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
-        let folder = job.work_folder;
-        std::fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
-        for (name, bytes) in input(job, &grains) {
-            let path = folder.join(name);
-            std::fs::write(&path, bytes).map_err(|source| io(&path, source))?;
-        }
+        let folder = RunFolder::fresh(job.work_folder, input(job, &grains))?;
         let program = program_of(&self.description, &self.here);
         let arguments: Vec<OsString> = self.description.command[1..].iter().map(|word| self.fill(word, job)).collect();
         let clock = Instant::now();
@@ -263,15 +251,15 @@ impl Code for External {
             code: self.name,
             program: OsStr::new(&program),
             arguments: &arguments,
-            folder,
-            log: folder.join("code.log"),
+            folder: job.work_folder,
+            log: job.work_folder.join("code.log"),
             own_logs: &[],
             limit: job.time_limit,
             watch: &|| {},
         }
         .execute()?;
         let wall_seconds = clock.elapsed().as_secs_f64();
-        let recording = self.recording(job, &grains, wall_seconds)?;
+        let recording = self.recording(job, &folder, &grains, wall_seconds)?;
         (job.progress)(1.0);
         Ok(recording)
     }

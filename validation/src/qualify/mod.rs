@@ -10,6 +10,7 @@ mod jobs;
 mod one_scene;
 mod reading_notes;
 mod record;
+mod same_runs;
 mod scenes;
 mod studies;
 mod tier;

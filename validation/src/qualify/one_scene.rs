@@ -1,6 +1,7 @@
 //! One scene in several codes, judged.
 
 use super::reading_notes::reading_notes;
+use super::same_runs::without_same_runs;
 use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison};
 use crate::peers::{Code, CodeError, Purpose};
 use crate::plan::Scene;
@@ -108,6 +109,7 @@ impl OneScene<'_> {
         let side_by_side = rayon::current_num_threads().min(live.len() * runs.seeds.len());
         let (mut measured, mut failure) = (Vec::new(), None);
         for (code, simulated) in simulated {
+            let simulated = without_same_runs(self.judged, code, scene, simulated);
             for (seed, error) in simulated.failures {
                 if !matches!(error, CodeError::Interrupted { .. }) {
                     notes.push(format!("{code}, seed {seed}: {error}"));

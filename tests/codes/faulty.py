@@ -1,0 +1,46 @@
+"""Grains that stay where they start, left as frames with a fault: faulty.py FOLDER SEED FAULT."""
+import csv, os, random, sys, time
+
+folder, seed, fault = sys.argv[1:4]
+grains = [[float(row[name]) for name in ("id", "x", "y", "z", "radius")] for row in csv.DictReader(open(f"{folder}/grains.csv"))]
+times = [float(row["time"]) for row in csv.DictReader(open(f"{folder}/frames.csv"))]
+
+
+def leave(name, head, rows):
+    with open(f"{folder}/{name}", "w") as out:
+        csv.writer(out).writerows([head, *rows])
+
+
+def frame(at, rows, name="out"):
+    leave(f"{name}_{round(at * 1000)}.csv", ["id", "x", "y", "z", "radius"], rows)
+
+
+if fault == "same-run":
+    same = random.Random(1)
+    grains = [[row[0], *(same.uniform(0, 0.02) for _ in range(3)), 0.005] for row in grains]
+for place, at in enumerate(times):
+    last = place == len(times) - 1
+    rows = grains
+    if fault == "lost-grain" and last:
+        rows = grains[:-1]
+    if fault == "renumbered" and last:
+        rows = [[row[0] + 7, *row[1:]] for row in grains]
+    if fault == "empty-frame" and last:
+        rows = []
+    if fault == "no-radii":
+        leave(f"out_{round(at * 1000)}.csv", ["id", "x", "y", "z"], [row[:4] for row in rows])
+        continue
+    frame(at - 0.02 if fault == "early" and last else at, rows)
+if fault == "late":
+    frame(times[-1] + 0.02, grains)
+if fault == "parts":
+    frame(times[-1], grains[:50])
+    frame(times[-1], grains[50:], "out_b")
+if fault == "some-contacts":
+    force = [[times[0], 0, 1, 0, 0, -1]]
+    leave("contacts.csv", ["time", "first", "second", "fx", "fy", "fz"], force)
+if fault == "linked":
+    os.rename(f"{folder}/out_{round(times[-1] * 1000)}.csv", f"{folder}/../elsewhere-{seed}.csv")
+    os.symlink(f"../elsewhere-{seed}.csv", f"{folder}/out_{round(times[-1] * 1000)}.csv")
+if fault == "stale":
+    os.utime(f"{folder}/out_{round(times[-1] * 1000)}.csv", (time.time() - 3600,) * 2)

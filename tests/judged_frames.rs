@@ -1,0 +1,96 @@
+//! What `judge` takes of a code: the frames that were asked for, of this run, whole.
+
+use crate::support::makadam;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// A packing of a hundred grains, at the beginning of its fall.
+const SCENE: [&str; 9] = [
+    "packing-100",
+    "--set",
+    "duration=0.1",
+    "--set",
+    "measure.observables=[\"packing-fraction\", \"contact-forces\", \"balances\"]",
+    "--set",
+    "compare=[{observable=\"largest_overlap\", margin=1.0}]",
+    "--set",
+    "measure.interval=0.05",
+];
+
+/// The description of `tests/codes/faulty.py` with a fault, and with lines in addition to its own.
+fn described(fault: &str, more: &str) -> String {
+    let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/codes/faulty.py");
+    format!(
+        "name = \"Faulty\"\ncommand = [\"python3\", \"{}\", \"{{folder}}\", \"{{seed}}\", \"{fault}\"]\ntime-step = 1e-3\n{more}\n",
+        program.display()
+    )
+}
+
+/// Exit code, standard output and standard error of judging a described code.
+fn judged(description: &str, more: &[&str]) -> (i32, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("code.toml"), description).unwrap();
+    let mut command = makadam(folder.path());
+    command.arg("judge").args(SCENE).args(["--code", "code.toml", "--against", "makadam"]).args(more);
+    let output = command.output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+const OUT: &str = "grains = [\"out_*.csv\"]";
+
+#[test]
+fn frames_that_were_not_asked_for_or_are_not_whole_are_refused() {
+    let from = ["--seeds", "1", "--set", "measure.from=0.05"];
+    // Where the scene measures its end alone, the last frame has to be there.
+    let end = &from[..2];
+    let refused: [(&str, &[&str], &str); 9] = [
+        ("lost-grain", &from, "the frame at 0.1 s has 99 grains, and grains.csv has 100; leave all of them"),
+        ("renumbered", &from, "grains have other numbers in the frame at"),
+        ("empty-frame", &from, "the frame at 0.1 s has no grains; leave all of them"),
+        ("empty-frame", end, "the frame at 0.1 s has no grains; leave all of them"),
+        ("early", end, "no frame at 0.1 s; leave one at each time of frames.csv"),
+        ("late", end, "a frame at 0.12 s would be measured, and is not in frames.csv"),
+        ("parts", end, "it has a frame at 0.1 s, as "),
+        ("linked", end, "out_100.csv is a link to "),
+        ("stale", end, "out_100.csv was written 3600 s before the run began"),
+    ];
+    for (fault, more, words) in refused {
+        let (code, _, errors) = judged(&described(fault, OUT), more);
+        assert!(code == 1 && errors.contains(words), "{fault}: {code}: {errors}");
+    }
+    for pattern in ["/tmp/out.csv", "../out.csv", ""] {
+        let (code, _, errors) = judged(&described("none", &format!("grains = [\"{pattern}\"]")), end);
+        assert!(code == 2 && errors.contains("leads out of the folder of a run; name files below"), "{code}: {errors}");
+    }
+    let (code, _, errors) = judged(&described("none", "grains = [\"*.csv\"]"), end);
+    assert!(code == 1 && errors.contains("frames.csv is what the run was given"), "{code}: {errors}");
+}
+
+#[test]
+fn what_was_assumed_of_frames_stands_beside_the_verdict() {
+    let (code, text, errors) = judged(&described("no-radii", OUT), &["--seeds", "3", "--json"]);
+    assert!(errors.is_empty(), "{errors}");
+    let found: Value = serde_json::from_str(&text).unwrap();
+    let notes: Vec<&str> = found["notes"].as_array().unwrap().iter().map(|note| note.as_str().unwrap()).collect();
+    assert!(
+        notes.iter().any(|note| note.starts_with("Faulty, seed 2: radii are those of the scene's grains")),
+        "{notes:?}"
+    );
+    // Contacts of one frame of two are no contacts that could be measured.
+    let more = format!("{OUT}\ncontacts = [\"contacts.csv\"]");
+    let compared = "compare=[{observable=\"gini\", margin=1.0}]";
+    let asked = ["--seeds", "2", "--set", "measure.from=0.05", "--set", compared];
+    let (other, text, errors) = judged(&described("some-contacts", &more), &asked);
+    assert_eq!((code, other), (0, 4), "{text}{errors}");
+    assert!(text.contains("Faulty, all 2 seeds: contacts.csv has no rows at 0.1 s"), "{text}");
+}
+
+#[test]
+fn one_run_for_several_seeds_is_no_verdict() {
+    let (code, text, errors) = judged(&described("same-run", OUT), &["--seeds", "3"]);
+    assert_eq!(code, 1, "{text}{errors}");
+    assert!(errors.contains("Faulty: seeds 1 and 2 are one and the same run"), "{errors}");
+    assert!(text.contains("Faulty: seeds 1 and 3 are one and the same run"), "{text}");
+}
