@@ -266,6 +266,8 @@ fn what_is_wrong_is_told_with_file_line_and_remedy() {
     refused(&[("a.csv", "1,2,3,4\n")], &[], "the first row must name the columns");
     refused(&[("a.csv", "x,y,z,r\n0,0,0,1\n0,0,nan,1\n")], &[], "a.csv: line 3: 'nan' is not finite");
     refused(&[("a.csv", "x,y,z,r\n0,0,0,1\n0,0,1\n")], &[], "a.csv: line 3:");
+    refused(&[("a.csv", "x,y,z,r\r\n0,0,0,1\r\n0,0,nan,1\r\n")], &[], "a.csv: line 3: 'nan' is not finite");
+    refused(&[("a.csv", "x,y,z,r\r\n0,0,0,1\r\n0,0,1\r\n")], &[], "a.csv: line 3:");
     refused(&[("a.csv", "x,y,r\n0,0,1\n")], &[], "no columns x, y, z among x, y, r");
     refused(&[("a.csv", "x,y,z\n0,0,0\n")], &[], "no column radius or diameter");
     refused(&[("a.csv", "x,y,z,r\n0,0,0,-1\n")], &[], "a radius of -1 m");

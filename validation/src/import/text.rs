@@ -15,12 +15,14 @@ pub(super) fn csv(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportEr
         return Err(ImportError::new(file, 1, "the first row must name the columns, such as id,x,y,z,radius,vx,vy,vz"));
     }
     let (mut values, mut lines) = (Vec::new(), Vec::new());
+    // The second byte of a line's end (\r\n) is taken with the next line, and not counted before.
+    let ends = |position: &csv::Position| bytes.get(position.byte() as usize) == Some(&b'\n');
+    let line_of = |position: Option<&csv::Position>| {
+        position.map_or(1, |position| position.line() as usize + usize::from(ends(position)))
+    };
     for record in reader.records() {
-        let record = record.map_err(|error| {
-            let line = error.position().map_or(1, |position| position.line() as usize);
-            ImportError::new(file, line, error.to_string())
-        })?;
-        let line = record.position().map_or(1, |position| position.line() as usize);
+        let record = record.map_err(|error| ImportError::new(file, line_of(error.position()), error.to_string()))?;
+        let line = line_of(record.position());
         for cell in &record {
             values.push(number(cell).map_err(|problem| ImportError::new(file, line, problem))?);
         }
