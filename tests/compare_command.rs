@@ -13,7 +13,7 @@ pub fn with_references(folder: &Path) -> PathBuf {
     let scene = changed(folder, "name = \"smoke\"", "name = \"changed\"");
     let text = compared_once(&std::fs::read_to_string(&scene).unwrap());
     std::fs::write(&scene, text).unwrap();
-    record(&folder.join("changed-reference"));
+    record(&folder.join("changed-reference"), &scene);
     scene
 }
 
@@ -56,10 +56,25 @@ fn recorded_references_are_used_and_said() {
     }
     let notes = document["notes"].to_string();
     assert!(notes.contains("YADE was not run") && notes.contains("recorded 2026-01-01 on invented"), "{notes}");
-    // The invented hash is not this scene's.
-    assert!(notes.contains("the scene has changed since YADE was recorded"), "{notes}");
     let report = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(report.contains("Makadam"));
+}
+
+/// Records of another scene would agree or not by chance.
+#[test]
+fn records_of_the_scene_as_it_was_are_compared_with_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = with_references(folder.path());
+    let text = std::fs::read_to_string(&scene).unwrap().replacen("duration = 0.4", "duration = 0.39", 1);
+    std::fs::write(&scene, text).unwrap();
+    let output = makadam(folder.path()).arg("compare").arg(&scene).arg("--json").output().unwrap();
+    assert_eq!(output.status.code(), Some(4));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["verdict"]["standing"], "not-measured");
+    let missing = "YADE was recorded on another scene than this one, so record it anew with --record";
+    assert_eq!((&document["rows"][0]["missing"], &document["rows"][0]["difference"]), (&missing.into(), &Value::Null));
+    let notes = document["notes"].to_string();
+    assert!(notes.contains("the scene has changed since YADE was recorded"), "{notes}");
 }
 
 #[test]

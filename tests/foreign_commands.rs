@@ -117,6 +117,42 @@ fn a_code_of_ones_own_is_judged_and_found_to_disagree() {
 }
 
 #[test]
+fn a_seed_that_fails_is_a_value_that_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let described = data("tests/codes/dropped.toml");
+    let here = PathBuf::from(&described).parent().unwrap().display().to_string();
+    let toml = std::fs::read_to_string(&described).unwrap().replace("{here}", &here);
+    // Seed 2 fails; the margin is so wide that the others agree.
+    let toml =
+        toml.replacen("command = [", "command = [\"sh\", \"-c\", \"test $0 != 2 && exec \\\"$@\\\"\", \"{seed}\", ", 1);
+    let file = folder.path().join("code.toml");
+    std::fs::write(&file, toml).unwrap();
+    let margin = "compare=[{observable=\"packing_fraction\", margin=10.0}]";
+    let observed = "measure.observables=[\"packing-fraction\"]";
+    let (code, text, errors) = outcome(
+        folder.path(),
+        &[
+            "judge",
+            "packing-100",
+            "--code",
+            &file.display().to_string(),
+            "--against",
+            "makadam",
+            "--seeds",
+            "3",
+            "--set",
+            observed,
+            "--set",
+            margin,
+        ],
+    );
+    assert_eq!(code, 1, "{text}{errors}");
+    assert!(text.contains("Not measured: none of 1 test") && !text.contains("agrees with"), "{text}");
+    assert!(text.contains("Dropped has a value in 2 of 3 seeds"), "{text}");
+    assert!(errors.contains("Dropped failed"), "{errors}");
+}
+
+#[test]
 fn scenes_are_written_for_other_codes() {
     let folder = tempfile::tempdir().unwrap();
     let (code, text, errors) = outcome(folder.path(), &["export", "packing-100", "--for", "liggghts", "-o", "deck"]);

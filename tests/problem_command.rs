@@ -57,4 +57,21 @@ fn bad_files_and_missing_programs_have_their_exit_codes() {
         .unwrap();
     assert_eq!(output.status.code(), Some(5));
     assert!(String::from_utf8_lossy(&output.stderr).contains("python3-siconos is missing"));
+    // It is there, and fails: what was asked for was not done.
+    let failing = folder.path().join("python3");
+    std::fs::write(
+        &failing,
+        "#!/bin/sh\ncase \"$2\" in *print\\(version*) echo 4.4;; *) echo 'out of memory' >&2; exit 1;; esac\n",
+    )
+    .unwrap();
+    std::fs::set_permissions(&failing, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    let output = makadam(folder.path())
+        .args(["problem", "check", "--siconos"])
+        .arg(&recorded)
+        .env("MAKADAM_SICONOS_PYTHON", &failing)
+        .output()
+        .unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("Siconos failed: out of memory"), "{errors}");
 }

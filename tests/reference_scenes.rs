@@ -5,7 +5,7 @@
 
 use approx::assert_relative_eq;
 use makadam::scene::Stop;
-use makadam_validation::compare::{Harvest, MeasuredRun, Reference};
+use makadam_validation::compare::{Harvest, MeasuredRun, Reference, physics_hash};
 use makadam_validation::peers::{Code, Job, Makadam, Purpose};
 use makadam_validation::plan::Scene;
 use makadam_validation::qualify::{Tier, on_record};
@@ -168,6 +168,7 @@ fn what_scenes_and_references_hold_is_what_is_on_record() {
                 };
                 let test = record.iter().find(is).unwrap_or_else(|| panic!("{name} {code} {}", expectation.observable));
                 assert_eq!((test.margin, test.seeds), (expectation.margin, seeds), "{test}");
+                assert_eq!(test.scene_hash, Some(physics_hash(&scene)), "{test}");
                 tests += 1;
             }
         }

@@ -120,14 +120,12 @@ pub fn compare_runs<'py>(
     let mut notes = Vec::new();
     for code in codes.iter().filter(|code| !code.eq_ignore_ascii_case("makadam")) {
         let code = code_of(py, code)?.name();
-        let Some(recorded) = found.as_ref().and_then(|reference| reference.code(code)) else {
+        let Some(recorded) = found.as_ref().and_then(|reference| reference.code_on(code, &scene.plan)) else {
             let message = format!("nothing is recorded of {code} on the scene {}; leave it out", scene.plan.name);
             return Err(exception(py, "JudgeError", &message));
         };
         notes.push(format!("{code} was not run: its numbers are the recorded references ({})", recorded.provenance));
-        if found.as_ref().and_then(|reference| reference.is_current(code, &scene.plan)) == Some(false) {
-            notes.push(format!("the scene is not the one that {code} was recorded on"));
-        }
+        notes.extend(recorded.discarded.clone());
         measured.push(recorded);
     }
     document(
@@ -141,6 +139,7 @@ pub fn compare_runs<'py>(
             notes: Vec::new(),
             outside_spread: Vec::new(),
             unchecked: Vec::new(),
+            failed_runs: Vec::new(),
             laws: Vec::new(),
             on_record: Vec::new(),
             studies: Vec::new(),

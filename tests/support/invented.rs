@@ -1,9 +1,12 @@
 //! Invented records of YADE and LIGGGHTS, for tests of what is made of records.
 
+use makadam_validation::compare::physics_hash;
+use makadam_validation::plan::Scene;
 use std::path::Path;
 
-/// Writes what is recorded of both codes into a folder: three seeds of the force on walls over the weight, a little above 1.
-pub fn record(folder: &Path) {
+/// Writes what is recorded of both codes on a scene into a folder: three seeds of the force on walls over the weight, a little above 1.
+pub fn record(folder: &Path, scene_file: &Path) {
+    let hash = physics_hash(&Scene::load(scene_file).unwrap());
     std::fs::create_dir_all(folder).unwrap();
     let mut runs = String::from(
         "code,version,seed,time_step,rayleigh_fraction,stiffness_factor,wall_seconds,simulated_seconds,processor,date,scene_hash\n",
@@ -13,7 +16,7 @@ pub fn record(folder: &Path) {
     );
     for code in ["YADE", "LIGGGHTS"] {
         for seed in 1..=3 {
-            runs += &format!("{code},1.0,{seed},1e-5,0.1,1.0,4.0,0.4,invented,2026-01-01T00:00:00Z,0\n");
+            runs += &format!("{code},1.0,{seed},1e-5,0.1,1.0,4.0,0.4,invented,2026-01-01T00:00:00Z,{hash}\n");
             let value = 1.0 + 0.001 * f64::from(seed);
             measurements += &format!("{code},1.0,{seed},1e-5,0.1,1.0,wall_force_over_weight,,{value},,1\n");
         }

@@ -1,6 +1,7 @@
 //! Tests on record: one that is not made, or made with less, is no pass, and the verdict names it.
 
 use crate::support::sample;
+use makadam_validation::compare::physics_hash;
 use makadam_validation::report::{Qualification, Standing, StudyOutcome, StudyTestOnRecord, TestOnRecord};
 use makadam_validation::statistics::Outcome;
 
@@ -18,6 +19,7 @@ fn sound() -> (Qualification, TestOnRecord) {
         margin: row.margin,
         seeds: row.seeds,
         judged_seeds: 0,
+        scene_hash: Some(physics_hash(&drum.scene)),
     };
     let qualification = Qualification { on_record: vec![test.clone()], ..sample::qualification(vec![drum]) };
     assert_eq!(qualification.verdict().standing, Standing::Agree);
@@ -49,6 +51,14 @@ fn a_test_that_was_not_made_is_no_pass() {
     qualification.comparisons[0].rows.iter_mut().for_each(|row| row.margin = None);
     assert_eq!(qualification.lost().len(), 1);
     assert_ne!(qualification.verdict().standing, Standing::Agree);
+}
+
+#[test]
+fn another_scene_is_no_pass() {
+    let (mut qualification, test) = sound();
+    qualification.comparisons[0].scene.duration += 1.0;
+    let hash = physics_hash(&qualification.comparisons[0].scene);
+    is_lost(&qualification, &test, &format!("was made on another scene than the one on record (its hash is {hash})"));
 }
 
 #[test]

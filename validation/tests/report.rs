@@ -209,8 +209,14 @@ fn the_floor_is_no_test_but_is_spoken_of() {
     let row = qualification.comparisons[0].rows.iter_mut().find(floor).expect("a floor");
     row.outcome = Some(Outcome::Disagree);
     row.difference = Some(0.05);
+    assert_eq!(qualification.verdict().standing, Standing::Agree, "it is no test of its own");
+    let tests = |row: &&mut Row| row.code == "Makadam" && row.observable == "gini" && row.reference_code.is_some();
+    for row in qualification.comparisons[0].rows.iter_mut().filter(tests) {
+        row.outcome = Some(Outcome::Undecided);
+    }
     let verdict = qualification.verdict();
-    assert_eq!((verdict.standing, verdict.floor_above_margin), (Standing::Agree, 2));
+    assert_eq!((verdict.standing, verdict.undecided, verdict.floor_above_margin), (Standing::Undecided, 2, 2));
+    assert!(verdict.sentence.contains("none disagrees, and 2 are undecided. In 2 tests"), "{}", verdict.sentence);
     assert!(verdict.sentence.ends_with("so they prove nothing."), "{}", verdict.sentence);
 }
 
@@ -410,6 +416,12 @@ fn what_was_not_measured_is_said_everywhere_and_does_not_pass() {
     unchecked.unchecked.push("drum: live YADE has no gini".into());
     assert_eq!(unchecked.verdict().standing, Standing::NotMeasured);
     assert!(page(&unchecked).contains("drum: live YADE has no gini"));
+    let mut failed = all(Outcome::Agree);
+    failed.failed_runs.push("drum: the live run of YADE failed: no memory".into());
+    let verdict = failed.verdict();
+    assert_eq!((verdict.standing, verdict.failed_runs), (Standing::NotMeasured, 1));
+    assert!(verdict.sentence.ends_with(" 1 live run of a reference code failed."), "{}", verdict.sentence);
+    assert!(page(&failed).contains("the live run of YADE failed: no memory"));
 }
 
 #[test]

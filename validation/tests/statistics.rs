@@ -3,8 +3,9 @@
 use approx::assert_abs_diff_eq;
 use makadam_validation::statistics::Outcome;
 use makadam_validation::statistics::{
-    Ensemble, block_average, equivalence, gini, inside_recorded_spread, kolmogorov_smirnov, prediction_interval,
-    second_moment, seeds_needed, share_below_mean, student_quantile, wasserstein, weak_load_share,
+    CONFIDENCE, Ensemble, block_average, confidence_of_each, equivalence, gini, inside_recorded_spread,
+    kolmogorov_smirnov, prediction_interval, second_moment, seeds_needed, share_below_mean, student_quantile,
+    wasserstein, weak_load_share,
 };
 
 fn ensemble(values: &[f64]) -> Ensemble {
@@ -70,7 +71,8 @@ fn three_outcomes() {
     let undecided = equivalence(&here, &wide, Some(0.1), 2);
     assert_eq!(undecided.outcome, Some(Outcome::Undecided));
     let deviation = (0.5 * (here.standard_deviation.powi(2) + wide.standard_deviation.powi(2))).sqrt();
-    let by_formula = 2.0 * (1.644_854 + 1.281_552_f64).powi(2) * (deviation / 0.1).powi(2);
+    assert_abs_diff_eq!(undecided.difference, 0.0, epsilon = 1e-12);
+    let by_formula = 2.0 * (1.644_854 + 1.644_854_f64).powi(2) * (deviation / 0.1).powi(2);
     assert_eq!(undecided.seeds_needed, Some(by_formula.ceil() as usize));
     // A single seed decides nothing.
     let lone = equivalence(&ensemble(&[1.0]), &here, Some(0.1), 2);
@@ -89,9 +91,16 @@ fn more_codes_widen_the_interval_of_the_verdict() {
 
 #[test]
 fn seeds_by_the_formula() {
-    // 2 (1.645 + 1.282)^2 = 17.13 for a margin of one standard deviation.
-    assert_eq!(seeds_needed(1.0, 1.0, 0.05), 18);
-    assert_eq!(seeds_needed(0.5, 1.5, 0.05), 2);
+    // Equal codes, both sides at 95%: 2 (1.645 + 1.645)^2 = 21.64 for a margin of one standard deviation.
+    assert_eq!(seeds_needed(1.0, 0.0, 1.0, 0.05), Some(22));
+    assert_eq!(seeds_needed(0.5, 0.0, 1.5, 0.05), Some(3));
+    assert_eq!(seeds_needed(0.0, 0.1, 1.5, 0.05), Some(2));
+    // Far from equal only the nearer side counts: 2 (1.645 + 1.282)^2 / 0.5^2 = 68.5; the sign does not matter.
+    assert_eq!(seeds_needed(1.0, 0.5, 1.0, 0.05), Some(69));
+    assert_eq!(seeds_needed(1.0, -0.5, 1.0, 0.05), Some(69));
+    // So near to the margin, or beyond it, that no count is honest.
+    assert_eq!(seeds_needed(1.0, 0.9, 1.0, 0.05), None);
+    assert_eq!(seeds_needed(1.0, -1.2, 1.0, 0.05), None);
     // Equal values without any spread agree, whatever the margin.
     let same = ensemble(&[1.0, 1.0]);
     assert_eq!(equivalence(&same, &same, Some(1e-9), 2).outcome, Some(Outcome::Agree));
@@ -134,9 +143,19 @@ fn one_more_seed() {
     let half = 2.776_445 * (2.5_f64 * 1.2).sqrt();
     assert_abs_diff_eq!(low, 3.0 - half, epsilon = 1e-5);
     assert_abs_diff_eq!(high, 3.0 + half, epsilon = 1e-5);
-    assert!(inside_recorded_spread(10.0, &recorded).expect("seeds").inside);
-    assert!(!inside_recorded_spread(12.0, &recorded).expect("seeds").inside);
-    assert_eq!(inside_recorded_spread(1.0, &[1.0]), None);
+    assert!(inside_recorded_spread(10.0, &recorded, 0.99).expect("seeds").inside);
+    assert!(!inside_recorded_spread(12.0, &recorded, 0.99).expect("seeds").inside);
+    assert_eq!(inside_recorded_spread(1.0, &[1.0], 0.99), None);
+}
+
+#[test]
+fn many_live_values_share_the_confidence() {
+    assert_eq!(confidence_of_each(1), CONFIDENCE);
+    assert_abs_diff_eq!(confidence_of_each(18), 1.0 - 0.01 / 18.0, epsilon = 1e-15);
+    let recorded = [1.0, 2.0, 3.0, 4.0, 5.0];
+    let one = inside_recorded_spread(12.0, &recorded, CONFIDENCE).expect("seeds");
+    let of_many = inside_recorded_spread(12.0, &recorded, confidence_of_each(18)).expect("seeds");
+    assert!(!one.inside && of_many.inside);
 }
 
 #[test]

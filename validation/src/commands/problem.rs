@@ -104,5 +104,14 @@ fn check(arguments: &ProblemCheckArguments, console: &Console) -> Result<ExitCod
         true => json(&Document { version: 1, command: "problem check", problems: &checks }),
         false => checks.iter().map(problem::table).collect::<Vec<_>>().join("\n"),
     })?;
+    // It was asked for by name; the others take part where they apply.
+    let without = |check: &Check| {
+        let why = check.why_left_out(problem::Method::Siconos)?;
+        Some(format!("{}: {why}; without --siconos the other solvers are compared", check.title))
+    };
+    let without: Vec<String> = checks.iter().filter_map(without).collect();
+    if !without.is_empty() {
+        return Err(Failure::Running(without.join("; ")));
+    }
     Ok(if agree { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
 }

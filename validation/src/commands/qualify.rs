@@ -4,9 +4,9 @@ use super::arguments::{QualifyArguments, TierName};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json};
 use crate::compare::Comparison;
 use crate::output::JSON_VERSION;
-use crate::qualify::{Qualified, QualifyError, Settings, Tier, qualify as judge};
+use crate::qualify::{QualifyError, Settings, Tier, qualify as judge};
 use crate::report::published::PublishedLaw;
-use crate::report::{self, Changes, StudySection, Verdict};
+use crate::report::{self, Changes, Qualification, Standing, StudySection, Verdict};
 use crate::scenes;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -58,43 +58,42 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
         TierName::Full => Tier::Full,
         TierName::Release => Tier::Release,
     };
-    let qualified = judge(tier.extent(), &settings).map_err(|error| failure(error, &folder))?;
-    let paths = report::write(&qualified.qualification, &folder)?;
-    let verdict = qualified.qualification.verdict();
+    let qualification = judge(tier.extent(), &settings).map_err(|error| failure(error, &folder))?;
+    let paths = report::write(&qualification, &folder)?;
+    let verdict = qualification.verdict();
     let report = paths.html.display().to_string();
-    let changes = earlier.map(|earlier| Changes::between(&earlier, &qualified.qualification));
+    let changes = earlier.map(|earlier| Changes::between(&earlier, &qualification));
     let text = match arguments.output.json {
-        true => json(&document(&qualified, &verdict, report, changes.as_ref())),
+        true => json(&document(&qualification, &verdict, report, changes.as_ref())),
         false => {
             let changed = changes.as_ref().map_or(String::new(), |changes| format!("{}\n", changes.text()));
-            changed + &describe(&qualified, &verdict, &report, console)
+            changed + &describe(&qualification, &verdict, &report, console)
         }
     };
     console.result(&text)?;
-    if !qualified.failed.is_empty() {
-        return Err(Failure::Running(qualified.failed.join("; ")));
+    if !qualification.failed_runs.is_empty() {
+        return Err(Failure::Running(qualification.failed_runs.join("; ")));
     }
     let lost = changes.is_some_and(|changes| changes.has_lost());
-    Ok(if qualified.passes() && !lost { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+    Ok(if passes(&verdict) && !lost { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
 }
 
 fn document<'a>(
-    qualified: &'a Qualified,
+    qualification: &'a Qualification,
     verdict: &'a Verdict,
     report: String,
     against: Option<&'a Changes>,
 ) -> QualifyDocument<'a> {
-    let qualification = &qualified.qualification;
     let comparisons: &[Comparison] = &qualification.comparisons;
     QualifyDocument {
         version: JSON_VERSION,
         command: "qualify",
         tier: &qualification.tier,
-        passes: qualified.passes(),
+        passes: passes(verdict),
         verdict,
-        outside_spread: &qualified.qualification.outside_spread,
-        unchecked: &qualified.qualification.unchecked,
-        failed: &qualified.failed,
+        outside_spread: &qualification.outside_spread,
+        unchecked: &qualification.unchecked,
+        failed: &qualification.failed_runs,
         studies: &qualification.studies,
         laws: &qualification.laws,
         wall_seconds: qualification.wall_seconds,
@@ -110,8 +109,7 @@ fn document<'a>(
     }
 }
 
-fn describe(qualified: &Qualified, verdict: &Verdict, report: &str, console: &Console) -> String {
-    let qualification = &qualified.qualification;
+fn describe(qualification: &Qualification, verdict: &Verdict, report: &str, console: &Console) -> String {
     let mut text = String::new();
     for comparison in &qualification.comparisons {
         text += &report::comparison_table(comparison, console.colour());
@@ -120,12 +118,19 @@ fn describe(qualified: &Qualified, verdict: &Verdict, report: &str, console: &Co
     for note in &qualification.notes {
         text += &format!("note: {note}\n");
     }
-    let word = if qualified.passes() { "pass" } else { "not passed" };
-    text += &format!("verdict: {}: {}\n", console.paint(word, qualified.passes()), verdict.sentence);
-    for sentence in qualification.outside_spread.iter().chain(&qualification.unchecked) {
+    let word = if passes(verdict) { "pass" } else { "not passed" };
+    text += &format!("verdict: {}: {}\n", console.paint(word, passes(verdict)), verdict.sentence);
+    for sentence in
+        qualification.outside_spread.iter().chain(&qualification.unchecked).chain(&qualification.failed_runs)
+    {
         text += &format!("         {sentence}\n");
     }
     text + &format!("report:  {report} ({:.0} s of wall time)", qualification.wall_seconds)
+}
+
+/// Whether all that was asked for was done and agrees.
+fn passes(verdict: &Verdict) -> bool {
+    verdict.standing == Standing::Agree
 }
 
 /// Why there is no verdict; what is finished lies in the folder.

@@ -20,6 +20,10 @@ pub struct CodeRuns {
     pub provenance: String,
     /// Runs at the scene's stiffness.
     pub runs: Vec<MeasuredRun>,
+    /// Seeds that were asked for and whose runs failed: what a code is measured by lacks their values.
+    pub failed: Vec<u64>,
+    /// Why none of the runs counts, in words; absent where they do.
+    pub discarded: Option<String>,
     /// Runs with every Young's modulus ten times the scene's, if there are any.
     pub stiff_runs: Vec<MeasuredRun>,
     /// Normal forces of all runs.
@@ -50,6 +54,8 @@ impl CodeRuns {
             final_state: harvests.first().and_then(|first| first.final_state.clone()),
             runs: harvests.into_iter().map(|harvest| harvest.run).collect(),
             stiff_runs: Vec::new(),
+            failed: Vec::new(),
+            discarded: None,
         }
     }
 

@@ -28,7 +28,7 @@ pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comp
 /// seed that it was run with has no test: its rows say what is missing.
 fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
     let name = &expectation.observable;
-    let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(&code.code, name, &code.runs)).collect();
+    let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(code, name, &code.runs, code.failed.len())).collect();
     let whole = asked.iter().filter(|asked| asked.missing.is_none()).count();
     let mut rows = Vec::new();
     for (place, one) in asked.iter().enumerate() {
@@ -40,7 +40,23 @@ fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row
             rows.push(one.judged(alone));
         }
     }
+    leave_open(&mut rows);
     rows
+}
+
+/// Where the references differ from each other by more than the margin, agreement with one of them proves nothing, and more seeds decide
+/// nothing. `rows`: those of one observable, the judged code's first.
+fn leave_open(rows: &mut [Row]) {
+    let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
+    let beyond = |row: &Row| row.difference.zip(row.margin).is_some_and(|(apart, margin)| apart.abs() > margin);
+    if !rows.iter().any(|row| row.code != judged && beyond(row)) {
+        return;
+    }
+    for row in rows.iter_mut().filter(|row| row.code == judged) {
+        if let Some(Outcome::Agree | Outcome::Undecided) = row.outcome {
+            (row.outcome, row.seeds_needed) = (Some(Outcome::Undecided), None);
+        }
+    }
 }
 
 /// How far each compared observable of a code shifts where its grains are ten times as stiff.
@@ -50,7 +66,8 @@ fn soft_bias(scene: &Scene, code: &CodeRuns) -> Vec<Row> {
     }
     let shift = |expectation: &Expectation| {
         let name = &expectation.observable;
-        let [stiff, soft] = [&code.stiff_runs, &code.runs].map(|runs| Asked::of(&code.code, name, runs));
+        let stiff = Asked::of(code, name, &code.stiff_runs, 0);
+        let soft = Asked::of(code, name, &code.runs, code.failed.len());
         let alone = Row { margin: expectation.margin, ..stiff.row(scene, name) };
         let row = stiff.against(&soft, &alone, expectation, 2);
         // A bias is not judged.
@@ -70,10 +87,13 @@ struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    fn of(code: &'a str, observable: &str, runs: &'a [MeasuredRun]) -> Asked<'a> {
+    /// What runs of a code have, beside which `failed` seeds were asked for.
+    fn of(code_runs: &'a CodeRuns, observable: &str, runs: &'a [MeasuredRun], failed: usize) -> Asked<'a> {
+        let CodeRuns { code, discarded, .. } = code_runs;
         let found = || runs.iter().flat_map(|run| &run.measurements).filter(|found| found.observable == observable);
         let values: Vec<f64> = runs.iter().filter_map(|run| run.value(observable)).collect();
-        let missing = match (values.len(), runs.len()) {
+        let missing = match (values.len(), runs.len() + failed) {
+            _ if discarded.is_some() => discarded.clone(),
             (_, 0) => Some(format!("{code} has no runs")),
             (found, all) if found == all => None,
             (0, _) => Some(format!("{code} has no value")),
@@ -137,20 +157,20 @@ pub struct LiveCheck {
     pub observable: String,
     /// Value of the live run, if it has one.
     pub value: Option<f64>,
-    /// 99% interval that the recorded runs predict, if there are enough of them.
+    /// Interval that the recorded runs predict, if there are enough of them.
     pub interval: Option<[f64; 2]>,
     /// Whether the value lies inside; absent where there is nothing to tell it from.
     pub inside: Option<bool>,
 }
 
-/// Checks every observable that has a margin.
-pub fn live_checks(scene: &Scene, live: &MeasuredRun, recorded: &CodeRuns) -> Vec<LiveCheck> {
+/// Checks every observable that has a margin, each with `confidence`.
+pub fn live_checks(scene: &Scene, live: &MeasuredRun, recorded: &CodeRuns, confidence: f64) -> Vec<LiveCheck> {
     let check = |expectation: &Expectation| {
         let value = live.value(&expectation.observable);
         let values = recorded.values(&expectation.observable);
         // A spread of some of the runs is none of all of them.
-        let whole = values.len() == recorded.runs.len();
-        let spread = inside_recorded_spread(value.unwrap_or(f64::NAN), &values).filter(|_| whole);
+        let whole = values.len() == recorded.runs.len() && recorded.discarded.is_none();
+        let spread = inside_recorded_spread(value.unwrap_or(f64::NAN), &values, confidence).filter(|_| whole);
         LiveCheck {
             observable: expectation.observable.clone(),
             value,
@@ -204,6 +224,8 @@ mod tests {
             provenance: String::new(),
             runs,
             stiff_runs: Vec::new(),
+            failed: Vec::new(),
+            discarded: None,
             forces: None,
             series: Vec::new(),
             final_state: None,
@@ -223,7 +245,7 @@ mod tests {
         assert_eq!(
             pairs,
             [
-                ("Makadam", Some("YADE"), Some(Outcome::Agree)),
+                ("Makadam", Some("YADE"), Some(Outcome::Undecided)),
                 ("Makadam", Some("LIGGGHTS"), Some(Outcome::Disagree)),
                 ("YADE", Some("LIGGGHTS"), Some(Outcome::Disagree)),
                 ("LIGGGHTS", None, None),
@@ -231,6 +253,21 @@ mod tests {
         );
         assert_eq!(comparison.codes[0].wall_seconds_per_simulated_second, 2.0);
         assert!((comparison.rows[1].difference.unwrap() + 0.02).abs() < 1e-12);
+    }
+
+    #[test]
+    fn where_references_are_at_odds_agreement_with_one_proves_nothing() {
+        let makadam = code("Makadam", &[0.585, 0.586, 0.587, 0.586]);
+        let between = |yade: f64, liggghts: f64| {
+            let near = |middle: f64| [middle - 0.0002, middle, middle + 0.0002, middle];
+            let codes = [makadam.clone(), code("YADE", &near(yade)), code("LIGGGHTS", &near(liggghts))];
+            let rows = comparison(&packing_fraction(), &codes, Vec::new()).rows;
+            [rows[0].outcome, rows[1].outcome].map(Option::unwrap)
+        };
+        // The margin is 0.006.
+        assert_eq!(between(0.5840, 0.5880), [Outcome::Agree; 2]);
+        assert_eq!(between(0.5825, 0.5895), [Outcome::Undecided; 2]);
+        assert_eq!(between(0.5860, 0.6060), [Outcome::Undecided, Outcome::Disagree]);
     }
 
     #[test]
@@ -287,6 +324,27 @@ mod tests {
     }
 
     #[test]
+    fn a_seed_that_failed_is_a_missing_value() {
+        let short = CodeRuns { failed: vec![3], ..code("Makadam", &[0.585, 0.586]) };
+        let rows = outcomes(&[short, code("YADE", &[0.585, 0.586, 0.585])]);
+        assert_eq!(
+            (rows[0].2, rows[0].3.as_str()),
+            (Some(Outcome::NotMeasured), "Makadam has a value in 2 of 3 seeds")
+        );
+        let none = CodeRuns { failed: vec![1, 2], ..code("Makadam", &[]) };
+        assert_eq!(outcomes(&[none, code("YADE", &[0.585, 0.586])])[0].3, "Makadam has no value");
+    }
+
+    #[test]
+    fn runs_that_do_not_count_are_held_against_nothing() {
+        let other = CodeRuns { discarded: Some("of another scene".into()), ..code("YADE", &[0.584, 0.586, 0.586]) };
+        let rows = outcomes(&[code("Makadam", &[0.585, 0.586]), other.clone()]);
+        assert_eq!((rows[0].2, rows[0].3.as_str()), (Some(Outcome::NotMeasured), "of another scene"));
+        let checks = live_checks(&packing(), &code("YADE", &[0.585]).runs[0], &other, 0.99);
+        assert!(checks.iter().all(|check| check.inside.is_none()));
+    }
+
+    #[test]
     fn a_code_without_runs_is_said() {
         let codes = [code("Makadam", &[0.585, 0.586]), code("YADE", &[])];
         let rows = outcomes(&codes);
@@ -308,11 +366,11 @@ mod tests {
     #[test]
     fn a_live_run_is_held_against_the_recorded_spread() {
         let recorded = code("YADE", &[0.584, 0.586, 0.586, 0.585]);
-        let inside = live_checks(&packing(), &code("YADE", &[0.587]).runs[0], &recorded);
+        let inside = live_checks(&packing(), &code("YADE", &[0.587]).runs[0], &recorded, 0.99);
         assert_eq!(inside[0].inside, Some(true));
         assert_eq!(inside.len(), 5, "one a margin");
         assert!(inside[1..].iter().all(|check| check.inside.is_none()), "none of these was measured");
-        let outside = live_checks(&packing(), &code("YADE", &[0.62]).runs[0], &recorded);
+        let outside = live_checks(&packing(), &code("YADE", &[0.62]).runs[0], &recorded, 0.99);
         assert_eq!(outside[0].inside, Some(false));
     }
 }

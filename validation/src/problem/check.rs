@@ -93,6 +93,11 @@ impl Check {
         differences.fold(0.0, f64::max) / self.unit
     }
 
+    /// Why a solver that was asked for was left out, behind its name; absent where it answered or was not asked for.
+    pub fn why_left_out(&self, method: Method) -> Option<&str> {
+        self.left_out.iter().map(String::as_str).find(|why| why.starts_with(method.name()))
+    }
+
     /// Whether all answers have converged and their velocities agree within a tolerance over the unit.
     pub fn agrees(&self, tolerance: f64) -> bool {
         self.answers.iter().all(|answer| answer.converged) && self.difference() <= tolerance

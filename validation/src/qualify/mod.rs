@@ -24,9 +24,10 @@ use crate::output::WriteError;
 use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
 use crate::plan::Scene;
 use crate::provenance::account;
-use crate::report::{Qualification, Standing, StudySection};
+use crate::report::{Qualification, StudySection};
 use crate::scenes::{SceneError, find, known};
 use crate::stability::StabilityError;
+use crate::statistics::confidence_of_each;
 use crate::study::{DocumentError, damaged_below};
 use scenes::{AgainstRecorded, Case};
 use std::path::PathBuf;
@@ -36,8 +37,8 @@ use studies::{Part, Place};
 /// Time step of the live runs over the Rayleigh step: the peers' fastest honest setting.
 const LIVE_FRACTION: f64 = 0.2;
 
-/// Seed of the live runs.
-const LIVE_SEED: u64 = 1;
+/// Seed of the live runs. It is never recorded: whether a value lies among others of which it is one is no question.
+const LIVE_SEED: u64 = 1001;
 
 /// What a qualification needs to know.
 pub struct Settings<'a> {
@@ -129,26 +130,11 @@ impl From<StabilityError> for QualifyError {
     }
 }
 
-/// A qualification, and what its verdict does not say.
-pub struct Qualified {
-    /// What the report is made from.
-    pub qualification: Qualification,
-    /// Live runs that failed, in words.
-    pub failed: Vec<String>,
-}
-
-impl Qualified {
-    /// Whether every test passed and every live run lies where the recorded ones said.
-    pub fn passes(&self) -> bool {
-        self.qualification.verdict().standing == Standing::Agree
-    }
-}
-
 /// Judges what an extent consists of. Every finished run is kept in the folder of the report.
 ///
 /// # Errors
-/// [`QualifyError`]; a live run of a peer that fails is a note, not an error.
-pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualified, QualifyError> {
+/// [`QualifyError`]; a live run of a peer that fails is a part of the verdict, not an error.
+pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification, QualifyError> {
     let clock = Instant::now();
     let peers: [Box<dyn Code>; 2] = [Box::new(Yade::default()), Box::new(Liggghts::default())];
     if settings.live
@@ -165,7 +151,7 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualified, Qu
     let parts = parts.collect::<Result<Vec<Box<dyn Part>>, QualifyError>>()?;
 
     let mut against_recorded = AgainstRecorded::default();
-    let failed = time(extent, settings, &kept, &mut cases, &peers, &mut against_recorded)?;
+    time(extent, settings, &kept, &mut cases, &peers, &mut against_recorded)?;
     parts.iter().try_for_each(|part| part.alone())?;
     let jobs: Vec<_> = cases
         .iter()
@@ -181,24 +167,25 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualified, Qu
     let scenes: Vec<&Scene> = comparisons.iter().map(|comparison| &comparison.scene).collect();
     let provenance = account(threads, &scenes);
     let measures_laws = extent.studies.iter().any(|study| matches!(study, Study::Laws(_)));
-    let qualification = Qualification {
+    Ok(Qualification {
         title: format!("Makadam: {} qualification", extent.name),
         tier: extent.name.into(),
         wall_seconds: clock.elapsed().as_secs_f64(),
         comparisons,
         provenance,
-        notes: notes(extent, settings, &kept, &peers, &failed)?,
+        notes: notes(extent, settings, &kept, &peers)?,
         outside_spread: against_recorded.outside,
         unchecked: against_recorded.unchecked,
+        failed_runs: against_recorded.failed,
         laws: if measures_laws { Vec::new() } else { crate::laws::published() },
         on_record: extent.on_record.map_or(Vec::new(), on_record),
         studies,
         studies_on_record: extent.on_record.map_or(Vec::new(), studies_on_record),
-    };
-    Ok(Qualified { qualification, failed })
+    })
 }
 
-/// Times the codes, one core each, one after the other: these runs have the machine to themselves. Live runs that failed, in words.
+/// Times the codes, one core each, one after the other: these runs have the machine to themselves. Live runs of the peers are held against
+/// their recorded ones.
 fn time(
     extent: &Extent,
     settings: &Settings<'_>,
@@ -206,22 +193,26 @@ fn time(
     cases: &mut [Case],
     peers: &[Box<dyn Code>],
     against_recorded: &mut AgainstRecorded,
-) -> Result<Vec<String>, QualifyError> {
-    let mut failed = Vec::new();
+) -> Result<(), QualifyError> {
+    let margins = |case: &&Case| extent.timed.contains(&case.name).then_some(case.margins());
+    let values = peers.len() * cases.iter().filter_map(|case| margins(&case)).sum::<usize>();
+    let confidence = confidence_of_each(values);
     for name in extent.timed {
         let case = cases.iter_mut().find(|case| case.name == *name).expect("what is timed is judged");
         (settings.say)(&format!("{name}: timed runs of seed {LIVE_SEED}, one core each, one after the other"));
         case.time(settings, kept, &Makadam)?;
         for peer in peers.iter().rev().filter(|_| settings.live) {
             match case.time(settings, kept, peer.as_ref()) {
-                Ok(harvest) => case.check(&harvest, against_recorded),
+                Ok(harvest) => case.check(&harvest, confidence, against_recorded),
                 Err(KeptError::Code(error @ CodeError::Interrupted { .. })) => return Err(error.into()),
                 Err(KeptError::Write(error)) => return Err(error.into()),
-                Err(error) => failed.push(format!("{name}: the live run of {} failed: {error}", peer.name())),
+                Err(error) => {
+                    against_recorded.failed.push(format!("{name}: the live run of {} failed: {error}", peer.name()));
+                }
             }
         }
     }
-    Ok(failed)
+    Ok(())
 }
 
 /// What a reader must know of the whole.
@@ -230,7 +221,6 @@ fn notes(
     settings: &Settings<'_>,
     kept: &KeptRuns,
     peers: &[Box<dyn Code>],
-    failed: &[String],
 ) -> Result<Vec<String>, QualifyError> {
     let mut notes = Vec::new();
     if !settings.live {
@@ -253,7 +243,6 @@ fn notes(
         damaged
             .map(|file| format!("a kept run was damaged and has been made again; the file is now {}", file.display())),
     );
-    notes.extend(failed.iter().cloned());
     Ok(notes)
 }
 

@@ -37,7 +37,7 @@ pub struct OneScene<'a> {
 pub struct Judged {
     /// What the report is made from.
     pub qualification: Qualification,
-    /// The first run that failed; the verdict is that of the others.
+    /// The first run that failed; tests that lack its values are not made.
     pub failure: Option<CodeError>,
 }
 
@@ -110,7 +110,9 @@ impl OneScene<'_> {
         let (mut measured, mut failure) = (Vec::new(), None);
         for (code, simulated) in simulated {
             let simulated = without_same_runs(self.judged, code, scene, simulated);
+            let mut failed = Vec::new();
             for (seed, error) in simulated.failures {
+                failed.push(seed);
                 if !matches!(error, CodeError::Interrupted { .. }) {
                     notes.push(format!("{code}, seed {seed}: {error}"));
                 }
@@ -121,7 +123,7 @@ impl OneScene<'_> {
                 notes.extend(own.map(|alarm| format!("{code}, seed {}: {}", harvest.run.seed, alarm.words())));
             }
             notes.extend(reading_notes(code, &simulated.harvests));
-            measured.push(CodeRuns::live(code, side_by_side, simulated.harvests));
+            measured.push(CodeRuns { failed, ..CodeRuns::live(code, side_by_side, simulated.harvests) });
         }
         if let Some(error @ CodeError::Scene(_)) = failure {
             return Err(error.into());
@@ -136,6 +138,7 @@ impl OneScene<'_> {
             notes: Vec::new(),
             outside_spread: Vec::new(),
             unchecked: Vec::new(),
+            failed_runs: Vec::new(),
             laws: Vec::new(),
             on_record: Vec::new(),
             studies: Vec::new(),
@@ -153,7 +156,7 @@ fn from_reference(
     notes: &mut Vec<String>,
 ) -> Result<CodeRuns, JudgeError> {
     let (code, contact_law) = (code.name(), code.contact_law());
-    let Some(runs) = reference.and_then(|reference| reference.code(code)) else {
+    let Some(runs) = reference.and_then(|reference| reference.code_on(code, scene)) else {
         return Err(JudgeError::NotRecorded { code, scene: scene.name.clone() });
     };
     notes.push(format!("{code} was not run: its numbers are the recorded references ({})", runs.provenance));

@@ -5,8 +5,8 @@ use crate::report::{StudyTestOnRecord, TestOnRecord};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-/// Each test with the first tier that makes it, its margin and its seeds; a test is taken off, made wider or given fewer seeds here or
-/// not at all.
+/// Each test with the first tier that makes it, its margin, its seeds and the hash of its scene; a test is taken off, made wider, given fewer
+/// seeds or another scene here or not at all.
 const TESTS: &str = include_str!("tests.csv");
 
 /// The same of the tests of studies.
@@ -22,6 +22,7 @@ struct Line {
     margin: f64,
     seeds: usize,
     judged_seeds: usize,
+    scene_hash: String,
 }
 
 /// A line of `studies.csv`.
@@ -43,6 +44,7 @@ pub fn on_record(tier: Tier) -> Vec<TestOnRecord> {
         margin: Some(line.margin),
         seeds: line.seeds,
         judged_seeds: line.judged_seeds,
+        scene_hash: Some(line.scene_hash),
     })
     .collect()
 }

@@ -9,6 +9,7 @@ use crate::compare::{
 use crate::peers::{Code, Makadam, Purpose};
 use crate::plan::Scene;
 use crate::scenes::{self, SceneError};
+use crate::statistics::CONFIDENCE;
 use makadam::scene::SceneFileError;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -18,6 +19,7 @@ use std::sync::Mutex;
 pub(super) struct AgainstRecorded {
     pub(super) outside: Vec<String>,
     pub(super) unchecked: Vec<String>,
+    pub(super) failed: Vec<String>,
 }
 
 /// A scene with what is recorded on it.
@@ -70,7 +72,7 @@ impl Case {
         for peer in peers {
             let code = peer.name();
             let missing = || QualifyError::NotRecorded { code: code.into(), scene: name.into() };
-            case.recorded.push(reference.code(code).ok_or_else(missing)?);
+            case.recorded.push(reference.code_on(code, &case.scene).ok_or_else(missing)?);
             case.notes.extend(reference.out_of_date(code, peer.contact_law(), &case.scene));
         }
         Ok(case)
@@ -136,22 +138,27 @@ impl Case {
         Ok(harvest)
     }
 
-    /// Holds a live run of a peer against the spread of its recorded runs.
-    pub(super) fn check(&mut self, harvest: &Harvest, found: &mut AgainstRecorded) {
+    /// Number of observables that have a margin.
+    pub(super) fn margins(&self) -> usize {
+        self.scene.compare.iter().filter(|expectation| expectation.margin.is_some()).count()
+    }
+
+    /// Holds a live run of a peer against the spread of its recorded runs, each value with `confidence`.
+    pub(super) fn check(&mut self, harvest: &Harvest, confidence: f64, found: &mut AgainstRecorded) {
         let run = &harvest.run;
         let recorded = self.recorded.iter().find(|recorded| recorded.code == run.code);
         let recorded = recorded.expect("a case is opened with what is recorded of every peer");
         let percent = 100.0 * LIVE_FRACTION;
         let head = format!("live {} (seed {}, {percent:.0}% of the Rayleigh step)", run.code, run.seed);
         let (scene, mut inside) = (&self.scene.name, Vec::new());
-        for check in live_checks(&self.scene, run, recorded) {
+        for check in live_checks(&self.scene, run, recorded, confidence) {
             let name = &check.observable;
             match (check.value, check.interval, check.inside) {
                 (Some(value), Some([low, high]), Some(true)) => {
                     inside.push(format!("{name} {value:.4} ({low:.4} to {high:.4})"));
                 }
                 (Some(value), Some([low, high]), _) => found.outside.push(format!(
-                    "{scene}: {head} lies outside the 99% interval of the recorded seeds: {name} {value:.4} ({low:.4} to {high:.4})"
+                    "{scene}: {head} lies outside the interval that the recorded seeds predict: {name} {value:.4} ({low:.4} to {high:.4})"
                 )),
                 (None, _, _) => found.unchecked.push(format!("{scene}: {head} has no value of {name}")),
                 (Some(_), None, _) => found.unchecked.push(format!(
@@ -161,7 +168,9 @@ impl Case {
         }
         if !inside.is_empty() {
             let listed = inside.join(", ");
-            self.notes.push(format!("{head} lies inside the 99% interval of the recorded seeds: {listed}"));
+            self.notes.push(format!("{head} lies inside the intervals that the recorded seeds predict ({:.2}% each, {:.0}% for all live values): {listed}",
+                100.0 * confidence,
+                100.0 * CONFIDENCE));
         }
     }
 }

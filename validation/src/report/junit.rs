@@ -54,9 +54,9 @@ pub(super) fn document(qualification: &Qualification) -> Result<String, quick_ju
         }
         report.add_test_suite(suite);
     }
+    let unchecked = qualification.unchecked.iter().chain(&qualification.failed_runs);
     let sentences = qualification.outside_spread.iter().map(|words| (words, NonSuccessKind::Failure));
-    let sentences: Vec<_> =
-        sentences.chain(qualification.unchecked.iter().map(|words| (words, NonSuccessKind::Error))).collect();
+    let sentences: Vec<_> = sentences.chain(unchecked.map(|words| (words, NonSuccessKind::Error))).collect();
     if !sentences.is_empty() {
         let mut suite = TestSuite::new("live runs");
         for (place, (words, kind)) in sentences.into_iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::qualification::Qualification;
 use super::studies::StudyTestOnRecord;
-use crate::compare::{Comparison, Row};
+use crate::compare::{Comparison, Row, physics_hash};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -25,6 +25,9 @@ pub struct TestOnRecord {
     /// Fewest seeds of the judged code, where that is more.
     #[serde(default)]
     pub judged_seeds: usize,
+    /// Hash of what every code is given of the scene, 16 hexadecimal digits; absent in reports of earlier versions.
+    #[serde(default)]
+    pub scene_hash: Option<String>,
 }
 
 /// A test on record that was not made, or with less than is on record.
@@ -60,6 +63,10 @@ impl Qualification {
         let Some((comparison, row, margin)) = self.made(test) else { return Some("was not made".into()) };
         if let Some(widest) = test.margin.filter(|widest| margin > *widest) {
             return Some(format!("was made against a margin of {margin}, not of the {widest} on record"));
+        }
+        let made_on = physics_hash(&comparison.scene);
+        if test.scene_hash.as_ref().is_some_and(|recorded| *recorded != made_on) {
+            return Some(format!("was made on another scene than the one on record (its hash is {made_on})"));
         }
         let of_reference = comparison.rows.iter().filter(|other| other.observable == row.observable);
         let of_reference =

@@ -35,6 +35,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         notes => qualification.notes,
         outside_spread => qualification.outside_spread,
         unchecked => qualification.unchecked,
+        failed_runs => qualification.failed_runs,
         sections => sections,
         extent => extent(comparisons),
         studies => qualification.studies.iter().map(studies::shown).collect::<Vec<_>>(),

@@ -31,6 +31,9 @@ pub struct Qualification {
     /// Values of live runs of reference codes that could not be held against their recorded runs, one in a sentence.
     #[serde(default)]
     pub unchecked: Vec<String>,
+    /// Live runs of reference codes that failed, one in a sentence.
+    #[serde(default)]
+    pub failed_runs: Vec<String>,
     /// What is recorded of published laws; no part of the verdict.
     #[serde(default)]
     pub laws: Vec<PublishedLaw>,
@@ -70,18 +73,21 @@ pub struct Verdict {
     pub agree: usize,
     /// That failed.
     pub disagree: usize,
-    /// That too few seeds leave open.
+    /// That too few seeds, or references at odds with each other, leave open.
     pub undecided: usize,
     /// That were asked for and could not be made: a code lacks a value of the observable in some or all of its seeds.
     #[serde(default)]
     pub not_measured: usize,
-    /// Tests in whose observable the references do not agree with each other within the margin.
+    /// Undecided tests in whose observable the references differ from each other by more than the margin: more seeds would not decide.
     pub floor_above_margin: usize,
     /// Live runs of reference codes outside the spread of their recorded runs.
     pub outside_spread: usize,
     /// Live values of reference codes that could not be held against their recorded runs.
     #[serde(default)]
     pub unchecked: usize,
+    /// Live runs of reference codes that failed.
+    #[serde(default)]
+    pub failed_runs: usize,
     /// Tests of the studies that were a part.
     #[serde(default)]
     pub studies: Vec<StudyCount>,
@@ -136,6 +142,7 @@ impl Qualification {
             floor_above_margin: 0,
             outside_spread: self.outside_spread.len(),
             unchecked: self.unchecked.len(),
+            failed_runs: self.failed_runs.len(),
             studies: self.studies.iter().map(StudySection::count).collect(),
             sentence: String::new(),
         };
@@ -159,7 +166,8 @@ impl Qualification {
                     Outcome::Disagree => verdict.disagree += 1,
                     Outcome::Undecided | Outcome::NotMeasured => verdict.undecided += 1,
                 }
-                verdict.floor_above_margin += usize::from(floor_exceeds_margin(comparison, row));
+                let open = outcome == Outcome::Undecided;
+                verdict.floor_above_margin += usize::from(open && floor_exceeds_margin(comparison, row));
                 if !references.contains(&reference) {
                     references.push(reference);
                 }
@@ -170,7 +178,11 @@ impl Qualification {
         verdict.not_measured += lost.len();
         let of_studies = |names: fn(&StudyCount) -> usize| verdict.studies.iter().map(names).sum::<usize>();
         let failed = of_studies(|study| study.failed.len());
-        let lacks = verdict.not_measured + verdict.unchecked + of_studies(|study| study.not_measured.len()) > 0;
+        let lacks = verdict.not_measured
+            + verdict.unchecked
+            + verdict.failed_runs
+            + of_studies(|study| study.not_measured.len())
+            > 0;
         verdict.standing = match (verdict.agree, verdict.disagree, verdict.undecided) {
             _ if failed > 0 => Standing::Disagree,
             (0, 0, 0) if lacks => Standing::NotMeasured,
@@ -230,7 +242,7 @@ fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize)
         (0, 0, 0) if verdict.not_measured > 0 => {
             format!("Not measured: none of {over} could be made, for want of values.")
         }
-        (0, 0, 0) if verdict.unchecked == 0 => {
+        (0, 0, 0) if verdict.unchecked + verdict.failed_runs == 0 => {
             return "No verdict: no observable was tested against a margin and a reference code.".into();
         }
         (0, 0, 0) => "No observable was tested against a margin and a reference code.".into(),
@@ -241,9 +253,13 @@ fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize)
         (1, 0, 0) => format!("{judged} agrees with {names} in the one test that was made."),
         (_, 0, 0) => format!("{judged} agrees with {names} within the margins in all {over}."),
         (agree, 0, undecided) => format!(
-            "{}: of {over} against {names}, {agree} agree, none disagrees, and {undecided} {} too few seeds to tell.{lacking}",
+            "{}: of {over} against {names}, {agree} agree, none disagrees, and {}.{lacking}",
             if lacking.is_empty() { "Undecided" } else { "Not measured" },
-            if undecided == 1 { "has" } else { "have" },
+            match undecided - verdict.floor_above_margin {
+                0 => format!("{undecided} {} undecided", is(undecided)),
+                1 => "1 has too few seeds to tell".into(),
+                few => format!("{few} have too few seeds to tell"),
+            },
         ),
         (agree, disagree, undecided) => format!(
             "{judged} disagrees with {names} in {disagree} of {over}; {agree} agree{}.{lacking}",
@@ -262,6 +278,9 @@ fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize)
             " {} of a reference code could not be held against its recorded runs.",
             plural(verdict.unchecked, "live value"),
         );
+    }
+    if verdict.failed_runs > 0 {
+        text += &format!(" {} of a reference code failed.", plural(verdict.failed_runs, "live run"));
     }
     if verdict.floor_above_margin > 0 {
         text += &format!(

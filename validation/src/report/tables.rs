@@ -148,7 +148,12 @@ impl<'a> Line<'a> {
         let undecided = row.outcome == Some(Outcome::Undecided);
         let needed = row.seeds_needed.filter(|_| fully && undecided);
         Cell::from(row.difference.map(|difference| self.rounding.signed(difference)))
-            .above(row.interval90.filter(|_| fully).map(|interval| self.rounding.interval(interval)))
+            .above(
+                row.interval_of_verdict
+                    .or(row.interval90)
+                    .filter(|_| fully)
+                    .map(|interval| self.rounding.interval(interval)),
+            )
             .outcome(row.outcome.map(|outcome| (words::outcome_class(outcome), words::outcome(outcome))))
             .above(row.missing.clone().filter(|_| fully))
             .above(needed.map(|seeds| format!("{seeds} seeds would decide")))
@@ -272,6 +277,7 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
         .rows
         .iter()
         .filter(|row| row.outcome == Some(Outcome::Undecided) && row.code == comparison.judged)
+        .filter(|row| !floor_exceeds_margin(comparison, row))
         .count();
     if missing > 0 {
         limits.push(format!("{} undecided: too few seeds for the spread.", plural(missing, "test")));

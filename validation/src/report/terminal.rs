@@ -15,7 +15,7 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
     let mut last = "";
     let mut table = Table::new(&["observable", "code"], &["mean ± spread (seeds)"])
         .with_words("against")
-        .with_numbers(["difference [90% interval]", "margin"])
+        .with_numbers(["difference [interval of the verdict]", "margin"])
         .with_words("outcome");
     for row in &comparison.rows {
         let rounding = words::rounding(comparison.rows.iter().filter(|other| other.observable == row.observable));
@@ -39,7 +39,8 @@ fn cells(row: &Row, rounding: Rounding, first: bool, colour: bool) -> Vec<Cell> 
     let spread = row.standard_deviation.filter(|_| row.seeds > 1);
     let spread = spread.map_or(String::new(), |spread| format!(" ± {}", rounding.value(spread)));
     let mean = row.mean.map_or("–".into(), |mean| rounding.value(mean));
-    let interval = row.interval90.map(|interval| format!(" {}", rounding.interval(interval))).unwrap_or_default();
+    let interval = row.interval_of_verdict.or(row.interval90);
+    let interval = interval.map(|interval| format!(" {}", rounding.interval(interval))).unwrap_or_default();
     let outcome = match (row.outcome, row.seeds_needed) {
         (Some(Outcome::Undecided), Some(seeds)) => format!("undecided, {seeds} seeds would decide"),
         (Some(Outcome::NotMeasured), _) => {

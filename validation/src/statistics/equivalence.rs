@@ -14,8 +14,11 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// Significance of the whole family of one-sided tests.
 const SIGNIFICANCE: f64 = 0.05;
 
-/// Power for which seeds are counted: normal quantile 1.28.
+/// Power for which seeds are counted.
 const POWER: f64 = 0.9;
+
+/// Share of the margin from which on a difference lets no seeds be counted.
+const NEAR: f64 = 0.9;
 
 /// Verdict of the equivalence test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -42,7 +45,8 @@ pub struct Equivalence {
     pub interval_of_verdict: Option<[f64; 2]>,
     /// Verdict; absent without a margin.
     pub outcome: Option<Outcome>,
-    /// Seeds a code that would decide, where the outcome is undecided and the spread is known.
+    /// Seeds a code that would probably bring agreement, if the difference is what it seems; where the outcome is undecided, the spread is
+    /// known and the difference is not near the margin.
     pub seeds_needed: Option<usize>,
 }
 
@@ -64,8 +68,9 @@ pub fn equivalence(first: &Ensemble, second: &Ensemble, margin: Option<f64>, cod
     let seeds_needed = match (outcome, margin, interval_of_verdict) {
         (Some(Outcome::Undecided), Some(margin), Some(_)) => {
             let variance = 0.5 * (first.standard_deviation.powi(2) + second.standard_deviation.powi(2));
-            // The formula supposes equal means; where it is already met, chance or a true difference wants one more.
-            Some(seeds_needed(variance.sqrt(), margin, alpha).max(first.seeds.min(second.seeds) + 1))
+            // The formula takes the spread for known; where it is already met, one more.
+            let fewest = first.seeds.min(second.seeds) + 1;
+            seeds_needed(variance.sqrt(), difference, margin, alpha).map(|seeds| seeds.max(fewest))
         }
         _ => None,
     };
@@ -87,11 +92,30 @@ fn welch_half_width(first: &Ensemble, second: &Ensemble, alpha: f64) -> Option<f
     Some(student_quantile(1.0 - alpha, freedom) * (a + b).sqrt())
 }
 
-/// Seeds a code that let equal codes of standard deviation `deviation` pass the margin with 90% probability at `alpha` on
-/// each side: n = 2 (z_alpha + 1.28)^2 s^2 / margin^2, with z = 1.645 at 5%.
-pub fn seeds_needed(deviation: f64, margin: f64, alpha: f64) -> usize {
+/// Fewest seeds a code with which codes of standard deviation `deviation`, whose means differ by `difference`, pass the margin with 90%
+/// probability, at `alpha` on each side: both sides must hold, so that the power is
+/// Phi((margin - |difference|)/e - z) + Phi((margin + |difference|)/e - z) - 1 with e = s sqrt(2/n) and z = z_alpha (Julious, Stat.
+/// Med. 23, 1921, 2004, equation 20). For equal codes that is n = 2 (z_alpha + 1.645)^2 s^2 / margin^2.
+///
+/// Absent where the difference comes to [`NEAR`] margins or more: as likely as not, more seeds would tell that the codes disagree.
+pub fn seeds_needed(deviation: f64, difference: f64, margin: f64, alpha: f64) -> Option<usize> {
+    let apart = difference.abs();
+    if apart >= NEAR * margin {
+        return None;
+    }
     let normal = Normal::standard();
-    let reach = normal.inverse_cdf(1.0 - alpha) + normal.inverse_cdf(POWER);
-    let seeds = 2.0 * (reach * deviation / margin).powi(2);
-    (seeds.ceil() as usize).max(2)
+    let reach = normal.inverse_cdf(1.0 - alpha);
+    let passes = |seeds: usize| {
+        let error = deviation * (2.0 / seeds as f64).sqrt();
+        let side = |room: f64| if error > 0.0 { normal.cdf(room / error - reach) } else { 1.0 };
+        side(margin - apart) + side(margin + apart) - 1.0 >= POWER
+    };
+    // Enough for the nearer side alone at far more than that power.
+    let enough = 2.0 * ((reach + 4.0) * deviation / (margin - apart)).powi(2);
+    let (mut few, mut many) = (1, (enough.ceil() as usize).max(2));
+    while many - few > 1 {
+        let middle = few + (many - few) / 2;
+        if passes(middle) { many = middle } else { few = middle }
+    }
+    Some(many)
 }

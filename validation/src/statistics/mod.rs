@@ -25,5 +25,5 @@ pub use distances::{kolmogorov_smirnov, wasserstein};
 pub use ensemble::{Ensemble, mean, median, standard_deviation, standard_error, student_quantile};
 pub use equivalence::{Equivalence, Outcome, equivalence, seeds_needed};
 pub use inequality::{gini, second_moment, share_below_mean, weak_load_share};
-pub use prediction::{Spread, inside_recorded_spread, prediction_interval};
+pub use prediction::{CONFIDENCE, Spread, confidence_of_each, inside_recorded_spread, prediction_interval};
 pub use rank::ranked;

@@ -2,10 +2,16 @@
 
 use super::ensemble::{Ensemble, student_quantile};
 
-/// Confidence of the interval by which a live run is checked: one honest value in a hundred falls outside.
+/// Confidence of all values of live runs together: where nothing has changed, one qualification in a hundred has a value outside.
 ///
-/// It is wide on purpose. A report holds dozens of values, and a false alarm among them costs trust.
+/// It is high on purpose: a false alarm costs trust.
 pub const CONFIDENCE: f64 = 0.99;
+
+/// Confidence of each of so many values by which all of them together have [`CONFIDENCE`] at least (Bonferroni; the values of one run
+/// are not independent).
+pub fn confidence_of_each(values: usize) -> f64 {
+    1.0 - (1.0 - CONFIDENCE) / values.max(1) as f64
+}
 
 /// The interval in which a live value was expected, and whether it was there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,10 +33,11 @@ pub fn prediction_interval(recorded: &[f64], live_seeds: usize, confidence: f64)
     Some([ensemble.mean - half, ensemble.mean + half])
 }
 
-/// Whether the value of one more seed lies in the 99% interval that recorded seeds predict.
+/// Whether the value of one more seed lies in the interval that recorded seeds predict with `confidence`. The seed must be none of those
+/// recorded: a value lies among others of which it is one.
 ///
 /// Absent for fewer than two recorded values.
-pub fn inside_recorded_spread(live: f64, recorded: &[f64]) -> Option<Spread> {
-    let interval = prediction_interval(recorded, 1, CONFIDENCE)?;
+pub fn inside_recorded_spread(live: f64, recorded: &[f64], confidence: f64) -> Option<Spread> {
+    let interval = prediction_interval(recorded, 1, confidence)?;
     Some(Spread { interval, inside: (interval[0]..=interval[1]).contains(&live) })
 }

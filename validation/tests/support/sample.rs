@@ -360,6 +360,7 @@ pub fn qualification(comparisons: Vec<Comparison>) -> Qualification {
         notes: Vec::new(),
         outside_spread: Vec::new(),
         unchecked: Vec::new(),
+        failed_runs: Vec::new(),
         laws: Vec::new(),
         on_record: Vec::new(),
         studies: Vec::new(),

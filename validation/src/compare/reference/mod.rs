@@ -66,6 +66,13 @@ impl Reference {
         self.codes().iter().map(of).max().unwrap_or(0)
     }
 
+    /// What is recorded of one code for a scene as it is now, if anything is; runs of the scene as it was before a change do not count.
+    pub fn code_on(&self, code: &str, scene: &Scene) -> Option<CodeRuns> {
+        let discarded = (self.is_current(code, scene) == Some(false))
+            .then(|| format!("{code} was recorded on another scene than this one, so record it anew with --record"));
+        Some(CodeRuns { discarded, ..self.code(code)? })
+    }
+
     /// What is recorded of one code, if anything is.
     pub fn code(&self, code: &str) -> Option<CodeRuns> {
         let runs: Vec<MeasuredRun> = self.at(code, 1.0).cloned().collect();
@@ -96,6 +103,8 @@ impl Reference {
                 .filter(|run| run.contact_law == first.contact_law)
                 .cloned()
                 .collect(),
+            failed: Vec::new(),
+            discarded: None,
             runs,
         })
     }

@@ -71,6 +71,8 @@ impl Reference {
         let Some(runs) = lines_if_there::<MeasuredRun>(&folder.join("runs.csv"), bytes)? else {
             return Ok(None);
         };
+        let file = folder.join("runs.csv");
+        all_alike(&runs).map_err(|(line, problem)| ReferenceError::Line { file, line, problem })?;
         let runs = runs.into_iter().map(|(_, run)| run).collect();
         let mut reference = Reference { runs, ..Reference::default() };
         reference.read_measurements(&folder.join("measurements.csv"), bytes)?;
@@ -147,6 +149,32 @@ impl Reference {
         }
         Ok(())
     }
+}
+
+/// Whether the runs of a code at one stiffness differ by their seeds alone, as those of an ensemble must; else the line of one that does
+/// not, and what is wrong with it.
+fn all_alike(runs: &[(u64, MeasuredRun)]) -> Result<(), (u64, String)> {
+    for (place, (line, run)) in runs.iter().enumerate() {
+        let before = runs[..place].iter().map(|(_, before)| before);
+        for before in
+            before.filter(|before| (&before.code, before.stiffness_factor) == (&run.code, run.stiffness_factor))
+        {
+            let differs = [
+                ("version", before.version != run.version),
+                ("contact law", before.contact_law != run.contact_law),
+                ("share of the Rayleigh step", before.rayleigh_fraction != run.rayleigh_fraction),
+                ("scene", before.scene_hash != run.scene_hash),
+            ];
+            let (code, seed) = (&run.code, run.seed);
+            if before.seed == seed {
+                return Err((*line, format!("{code} has a second run of seed {seed}")));
+            }
+            if let Some((what, _)) = differs.iter().find(|(_, differs)| *differs) {
+                return Err((*line, format!("seed {seed} of {code} has another {what} than seed {}", before.seed)));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn particle(grain: &GrainLine) -> Particle {

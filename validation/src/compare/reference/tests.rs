@@ -38,6 +38,8 @@ pub(super) fn sample() -> (Scene, Reference) {
             provenance: String::new(),
             runs: vec![run(code, 1, factor), run(code, 2, factor)],
             stiff_runs: Vec::new(),
+            failed: Vec::new(),
+            discarded: None,
             forces: Some(ForceDistribution {
                 code: code.into(),
                 force: vec![0.125, 0.375],

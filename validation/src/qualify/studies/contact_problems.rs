@@ -175,9 +175,9 @@ fn judged(recorded: &Recorded, check: &Check, method: Method) -> StudyTest {
             test(name, format!("within {difference:.1e} g h"), right, difference <= AGREEMENT)
         }
         _ => {
-            let why = check.left_out.iter().find(|why| why.starts_with(method.name()));
+            let why = check.why_left_out(method);
             let outcome = if why.is_some() { StudyOutcome::NotMeasured } else { StudyOutcome::Failed };
-            let remark = Some(why.cloned().unwrap_or_else(|| "a solver did not converge".into()));
+            let remark = Some(why.unwrap_or("a solver did not converge").to_string());
             StudyTest { name, measured: String::new(), right, outcome, remark }
         }
     }
