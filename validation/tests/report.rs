@@ -134,7 +134,7 @@ fn every_row_stands_in_every_file() {
         "27.13",
         "± 0.31",
         "−0.21",
-        "[−0.57, +0.15]",
+        "[−0.66, +0.24]",
         "±1.5",
         "shell layer speed ratio",
         "wall torque (10⁻⁴ N m)",
