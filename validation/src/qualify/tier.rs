@@ -67,7 +67,7 @@ const LAWS: Study = Study::Laws(&[("janssen", 3), ("beverloo", 3), ("collapse", 
 
 const SMALL_ABLATIONS: [Ablated; 5] = [
     Ablated { scene: "packing", seeds: 12, needed: &["Coulomb friction", "rolling resistance", "twisting resistance"] },
-    Ablated { scene: "heap", seeds: 4, needed: &["Coulomb friction", "twisting resistance", "wall motion"] },
+    Ablated { scene: "heap", seeds: 12, needed: &["Coulomb friction", "twisting resistance", "wall motion"] },
     Ablated {
         scene: "oedometer",
         seeds: 8,
