@@ -10,7 +10,7 @@ use makadam::effects::period::Period;
 use makadam::scene::populate;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// What is known of frames beside their files.
@@ -82,12 +82,16 @@ impl Assembly<'_> {
         let mut frames = Vec::with_capacity(grains.len());
         for (place, (time, table)) in grains.iter().enumerate() {
             let particles = particles(table, &numbers, radii.as_deref())?;
-            let mut list = Vec::new();
+            let mut found = Found::default();
             for of_frame in std::mem::take(&mut contacts[place]) {
-                self.add_contacts(of_frame, &particles, &numbers, &mut list)?;
+                self.add_contacts(of_frame, &particles, &numbers, &mut found)?;
             }
-            let snapshot =
-                Snapshot { time: *time, particles, contacts: merge_wall_contacts(list), ..Snapshot::default() };
+            let snapshot = Snapshot {
+                time: *time,
+                particles,
+                contacts: merge_wall_contacts(found.contacts),
+                ..Snapshot::default()
+            };
             frames.push(measurable(snapshot).map_err(|problem| table.fault(0, problem))?);
         }
         let simulated_seconds = frames.last().map_or(0.0, |frame| frame.time);
@@ -135,7 +139,7 @@ impl Assembly<'_> {
         table: &FrameTable,
         particles: &[Particle],
         numbers: &Numbers,
-        to: &mut Vec<Contact>,
+        found: &mut Found,
     ) -> Result<(), ImportError> {
         let places = Places::of(table);
         let missing = |what: &str| {
@@ -174,7 +178,13 @@ impl Assembly<'_> {
             let a = grain(first)?;
             let named = |place: Option<usize>| place.filter(|place| numbers_of_row[*place] >= 0.0);
             let partner = match (named(second), named(wall)) {
-                (Some(place), None) => Partner::Grain(grain(place)?.id),
+                (Some(place), None) => {
+                    let other = grain(place)?;
+                    found.meet(a.id, other.id).map_err(|how| {
+                        fault(format!("grains {} and {} {how}", numbers_of_row[first], numbers_of_row[place]))
+                    })?;
+                    Partner::Grain(other.id)
+                }
                 (None, Some(place)) => {
                     let number = numbers_of_row[place];
                     if number.fract() != 0.0 || number >= self.scene.wall.len() as f64 {
@@ -198,9 +208,10 @@ impl Assembly<'_> {
             let Some(towards) = given.unwrap_or(towards).try_normalize(0.0) else { continue };
             match forces {
                 Forces::OnFirst(force) => {
-                    to.extend(contact_from_force(a.id, partner, point.into(), towards, vector(numbers_of_row, force)));
+                    let force = vector(numbers_of_row, force);
+                    found.contacts.extend(contact_from_force(a.id, partner, point.into(), towards, force));
                 }
-                Forces::Split(normal_force, tangential) => to.push(Contact {
+                Forces::Split(normal_force, tangential) => found.contacts.push(Contact {
                     first: a.id,
                     second: partner,
                     point: point.into(),
@@ -211,6 +222,30 @@ impl Assembly<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// The contacts of a frame.
+#[derive(Default)]
+struct Found {
+    contacts: Vec<Contact>,
+    /// Grains that touch, the smaller number first: spheres touch once, and a contact that is listed twice would count twice.
+    pairs: BTreeSet<(u32, u32)>,
+}
+
+impl Found {
+    /// Takes note that two grains touch.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words that follow their names.
+    fn meet(&mut self, one: u32, other: u32) -> Result<(), &'static str> {
+        if one == other {
+            return Err("of a contact are one");
+        }
+        match self.pairs.insert((one.min(other), one.max(other))) {
+            true => Ok(()),
+            false => Err("touch twice in this frame; list each contact once"),
+        }
     }
 }
 

@@ -275,6 +275,9 @@ fn what_is_wrong_is_told_with_file_line_and_remedy() {
     refused(&[("a.csv", "x,y,z,r\n0,0,0,1\n"), ("b.csv", "x,y,z,r\n0,0,0,1\n")], &[], "give --time-step");
     let grain = ("a.csv", "id,x,y,z,r\n1,0,0,0,1\n2,0,0,1.9,1\n");
     refused(&[grain], &[("c.csv", "first,second,fx,fy,fz\n1,3,0,0,1\n")], "c.csv: line 2: there is no grain 3");
+    let twice = "c.csv: line 3: grains 2 and 1 touch twice in this frame";
+    refused(&[grain], &[("c.csv", "first,second,fx,fy,fz\n1,2,0,0,-1\n2,1,0,0,1\n")], twice);
+    refused(&[grain], &[("c.csv", "first,second,fx,fy,fz\n1,1,0,0,1\n")], "grains 1 and 1 of a contact are one");
     refused(&[grain], &[("c.csv", "first,wall,fx,fy,fz,px,py,pz\n1,9,0,0,1,0,0,0\n")], "there is no wall 9");
     refused(&[grain], &[("c.csv", "first,wall,fx,fy,fz\n1,0,0,0,1\n")], "needs its point");
     refused(&[grain], &[("c.csv", "first,second\n1,2\n")], "no column fx, fy, fz");
