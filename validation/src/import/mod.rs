@@ -11,6 +11,7 @@ mod columns;
 mod contacts;
 mod dump;
 mod frame_table;
+mod numbering;
 mod sequence;
 mod text;
 mod timing;

@@ -1,46 +1,32 @@
 //! The order of files by the numbers in their names, and which of them tell of one thing from frame to frame.
 
 use super::frame_table::{FrameTable, ImportError};
+use super::numbering::{InOrder, by_numbers, pattern};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A number in a name: its digits without leading zeros, the shorter one being the smaller.
-type Number = (usize, String);
-
-/// A path with `#` in place of each number, and the numbers.
-fn split(path: &Path) -> (String, Vec<Number>) {
-    let (mut text, mut numbers) = (String::new(), Vec::new());
-    let name = path.to_string_lossy();
-    let mut rest = &name[..];
-    while let Some(start) = rest.find(|letter: char| letter.is_ascii_digit()) {
-        let end = rest[start..].find(|letter: char| !letter.is_ascii_digit()).map_or(rest.len(), |end| start + end);
-        let digits = rest[start..end].trim_start_matches('0');
-        numbers.push((digits.len(), digits.to_string()));
-        text += &rest[..start];
-        text.push('#');
-        rest = &rest[end..];
-    }
-    (text + rest, numbers)
-}
-
 /// The name of a path with `#` in place of its numbers.
 fn name_of(path: &Path) -> String {
-    split(Path::new(path.file_name().unwrap_or(path.as_os_str()))).0
+    pattern(Path::new(path.file_name().unwrap_or(path.as_os_str())))
 }
 
-/// Files whose names differ in numbers alone, by these numbers.
-fn by_numbers(mut files: Vec<&Path>) -> Result<Vec<&Path>, ImportError> {
-    files.sort_by_cached_key(|file| split(file).1);
-    for pair in files.windows(2) {
-        let [earlier, later] = [pair[0], pair[1]].map(|file| split(file).1);
-        if earlier.iter().zip(&later).any(|(before, after)| after < before) {
-            let problem = format!(
-                "which number in the names counts frames is not clear: from {} on, one rises and another falls; leave names that \
-                 differ in one number, or tell times by steps (--time-step) or by a column time",
-                pair[0].display()
-            );
-            return Err(ImportError::new(pair[1], 1, problem));
-        }
+/// Files whose names differ in numbers alone, by these numbers; gaps between the numbers are noted.
+fn counted<'t>(
+    files: Vec<&'t Path>,
+    interval: Option<f64>,
+    notes: &mut Vec<String>,
+) -> Result<Vec<&'t Path>, ImportError> {
+    let InOrder { files, even } = by_numbers(files, interval)?;
+    if let [first, .., last] = files[..]
+        && !even
+    {
+        let name = |file: &Path| file.file_name().unwrap_or_default().display().to_string();
+        notes.push(format!(
+            "the numbers in the names of files, from {} to {}, are not evenly apart: frames are counted, and each is taken as one \
+             interval after the one before; where files are missing, later frames are taken too early",
+            name(first),
+            name(last)
+        ));
     }
     Ok(files)
 }
@@ -57,12 +43,16 @@ fn files_of(tables: &[FrameTable]) -> Vec<&Path> {
 ///
 /// # Errors
 /// [`ImportError`] where the names do not tell one order.
-pub(super) fn one_after_the_other(tables: &[FrameTable]) -> Result<Vec<&FrameTable>, ImportError> {
+pub(super) fn one_after_the_other<'t>(
+    tables: &'t [FrameTable],
+    interval: Option<f64>,
+    notes: &mut Vec<String>,
+) -> Result<Vec<&'t FrameTable>, ImportError> {
     let files = files_of(tables);
     let mut alike: BTreeMap<String, Vec<&Path>> = BTreeMap::new();
-    files.iter().for_each(|file| alike.entry(split(file).0).or_default().push(file));
+    files.iter().for_each(|file| alike.entry(pattern(file)).or_default().push(file));
     let files = match alike.len() {
-        1 => by_numbers(files)?,
+        1 => counted(files, interval, notes)?,
         names if names == files.len() => files,
         _ => {
             let [one, other] =
@@ -85,19 +75,23 @@ pub(super) fn one_after_the_other(tables: &[FrameTable]) -> Result<Vec<&FrameTab
 ///
 /// # Errors
 /// [`ImportError`] where the names do not tell one order.
-pub(super) fn side_by_side(tables: &[FrameTable]) -> Result<Vec<Vec<&FrameTable>>, ImportError> {
+pub(super) fn side_by_side<'t>(
+    tables: &'t [FrameTable],
+    interval: Option<f64>,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Vec<&'t FrameTable>>, ImportError> {
     let mut of_file: BTreeMap<&Path, Vec<&FrameTable>> = BTreeMap::new();
     tables.iter().for_each(|table| of_file.entry(&table.file).or_default().push(table));
     let mut series = Vec::new();
     let mut alike: BTreeMap<String, Vec<&Path>> = BTreeMap::new();
     for file in files_of(tables) {
         match &of_file[file][..] {
-            [_] => alike.entry(split(file).0).or_default().push(file),
+            [_] => alike.entry(pattern(file)).or_default().push(file),
             several => series.push(several.to_vec()),
         }
     }
     for files in alike.into_values() {
-        series.push(by_numbers(files)?.iter().flat_map(|file| of_file[file].iter().copied()).collect());
+        series.push(counted(files, interval, notes)?.iter().flat_map(|file| of_file[file].iter().copied()).collect());
     }
     Ok(series)
 }
@@ -124,7 +118,8 @@ mod tests {
 
     #[test]
     fn frames_follow_the_numbers_in_their_names() {
-        let ordered = |files: &[&str]| one_after_the_other(&tables(files)).map(|ordered| names(&ordered));
+        let ordered =
+            |files: &[&str]| one_after_the_other(&tables(files), None, &mut Vec::new()).map(|ordered| names(&ordered));
         assert_eq!(ordered(&["a10.csv", "a2.csv", "a1.csv"]).unwrap(), ["a1.csv", "a2.csv", "a10.csv"]);
         assert_eq!(ordered(&["a10.csv", "a002.csv"]).unwrap(), ["a002.csv", "a10.csv"]);
         assert_eq!(ordered(&["f10/a.csv", "f9/a.csv"]).unwrap(), ["f9/a.csv", "f10/a.csv"]);
@@ -142,13 +137,15 @@ mod tests {
     #[test]
     fn each_series_of_contacts_counts_its_own_frames() {
         let of = |files: &[&str]| -> Vec<Vec<String>> {
-            side_by_side(&tables(files)).unwrap().iter().map(|series| names(series)).collect()
+            side_by_side(&tables(files), None, &mut Vec::new()).unwrap().iter().map(|series| names(series)).collect()
         };
         let both = ["pair10.csv", "pair9.csv", "wall9.csv", "wall10.csv"];
         assert_eq!(of(&both), [["pair9.csv", "pair10.csv"], ["wall9.csv", "wall10.csv"]]);
         // A file of several frames counts its own.
         assert_eq!(of(&["w0.csv", "w0.csv", "w1.csv", "w1.csv"]), [["w0.csv", "w0.csv"], ["w1.csv", "w1.csv"]]);
         let walls = tables(&["wall0.1.csv", "wall0.2.csv", "wall1.1.csv", "wall1.2.csv"]);
-        assert!(side_by_side(&walls).unwrap_err().to_string().contains("which number in the names"));
+        assert!(
+            side_by_side(&walls, None, &mut Vec::new()).unwrap_err().to_string().contains("which number in the names")
+        );
     }
 }

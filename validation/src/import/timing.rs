@@ -3,9 +3,12 @@
 use super::assemble::Assembly;
 use super::columns::{Column, Places};
 use super::frame_table::{FrameTable, ImportError};
+use super::number_in;
+use super::numbering::{by_numbers, has_points, pattern};
 use super::sequence::{one_after_the_other, side_by_side};
 use crate::recording::Content;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// Two times are the same if they are nearer than this part of the time between frames.
 const SAME_TIME: f64 = 1e-3;
@@ -37,8 +40,15 @@ impl Assembly<'_> {
         tables: &'t [FrameTable],
         notes: &mut Vec<String>,
     ) -> Result<Vec<(f64, &'t FrameTable)>, ImportError> {
+        if self.time_step.is_some() {
+            steps_rise(tables)?;
+        }
         let mut timed = Vec::with_capacity(tables.len());
-        let ordered = if self.counts(tables) { one_after_the_other(tables)? } else { tables.iter().collect() };
+        let ordered = if self.counts(tables) {
+            one_after_the_other(tables, self.interval, notes)?
+        } else {
+            tables.iter().collect()
+        };
         for (place, table) in ordered.into_iter().enumerate() {
             let time = match self.time_of(table, place) {
                 Some(time) => time,
@@ -122,7 +132,11 @@ impl Assembly<'_> {
         let mut strangers = 0;
         let mut kinds: BTreeMap<&[String], (Vec<&FrameTable>, Vec<bool>)> = BTreeMap::new();
         // Where frames are counted, files of different contacts count their own.
-        let all = if self.counts(tables) { side_by_side(tables)? } else { vec![tables.iter().collect()] };
+        let all = if self.counts(tables) {
+            side_by_side(tables, self.interval, notes)?
+        } else {
+            vec![tables.iter().collect()]
+        };
         for (place, table) in all.iter().flat_map(|series| series.iter().enumerate()) {
             let time = self.time_of(table, place);
             let Some(at) = (if single { Some(0) } else { time.and_then(near) }) else {
@@ -196,6 +210,26 @@ fn untold_contacts(
 /// What is wrong with contacts that are not told at a time (s).
 fn untold_at(time: f64) -> String {
     format!("no contacts are given for the frame at {time} s; give those of all frames, or of none")
+}
+
+/// Refuses steps that are decimals of times in the names of files: 0.05 would be step 5, and later than 0.1.
+fn steps_rise(tables: &[FrameTable]) -> Result<(), ImportError> {
+    let mut alike: BTreeMap<String, BTreeMap<&Path, &FrameTable>> = BTreeMap::new();
+    let is_by_name = |table: &&FrameTable| {
+        table.time.is_none() && table.step.is_some_and(|step| number_in(&table.file) == Some(step))
+    };
+    for table in tables.iter().filter(is_by_name) {
+        alike.entry(pattern(&table.file)).or_default().insert(&table.file, table);
+    }
+    for of_file in alike.into_values().filter(|of_file| of_file.keys().any(|file| has_points(file))) {
+        let files = by_numbers(of_file.keys().copied().collect(), None)?.files;
+        if let Some(pair) = files.windows(2).find(|pair| of_file[pair[0]].step >= of_file[pair[1]].step) {
+            let problem = "the number in its name has decimals, and is no step; give --interval in place of --time-step, or leave a \
+                           column time";
+            return Err(ImportError::new(pair[1], 1, problem));
+        }
+    }
+    Ok(())
 }
 
 /// Whether two times are one but for rounding.
