@@ -68,6 +68,14 @@ fn frames_that_were_not_asked_for_or_are_not_whole_are_refused() {
     assert!(code == 1 && errors.contains("frames.csv is what the run was given"), "{code}: {errors}");
 }
 
+/// Steps of a code need not meet the times: a frame that is taken as one that was asked for is measured.
+#[test]
+fn frames_just_before_their_times_are_measured() {
+    let (code, text, errors) = judged(&described("just-early", OUT), &["--seeds", "2", "--set", "measure.from=0.05"]);
+    assert!(code == 0 || code == 4, "{code}: {text}{errors}");
+    assert!(text.contains("Faulty"), "{text}");
+}
+
 #[test]
 fn what_was_assumed_of_frames_stands_beside_the_verdict() {
     let (code, text, errors) = judged(&described("no-radii", OUT), &["--seeds", "3", "--json"]);

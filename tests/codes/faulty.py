@@ -30,6 +30,11 @@ for place, at in enumerate(times):
     if fault == "no-radii":
         leave(f"out_{round(at * 1000)}.csv", ["id", "x", "y", "z"], [row[:4] for row in rows])
         continue
+    if fault == "just-early":
+        # By 0.002 of an interval.
+        own = [[at - 1e-4, *row] for row in rows]
+        leave(f"out_{round(at * 1000)}.csv", ["time", "id", "x", "y", "z", "radius"], own)
+        continue
     frame(at - 0.02 if fault == "early" and last else at, rows)
 if fault == "late":
     frame(times[-1] + 0.02, grains)

@@ -277,12 +277,19 @@ pub struct Measure {
     pub observables: Vec<Observable>,
 }
 
+/// Part of the interval by which a frame may be away from the time at which it is due: times are sums of steps, and steps of other codes
+/// are longer.
+const OFF_DUE: f64 = 0.01;
+
 impl Measure {
+    /// Time by which a frame may be away from that at which it is due, s.
+    pub fn slack(&self) -> f64 {
+        OFF_DUE * self.interval
+    }
+
     /// Whether a frame at a time (s) is one of those from `from` on; none is where there is no such time.
     pub fn covers(&self, time: f64) -> bool {
-        // Times are sums of steps: a frame due at `from` may bear a time just below it.
-        let slack = 1e-3 * self.interval;
-        self.from.is_some_and(|from| time >= from - slack)
+        self.from.is_some_and(|from| time >= from - self.slack())
     }
 }
 

@@ -84,7 +84,7 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
 /// That the one frame that is measured is not at the end of the run, where the scene measures its end.
 fn other_end(scene: &Scene, measured: &[&Snapshot]) -> Option<String> {
     let time = measured.last().filter(|_| scene.measure.from.is_none())?.time;
-    let is_other = (time - scene.duration).abs() > 0.01 * scene.measure.interval;
+    let is_other = (time - scene.duration).abs() > scene.measure.slack();
     is_other.then(|| format!("the last frame is measured, at {time} s, and the scene ends at {} s", scene.duration))
 }
 

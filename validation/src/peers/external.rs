@@ -10,7 +10,7 @@ use super::run_folder::{RunFolder, check_pattern};
 use super::stl::stl;
 use super::{Code, CodeError, Job};
 use crate::import::{Assembly, ImportError, Imported, Tables};
-use crate::observables::measured_frames;
+use crate::observables::{is_measured, measured_frames};
 use crate::output::{cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
 use crate::recording::{Recording, frame_belongs_to};
@@ -191,7 +191,7 @@ impl External {
     /// Refuses a run of which other frames would be measured than those of frames.csv: a mean over others is another number.
     fn check_times(&self, job: &Job<'_>, recording: &Recording) -> Result<(), CodeError> {
         let refused = |problem: String| Err(self.output(job.work_folder, 1, problem));
-        let slack = 0.01 * job.scene.measure.interval;
+        let slack = job.scene.measure.slack();
         let asked = asked(job.scene);
         let Some(first) = asked.first() else { return Ok(()) };
         let due = recording.frames.iter().filter(|frame| frame.time >= first - slack);
@@ -201,7 +201,9 @@ impl External {
                 empty.time
             ));
         }
-        let is_at = |time: f64, frame: &Snapshot| (frame.time - time).abs() <= slack;
+        // Where the first time is itself just before measure.from, a frame before it may be none that is measured.
+        let is_covered = |frame: &Snapshot| job.scene.measure.from.is_none() || is_measured(job.scene, frame.time);
+        let is_at = |time: f64, frame: &Snapshot| (frame.time - time).abs() <= slack && is_covered(frame);
         if let Some(time) = asked.iter().find(|time| !due.clone().any(|frame| is_at(**time, frame))) {
             return refused(format!("no frame at {time} s; leave one at each time of frames.csv"));
         }
@@ -224,10 +226,11 @@ impl External {
 /// Times of the frames that are measured, s: whole intervals from `measure.from` on, and the end of the run.
 fn asked(scene: &Scene) -> Vec<f64> {
     let Measure { interval, from, .. } = scene.measure;
-    // A time just below a whole interval is that one but for rounding.
-    let first = from.map(|from| (from / interval - 1e-3).ceil().max(0.0));
+    let slack = scene.measure.slack();
+    // A frame just before measure.from is measured too.
+    let first = from.map(|from| ((from - slack) / interval).ceil().max(0.0));
     let times = (0..).map(|place| (first.unwrap_or(0.0) + f64::from(place)) * interval);
-    let before_end = times.take_while(|time| first.is_some() && *time < scene.duration - 1e-3 * interval);
+    let before_end = times.take_while(|time| first.is_some() && *time < scene.duration - slack);
     before_end.chain([scene.duration]).collect()
 }
 
@@ -319,6 +322,8 @@ mod tests {
         assert_eq!(asked_of(0.6, 0.25, Some(0.0)), [0.0, 0.25, 0.5, 0.6]);
         assert_eq!(asked_of(0.5, 0.25, Some(0.2)), [0.25, 0.5]);
         assert_eq!(asked_of(0.6, 0.25, Some(0.55)), [0.6]);
+        // What is just before the first time is measured, and asked for.
+        assert_eq!(asked_of(0.5, 0.25, Some(0.251)), [0.25, 0.5]);
         // 3 x 0.1 is just above 0.3.
         assert_eq!(asked_of(0.3, 0.1, Some(0.1)), [0.1, 0.2, 0.3]);
     }
