@@ -8,6 +8,7 @@
 
 mod assemble;
 mod columns;
+mod contact_series;
 mod contacts;
 mod dump;
 mod frame_table;

@@ -95,6 +95,11 @@ pub(super) fn has_points(path: &Path) -> bool {
     split(path).runs.iter().any(|run| run.groups.len() > 1)
 }
 
+/// All digits in a path, number after number.
+pub(super) fn all_digits(path: &Path) -> Vec<String> {
+    split(path).runs.into_iter().flat_map(|run| run.groups).collect()
+}
+
 /// One way to read the numbers in names that differ in numbers alone: those of each file.
 struct Reading {
     numbers: Vec<Vec<Number>>,

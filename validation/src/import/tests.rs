@@ -7,6 +7,8 @@ use makadam::Simulation;
 use makadam::snapshot::{Contact, Partner, Snapshot};
 use std::fmt::Write;
 
+mod contact_series;
+
 /// Time between frames, s.
 const INTERVAL: f64 = 0.02;
 

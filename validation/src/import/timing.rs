@@ -2,6 +2,7 @@
 
 use super::assemble::Assembly;
 use super::columns::{Column, Places};
+use super::contact_series::{ContactSeries, OfSeries, span};
 use super::frame_table::{FrameTable, ImportError};
 use super::number_in;
 use super::numbering::{by_numbers, has_points, pattern};
@@ -29,9 +30,9 @@ impl Assembly<'_> {
     }
 
     /// Whether some of these frames get their times by their place among the others.
-    fn counts(&self, tables: &[FrameTable]) -> bool {
+    fn counts<'t>(&self, tables: impl IntoIterator<Item = &'t FrameTable>) -> bool {
         let untold = |table: &FrameTable| table.time.is_none() && (table.step.is_none() || self.time_step.is_none());
-        self.interval.is_some() && tables.iter().any(untold)
+        self.interval.is_some() && tables.into_iter().any(untold)
     }
 
     /// Frames with their times, in the order of time.
@@ -130,7 +131,8 @@ impl Assembly<'_> {
         let single = grains.len() == 1 && tables.iter().all(|table| table.time.is_none());
         let near = |time: f64| grains.iter().position(|(own, _)| (own - time).abs() <= SAME_TIME * apart.min(1.0));
         let mut strangers = 0;
-        let mut kinds: BTreeMap<&[String], (Vec<&FrameTable>, Vec<bool>)> = BTreeMap::new();
+        let mut all_series = ContactSeries::default();
+        let counts_grains = self.counts(grains.iter().map(|(_, table)| *table));
         // Where frames are counted, files of different contacts count their own.
         let all = if self.counts(tables) {
             side_by_side(tables, self.interval, notes)?
@@ -139,7 +141,17 @@ impl Assembly<'_> {
         };
         for (place, table) in all.iter().flat_map(|series| series.iter().enumerate()) {
             let time = self.time_of(table, place);
-            let Some(at) = (if single { Some(0) } else { time.and_then(near) }) else {
+            let at = if single { Some(0) } else { time.and_then(near) };
+            all_series.add(OfSeries { table, time, at });
+            let Some(at) = at else {
+                if counts_grains && self.counts([*table]) {
+                    let problem = format!(
+                        "its contacts are of frame {} by their place, and there are {} frames of grains; leave one of contacts for each",
+                        place + 1,
+                        grains.len()
+                    );
+                    return Err(table.fault(0, problem));
+                }
                 strangers += 1;
                 continue;
             };
@@ -148,18 +160,15 @@ impl Assembly<'_> {
                 return Err(table.fault(0, problem));
             }
             given.tables[at].push(table);
-            let (of_kind, told) =
-                kinds.entry(&table.columns).or_insert_with(|| (Vec::new(), vec![false; grains.len()]));
-            of_kind.push(table);
-            told[at] = true;
         }
         // Contacts with walls may be told apart from those between grains: each must be told of every measured frame.
         let measured = self.measured(grains);
         let count = measured.iter().filter(|measured| **measured).count();
-        for (of_kind, told) in kinds.values() {
-            let untold = || (0..grains.len()).filter(|&at| measured[at] && !told[at]);
+        for series in all_series.apart() {
+            let tells = |at: usize| series.iter().any(|one| one.at == Some(at));
+            let untold = || (0..grains.len()).filter(|&at| measured[at] && !tells(at));
             if let Some(first) = untold().next() {
-                given.unsure.extend(untold_contacts(of_kind, grains[first].0, [untold().count(), count], notes)?);
+                given.unsure.extend(untold_contacts(&series, grains[first].0, [untold().count(), count], notes)?);
             }
         }
         if strangers > 0 {
@@ -186,20 +195,25 @@ fn is_by_rows(table: &FrameTable) -> bool {
 /// What is unsure of contacts that are told in some of the measured frames only: not in `untold[0]` of `untold[1]`, the first at
 /// `time`.
 fn untold_contacts(
-    tables: &[&FrameTable],
+    series: &[OfSeries<'_>],
     time: f64,
     untold: [usize; 2],
     notes: &mut Vec<String>,
 ) -> Result<Vec<Content>, ImportError> {
-    let first = tables[0];
-    if !tables.iter().all(|table| is_by_rows(table)) {
-        return Err(first.fault(0, untold_at(time)));
-    }
+    let first = series[0].table;
     let [untold, measured] = untold;
+    let own = match span(series).filter(|_| untold == measured) {
+        Some([from, to]) if from < to => format!(" (its times are from {from} to {to} s)"),
+        Some([at, _]) => format!(" (its time is {at} s)"),
+        None => String::new(),
+    };
+    if !series.iter().all(|one| is_by_rows(one.table)) {
+        return Err(first.fault(0, untold_at(time) + &own));
+    }
     notes.push(format!(
-        "{} has no rows at {time} s, and of {untold} of {measured} measured frames: there may be none, or they are not told, so what \
-         needs its contacts is not measured; leave a file of contacts for each frame, without a column of times, and with the heads of \
-         its columns alone where there are none",
+        "{} has no rows at {time} s, and of {untold} of {measured} measured frames{own}: there may be none, or they are not told, so \
+         what needs its contacts is not measured; leave a file of contacts for each frame, without a column of times, and with the \
+         heads of its columns alone where there are none",
         first.file.file_name().unwrap_or_default().display()
     ));
     let places = Places::of(first);
