@@ -105,6 +105,9 @@ fn a_code_of_ones_own_is_judged_and_found_to_disagree() {
         (toml.replace("out.csv", "other.csv"), 1, "the run has left no file other.csv"),
         (toml.replace("python3", "no-such-program"), 2, "there is no program 'no-such-program'"),
         (toml.replace("\"Dropped\"", "\"yade\""), 2, "is no name for a code of your own"),
+        (toml.replace("\"Dropped\"", "\" YADE \""), 2, "'YADE' is no name for a code of your own"),
+        (toml.replace("\"Dropped\"", "\"Makadam \""), 2, "'Makadam' is no name for a code of your own"),
+        (toml.replace("\"Dropped\"", "\"  \""), 2, "'' is no name for a code of your own"),
         (toml.replace("version", "versoin"), 2, "line 3: unknown field `versoin`"),
         (toml.replace("\"{folder}\"", "\"/nowhere\""), 1, "Dropped failed"),
     ];

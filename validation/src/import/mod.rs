@@ -153,13 +153,30 @@ fn number_in(path: &Path) -> Option<u64> {
     stem[start..end].parse().ok()
 }
 
+/// A name that two columns have, and that means something.
+fn named_twice(columns: &[String]) -> Option<&str> {
+    let names: Vec<String> = columns.iter().map(|name| name.trim().to_lowercase()).collect();
+    let is_second = |place: &usize| names[..*place].contains(&names[*place]) && column_of(&names[*place]).is_some();
+    (0..names.len()).find(is_second).map(|place| &*columns[place])
+}
+
 /// The same frames with other names of the columns, if there are some.
+///
+/// # Errors
+/// [`ImportError`] where the files have more or fewer columns, or two of one name that means something: the second would be passed over.
 fn renamed(frames: Vec<FrameTable>, columns: &[String]) -> Result<Vec<FrameTable>, ImportError> {
+    let each_once = |frame: FrameTable| match named_twice(&frame.columns) {
+        None => Ok(frame),
+        Some(name) => {
+            let problem = format!("two columns are named {name}; name each once, those that are not wanted with _");
+            Err(ImportError::new(&frame.file, frame.line.saturating_sub(1).max(1), problem))
+        }
+    };
     if columns.is_empty() {
-        return Ok(frames);
+        return frames.into_iter().map(each_once).collect();
     }
     let rename = |frame: FrameTable| match frame.columns.len() == columns.len() {
-        true => Ok(FrameTable { columns: columns.to_vec(), ..frame }),
+        true => each_once(FrameTable { columns: columns.to_vec(), ..frame }),
         false => {
             let problem = format!(
                 "its rows have {} numbers, and {} columns are named; name each, those that are not wanted with _",

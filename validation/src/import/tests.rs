@@ -383,6 +383,28 @@ fn a_file_that_is_given_twice_is_refused() {
 }
 
 #[test]
+fn a_column_that_is_named_twice_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.csv");
+    let added = |text: &str, columns: &[&str]| {
+        std::fs::write(&file, text).unwrap();
+        let columns: Vec<String> = columns.iter().map(ToString::to_string).collect();
+        [Tables::add_grains, Tables::add_contacts].map(|add| {
+            add(&mut Tables::default(), &file, &columns).map_err(|error| error.to_string()).err().unwrap_or_default()
+        })
+    };
+    let twice = "id,x,y,z,r,X\n1,0,0,0,1,2\n";
+    for error in added(twice, &[]) {
+        assert!(error.contains("a.csv: line 1: two columns are named X"), "{error}");
+    }
+    assert!(added("id,x,y,z,r\n1,0,0,0,1\n", &["id", "x", "y", "z", "x"])[0].contains("two columns are named x"));
+    assert!(added("time,t,x\n1,0,0\n", &[])[0].contains("a.csv: line 1: two columns tell the time"));
+    // Named anew, each once; what means nothing may be there twice.
+    assert_eq!(added(twice, &["id", "x", "y", "z", "r", "_"]), ["", ""]);
+    assert_eq!(added("id,x,y,z,r,type,type\n1,0,0,0,1,2,2\n", &[]), ["", ""]);
+}
+
+#[test]
 fn frames_of_one_time_are_one_only_where_they_are_the_same() {
     let (scene, _) = packing();
     let at = |name: &'static str, frame: usize| {

@@ -14,6 +14,9 @@ pub(super) fn csv(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportEr
     if columns.iter().any(|name| name.parse::<f64>().is_ok()) {
         return Err(ImportError::new(file, 1, "the first row must name the columns, such as id,x,y,z,radius,vx,vy,vz"));
     }
+    if columns.iter().filter(|name| is_time(name)).count() > 1 {
+        return Err(ImportError::new(file, 1, "two columns tell the time; leave one of them"));
+    }
     let (mut values, mut lines) = (Vec::new(), Vec::new());
     // The second byte of a line's end (\r\n) is taken with the next line, and not counted before.
     let ends = |position: &csv::Position| bytes.get(position.byte() as usize) == Some(&b'\n');
@@ -32,10 +35,14 @@ pub(super) fn csv(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportEr
     Ok(by_time(table, &lines))
 }
 
+/// Whether a column tells the time of its rows.
+fn is_time(name: &str) -> bool {
+    ["time", "t"].contains(&name.to_lowercase().as_str())
+}
+
 /// One frame a value of the column of times, in the order in which they first come; the whole table, if it has no such column.
 fn by_time(table: FrameTable, lines: &[usize]) -> Vec<FrameTable> {
-    let Some(place) = table.columns.iter().position(|name| ["time", "t"].contains(&name.to_lowercase().as_str()))
-    else {
+    let Some(place) = table.columns.iter().position(|name| is_time(name)) else {
         return vec![table];
     };
     let mut frames: Vec<FrameTable> = Vec::new();

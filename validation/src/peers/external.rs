@@ -83,12 +83,13 @@ impl External {
     pub fn load(file: &Path) -> Result<External, DescriptionError> {
         let fault = |problem: String| DescriptionError { file: file.to_path_buf(), problem };
         let text = std::fs::read_to_string(file).map_err(|error| fault(error.to_string()))?;
-        let description: Description = toml::from_str(&text).map_err(|error| {
+        let mut description: Description = toml::from_str(&text).map_err(|error| {
             let line = error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
             fault(format!("line {line}: {}", error.message()))
         })?;
+        description.name = description.name.trim().to_string();
         let Description { name, command, grains, .. } = &description;
-        if name.trim().is_empty() || TAKEN.contains(&name.to_lowercase().as_str()) {
+        if name.is_empty() || TAKEN.contains(&name.to_lowercase().as_str()) {
             return Err(fault(format!("'{name}' is no name for a code of your own; give another one")));
         }
         if command.is_empty() || grains.is_empty() {
