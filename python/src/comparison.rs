@@ -5,7 +5,7 @@ use crate::errors::exception;
 use crate::judge::{Recording, code_error, code_of};
 use crate::scene::Scene;
 use crate::stepping::beside;
-use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison};
+use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison, physics_hash};
 use makadam_validation::peers::Code;
 use makadam_validation::provenance::utc;
 use makadam_validation::qualify::OneScene;
@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::time::{Duration, SystemTime};
 
-/// What is recorded of the peers on a scene: rows, each a dict of code, seed, observable, value and its standard error within the run.
+/// What is recorded of the peers on a scene as it is: rows, each a dict of code, seed, observable, value and its standard error within the run.
 #[pyfunction]
 #[pyo3(name = "_reference")]
 pub fn reference<'py>(scene: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
@@ -23,7 +23,7 @@ pub fn reference<'py>(scene: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>>
     let found = Reference::of_scene(&scene.file).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
     let rows = PyList::empty(py);
     let Some(found) = found else { return Ok(rows) };
-    for runs in found.codes().iter().filter_map(|code| found.code(code)) {
+    for runs in found.codes().iter().filter_map(|code| found.code_on(code, &scene.plan)) {
         for run in &runs.runs {
             for measured in &run.measurements {
                 let row = PyDict::new(py);
@@ -95,6 +95,39 @@ pub fn compare<'py>(
     }
 }
 
+/// Whether runs can be seeds of one ensemble on a scene; if not, why.
+fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String> {
+    let hash = physics_hash(&scene.plan);
+    for (place, run) in runs.iter().enumerate() {
+        let recording = &run.recording;
+        if physics_hash(&run.scene.plan) != hash {
+            return Err(format!(
+                "the run of seed {} is of {}, which is another scene than {}; give runs of the scene that is compared",
+                recording.seed, run.scene.plan.name, scene.plan.name
+            ));
+        }
+        for earlier in runs[..place].iter().map(|earlier| &earlier.recording) {
+            if earlier.seed == recording.seed {
+                return Err(format!("two runs have seed {}; give each seed once", recording.seed));
+            }
+            if (&earlier.code, &earlier.version) != (&recording.code, &recording.version) {
+                return Err(format!(
+                    "runs of {} and of {} are no ensemble; give those of one code",
+                    earlier.code, recording.code
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What was noticed on a run, and what its frames did not tell, in sentences.
+fn told(harvest: &Harvest) -> Vec<String> {
+    let alarms = harvest.alarms.iter().map(|alarm| alarm.words());
+    let all = alarms.chain(harvest.notes.iter().cloned());
+    all.map(|words| format!("seed {}: {words}", harvest.run.seed)).collect()
+}
+
 /// Compares runs that were made here with what is recorded of the peers.
 #[pyfunction]
 #[pyo3(name = "_compare_runs")]
@@ -110,14 +143,15 @@ pub fn compare_runs<'py>(
         return Err(exception(py, "JudgeError", &message));
     }
     let found = Reference::of_scene(&scene.file).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
+    check_runs(&scene, &runs).map_err(|problem| exception(py, "JudgeError", &problem))?;
     let recordings: Vec<_> = runs.iter().map(|run| run.recording.clone()).collect();
     let harvests = py.detach(|| {
         recordings.iter().map(|run| Harvest::of(&scene.plan, run, "", utc(SystemTime::now()))).collect::<Vec<_>>()
     });
     let name = recordings.first().map_or("Makadam", |run| run.code.as_str());
+    let mut notes: Vec<String> = harvests.iter().flat_map(told).collect();
     let mut measured =
         vec![CodeRuns { provenance: "runs that the caller made".into(), ..CodeRuns::live(name, 1, harvests) }];
-    let mut notes = Vec::new();
     for code in codes.iter().filter(|code| !code.eq_ignore_ascii_case("makadam")) {
         let code = code_of(py, code)?.name();
         let Some(recorded) = found.as_ref().and_then(|reference| reference.code_on(code, &scene.plan)) else {

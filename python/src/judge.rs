@@ -26,7 +26,7 @@ use std::time::Duration;
 ///     time_step: Time step, s; that of the scene where none is given.
 #[pyclass(frozen, module = "makadam", name = "Recording")]
 pub struct Recording {
-    scene: Scene,
+    pub scene: Scene,
     pub recording: Arc<recording::Recording>,
 }
 

@@ -116,10 +116,15 @@ def test_seeds_are_held_against_references(recording):
 
     test = statistics.equivalence(values("YADE"), values("LIGGGHTS"), margin=0.006, codes=3)
     assert test["outcome"] == "agree" and test["interval90"][0] < test["difference"] < test["interval90"][1]
-    # Runs that are nothing like a packing disagree with it, and are said to be.
-    compared = makadam.compare("packing", [recording, makadam.simulate(bin_scene(), seed=5)])
+    # Runs of another scene, and a seed that is given twice, are refused.
+    with pytest.raises(makadam.JudgeError, match="another scene than packing"):
+        makadam.compare("packing", [recording])
+    packed = [makadam.simulate("packing", seed=seed) for seed in (1, 2)]
+    with pytest.raises(makadam.JudgeError, match="two runs have seed 2"):
+        makadam.compare("packing", [*packed, packed[1]])
+    compared = makadam.compare("packing", packed)
     assert {row["reference_code"] for row in compared.rows if row["code"] == "Makadam"} == {"YADE", "LIGGGHTS"}
-    assert compared.standing == "not-measured" and not compared.agrees and "YADE was not run" in " ".join(compared.notes)
+    assert compared.standing != "not-measured" and "YADE was not run" in " ".join(compared.notes)
     assert all(len(column) == len(compared.rows) for column in compared.columns().values())
     with pytest.raises(makadam.JudgeError, match="nothing to compare"):
         makadam.compare(bin_scene())

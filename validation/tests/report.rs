@@ -3,7 +3,7 @@
 use crate::support::sample;
 use makadam_validation::compare::{CodeSummary, Comparison, Row, Source, Timing};
 use makadam_validation::report::{
-    Changes, Qualification, REPORT_VERSION, ReportDocument, Standing, comparison_table, speed_sentence, write,
+    Qualification, REPORT_VERSION, ReportDocument, Standing, comparison_table, speed_sentence, write,
 };
 use makadam_validation::statistics::Outcome;
 use makadam_validation::study::DocumentError;
@@ -487,21 +487,4 @@ fn published_laws_stand_beside_the_verdict_and_not_in_it() {
     }
     let without = page(&Qualification { laws: Vec::new(), ..qualification });
     assert!(!without.contains("Published laws") && without.contains("This report contains none"));
-}
-
-#[test]
-fn what_is_different_from_an_earlier_report_is_told() {
-    let earlier = all(Outcome::Agree);
-    assert_eq!(Changes::between(&earlier, &earlier), Changes::default());
-    let mut now = earlier.clone();
-    let rows = &mut now.comparisons[0].rows;
-    let gone = rows.iter().position(|row| row.reference_code.is_some()).expect("a pair");
-    rows.remove(gone);
-    let moved = rows.iter_mut().find(|row| row.standard_deviation.is_some() && row.seeds > 1).expect("a mean");
-    moved.mean = moved.mean.zip(moved.standard_deviation).map(|(mean, deviation)| mean + 10.0 * deviation);
-    let changes = Changes::between(&earlier, &now);
-    assert!(changes.has_lost() && changes.lost.len() == 1, "{changes:?}");
-    assert!(changes.moved.len() == 1 && changes.gained.is_empty(), "{changes:?}");
-    let back = Changes::between(&now, &earlier);
-    assert!(!back.has_lost() && back.gained.len() == 1, "{back:?}");
 }

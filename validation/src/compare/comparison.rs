@@ -69,6 +69,13 @@ pub struct Row {
     pub seeds_needed: Option<usize>,
 }
 
+impl Row {
+    /// The interval of the difference that is shown: the one that the verdict rests on, or that of 90% where there is no margin.
+    pub fn shown_interval(&self) -> Option<[f64; 2]> {
+        self.interval_of_verdict.filter(|_| self.margin.is_some()).or(self.interval90)
+    }
+}
+
 /// How a code was run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CodeSummary {

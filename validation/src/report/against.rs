@@ -2,7 +2,7 @@
 
 use super::qualification::Qualification;
 use super::studies::{StudySection, StudyTest};
-use crate::compare::{Comparison, Row};
+use crate::compare::{Comparison, Row, physics_hash};
 use crate::draw::names;
 use crate::draw::numbers::{significant, two_digits};
 use serde::Serialize;
@@ -19,6 +19,8 @@ pub struct Changes {
     pub gained: Vec<String>,
     /// Tests whose outcome is another one.
     pub outcomes: Vec<String>,
+    /// What tests rest on and is another one: margins, scenes.
+    pub conditions: Vec<String>,
     /// Means that moved by more than three standard errors of their difference.
     pub moved: Vec<String>,
 }
@@ -45,9 +47,23 @@ impl Changes {
                         let words = super::words::outcome;
                         changes.outcomes.push(format!("{}: {} before, {} now", name(row), words(was), words(is)));
                     }
+                    if let (Some(was), Some(is)) = (other.margin, row.margin)
+                        && was != is
+                        && is_test(comparison, row)
+                    {
+                        changes.conditions.push(format!("{}: a margin of {was} before, {is} now", name(row)));
+                    }
                     let text = moved(other, row).filter(|text| !changes.moved.contains(text));
                     changes.moved.extend(text);
                 }
+            }
+        }
+        for comparison in &now.comparisons {
+            let is = physics_hash(&comparison.scene);
+            let same = |other: &&Comparison| other.scene.name == comparison.scene.name;
+            let was = earlier.comparisons.iter().find(same).map(|other| physics_hash(&other.scene));
+            if was.is_some_and(|was| was != is) {
+                changes.conditions.push(format!("{}: another scene than before", comparison.scene.name));
             }
         }
         changes.studies(earlier, now);
@@ -89,6 +105,7 @@ impl Changes {
             ("lost", &self.lost),
             ("new", &self.gained),
             ("changed", &self.outcomes),
+            ("other conditions", &self.conditions),
             ("moved beyond noise", &self.moved),
         ];
         parts.iter().flat_map(|(word, list)| list.iter().map(move |text| format!("{word}: {text}"))).collect()
@@ -98,7 +115,10 @@ impl Changes {
     pub fn text(&self) -> String {
         let lines = self.lines();
         match lines.is_empty() {
-            true => "against the earlier report: the same tests and outcomes, and no mean moved beyond noise".into(),
+            true => {
+                "against the earlier report: the same tests, conditions and outcomes, and no mean moved beyond noise"
+                    .into()
+            }
             false => format!("against the earlier report:\n  {}", lines.join("\n  ")),
         }
     }

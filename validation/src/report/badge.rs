@@ -18,6 +18,11 @@ pub(super) fn svg(qualification: &Qualification) -> String {
         Standing::NotMeasured => ("agree, others not measured", "#8a6100"),
         Standing::NothingCompared => ("", "#5f6368"),
     };
+    let lacks = verdict.not_measured + verdict.studies.iter().map(|study| study.not_measured.len()).sum::<usize>();
+    let word = match verdict.standing {
+        Standing::NotMeasured if lacks == 0 => "agree, live runs failed or unchecked",
+        _ => word,
+    };
     let right = match verdict.standing {
         Standing::NothingCompared => "nothing compared".to_string(),
         _ => format!("{agree} of {tests} tests {word}"),

@@ -31,7 +31,7 @@ pub(super) fn lines(comparison: &Comparison) -> Vec<Line<'_>> {
     let line = |row: &'_ Row| {
         let margin = row.margin.filter(|margin| *margin > 0.0)?;
         let difference = row.difference.filter(|difference| difference.is_finite())? / margin;
-        let interval = row.interval_of_verdict.or(row.interval90);
+        let interval = row.shown_interval();
         let interval = interval.filter(|ends| ends.iter().all(|end| end.is_finite()));
         Some((difference, interval.map(|ends| ends.map(|end| end / margin))))
     };

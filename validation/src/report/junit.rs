@@ -1,10 +1,10 @@
 //! The tests of a qualification as JUnit XML, for whatever collects the results of tests.
 
 use super::on_record::Lost;
-use super::qualification::Qualification;
+use super::qualification::{Qualification, floor_exceeds_margin};
 use super::studies::StudyOutcome;
 use super::words;
-use crate::compare::Row;
+use crate::compare::{Comparison, Row};
 use crate::statistics::Outcome;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
@@ -16,7 +16,7 @@ pub(super) fn document(qualification: &Qualification) -> Result<String, quick_ju
         for row in comparison.rows.iter().filter(|row| row.code == comparison.judged) {
             let (Some(reference), Some(outcome)) = (&row.reference_code, row.outcome) else { continue };
             let name = format!("{} against {reference}", row.observable);
-            let mut case = TestCase::new(name, status(row, outcome));
+            let mut case = TestCase::new(name, status(comparison, row, outcome));
             case.set_classname(format!("{}.{}", qualification.tier, comparison.scene.name));
             suite.add_test_case(case);
         }
@@ -73,11 +73,16 @@ fn failed(kind: NonSuccessKind, message: &str) -> TestCaseStatus {
     status
 }
 
-fn status(row: &Row, outcome: Outcome) -> TestCaseStatus {
+fn status(comparison: &Comparison, row: &Row, outcome: Outcome) -> TestCaseStatus {
     let number = |value: Option<f64>| value.map_or("none".into(), |value| format!("{value:.6}"));
     let said =
         format!("{}: difference {}, margin {}", words::outcome(outcome), number(row.difference), number(row.margin));
+    let at_odds = outcome != Outcome::Disagree && floor_exceeds_margin(comparison, row);
     match outcome {
+        Outcome::Agree | Outcome::Undecided if at_odds => {
+            let why = "the means of the references differ by more than the margin, so that agreement with one of them proves nothing";
+            failed(NonSuccessKind::Error, &format!("{said}; {why}"))
+        }
         Outcome::Agree => TestCaseStatus::success(),
         Outcome::Disagree => failed(NonSuccessKind::Failure, &said),
         Outcome::Undecided | Outcome::NotMeasured => {

@@ -162,12 +162,15 @@ impl Qualification {
                 let Some(reference) = row.reference_code.as_deref().filter(|_| judged) else { continue };
                 tested = true;
                 match outcome {
-                    Outcome::Agree => verdict.agree += 1,
                     Outcome::Disagree => verdict.disagree += 1,
+                    // Reports of earlier versions have agreement there.
+                    Outcome::Agree | Outcome::Undecided if floor_exceeds_margin(comparison, row) => {
+                        verdict.undecided += 1;
+                        verdict.floor_above_margin += 1;
+                    }
+                    Outcome::Agree => verdict.agree += 1,
                     Outcome::Undecided | Outcome::NotMeasured => verdict.undecided += 1,
                 }
-                let open = outcome == Outcome::Undecided;
-                verdict.floor_above_margin += usize::from(open && floor_exceeds_margin(comparison, row));
                 if !references.contains(&reference) {
                     references.push(reference);
                 }
@@ -284,7 +287,7 @@ fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize)
     }
     if verdict.floor_above_margin > 0 {
         text += &format!(
-            " In {} the references differ from each other by more than the margin, so {} nothing.",
+            " In {} the means of the references differ by more than the margin, so {} nothing.",
             plural(verdict.floor_above_margin, "test"),
             if verdict.floor_above_margin == 1 { "it proves" } else { "they prove" },
         );

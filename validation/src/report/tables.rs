@@ -148,12 +148,7 @@ impl<'a> Line<'a> {
         let undecided = row.outcome == Some(Outcome::Undecided);
         let needed = row.seeds_needed.filter(|_| fully && undecided);
         Cell::from(row.difference.map(|difference| self.rounding.signed(difference)))
-            .above(
-                row.interval_of_verdict
-                    .or(row.interval90)
-                    .filter(|_| fully)
-                    .map(|interval| self.rounding.interval(interval)),
-            )
+            .above(row.shown_interval().filter(|_| fully).map(|interval| self.rounding.interval(interval)))
             .outcome(row.outcome.map(|outcome| (words::outcome_class(outcome), words::outcome(outcome))))
             .above(row.missing.clone().filter(|_| fully))
             .above(needed.map(|seeds| format!("{seeds} seeds would decide")))
@@ -262,7 +257,7 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
     );
     for observable in exceeded {
         limits.push(format!(
-            "{}: the references differ from each other by more than the margin, so agreement with one of them proves nothing.",
+            "{}: the means of the references differ by more than the margin, so agreement with one of them proves nothing.",
             names::observable(observable),
         ));
     }

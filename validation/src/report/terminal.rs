@@ -1,5 +1,6 @@
 //! The table of a comparison as plain text for a terminal.
 
+use super::qualification::floor_exceeds_margin;
 use super::speed::speed_sentence;
 use super::{tables, words};
 use crate::compare::{Comparison, Row};
@@ -19,7 +20,8 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
         .with_words("outcome");
     for row in &comparison.rows {
         let rounding = words::rounding(comparison.rows.iter().filter(|other| other.observable == row.observable));
-        table.row(cells(row, rounding, row.observable != last, colour));
+        let at_odds = row.code == comparison.judged && floor_exceeds_margin(comparison, row);
+        table.row(cells(row, at_odds, rounding, row.observable != last, colour));
         last = &row.observable;
     }
     let mut text = format!("{}: {}\n\n{}", comparison.scene.name, comparison.scene.description, table.text());
@@ -35,13 +37,14 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
     text
 }
 
-fn cells(row: &Row, rounding: Rounding, first: bool, colour: bool) -> Vec<Cell> {
+/// The cells of a row; `at_odds`: whether the references differ by more than its margin.
+fn cells(row: &Row, at_odds: bool, rounding: Rounding, first: bool, colour: bool) -> Vec<Cell> {
     let spread = row.standard_deviation.filter(|_| row.seeds > 1);
     let spread = spread.map_or(String::new(), |spread| format!(" ± {}", rounding.value(spread)));
     let mean = row.mean.map_or("–".into(), |mean| rounding.value(mean));
-    let interval = row.interval_of_verdict.or(row.interval90);
-    let interval = interval.map(|interval| format!(" {}", rounding.interval(interval))).unwrap_or_default();
+    let interval = row.shown_interval().map(|interval| format!(" {}", rounding.interval(interval))).unwrap_or_default();
     let outcome = match (row.outcome, row.seeds_needed) {
+        (Some(Outcome::Undecided), _) if at_odds => "undecided: the references differ by more".into(),
         (Some(Outcome::Undecided), Some(seeds)) => format!("undecided, {seeds} seeds would decide"),
         (Some(Outcome::NotMeasured), _) => {
             format!("not measured: {}", row.missing.as_deref().unwrap_or("a value is missing"))

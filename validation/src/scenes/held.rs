@@ -12,8 +12,16 @@ type Held = (&'static str, &'static [u8]);
 
 include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
 
-/// Texts that were given at the start, by paths that lead to no file.
-static GIVEN: Mutex<Vec<(PathBuf, String)>> = Mutex::new(Vec::new());
+/// A text that was given at the start, by a path that leads to no file.
+#[derive(Clone)]
+struct Given {
+    path: PathBuf,
+    text: String,
+    /// The file of which it is a change.
+    origin: Option<PathBuf>,
+}
+
+static GIVEN: Mutex<Vec<Given>> = Mutex::new(Vec::new());
 
 /// Names of the scenes that the program holds.
 pub fn names() -> impl Iterator<Item = &'static str> {
@@ -31,11 +39,11 @@ pub(super) fn bytes_of(path: &Path) -> Option<&'static [u8]> {
     HELD.iter().find(|(held, _)| *held == path).map(|(_, bytes)| *bytes)
 }
 
-/// Gives a text a path, under which it is read from then on.
-pub(super) fn give(path: PathBuf, text: String) {
+/// Gives a text a path, under which it is read from then on, and the file of which it is a change.
+pub(super) fn give(path: PathBuf, text: String, origin: Option<PathBuf>) {
     let mut given = GIVEN.lock().unwrap_or_else(PoisonError::into_inner);
-    given.retain(|(known, _)| *known != path);
-    given.push((path, text));
+    given.retain(|known| known.path != path);
+    given.push(Given { path, text, origin });
 }
 
 /// Whether a path is that of a text that was given, which no file holds.
@@ -43,9 +51,14 @@ pub fn is_given(path: &Path) -> bool {
     given(path).is_some()
 }
 
-fn given(path: &Path) -> Option<String> {
+/// The file of a scene: of one that was changed when the program was started, the one that was changed.
+pub fn origin(path: &Path) -> PathBuf {
+    given(path).and_then(|given| given.origin).unwrap_or_else(|| path.to_path_buf())
+}
+
+fn given(path: &Path) -> Option<Given> {
     let given = GIVEN.lock().unwrap_or_else(PoisonError::into_inner);
-    given.iter().find(|(known, _)| known == path).map(|(_, text)| text.clone())
+    given.iter().find(|known| known.path == path).cloned()
 }
 
 /// Reads a file, whether it lies on a disk or in the program.
@@ -53,8 +66,8 @@ fn given(path: &Path) -> Option<String> {
 /// # Errors
 /// What the system says; [`ErrorKind::NotFound`] for what the program does not hold.
 pub fn read(path: &Path) -> std::io::Result<Vec<u8>> {
-    if let Some(text) = given(path) {
-        return Ok(text.into_bytes());
+    if let Some(given) = given(path) {
+        return Ok(given.text.into_bytes());
     }
     match is_built_in(path) {
         true => bytes_of(path).map(<[u8]>::to_vec).ok_or_else(|| ErrorKind::NotFound.into()),

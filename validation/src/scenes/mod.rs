@@ -11,7 +11,7 @@ use crate::observables::catalogue;
 use crate::plan::Scene;
 pub use change::{Change, ChangeError, changed, key_of};
 use held::bytes_of;
-pub use held::{BUILT_IN, is_built_in, is_given, names, read};
+pub use held::{BUILT_IN, is_built_in, is_given, names, origin, read};
 use makadam::scene::SceneFileError;
 use makadam::scene::nearest;
 pub use schema::{page, schema};
@@ -134,6 +134,7 @@ pub fn take(name: &str, roots: &[PathBuf], changes: &[Change]) -> Result<PathBuf
         STANDARD_INPUT => (PathBuf::from("<standard input>"), Some(standard_input()?)),
         name => (find(name, roots)?, None),
     };
+    let origin = given.is_none().then(|| path.clone());
     if !changes.is_empty() {
         let text = given.map_or_else(|| text(&path), Ok)?;
         given = Some(changed(&text, changes)?);
@@ -141,7 +142,7 @@ pub fn take(name: &str, roots: &[PathBuf], changes: &[Change]) -> Result<PathBuf
         path = format!("{} with {}", path.display(), written.join(" ")).into();
     }
     if let Some(text) = given {
-        held::give(path.clone(), text);
+        held::give(path.clone(), text, origin);
     }
     Ok(path)
 }

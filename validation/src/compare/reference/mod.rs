@@ -66,11 +66,26 @@ impl Reference {
         self.codes().iter().map(of).max().unwrap_or(0)
     }
 
-    /// What is recorded of one code for a scene as it is now, if anything is; runs of the scene as it was before a change do not count.
+    /// What is recorded of one code for a scene as it is now, if anything is. Runs of the scene as it was before a change are left out, and
+    /// seeds that are wanting below the last one have failed.
     pub fn code_on(&self, code: &str, scene: &Scene) -> Option<CodeRuns> {
-        let discarded = (self.is_current(code, scene) == Some(false))
-            .then(|| format!("{code} was recorded on another scene than this one, so record it anew with --record"));
-        Some(CodeRuns { discarded, ..self.code(code)? })
+        let recorded = self.code(code)?;
+        if self.is_current(code, scene) == Some(false) {
+            let discarded =
+                format!("{code} was recorded on another scene than this one, so record it anew with --record");
+            return Some(CodeRuns {
+                discarded: Some(discarded),
+                runs: Vec::new(),
+                stiff_runs: Vec::new(),
+                forces: None,
+                series: Vec::new(),
+                final_state: None,
+                ..recorded
+            });
+        }
+        let last = recorded.runs.iter().map(|run| run.seed).max().unwrap_or(0);
+        let failed = (1..=last).filter(|seed| recorded.runs.iter().all(|run| run.seed != *seed)).collect();
+        Some(CodeRuns { failed, ..recorded })
     }
 
     /// What is recorded of one code, if anything is.
@@ -100,7 +115,10 @@ impl Reference {
             // A bias is that of stiffness alone.
             stiff_runs: self
                 .at(code, super::STIFF)
-                .filter(|run| run.contact_law == first.contact_law)
+                .filter(|run| {
+                    (&run.contact_law, &run.version, &run.scene_hash)
+                        == (&first.contact_law, &first.version, &first.scene_hash)
+                })
                 .cloned()
                 .collect(),
             failed: Vec::new(),
@@ -109,10 +127,10 @@ impl Reference {
         })
     }
 
-    /// Whether all runs of a code, at every stiffness, were made on the scene as it is now; `None` where none are.
+    /// Whether the runs of a code at the scene's stiffness were made on the scene as it is now; `None` where none are.
     pub fn is_current(&self, code: &str, scene: &Scene) -> Option<bool> {
         let now = physics_hash(scene);
-        let mut runs = self.runs.iter().filter(|run| run.code == code).peekable();
+        let mut runs = self.at(code, 1.0).peekable();
         runs.peek()?;
         Some(runs.all(|run| run.scene_hash == now))
     }
@@ -122,6 +140,14 @@ impl Reference {
         let mut reasons = Vec::new();
         if self.is_current(code, scene) == Some(false) {
             reasons.push(format!("the scene has changed since {code} was recorded: record anew with --record"));
+        }
+        let now = physics_hash(scene);
+        if self.at(code, super::STIFF).any(|run| run.scene_hash != now) {
+            reasons.push(format!(
+                "the scene has changed since {code} was recorded with grains {0} times as stiff, which is left out: record anew with \
+                 --record --stiffness-factor {0}",
+                super::STIFF
+            ));
         }
         let runs: Vec<&MeasuredRun> = self.runs.iter().filter(|run| run.code == code).collect();
         let others: Vec<&&MeasuredRun> = runs.iter().filter(|run| run.contact_law != contact_law).collect();
@@ -164,12 +190,12 @@ fn processors(runs: &[&MeasuredRun]) -> String {
 }
 
 /// Hash of what every code is given of a scene and of the times at which it is measured, 16
-/// hexadecimal digits. Names, Makadam's own settings and margins are left out: they may change
-/// without a new recording.
+/// hexadecimal digits. Names, Makadam's own settings and output, and margins are left out: they may
+/// change without a new recording.
 pub fn physics_hash(scene: &Scene) -> String {
     let mut physics = serde_json::to_value(scene).expect("a checked scene holds finite numbers");
     if let Some(table) = physics.as_object_mut() {
-        for key in ["name", "description", "seed", "solver", "watch", "compare"] {
+        for key in ["name", "description", "seed", "solver", "accuracy", "watch", "output", "compare"] {
             table.remove(key);
         }
         if let Some(measure) = table.get_mut("measure").and_then(|measure| measure.as_object_mut()) {

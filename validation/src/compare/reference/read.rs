@@ -41,11 +41,13 @@ pub enum ReferenceError {
 }
 
 impl Reference {
-    /// What is recorded on the scene of a file, on a disk or in the program, if anything is.
+    /// What is recorded on the scene of a file, on a disk or in the program, if anything is. With changes that were made at the start, it is
+    /// what is recorded on the file; whether that counts is told by [`Reference::code_on`].
     ///
     /// # Errors
     /// As [`Reference::load`].
     pub fn of_scene(scene_file: &Path) -> Result<Option<Reference>, ReferenceError> {
+        let scene_file = &scenes::origin(scene_file);
         let folder = Reference::folder(scene_file);
         match scenes::is_built_in(scene_file) {
             true => Reference::read(&folder, &scenes::read),
@@ -94,6 +96,10 @@ impl Reference {
                 );
                 return Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
             };
+            if run.value(&line.observable).is_some() {
+                let problem = format!("{} seed {} has a second value of {}", line.code, line.seed, line.observable);
+                return Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
+            }
             run.measurements.push(Measurement {
                 observable: line.observable,
                 unit: line.unit,

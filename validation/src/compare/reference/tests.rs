@@ -79,6 +79,7 @@ fn a_changed_scene_is_noticed_and_changed_margins_are_not() {
     let (mut scene, reference) = sample();
     scene.compare.clear();
     scene.solver.step *= 0.5;
+    scene.output = Some(crate::plan::Output::default());
     assert_eq!(reference.is_current("YADE", &scene), Some(true));
     scene.gravity[0] = 0.1;
     assert_eq!(reference.is_current("YADE", &scene), Some(false));
@@ -89,13 +90,28 @@ fn stiff_runs_of_a_scene_that_has_changed_are_noticed() {
     let (scene, mut reference) = sample();
     let stiff = CodeRuns { runs: reference.at("YADE", 10.0).cloned().collect(), ..reference.code("YADE").unwrap() };
     reference.replace(stiff, 10.0, "another");
-    assert_eq!(reference.is_current("YADE", &scene), Some(false));
-    assert_eq!(reference.is_current("LIGGGHTS", &scene), Some(true));
+    // Those at the scene's own stiffness count all the same.
+    assert_eq!(reference.is_current("YADE", &scene), Some(true));
+    let yade = reference.code_on("YADE", &scene).unwrap();
+    assert_eq!((yade.runs.len(), yade.stiff_runs.len(), yade.discarded), (2, 0, None));
     assert_eq!(reference.is_current("Makadam", &scene), None);
     assert!(reference.out_of_date("LIGGGHTS", "a law", &scene).is_empty());
     let reasons = reference.out_of_date("YADE", "another law", &scene);
     assert_eq!(reasons.len(), 2, "{reasons:?}");
+    assert!(reasons[0].ends_with("--record --stiffness-factor 10"), "{reasons:?}");
     assert!(reasons[1].contains("4 of 4 recorded runs of YADE were made under the contact law 'a law'"), "{reasons:?}");
+}
+
+#[test]
+fn what_does_not_count_is_not_there_and_seeds_that_are_wanting_have_failed() {
+    let (mut scene, mut reference) = sample();
+    reference.runs.iter_mut().filter(|run| run.code == "YADE" && run.seed == 2).for_each(|run| run.seed = 4);
+    assert_eq!(reference.code_on("YADE", &scene).unwrap().failed, [2, 3]);
+    assert_eq!(reference.code_on("LIGGGHTS", &scene).unwrap().failed, [0; 0]);
+    scene.gravity[0] = 0.1;
+    let other = reference.code_on("LIGGGHTS", &scene).unwrap();
+    assert!(other.discarded.is_some_and(|why| why.contains("another scene")));
+    assert!(other.runs.is_empty() && other.series.is_empty() && other.forces.is_none() && other.final_state.is_none());
 }
 
 /// Numbers are written as they were read, so that recording one code leaves the lines of another alone.
