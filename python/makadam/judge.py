@@ -63,7 +63,8 @@ def measure(scene: Source, frames: Iterable[Frame]) -> list[dict[str, Any]]:
 
 def reference(scene: Source) -> list[dict[str, Any]]:
     """What is recorded of YADE and LIGGGHTS on a scene: rows of ``code``, ``version``, ``seed``, ``observable``, ``unit``, ``value``,
-    ``standard_error`` within the run, and ``frames``. Empty for a scene that nothing is recorded of."""
+    ``standard_error`` within the run, and ``frames``. Empty for a scene that nothing is recorded of; what was recorded before the scene
+    changed does not count."""
     rows: list[dict[str, Any]] = list(_core._reference(scene))
     return rows
 
@@ -82,7 +83,8 @@ def compare(
 
     Args:
         scene: A scene with ``[[compare]]``.
-        runs: Runs that were made already, one per seed, in place of Makadam's; they are held against what is recorded of the others.
+        runs: Runs of this scene that were made already, one per seed and all of one code, in place of Makadam's; they are held against
+            what is recorded of the others.
         codes: The codes: ``makadam``, ``yade``, ``liggghts``, ``lammps``; of the last nothing is recorded.
         live: Whether the other codes are run here and now, in place of what is recorded of them.
         seeds: Number of seeds, counted from 1; as many as are recorded where none is given.
@@ -90,7 +92,8 @@ def compare(
         time_limit: Wall time after which a run of another code is stopped, s.
 
     Raises:
-        makadam.JudgeError: The scene compares nothing, nothing is recorded of a code, or a code failed.
+        makadam.JudgeError: The scene compares nothing, nothing is recorded of a code, a code failed, or runs are of another scene, of
+            several codes or of one seed.
     """
     if isinstance(codes, str):
         codes = (codes,)

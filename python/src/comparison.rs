@@ -5,7 +5,7 @@ use crate::errors::exception;
 use crate::judge::{Recording, code_error, code_of};
 use crate::scene::Scene;
 use crate::stepping::beside;
-use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison, physics_hash};
+use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison, noticed, physics_hash};
 use makadam_validation::peers::Code;
 use makadam_validation::provenance::utc;
 use makadam_validation::qualify::OneScene;
@@ -121,13 +121,6 @@ fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String
     Ok(())
 }
 
-/// What was noticed on a run, and what its frames did not tell, in sentences.
-fn told(harvest: &Harvest) -> Vec<String> {
-    let alarms = harvest.alarms.iter().map(|alarm| alarm.words());
-    let all = alarms.chain(harvest.notes.iter().cloned());
-    all.map(|words| format!("seed {}: {words}", harvest.run.seed)).collect()
-}
-
 /// Compares runs that were made here with what is recorded of the peers.
 #[pyfunction]
 #[pyo3(name = "_compare_runs")]
@@ -149,7 +142,7 @@ pub fn compare_runs<'py>(
         recordings.iter().map(|run| Harvest::of(&scene.plan, run, "", utc(SystemTime::now()))).collect::<Vec<_>>()
     });
     let name = recordings.first().map_or("Makadam", |run| run.code.as_str());
-    let mut notes: Vec<String> = harvests.iter().flat_map(told).collect();
+    let mut notes = noticed(name, &harvests);
     let mut measured =
         vec![CodeRuns { provenance: "runs that the caller made".into(), ..CodeRuns::live(name, 1, harvests) }];
     for code in codes.iter().filter(|code| !code.eq_ignore_ascii_case("makadam")) {

@@ -76,6 +76,21 @@ impl Row {
     }
 }
 
+/// Whether references differ from each other by more than the margin of a row of the judged code: then it proves nothing. `rows`: those of
+/// its observable, or more.
+pub(super) fn at_odds(rows: &[Row], judged: &str, row: &Row) -> bool {
+    let floor = |other: &&Row| other.code != judged && other.observable == row.observable;
+    let beyond = |difference: f64| row.margin.is_some_and(|margin| difference.abs() > margin);
+    rows.iter().filter(floor).filter_map(|floor| floor.difference).any(beyond)
+}
+
+impl Comparison {
+    /// Whether the references differ from each other by more than the margin of a row of the judged code: then it proves nothing.
+    pub fn references_at_odds(&self, row: &Row) -> bool {
+        at_odds(&self.rows, &self.judged, row)
+    }
+}
+
 /// How a code was run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CodeSummary {

@@ -1,6 +1,6 @@
 //! From runs to rows: means, differences, verdicts, the bias of soft grains, live runs against the recorded spread.
 
-use super::comparison::MAKADAM;
+use super::comparison::{MAKADAM, at_odds};
 use super::{CodeRuns, Comparison, MeasuredRun, Row};
 use crate::plan::{Expectation, Scene};
 use crate::statistics::Outcome;
@@ -48,13 +48,11 @@ fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row
 /// nothing. `rows`: those of one observable, the judged code's first.
 fn leave_open(rows: &mut [Row]) {
     let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
-    let beyond = |row: &Row| row.difference.zip(row.margin).is_some_and(|(apart, margin)| apart.abs() > margin);
-    if !rows.iter().any(|row| row.code != judged && beyond(row)) {
-        return;
-    }
-    for row in rows.iter_mut().filter(|row| row.code == judged) {
-        if let Some(Outcome::Agree | Outcome::Undecided) = row.outcome {
-            (row.outcome, row.seeds_needed) = (Some(Outcome::Undecided), None);
+    for place in 0..rows.len() {
+        let row = &rows[place];
+        let is_open = matches!(row.outcome, Some(Outcome::Agree | Outcome::Undecided)) && row.code == judged;
+        if is_open && at_odds(rows, &judged, row) {
+            (rows[place].outcome, rows[place].seeds_needed) = (Some(Outcome::Undecided), None);
         }
     }
 }

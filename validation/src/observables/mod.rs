@@ -217,13 +217,8 @@ pub fn series(scene: &Scene, recording: &Recording) -> Vec<Series> {
 pub fn measured_frames<'a>(scene: &Scene, recording: &'a Recording) -> Vec<&'a Snapshot> {
     let filled: Vec<&Snapshot> = recording.frames.iter().filter(|frame| !frame.particles.is_empty()).collect();
     let first = match scene.measure.from {
-        Some(_) => filled.iter().position(|frame| is_measured(scene, frame.time)).unwrap_or(filled.len()),
+        Some(_) => filled.iter().position(|frame| scene.measure.covers(frame.time)).unwrap_or(filled.len()),
         None => filled.len().saturating_sub(1),
     };
     filled[first..].to_vec()
-}
-
-/// Whether a frame at a time (s) is one of those from `scene.measure.from` on; none is where the scene gives no such time.
-pub fn is_measured(scene: &Scene, time: f64) -> bool {
-    scene.measure.covers(time)
 }

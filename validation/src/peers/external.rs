@@ -10,7 +10,7 @@ use super::run_folder::{RunFolder, check_pattern};
 use super::stl::stl;
 use super::{Code, CodeError, Job};
 use crate::import::{Assembly, ImportError, Imported, Tables};
-use crate::observables::{is_measured, measured_frames};
+use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
 use crate::recording::{Recording, frame_belongs_to};
@@ -203,7 +203,7 @@ impl External {
             ));
         }
         // Where the first time is itself just before measure.from, a frame before it may be none that is measured.
-        let is_covered = |frame: &Snapshot| job.scene.measure.from.is_none() || is_measured(job.scene, frame.time);
+        let is_covered = |frame: &Snapshot| job.scene.measure.from.is_none() || job.scene.measure.covers(frame.time);
         let is_at = |time: f64, frame: &Snapshot| (frame.time - time).abs() <= slack && is_covered(frame);
         if let Some(time) = asked.iter().find(|time| !due.clone().any(|frame| is_at(**time, frame))) {
             return refused(format!("no frame at {time} s; leave one at each time of frames.csv"));

@@ -8,7 +8,6 @@
 
 mod jobs;
 mod one_scene;
-mod reading_notes;
 mod record;
 mod same_runs;
 mod scenes;

@@ -1,8 +1,7 @@
 //! One scene in several codes, judged.
 
-use super::reading_notes::reading_notes;
 use super::same_runs::without_same_runs;
-use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison};
+use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison, noticed};
 use crate::peers::{Code, CodeError, Purpose};
 use crate::plan::Scene;
 use crate::provenance::account;
@@ -118,11 +117,7 @@ impl OneScene<'_> {
                 }
                 failure = failure.or(Some(error));
             }
-            for harvest in &simulated.harvests {
-                let own = harvest.alarms.iter();
-                notes.extend(own.map(|alarm| format!("{code}, seed {}: {}", harvest.run.seed, alarm.words())));
-            }
-            notes.extend(reading_notes(code, &simulated.harvests));
+            notes.extend(noticed(code, &simulated.harvests));
             measured.push(CodeRuns { failed, ..CodeRuns::live(code, side_by_side, simulated.harvests) });
         }
         if let Some(error @ CodeError::Scene(_)) = failure {

@@ -11,17 +11,14 @@ const LETTER: usize = 7;
 pub(super) fn svg(qualification: &Qualification) -> String {
     let verdict = qualification.verdict();
     let (agree, tests) = (verdict.passed(), verdict.tests());
+    let untold = verdict.not_measured + verdict.studies.iter().map(|study| study.not_measured.len()).sum::<usize>();
     let (word, colour) = match verdict.standing {
         Standing::Agree => ("agree", "#2a7a2f"),
         Standing::Disagree => ("agree", "#b3261e"),
         Standing::Undecided => ("agree, others undecided", "#8a6100"),
+        Standing::NotMeasured if untold == 0 => ("agree, live runs failed or unchecked", "#8a6100"),
         Standing::NotMeasured => ("agree, others not measured", "#8a6100"),
         Standing::NothingCompared => ("", "#5f6368"),
-    };
-    let lacks = verdict.not_measured + verdict.studies.iter().map(|study| study.not_measured.len()).sum::<usize>();
-    let word = match verdict.standing {
-        Standing::NotMeasured if lacks == 0 => "agree, live runs failed or unchecked",
-        _ => word,
     };
     let right = match verdict.standing {
         Standing::NothingCompared => "nothing compared".to_string(),

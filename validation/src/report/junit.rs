@@ -1,7 +1,7 @@
 //! The tests of a qualification as JUnit XML, for whatever collects the results of tests.
 
 use super::on_record::Lost;
-use super::qualification::{Qualification, floor_exceeds_margin};
+use super::qualification::Qualification;
 use super::studies::StudyOutcome;
 use super::words;
 use crate::compare::{Comparison, Row};
@@ -77,7 +77,7 @@ fn status(comparison: &Comparison, row: &Row, outcome: Outcome) -> TestCaseStatu
     let number = |value: Option<f64>| value.map_or("none".into(), |value| format!("{value:.6}"));
     let said =
         format!("{}: difference {}, margin {}", words::outcome(outcome), number(row.difference), number(row.margin));
-    let at_odds = outcome != Outcome::Disagree && floor_exceeds_margin(comparison, row);
+    let at_odds = outcome != Outcome::Disagree && comparison.references_at_odds(row);
     match outcome {
         Outcome::Agree | Outcome::Undecided if at_odds => {
             let why = "the means of the references differ by more than the margin, so that agreement with one of them proves nothing";

@@ -3,7 +3,7 @@
 use super::on_record::{Lost, TestOnRecord};
 use super::published::PublishedLaw;
 use super::studies::{StudyCount, StudySection, StudyTestOnRecord};
-use crate::compare::{Comparison, Row};
+use crate::compare::Comparison;
 use crate::draw::numbers::plural;
 use crate::statistics::Outcome;
 use schemars::JsonSchema;
@@ -164,7 +164,7 @@ impl Qualification {
                 match outcome {
                     Outcome::Disagree => verdict.disagree += 1,
                     // Reports of earlier versions have agreement there.
-                    Outcome::Agree | Outcome::Undecided if floor_exceeds_margin(comparison, row) => {
+                    Outcome::Agree | Outcome::Undecided if comparison.references_at_odds(row) => {
                         verdict.undecided += 1;
                         verdict.floor_above_margin += 1;
                     }
@@ -220,17 +220,6 @@ fn told(lost: &[Lost]) -> String {
         tests => format!(" Each of {} tests on record {fate}: {}.", tests.len(), tests.join(", ")),
     };
     fates.into_iter().map(sentence).collect()
-}
-
-/// Whether the two references themselves differ by more than the margin of a row: then the row proves nothing.
-pub(super) fn floor_exceeds_margin(comparison: &Comparison, row: &Row) -> bool {
-    let Some(margin) = row.margin else { return false };
-    comparison
-        .rows
-        .iter()
-        .filter(|floor| floor.code != comparison.judged && floor.observable == row.observable)
-        .filter_map(|floor| floor.difference)
-        .any(|difference| difference.abs() > margin)
 }
 
 fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize) -> String {

@@ -1,6 +1,6 @@
 //! The tables of a scene: values and differences, how each code was run, the bias of soft grains.
 
-use super::qualification::{floor_exceeds_margin, join};
+use super::qualification::join;
 use super::{speed, words};
 use crate::compare::{Comparison, Row};
 use crate::draw::names;
@@ -76,7 +76,7 @@ pub(super) fn results(comparison: &Comparison) -> Option<Table> {
     let observables = distinct(comparison.rows.iter().map(|row| row.observable.as_str()));
     let table = table.with_columns(pairs.iter().map(Pair::head)).of(observables, |observable| {
         let line = Line::of(comparison, observable);
-        let exceeded = line.rows.iter().any(|row| floor_exceeds_margin(comparison, row));
+        let exceeded = line.rows.iter().any(|row| comparison.references_at_odds(row));
         let warning = exceeded.then(|| "references differ by more than the margin".into());
         let values = names.iter().map(|code| line.value(code));
         let differences = pairs.iter().map(|pair| line.difference(pair, true));
@@ -252,7 +252,7 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
         comparison
             .rows
             .iter()
-            .filter(|row| row.code == comparison.judged && floor_exceeds_margin(comparison, row))
+            .filter(|row| row.code == comparison.judged && comparison.references_at_odds(row))
             .map(|row| row.observable.as_str()),
     );
     for observable in exceeded {
@@ -272,7 +272,7 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
         .rows
         .iter()
         .filter(|row| row.outcome == Some(Outcome::Undecided) && row.code == comparison.judged)
-        .filter(|row| !floor_exceeds_margin(comparison, row))
+        .filter(|row| !comparison.references_at_odds(row))
         .count();
     if missing > 0 {
         limits.push(format!("{} undecided: too few seeds for the spread.", plural(missing, "test")));

@@ -1,6 +1,5 @@
 //! The table of a comparison as plain text for a terminal.
 
-use super::qualification::floor_exceeds_margin;
 use super::speed::speed_sentence;
 use super::{tables, words};
 use crate::compare::{Comparison, Row};
@@ -20,7 +19,7 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
         .with_words("outcome");
     for row in &comparison.rows {
         let rounding = words::rounding(comparison.rows.iter().filter(|other| other.observable == row.observable));
-        let at_odds = row.code == comparison.judged && floor_exceeds_margin(comparison, row);
+        let at_odds = row.code == comparison.judged && comparison.references_at_odds(row);
         table.row(cells(row, at_odds, rounding, row.observable != last, colour));
         last = &row.observable;
     }

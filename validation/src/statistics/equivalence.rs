@@ -95,7 +95,7 @@ fn welch_half_width(first: &Ensemble, second: &Ensemble, alpha: f64) -> Option<f
 /// Fewest seeds a code with which codes of standard deviation `deviation`, whose means differ by `difference`, pass the margin with 90%
 /// probability, at `alpha` on each side: both sides must hold, so that the power is
 /// Phi((margin - |difference|)/e - z) + Phi((margin + |difference|)/e - z) - 1 with e = s sqrt(2/n) and z = z_alpha (Julious, Stat.
-/// Med. 23, 1921, 2004, equation 20). For equal codes that is n = 2 (z_alpha + 1.645)^2 s^2 / margin^2.
+/// Med. 23, 1921, 2004). For equal codes that is n = 2 (z_alpha + 1.645)^2 s^2 / margin^2.
 ///
 /// Absent where the difference comes to nine tenths of the margin or more: as likely as not, more seeds would tell that the codes disagree.
 pub fn seeds_needed(deviation: f64, difference: f64, margin: f64, alpha: f64) -> Option<usize> {

@@ -6,7 +6,7 @@
 
 use crate::commands::Failure;
 use crate::observables::frames::Frames;
-use crate::observables::{Measurement, is_measured, measure_frames};
+use crate::observables::{Measurement, measure_frames};
 use crate::output::WriteError;
 use crate::plan::Scene;
 use makadam::checkpoint::{open, seal};
@@ -85,7 +85,7 @@ impl MeasuredFrames {
     /// # Errors
     /// [`WriteError`] if the system refuses; the frames before stay readable.
     pub fn push(&mut self, scene: &Scene, frame: Snapshot) -> Result<(), WriteError> {
-        if is_measured(scene, frame.time) && !frame.particles.is_empty() {
+        if scene.measure.covers(frame.time) && !frame.particles.is_empty() {
             let body = postcard::to_stdvec(&frame).expect("a frame holds only numbers and lists");
             let bytes = seal(FRAME, &body);
             let start = self.bytes();
@@ -205,7 +205,7 @@ mod tests {
     }
 
     fn in_memory(scene: &Scene, frames: &[Snapshot]) -> Vec<Measurement> {
-        let late: Vec<&Snapshot> = frames.iter().filter(|frame| is_measured(scene, frame.time)).collect();
+        let late: Vec<&Snapshot> = frames.iter().filter(|frame| scene.measure.covers(frame.time)).collect();
         let Ok(measured) = measure_frames(scene, &late[..]);
         measured.unwrap()
     }

@@ -1,9 +1,14 @@
-//! What a reader of a verdict must know of the frames that a code has left.
+//! What a reader of a verdict must know of the runs of a code.
 
-use crate::compare::Harvest;
+use super::Harvest;
 
-/// The notes of the runs of a code, each once, with the seeds that it is of.
-pub(super) fn reading_notes(code: &str, harvests: &[Harvest]) -> Vec<String> {
+/// In sentences, what watchdogs noticed on the runs of a code, and what had to be assumed of their frames: each assumption once, with the
+/// seeds that it is of.
+pub fn noticed(code: &str, harvests: &[Harvest]) -> Vec<String> {
+    let alarms_of = |harvest: &Harvest| {
+        let seed = harvest.run.seed;
+        harvest.alarms.iter().map(|alarm| format!("{code}, seed {seed}: {}", alarm.words())).collect::<Vec<_>>()
+    };
     let mut known: Vec<(&str, Vec<u64>)> = Vec::new();
     for harvest in harvests {
         for note in &harvest.notes {
@@ -21,5 +26,5 @@ pub(super) fn reading_notes(code: &str, harvests: &[Harvest]) -> Vec<String> {
             format!("{code}, seeds {}: {note}", some.join(", "))
         }
     };
-    known.into_iter().map(sentence).collect()
+    harvests.iter().flat_map(alarms_of).chain(known.into_iter().map(sentence)).collect()
 }
