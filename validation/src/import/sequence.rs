@@ -11,12 +11,8 @@ fn name_of(path: &Path) -> String {
 }
 
 /// Files whose names differ in numbers alone, by these numbers; gaps between the numbers are noted.
-fn counted<'t>(
-    files: Vec<&'t Path>,
-    interval: Option<f64>,
-    notes: &mut Vec<String>,
-) -> Result<Vec<&'t Path>, ImportError> {
-    let InOrder { files, even } = by_numbers(files, interval)?;
+fn counted<'t>(files: Vec<&'t Path>, notes: &mut Vec<String>) -> Result<Vec<&'t Path>, ImportError> {
+    let InOrder { files, even } = by_numbers(files)?;
     if let [first, .., last] = files[..]
         && !even
     {
@@ -45,14 +41,13 @@ fn files_of(tables: &[FrameTable]) -> Vec<&Path> {
 /// [`ImportError`] where the names do not tell one order.
 pub(super) fn one_after_the_other<'t>(
     tables: &'t [FrameTable],
-    interval: Option<f64>,
     notes: &mut Vec<String>,
 ) -> Result<Vec<&'t FrameTable>, ImportError> {
     let files = files_of(tables);
     let mut alike: BTreeMap<String, Vec<&Path>> = BTreeMap::new();
     files.iter().for_each(|file| alike.entry(pattern(file)).or_default().push(file));
     let files = match alike.len() {
-        1 => counted(files, interval, notes)?,
+        1 => counted(files, notes)?,
         names if names == files.len() => files,
         _ => {
             let [one, other] =
@@ -77,7 +72,6 @@ pub(super) fn one_after_the_other<'t>(
 /// [`ImportError`] where the names do not tell one order.
 pub(super) fn side_by_side<'t>(
     tables: &'t [FrameTable],
-    interval: Option<f64>,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Vec<&'t FrameTable>>, ImportError> {
     let mut of_file: BTreeMap<&Path, Vec<&FrameTable>> = BTreeMap::new();
@@ -91,7 +85,7 @@ pub(super) fn side_by_side<'t>(
         }
     }
     for files in alike.into_values() {
-        series.push(counted(files, interval, notes)?.iter().flat_map(|file| of_file[file].iter().copied()).collect());
+        series.push(counted(files, notes)?.iter().flat_map(|file| of_file[file].iter().copied()).collect());
     }
     Ok(series)
 }
@@ -119,7 +113,7 @@ mod tests {
     #[test]
     fn frames_follow_the_numbers_in_their_names() {
         let ordered =
-            |files: &[&str]| one_after_the_other(&tables(files), None, &mut Vec::new()).map(|ordered| names(&ordered));
+            |files: &[&str]| one_after_the_other(&tables(files), &mut Vec::new()).map(|ordered| names(&ordered));
         assert_eq!(ordered(&["a10.csv", "a2.csv", "a1.csv"]).unwrap(), ["a1.csv", "a2.csv", "a10.csv"]);
         assert_eq!(ordered(&["a10.csv", "a002.csv"]).unwrap(), ["a002.csv", "a10.csv"]);
         assert_eq!(ordered(&["f10/a.csv", "f9/a.csv"]).unwrap(), ["f9/a.csv", "f10/a.csv"]);
@@ -137,15 +131,13 @@ mod tests {
     #[test]
     fn each_series_of_contacts_counts_its_own_frames() {
         let of = |files: &[&str]| -> Vec<Vec<String>> {
-            side_by_side(&tables(files), None, &mut Vec::new()).unwrap().iter().map(|series| names(series)).collect()
+            side_by_side(&tables(files), &mut Vec::new()).unwrap().iter().map(|series| names(series)).collect()
         };
         let both = ["pair10.csv", "pair9.csv", "wall9.csv", "wall10.csv"];
         assert_eq!(of(&both), [["pair9.csv", "pair10.csv"], ["wall9.csv", "wall10.csv"]]);
         // A file of several frames counts its own.
         assert_eq!(of(&["w0.csv", "w0.csv", "w1.csv", "w1.csv"]), [["w0.csv", "w0.csv"], ["w1.csv", "w1.csv"]]);
         let walls = tables(&["wall0.1.csv", "wall0.2.csv", "wall1.1.csv", "wall1.2.csv"]);
-        assert!(
-            side_by_side(&walls, None, &mut Vec::new()).unwrap_err().to_string().contains("which number in the names")
-        );
+        assert!(side_by_side(&walls, &mut Vec::new()).unwrap_err().to_string().contains("which number in the names"));
     }
 }

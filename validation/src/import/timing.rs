@@ -45,11 +45,7 @@ impl Assembly<'_> {
             steps_rise(tables)?;
         }
         let mut timed = Vec::with_capacity(tables.len());
-        let ordered = if self.counts(tables) {
-            one_after_the_other(tables, self.interval, notes)?
-        } else {
-            tables.iter().collect()
-        };
+        let ordered = if self.counts(tables) { one_after_the_other(tables, notes)? } else { tables.iter().collect() };
         for (place, table) in ordered.into_iter().enumerate() {
             let time = match self.time_of(table, place) {
                 Some(time) => time,
@@ -134,11 +130,7 @@ impl Assembly<'_> {
         let mut all_series = ContactSeries::default();
         let counts_grains = self.counts(grains.iter().map(|(_, table)| *table));
         // Where frames are counted, files of different contacts count their own.
-        let all = if self.counts(tables) {
-            side_by_side(tables, self.interval, notes)?
-        } else {
-            vec![tables.iter().collect()]
-        };
+        let all = if self.counts(tables) { side_by_side(tables, notes)? } else { vec![tables.iter().collect()] };
         for (place, table) in all.iter().flat_map(|series| series.iter().enumerate()) {
             let time = self.time_of(table, place);
             let at = if single { Some(0) } else { time.and_then(near) };
@@ -236,8 +228,13 @@ fn steps_rise(tables: &[FrameTable]) -> Result<(), ImportError> {
         alike.entry(pattern(&table.file)).or_default().insert(&table.file, table);
     }
     for of_file in alike.into_values().filter(|of_file| of_file.keys().any(|file| has_points(file))) {
-        let files = by_numbers(of_file.keys().copied().collect(), None)?.files;
-        if let Some(pair) = files.windows(2).find(|pair| of_file[pair[0]].step >= of_file[pair[1]].step) {
+        let all: Vec<&Path> = of_file.keys().copied().collect();
+        let Ok(in_order) = by_numbers(all.clone()) else {
+            let problem = "a number in its name may have decimals, and be no step; leave names that differ in one whole number, or a \
+                           column time";
+            return Err(ImportError::new(all[0], 1, problem));
+        };
+        if let Some(pair) = in_order.files.windows(2).find(|pair| of_file[pair[0]].step >= of_file[pair[1]].step) {
             let problem = "the number in its name has decimals, and is no step; give --interval in place of --time-step, or leave a \
                            column time";
             return Err(ImportError::new(pair[1], 1, problem));

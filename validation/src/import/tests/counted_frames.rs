@@ -60,7 +60,10 @@ fn decimals_in_the_names_of_frames_are_no_numbers_of_their_own() {
     // They are no steps either.
     let error = given(Some(0.01), None, &found).unwrap_err().to_string();
     assert!(error.contains("f_0.1.csv: line 1: the number in its name has decimals, and is no step"), "{error}");
-    let exponents = tables(&files_of_frames(&["f_0.0.csv", "f_5e-05.csv", "f_0.0001.csv"]), &[]).unwrap();
+    let unclear = tables(&files_of_frames(&["f_0.25.csv", "f_0.5.csv"]), &[]).unwrap();
+    let error = given(Some(0.01), None, &unclear).unwrap_err().to_string();
+    assert!(error.contains("a number in its name may have decimals, and be no step"), "{error}");
+    let exponents = tables(&files_of_frames(&["f_1e-04.csv", "f_2e-05.csv"]), &[]).unwrap();
     let error = given(None, Some(5e-5), &exponents).unwrap_err().to_string();
     assert!(error.contains("which number in the names counts frames is not clear"), "{error}");
 }
