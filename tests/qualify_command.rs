@@ -42,8 +42,10 @@ fn ended(folder: &Path, output: &str) -> Qualification {
     read(&folder.join(output).join("report.json")).unwrap()
 }
 
+/// Started so that an interrupt ends it: what runs in the background of a shell is deaf to interrupts.
 fn start(folder: &Path, output: &str) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_makadam"))
+    Command::new("env")
+        .args(["--default-signal=INT", env!("CARGO_BIN_EXE_makadam")])
         .args(["qualify", "--threads", "2", "--output", output])
         .env("XDG_CACHE_HOME", folder.join("cache"))
         .current_dir(folder)
