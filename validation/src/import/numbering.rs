@@ -156,16 +156,15 @@ pub(super) fn by_numbers<'p>(mut files: Vec<&'p Path>) -> Result<InOrder<'p>, Im
         };
     };
     let runs = runs_at(place);
-    let readings = [as_counts(&runs), with_decimals(&runs)].into_iter().flatten();
-    let orders: Vec<(Vec<Number>, Option<Vec<usize>>)> =
-        readings.map(|numbers| (order_of(&numbers), numbers)).map(|(order, numbers)| (numbers, order)).collect();
-    let [(_, Some(order)), ..] = &orders[..] else {
+    let readings: Vec<Vec<Number>> = [as_counts(&runs), with_decimals(&runs)].into_iter().flatten().collect();
+    let orders: Option<Vec<Vec<usize>>> = readings.iter().map(|numbers| order_of(numbers)).collect();
+    let Some([order, others @ ..]) = orders.as_deref() else {
         return Err(unclear("two numbers are alike, or one is written otherwise"));
     };
-    if orders.iter().any(|(_, other)| other.as_ref() != Some(order)) {
+    if others.iter().any(|other| other != order) {
         return Err(unclear("the order depends on whether a point stands before decimals"));
     }
-    let even = orders.iter().any(|(numbers, order)| order.as_ref().is_some_and(|order| is_even(numbers, order)));
+    let even = readings.iter().any(|numbers| is_even(numbers, order));
     Ok(InOrder { files: order.iter().map(|place| files[*place]).collect(), even })
 }
 
