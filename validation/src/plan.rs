@@ -331,6 +331,8 @@ pub enum Observable {
     DrivenWall,
     /// Mass that passes through the hole of a disc, such as the floor of a silo.
     Discharge,
+    /// Height and speed of the first grain that the scene lists by itself, such as a ball that is shot into a bed.
+    Intruder,
 }
 
 /// An observable that is compared, and how far two codes may differ.

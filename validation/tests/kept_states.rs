@@ -1,7 +1,8 @@
 //! What the command keeps to go on from says what it is: a state of another build, or of another seed, is never taken for it.
 
-use makadam::BUILD;
 use makadam::checkpoint::{open, seal};
+use makadam::{BUILD, Simulation};
+use makadam_validation::plan::Scene;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -109,4 +110,32 @@ fn a_prepared_state_of_another_seed_or_build_is_refused_in_words_and_made_anew()
     let (anew, said) = run("1");
     assert!(anew == first && said.contains(&other_build()) && said.contains("made anew"), "{said}");
     assert!(!run("1").1.contains("anew"));
+}
+
+#[test]
+fn other_codes_start_from_the_state_that_a_scene_prepares() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let file = scene(folder, "\n[prepare]\nduration = 0.05\nstep = 5e-4\n");
+    let mut simulation = Simulation::new(&Scene::load(&file).unwrap(), 1).unwrap();
+    (0..100).for_each(|_| {
+        simulation.step();
+    });
+    for code in ["liggghts", "lammps"] {
+        let output = makadam(folder, &["export", "scene.toml", "--for", code, "-o", code]).output().unwrap();
+        assert!(output.status.success(), "{}", words(&output));
+        let data = std::fs::read_to_string(folder.join(code).join("grains.data")).unwrap();
+        let table = |head: &str| {
+            let rows = data.split_once(head).unwrap().1.trim_start().lines().take_while(|line| !line.is_empty());
+            rows.map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect()).collect::<Vec<Vec<f64>>>()
+        };
+        let (places, motions) = (table("Atoms\n"), table("Velocities\n"));
+        let grains = simulation.snapshot().particles;
+        assert_eq!((places.len(), motions.len()), (grains.len(), grains.len()));
+        for grain in grains {
+            let row = grain.id as usize;
+            assert_eq!(places[row][4..], grain.position, "{code}, grain {row}");
+            assert_eq!(motions[row][1..], [grain.velocity, grain.spin].concat(), "{code}, grain {row}");
+        }
+    }
 }

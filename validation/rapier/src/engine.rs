@@ -8,12 +8,11 @@
 use makadam::effects::catalogue::{
     CHANGING_GRAVITY, COHESION, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, ROLLING, TWISTING,
 };
-use makadam::scene::{Grain, Motion, Shape, populate};
+use makadam::scene::{Grain, Motion, Shape};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
-use makadam_validation::peers::{Code, CodeError, Job, refuse_effects};
+use makadam_validation::peers::{Code, CodeError, Job, refuse_effects, starting_grains};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
-use makadam_validation::scenes::in_file;
 use makadam_validation::stepping::{frame_is_due, steps_in};
 use rapier3d_f64::prelude::*;
 use std::time::{Duration, Instant};
@@ -140,7 +139,7 @@ impl Code for Rapier {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
-        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
+        let grains = starting_grains(job)?;
         let mut world = build(scene, &grains, &self.settings)?;
         let steps = steps_in(scene.duration, self.settings.step);
         let mut frames = vec![snapshot(&world, &grains, 0.0, self.settings.step)];

@@ -89,7 +89,7 @@ mod tests {
 
     /// The names that a source file gives to quantities.
     fn names_in(source: &str) -> BTreeSet<&str> {
-        let marks = ["Quantity::mean(\"", "Quantity::largest(\"", "ANGLE: &str = \""];
+        let marks = ["Quantity::mean(\"", "Quantity::largest(\"", "ANGLE: &str = \"", "_NAME: &str = \""];
         let after = |mark: &'static str| source.split(mark).skip(1).filter_map(|rest| rest.split('"').next());
         marks.into_iter().flat_map(after).collect()
     }

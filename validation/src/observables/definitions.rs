@@ -48,7 +48,7 @@ const MOTION: &[Content] = &[Content::Velocities, Content::Spins];
 pub(super) type Group = (Observable, &'static str, &'static [Definition]);
 
 /// All groups.
-pub(super) const GROUPS: [Group; 10] = [
+pub(super) const GROUPS: [Group; 11] = [
     (Observable::DynamicAngleOfRepose, "dynamic-angle-of-repose", &DYNAMIC_ANGLE),
     (Observable::StaticAngleOfRepose, "static-angle-of-repose", &STATIC_ANGLE),
     (Observable::PackingFraction, "packing-fraction", &PACKING_FRACTION),
@@ -59,6 +59,7 @@ pub(super) const GROUPS: [Group; 10] = [
     (Observable::SizeMixing, "size-mixing", &SIZE_MIXING),
     (Observable::DrivenWall, "driven-wall", &DRIVEN_WALL),
     (Observable::Discharge, "discharge", &DISCHARGE),
+    (Observable::Intruder, "intruder", &INTRUDER),
 ];
 
 const DYNAMIC_ANGLE: [Definition; 2] = [
@@ -264,4 +265,16 @@ const DISCHARGE: [Definition; 2] = [
         "",
     ),
     define("discharged_mass", "m", "kg", "mass below the first disc with a hole at the last measured frame", ""),
+];
+
+const INTRUDER: [Definition; 2] = [
+    define(
+        "intruder_height",
+        "z_i",
+        "m",
+        "height of the centre of the first grain that the scene lists by itself above the origin, against gravity",
+        "",
+    ),
+    define("intruder_speed", "v_i", "m/s", "speed of the first grain that the scene lists by itself", "")
+        .needs(VELOCITIES),
 ];

@@ -27,6 +27,7 @@
 //! | `size_mixing_index`, `population_mixing_index`, ... | [`mixing`] |
 //! | `driven_wall_displacement` | [`driven_wall`] |
 //! | `mass_flow_rate`, `discharged_mass` | [`discharge`] |
+//! | `intruder_height`, `intruder_speed` | [`intruder`] |
 //!
 //! [`catalogue::definitions`] says of each what it is; `makadam observables` prints it.
 //!
@@ -63,6 +64,7 @@ pub mod effort;
 pub mod field;
 pub mod force_distribution;
 pub mod frames;
+pub mod intruder;
 pub mod line;
 pub mod literature;
 pub mod measurement;
@@ -163,6 +165,9 @@ pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<O
         if asks(Observable::DrivenWall) {
             driven_wall::read(&view, &mut readings);
         }
+        if asks(Observable::Intruder) {
+            intruder::read(&view, &mut readings);
+        }
         if asks(Observable::Balances) {
             balances::read(&view, &mut readings);
         }
@@ -191,25 +196,24 @@ fn heap_of<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Opti
     }
 }
 
-/// Quantities over time, one point a frame, over the whole run: the dynamic angle of repose (degrees) where the scene
-/// asks for it. Frames in which the bed has no surface yet are left out.
+/// Quantities over time, one point a frame, over the whole run: the dynamic angle of repose (degrees) and the height of the intruder (m)
+/// where the scene asks for them. Frames in which the bed has no surface yet are left out.
 pub fn series(scene: &Scene, recording: &Recording) -> Vec<Series> {
-    let asked = scene.measure.observables.contains(&Observable::DynamicAngleOfRepose);
-    let Some(first) = recording.frames.first().filter(|_| asked) else {
-        return Vec::new();
-    };
+    let asks = |observable| scene.measure.observables.contains(&observable);
+    let Some(first) = recording.frames.first() else { return Vec::new() };
     let setting = Setting::new(scene, first);
-    let (time, value): (Vec<f64>, Vec<f64>) = dynamic_angle::over_time(&setting, &recording.frames).into_iter().unzip();
-    match time.is_empty() {
-        true => Vec::new(),
-        false => vec![Series {
-            code: recording.code.clone(),
-            seed: recording.seed,
-            observable: dynamic_angle::ANGLE.into(),
-            time,
-            value,
-        }],
-    }
+    let one = |observable: &str, points: Vec<(f64, f64)>| {
+        let (time, value): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+        let (code, seed) = (recording.code.clone(), recording.seed);
+        (!time.is_empty()).then(|| Series { code, seed, observable: observable.into(), time, value })
+    };
+    let angle = || one(dynamic_angle::ANGLE, dynamic_angle::over_time(&setting, &recording.frames));
+    let height = || one(intruder::HEIGHT_NAME, intruder::over_time(&setting, &recording.frames));
+    let asked = [
+        asks(Observable::DynamicAngleOfRepose).then(angle).flatten(),
+        asks(Observable::Intruder).then(height).flatten(),
+    ];
+    asked.into_iter().flatten().collect()
 }
 
 /// Frames that are measured: those from `scene.measure.from` on, which are none if the run ended before; the last one where the

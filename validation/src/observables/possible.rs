@@ -45,6 +45,7 @@ fn lack(scene: &Scene, group: Observable) -> Option<(&'static str, &'static str)
         Observable::DrivenWall => {
             (scene.wall.iter().any(|wall| wall.motion.is_driven()), "no wall is driven by a force or a torque")
         }
+        Observable::Intruder => (!scene.grain.is_empty(), "no grain is listed by itself under [[grain]]"),
         Observable::StaticAngleOfRepose => {
             (scene.gravity != [0.0; 3] || !scene.gravity_changes.is_empty(), "there is no gravity")
         }
@@ -77,11 +78,12 @@ mod tests {
         let text = include_str!("../../templates/silo.toml");
         let mut scene = Scene::parse(text).unwrap();
         assert_eq!(impossible(&scene, Some(text)), []);
-        use Observable::{Discharge, DrivenWall, DrumFlow, DynamicAngleOfRepose, PackingFraction};
-        scene.measure.observables = vec![DynamicAngleOfRepose, DrumFlow, DrivenWall, PackingFraction, Discharge];
+        use Observable::{Discharge, DrivenWall, DrumFlow, DynamicAngleOfRepose, Intruder, PackingFraction};
+        scene.measure.observables =
+            vec![DynamicAngleOfRepose, DrumFlow, DrivenWall, PackingFraction, Discharge, Intruder];
         let found = impossible(&scene, Some(text));
         let said: Vec<&str> = found.iter().filter_map(|one| one.problem.split(' ').nth(1)).collect();
-        assert_eq!(said, ["dynamic-angle-of-repose", "drum-flow", "driven-wall"]);
+        assert_eq!(said, ["dynamic-angle-of-repose", "drum-flow", "driven-wall", "intruder"]);
         assert!(found.iter().all(|one| one.line.is_some()), "{found:?}");
         let left = unmeasured(&scene, &[Content::DrivenWalls], &[]);
         assert!(left.iter().any(|one| one.observable == "wall_torque" && one.reason.contains("cylinder")));

@@ -8,14 +8,13 @@ use super::mesh::wall_mesh;
 use super::process::{Run, locate};
 use super::run_folder::{RunFolder, check_pattern};
 use super::stl::stl;
-use super::{Code, CodeError, Job};
+use super::{Code, CodeError, Job, starting_grains};
 use crate::import::{Assembly, ImportError, Imported, Tables};
 use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
 use crate::recording::{Recording, frame_belongs_to};
-use crate::scenes::in_file;
-use makadam::scene::{Grain, populate};
+use makadam::scene::Grain;
 use makadam::snapshot::Snapshot;
 use serde::Deserialize;
 use std::ffi::{OsStr, OsString};
@@ -245,8 +244,7 @@ impl Code for External {
     }
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
-        let scene = job.scene;
-        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
+        let grains = starting_grains(job)?;
         let folder = RunFolder::fresh(job.work_folder, input(job, &grains))?;
         let program = program_of(&self.description, &self.here);
         let arguments: Vec<OsString> = self.description.command[1..].iter().map(|word| self.fill(word, job)).collect();

@@ -7,8 +7,10 @@ use crate::output::WriteError;
 use crate::prepared::{StartError, start};
 use crate::provenance::Build;
 use crate::recording::{Noticed, Recording};
+use crate::scenes::in_file;
 use crate::stepping::{Halt, Stepping, Taken, steps_in};
 use makadam::Simulation;
+use makadam::scene::{Grain, populate};
 use makadam::watch::Watchdog;
 
 /// Makadam, in this process, on one thread.
@@ -25,17 +27,8 @@ impl Code for Makadam {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
-        let interrupted = || CodeError::Interrupted { code: "Makadam" };
-        let (mut simulation, _) =
-            start(scene, job.seed, job.scene_file, &Execution::serial(), &|_| {}).map_err(|error| match error {
-                StartError::Scene(error) => CodeError::Scene(error),
-                StartError::Write(WriteError { path, source }) => CodeError::Io { path, source },
-                StartError::Checkpoint(error) => CodeError::State(error),
-                StartError::Execution(error) => CodeError::Execution(error),
-                StartError::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },
-                StartError::Interrupted => interrupted(),
-            })?;
-        let (started, step_seconds) = (simulation.time(), simulation.time_step());
+        let mut simulation = started(job)?;
+        let (beginning, step_seconds) = (simulation.time(), simulation.time_step());
         let steps = steps_in(scene.duration, step_seconds);
         let mut frames = vec![simulation.snapshot()];
         let mut watchdog = Watchdog::new(&scene.watch, &simulation);
@@ -44,7 +37,7 @@ impl Code for Makadam {
         let clock = ThreadClock::start();
         let wall = stepping.carry_out(&mut simulation, keep).map_err(|halt| match halt {
             Halt::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },
-            Halt::Interrupted | Halt::OutOfTime(_) => interrupted(),
+            Halt::Interrupted | Halt::OutOfTime(_) => CodeError::Interrupted { code: "Makadam" },
         })?;
         Ok(Recording {
             scene: scene.name.clone(),
@@ -57,11 +50,40 @@ impl Code for Makadam {
             threads: 1,
             wall_seconds: wall.as_secs_f64(),
             core_seconds: clock.core_seconds(wall),
-            simulated_seconds: simulation.time() - started,
+            simulated_seconds: simulation.time() - beginning,
             frames,
             lacks: Vec::new(),
             alarms: Noticed::by(&watchdog),
             notes: Vec::new(),
         })
     }
+}
+
+/// The simulation at the start of a job's run, on one thread: at the jittered lattice, or at the state that the scene prepares.
+fn started(job: &Job<'_>) -> Result<Simulation, CodeError> {
+    let (simulation, _) =
+        start(job.scene, job.seed, job.scene_file, &Execution::serial(), &|_| {}).map_err(|error| match error {
+            StartError::Scene(error) => CodeError::Scene(error),
+            StartError::Write(WriteError { path, source }) => CodeError::Io { path, source },
+            StartError::Checkpoint(error) => CodeError::State(error),
+            StartError::Execution(error) => CodeError::Execution(error),
+            StartError::Worthless(alarm) => CodeError::Worthless { code: "Makadam", alarm },
+            StartError::Interrupted => CodeError::Interrupted { code: "Makadam" },
+        })?;
+    Ok(simulation)
+}
+
+/// The grains at the start of a job's run. A scene that prepares a state is prepared by Makadam, and every code starts from the same one.
+///
+/// # Errors
+/// [`CodeError`] where the scene cannot be populated, or its state not be prepared.
+pub fn starting_grains(job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
+    let mut grains = populate(job.scene, job.seed).map_err(in_file(job.scene_file))?;
+    if job.scene.prepare.is_some() {
+        for particle in started(job)?.snapshot().particles {
+            let grain = &mut grains[particle.id as usize];
+            (grain.position, grain.velocity, grain.spin) = (particle.position, particle.velocity, particle.spin);
+        }
+    }
+    Ok(grains)
 }

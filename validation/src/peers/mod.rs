@@ -21,7 +21,7 @@ pub use core_share::CoreClock;
 pub use external::{DescriptionError, External};
 pub use lammps::Lammps;
 pub use liggghts::Liggghts;
-pub use makadam::Makadam;
+pub use makadam::{Makadam, starting_grains};
 pub use yade::Yade;
 
 use crate::plan::Scene;
@@ -241,8 +241,8 @@ fn refuse_unsupported(
     grains: &[::makadam::scene::Grain],
 ) -> Result<(), CodeError> {
     let refuse = |reason: &str| Err(CodeError::Unsupported { code, reason: reason.into() });
-    if scene.prepare.is_some() {
-        return refuse("it starts from a prepared state");
+    if scene.prepare.is_some() && scene.wall.iter().any(|wall| wall.motion.is_driven()) {
+        return refuse("it starts from a prepared state, in which a wall has been driven");
     }
     if grains.is_empty() {
         return refuse("it has no grains");

@@ -6,14 +6,13 @@ use super::plan::{MotionPhase, Plan};
 use super::primitives::{Primitive, primitives};
 use super::process::{self, Program, Run, io};
 use super::yade_rolling::{Rolling, rolling};
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, starting_grains};
 use crate::import::{contact_from_force, measurable, merge_wall_contacts};
 use crate::recording::Recording;
-use crate::scenes::in_file;
 use makadam::effects::catalogue::{
     CHANGING_GRAVITY, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
 };
-use makadam::scene::{Cohesion, Grain, Motion, populate};
+use makadam::scene::{Cohesion, Grain, Motion};
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -232,7 +231,7 @@ impl Code for Yade {
 /// Writes job and driver into the job's folder: the grains and the steps of the run.
 fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
     let scene = job.scene;
-    let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
+    let grains = starting_grains(job)?;
     super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
     let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };
     if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {

@@ -1,5 +1,6 @@
 //! The page: everything that the template shows, gathered and named.
 
+use super::pictures::{Gallery, Picture};
 use super::qualification::{Qualification, join};
 use super::{forces, forest, pictures, published, series, speed, studies, tables};
 use crate::compare::{Comparison, Source};
@@ -18,7 +19,11 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
 
     let verdict = qualification.verdict();
     let comparisons = &qualification.comparisons;
-    let sections: Vec<Value> = comparisons.iter().enumerate().map(|(place, c)| section(c, place)).collect();
+    let galleries: Vec<Option<Gallery>> =
+        comparisons.iter().enumerate().map(|(place, c)| pictures::gallery(c, &anchor(place))).collect();
+    let covers = covers(comparisons, &galleries);
+    let sections: Vec<Value> =
+        comparisons.iter().zip(galleries).enumerate().map(|(place, (c, gallery))| section(c, place, gallery)).collect();
     environment.get_template("page")?.render(context! {
         title => qualification.title,
         tier => qualification.tier,
@@ -28,6 +33,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         style => style(),
         grain_rules => pictures::rules(),
         gradients => pictures::gradients(),
+        covers => covers,
         summary => tables::summary(comparisons).map(|table| table.html()),
         sources => sources(comparisons),
         speeds => speed::table(comparisons).map(|table| table.html()),
@@ -45,8 +51,27 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
     })
 }
 
-fn section(comparison: &Comparison, place: usize) -> Value {
-    let gallery = pictures::gallery(comparison).map(|gallery| {
+/// Anchor of a scene's section. Names of scenes may hold characters that an anchor may not.
+fn anchor(place: usize) -> String {
+    format!("scene-{}", place + 1)
+}
+
+/// The pictures at the head of the page: of one scene those of all codes, of several the judged code's of each.
+fn covers(comparisons: &[Comparison], galleries: &[Option<Gallery>]) -> Vec<Value> {
+    let mut covers = Vec::new();
+    for (place, (comparison, gallery)) in comparisons.iter().zip(galleries).enumerate() {
+        let Some(row) = gallery.as_ref().and_then(|gallery| gallery.rows.first()) else { continue };
+        let shown = if comparisons.len() == 1 { row.pictures.len() } else { 1 };
+        for picture in &row.pictures[..shown] {
+            let label = if comparisons.len() == 1 { &picture.code } else { &comparison.scene.name };
+            covers.push(context! { label => label, section => anchor(place), picture => picture.anchor });
+        }
+    }
+    covers
+}
+
+fn section(comparison: &Comparison, place: usize, gallery: Option<Gallery>) -> Value {
+    let gallery = gallery.map(|gallery| {
         let rows: Vec<Value> = gallery
             .rows
             .into_iter()
@@ -54,7 +79,7 @@ fn section(comparison: &Comparison, place: usize) -> Value {
                 let pictures: Vec<Value> = row
                     .pictures
                     .into_iter()
-                    .map(|(code, svg)| context! { class => names::code_style(&code).class, code => code, svg => svg })
+                    .map(|Picture { code, svg, .. }| context! { class => names::code_style(&code).class, code => code, svg => svg })
                     .collect();
                 context! { view => row.view, pictures => pictures }
             })
@@ -66,8 +91,7 @@ fn section(comparison: &Comparison, place: usize) -> Value {
         .map(|figure| context! { observable => figure.observable, svg => figure.svg, caption => figure.caption })
         .collect();
     context! {
-        // Names of scenes may hold characters that an anchor may not.
-        anchor => format!("scene-{}", place + 1),
+        anchor => anchor(place),
         name => comparison.scene.name,
         description => comparison.scene.description,
         facts => facts(comparison),

@@ -18,12 +18,22 @@ const DEPTHS: usize = 4;
 const WIDTH: f64 = 340.0;
 const TALLEST: f64 = 420.0;
 
+/// One picture.
+pub(super) struct Picture {
+    /// Code whose grains it shows.
+    pub(super) code: String,
+    /// Its anchor on the page.
+    pub(super) anchor: String,
+    /// The drawing.
+    pub(super) svg: String,
+}
+
 /// The pictures of one view, one a code.
 pub(super) struct Row {
     /// From where they are seen.
     pub(super) view: &'static str,
-    /// Code and picture.
-    pub(super) pictures: Vec<(String, String)>,
+    /// The pictures.
+    pub(super) pictures: Vec<Picture>,
 }
 
 /// All pictures of a scene with their common legend and caption.
@@ -41,8 +51,8 @@ pub(super) fn states(comparison: &Comparison) -> Vec<&FinalState> {
     comparison.final_states.iter().filter(|state| !state.particles.is_empty()).collect()
 }
 
-/// The pictures of a scene; none if no code left a final state.
-pub(super) fn gallery(comparison: &Comparison) -> Option<Gallery> {
+/// The pictures of the scene whose section has an anchor; none if no code left a final state.
+pub(super) fn gallery(comparison: &Comparison, section: &str) -> Option<Gallery> {
     let states = states(comparison);
     let first = states.first()?;
     let top = top_of_scale(comparison, &states);
@@ -54,10 +64,13 @@ pub(super) fn gallery(comparison: &Comparison) -> Option<Gallery> {
             let frame = Frame::of(&view, &comparison.scene, grains)?;
             let pictures = states
                 .iter()
-                .map(|state| {
-                    let (svg, strays) = picture(comparison, state, &view, &frame, top);
+                .enumerate()
+                .map(|(place, state)| {
+                    let (drawing, strays) = picture(comparison, state, &view, &frame, top);
                     outside += strays;
-                    (state.code.clone(), svg)
+                    let anchor = format!("{section}-{}-{}", view.name.replace(' ', "-"), place + 1);
+                    let name = format!("grains of {} at the end of the run, seen {}", state.code, view.name);
+                    Picture { code: state.code.clone(), svg: drawing.finish_at(&anchor, &name), anchor }
                 })
                 .collect();
             Some(Row { view: view.name, pictures })
@@ -109,7 +122,7 @@ fn picture(
     view: &View,
     frame: &Frame,
     top: Option<f64>,
-) -> (String, usize) {
+) -> (Drawing, usize) {
     let scale = (WIDTH / frame.width()).min(TALLEST / frame.height());
     let height = frame.height() * scale;
     // Below the picture, where no wall can cross it.
@@ -127,8 +140,7 @@ fn picture(
     outlines::walls(&mut drawing, &comparison.scene, view, state.time, scale, &place);
     drawing.end_clip();
     bar_of_scale(&mut drawing, frame.width(), scale, height + strip);
-    let name = format!("grains of {} at the end of the run, seen {}", state.code, view.name);
-    (drawing.finish(&name), outside)
+    (drawing, outside)
 }
 
 /// A bar of known length below the picture.
@@ -175,35 +187,46 @@ pub(super) fn gradients() -> String {
     let mut body = String::new();
     for bin in 0..=AT_REST {
         for depth in 0..DEPTHS {
-            // Strong shade would be taken for another speed; at rest there is no speed to mistake it for.
-            let dark = 1.0 - if bin == AT_REST { 0.2 } else { 0.07 } * depth as f64;
-            let base = colour(bin).map(|c| c * dark);
+            let base = shaded(bin, depth);
             let light = base.map(|c| c + (255.0 - c) * 0.45);
-            let rim = base.map(|c| c * 0.55);
             let _ = write!(
                 body,
                 r#"<radialGradient id="{}" cx=".5" cy=".5" r=".5" fx=".36" fy=".32"><stop offset="0" stop-color="{}"/><stop offset=".6" stop-color="{}"/><stop offset="1" stop-color="{}"/></radialGradient>"#,
                 class(bin, depth),
                 hexadecimal(light),
                 hexadecimal(base),
-                hexadecimal(rim),
+                hexadecimal(rim(base)),
             );
         }
     }
     format!(r#"<svg class="definitions" aria-hidden="true"><defs>{body}</defs></svg>"#)
 }
 
-/// Style rules of the grains.
+/// Style rules of the grains. On paper they are flat: a gradient for every grain would nearly double the PDF.
 pub(super) fn rules() -> String {
-    let mut rules = String::new();
+    let (mut rules, mut paper) = (String::new(), String::new());
     for bin in 0..=AT_REST {
         for depth in 0..DEPTHS {
             let class = class(bin, depth);
             let _ = writeln!(rules, ".{class}{{fill:url(#{class})}}");
+            let base = shaded(bin, depth);
+            let (fill, rim) = (hexadecimal(base), hexadecimal(rim(base)));
+            let _ = writeln!(paper, ".{class}{{fill:{fill};stroke:{rim};stroke-width:.8px}}");
         }
         let _ = writeln!(rules, ".s{}{{fill:{}}}", (b'a' + bin as u8) as char, hexadecimal(colour(bin)));
     }
-    rules
+    format!("{rules}@media print {{\n{paper}}}\n")
+}
+
+/// Colour of a grain by its speed and its distance. Strong shade would be taken for another speed; at rest there is none to mistake it for.
+fn shaded(bin: usize, depth: usize) -> [f64; 3] {
+    let dark = 1.0 - if bin == AT_REST { 0.2 } else { 0.07 } * depth as f64;
+    colour(bin).map(|c| c * dark)
+}
+
+/// Colour of a grain's rim.
+fn rim(base: [f64; 3]) -> [f64; 3] {
+    base.map(|c| c * 0.55)
 }
 
 /// The scale `viridis` from its second tenth on: its order is seen in grey and by colour-blind readers.

@@ -4,7 +4,7 @@ use crate::compare::Comparison;
 use crate::draw::names;
 use crate::draw::numbers::Rounding;
 use crate::draw::plot::{Axis, Key, Plot};
-use crate::observables::Series;
+use crate::observables::{Series, intruder};
 
 /// A figure and what it says.
 pub(super) struct SeriesFigure {
@@ -67,10 +67,12 @@ fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
     let all = curves(comparison, observable);
     let points = || all.iter().flat_map(|c| c.series.time.iter().copied().zip(c.series.value.iter().copied()));
     let end = points().map(|(t, _)| t).filter(|t| t.is_finite()).fold(0.0, f64::max);
-    // The start-up of a run may lie far away and would flatten what is measured: the range is the window's.
     let from = comparison.scene.measure.from;
+    // The start-up of a flow may lie far away and would flatten what is measured: the range is the window's. An intruder's way is shown whole.
+    let is_steady = observable != intruder::HEIGHT_NAME;
+    let shown_from = from.filter(|_| is_steady).unwrap_or(0.0);
     let (low, high) = points()
-        .filter(|&(t, v)| v.is_finite() && t >= from.unwrap_or(0.0))
+        .filter(|&(t, v)| v.is_finite() && t >= shown_from)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, v)| (low.min(v), high.max(v)));
     if !(low.is_finite() && high.is_finite() && end > 0.0) {
         return None;
@@ -116,10 +118,14 @@ fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
         ),
         None => "Only the last frame enters the tables.".into(),
     };
+    let expected = match is_steady {
+        true => " The codes should wander about the same mean; single excursions need not coincide.",
+        false => "",
+    };
     Some(SeriesFigure {
         svg: plot.finish(&format!("{name} over time")),
         caption: format!(
-            "{}{} over time, one run a code (seed {}). {window} The codes should wander about the same mean; single excursions need not coincide.",
+            "{}{} over time, one run a code (seed {}). {window}{expected}",
             name[..1].to_uppercase(),
             &name[1..],
             super::qualification::join(&seeds),

@@ -7,15 +7,14 @@ use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
 use super::palette::Palette;
 use super::plan::Plan;
 use super::process::Program;
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, starting_grains};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
-use crate::scenes::in_file;
 use makadam::effects::catalogue::{
     CHANGING_GRAVITY, COHESION, DRIVEN_WALLS, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
 };
-use makadam::scene::{Grain, populate};
+use makadam::scene::Grain;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::ffi::OsString;
@@ -93,7 +92,7 @@ struct Input {
 /// Writes deck and grains into the job's folder.
 fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
     let scene = job.scene;
-    let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
+    let grains = starting_grains(job)?;
     super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
     let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
     let plan = Plan::new(scene, largest_step);

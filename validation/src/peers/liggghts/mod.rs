@@ -7,15 +7,14 @@ mod walls;
 use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
 use super::plan::Plan;
 use super::process::Program;
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, starting_grains};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
-use crate::scenes::in_file;
 use makadam::effects::catalogue::{
     CHANGING_GRAVITY, COHESION, DRIVEN_WALLS, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
 };
-use makadam::scene::{Grain, populate};
+use makadam::scene::Grain;
 use makadam::snapshot::{Partner, Snapshot};
 use nalgebra::Vector3;
 use std::ffi::OsString;
@@ -106,7 +105,7 @@ struct Input {
 
 /// Writes deck, grains and meshes into the job's folder.
 fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
-    let grains = populate(job.scene, job.seed).map_err(in_file(job.scene_file))?;
+    let grains = starting_grains(job)?;
     super::refuse_unsupported(NAME, &LACKS, job.scene, &grains)?;
     let plan = Plan::new(job.scene, job.rayleigh_fraction * job.scene.rayleigh_step(&grains));
     let (turn, scene, grains) = match job.purpose {
