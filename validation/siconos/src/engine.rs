@@ -8,11 +8,12 @@
 use makadam::effects::catalogue::{
     CHANGING_GRAVITY, COHESION, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, ROLLING, TWISTING,
 };
-use makadam::scene::{Grain, Motion, Shape};
+use makadam::scene::{Grain, Motion, Shape, populate};
 use makadam_validation::peers::yade::{read_frames, read_result};
-use makadam_validation::peers::{Code, CodeError, Job, refuse_effects, starting_grains};
+use makadam_validation::peers::{Code, CodeError, Job, refuse_effects};
 use makadam_validation::plan::Scene;
 use makadam_validation::recording::Recording;
+use makadam_validation::scenes::in_file;
 use makadam_validation::stepping::{frame_is_due, steps_in};
 use serde::Serialize;
 use std::ffi::OsString;
@@ -141,7 +142,7 @@ impl Code for Siconos {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         let scene = job.scene;
-        let grains = starting_grains(job)?;
+        let grains = populate(scene, job.seed).map_err(in_file(job.scene_file))?;
         let step = self.settings.step;
         let steps = steps_in(scene.duration, step);
         let (friction, restitution) = coefficients(scene, &grains)?;

@@ -58,16 +58,17 @@ fn anchor(place: usize) -> String {
 
 /// The pictures at the head of the page: of one scene those of all codes, of several the judged code's of each.
 fn covers(comparisons: &[Comparison], galleries: &[Option<Gallery>]) -> Vec<Value> {
-    let mut covers = Vec::new();
-    for (place, (comparison, gallery)) in comparisons.iter().zip(galleries).enumerate() {
-        let Some(row) = gallery.as_ref().and_then(|gallery| gallery.rows.first()) else { continue };
-        let shown = if comparisons.len() == 1 { row.pictures.len() } else { 1 };
-        for picture in &row.pictures[..shown] {
-            let label = if comparisons.len() == 1 { &picture.code } else { &comparison.scene.name };
-            covers.push(context! { label => label, section => anchor(place), picture => picture.anchor });
-        }
-    }
-    covers
+    let is_alone = comparisons.len() == 1;
+    let of_scene = |(place, (comparison, gallery)): (usize, (&Comparison, &Option<Gallery>))| {
+        let pictures = gallery.iter().flat_map(|gallery| &gallery.rows).take(1).flat_map(|row| &row.pictures);
+        let shown = pictures.filter(|picture| is_alone || picture.code == comparison.judged);
+        let cover = |picture: &Picture| {
+            let label = if is_alone { &picture.code } else { &comparison.scene.name };
+            context! { label => label, section => anchor(place), picture => picture.anchor }
+        };
+        shown.map(cover).collect::<Vec<_>>()
+    };
+    comparisons.iter().zip(galleries).enumerate().flat_map(of_scene).collect()
 }
 
 fn section(comparison: &Comparison, place: usize, gallery: Option<Gallery>) -> Value {
