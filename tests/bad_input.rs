@@ -127,7 +127,7 @@ fn usage() {
         &["run", "packing", "--seed", "one"],
         &["compare", "packing", "--codes", "chrono"],
         &["compare", "packing", "--rayleigh-fraction", "3"],
-        &["compare", "packing", "--stiffness-factor", "10"],
+        &["compare", "packing", "--again"],
         &["fly"],
     ] {
         assert_eq!(fails(folder.path(), arguments).0, 2, "{arguments:?}");

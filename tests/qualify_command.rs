@@ -154,7 +154,6 @@ const SMALL: Extent = Extent {
     scenes: &["tiny"],
     fewest_seeds: 4,
     timed: &["tiny"],
-    stiff: &[],
     studies: &[
         Study::HardCases(&["drift", "impossible-gap-rigid"]),
         Study::Ablation(&[Ablated { scene: "tiny", seeds: 2, needed: &["Coulomb friction"] }]),

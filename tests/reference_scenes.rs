@@ -161,7 +161,7 @@ fn what_scenes_and_references_hold_is_what_is_on_record() {
         let reference = Reference::load(&Reference::folder(&file_of(name))).unwrap().expect("recorded references");
         assert_eq!(reference.codes(), ["LIGGGHTS", "YADE"], "{name}");
         for code in reference.codes() {
-            let seeds = reference.at(&code, 1.0).count();
+            let seeds = reference.of(&code).count();
             for expectation in scene.compare.iter().filter(|expectation| expectation.margin.is_some()) {
                 let is = |test: &&TestOnRecord| {
                     (&*test.scene, &*test.reference_code, &test.observable) == (*name, &*code, &expectation.observable)

@@ -1,4 +1,4 @@
-//! Runs one job in one peer and saves the recording: `record SCENE CODE SEED RAYLEIGH_FRACTION STIFFNESS_FACTOR OUTPUT`.
+//! Runs one job in one peer and saves the recording: `record SCENE CODE SEED RAYLEIGH_FRACTION OUTPUT`.
 //!
 //! A recording that is already there is left alone.
 
@@ -10,8 +10,8 @@ use std::time::Duration;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [scene, code, seed, fraction, factor, output] = &arguments[..] else {
-        return Err("usage: record SCENE CODE SEED RAYLEIGH_FRACTION STIFFNESS_FACTOR OUTPUT".into());
+    let [scene, code, seed, fraction, output] = &arguments[..] else {
+        return Err("usage: record SCENE CODE SEED RAYLEIGH_FRACTION OUTPUT".into());
     };
     let output = Path::new(output);
     if output.exists() {
@@ -20,8 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
     let file = scenes::find(scene, &[root])?;
-    let factor: f64 = factor.parse()?;
-    let scene = Scene::load(&file)?.with_stiffness_factor(factor);
+    let scene = Scene::load(&file)?;
     let code: Box<dyn Code> = match code.as_str() {
         "yade" => Box::new(Yade::default()),
         "liggghts" => Box::new(Liggghts::default()),
@@ -33,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         scene_file: &file,
         purpose: Purpose::Measuring,
         seed: seed.parse()?,
-        stiffness_factor: factor,
+        stiffness_factor: 1.0,
         rayleigh_fraction: fraction.parse()?,
         work_folder: &work_folder,
         time_limit: Duration::from_secs(24 * 3600),

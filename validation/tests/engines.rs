@@ -43,7 +43,6 @@ fn run(setting: &str, seed: u64, scene: &Scene) -> KeptRun {
             seed,
             time_step: 1e-3,
             rayleigh_fraction: None,
-            stiffness_factor: 1.0,
             wall_seconds: 6.0,
             core_seconds: None,
             simulated_seconds: 1.5,

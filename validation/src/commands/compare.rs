@@ -23,7 +23,6 @@ struct CompareDocument<'a> {
     verdict: &'a Verdict,
     rows: &'a [Row],
     codes: &'a [CodeSummary],
-    soft_bias: &'a [Row],
     notes: &'a [String],
     provenance: &'a BTreeMap<String, String>,
 }
@@ -102,7 +101,6 @@ fn document<'a>(
         verdict,
         rows: &comparison.rows,
         codes: &comparison.codes,
-        soft_bias: &comparison.soft_bias,
         notes: &comparison.notes,
         provenance,
     }

@@ -35,7 +35,6 @@ fn record_codes(
         scene_file: file,
         seeds: arguments.runs.seeds,
         rayleigh_fraction: arguments.runs.rayleigh_fraction,
-        stiffness_factor: arguments.stiffness_factor,
         time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
         again: arguments.again,
         recordings: match &arguments.recordings {
@@ -140,14 +139,14 @@ mod tests {
             (ran, ended.is_ok())
         }
 
-        /// Seeds and versions of the recorded runs at a stiffness.
-        fn recorded(&self, factor: f64) -> Vec<(u64, String)> {
+        /// Seeds and versions of the recorded runs.
+        fn recorded(&self) -> Vec<(u64, String)> {
             let reference = Reference::load(&Reference::folder(&self.scene)).unwrap().unwrap();
-            reference.at("LIGGGHTS", factor).map(|run| (run.seed, run.version.clone())).collect()
+            reference.of("LIGGGHTS").map(|run| (run.seed, run.version.clone())).collect()
         }
 
-        fn seeds(&self, factor: f64) -> Vec<u64> {
-            self.recorded(factor).into_iter().map(|(seed, _)| seed).collect()
+        fn seeds(&self) -> Vec<u64> {
+            self.recorded().into_iter().map(|(seed, _)| seed).collect()
         }
 
         fn forget_raw_recordings(&self) {
@@ -163,19 +162,17 @@ mod tests {
         assert_eq!(desk.record("--seeds 4", "1", &[]), (vec![3, 4], true));
         assert_eq!(desk.record("--seeds 1", "1", &[]), (vec![], true));
         assert_eq!(desk.record("", "1", &[]), (vec![], true), "as many as are recorded");
-        assert_eq!(desk.seeds(1.0), [1, 2, 3, 4]);
-        assert_eq!(desk.record("--seeds 2 --stiffness-factor 10", "1", &[]), (vec![1, 2], true));
-        assert_eq!((desk.seeds(1.0), desk.seeds(10.0)), (vec![1, 2, 3, 4], vec![1, 2]));
+        assert_eq!(desk.seeds(), [1, 2, 3, 4]);
     }
 
     #[test]
     fn what_ended_well_is_taken_in_beside_a_failure() {
         let desk = Desk::new();
         assert_eq!(desk.record("--seeds 3", "1", &[2]), (vec![1, 2, 3], false));
-        assert_eq!(desk.seeds(1.0), [1, 3]);
+        assert_eq!(desk.seeds(), [1, 3]);
         desk.forget_raw_recordings();
         assert_eq!(desk.record("--seeds 4", "1", &[4]), (vec![2, 4], false));
-        assert_eq!(desk.seeds(1.0), [1, 2, 3]);
+        assert_eq!(desk.seeds(), [1, 2, 3]);
     }
 
     #[test]
@@ -185,7 +182,7 @@ mod tests {
         std::fs::remove_dir_all(Reference::folder(&desk.scene)).unwrap();
         assert_eq!(desk.record("--seeds 3", "1", &[]), (vec![3], true));
         assert_eq!(desk.record("--seeds 3", "2", &[]), (vec![1, 2, 3], true));
-        assert!(desk.recorded(1.0).iter().all(|(_, version)| version == "2"));
+        assert!(desk.recorded().iter().all(|(_, version)| version == "2"));
     }
 
     #[test]
@@ -193,7 +190,7 @@ mod tests {
         let desk = Desk::new();
         desk.record("--seeds 3", "1", &[]);
         assert_eq!(desk.record("--seeds 2 --rayleigh-fraction 0.2", "1", &[]), (vec![1, 2], true));
-        assert_eq!(desk.seeds(1.0), [1, 2]);
+        assert_eq!(desk.seeds(), [1, 2]);
         // Raw recordings of the scene as it was are still there, and are none of this one.
         let text = std::fs::read_to_string(&desk.scene).unwrap();
         std::fs::write(&desk.scene, text.replacen("duration = 0.4", "duration = 0.5", 1)).unwrap();
@@ -205,9 +202,9 @@ mod tests {
         let desk = Desk::new();
         desk.record("--seeds 2", "1", &[]);
         assert_eq!(desk.record("--seeds 3", "2", &[3]), (vec![1, 2, 3], false));
-        assert_eq!(desk.recorded(1.0), [(1, "1".into()), (2, "1".into())]);
+        assert_eq!(desk.recorded(), [(1, "1".into()), (2, "1".into())]);
         assert_eq!(desk.record("--seeds 3", "2", &[]), (vec![3], true), "the runs that ended were kept");
-        assert_eq!(desk.seeds(1.0), [1, 2, 3]);
+        assert_eq!(desk.seeds(), [1, 2, 3]);
     }
 
     #[test]
@@ -215,7 +212,7 @@ mod tests {
         let desk = Desk::new();
         desk.record("--seeds 3", "1", &[]);
         assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![], true), "measured from raw recordings");
-        assert_eq!(desk.seeds(1.0), [1, 2]);
+        assert_eq!(desk.seeds(), [1, 2]);
         desk.forget_raw_recordings();
         assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![1, 2], true));
     }

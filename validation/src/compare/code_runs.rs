@@ -18,14 +18,12 @@ pub struct CodeRuns {
     pub timing: Timing,
     /// In a sentence, where the numbers came from.
     pub provenance: String,
-    /// Runs at the scene's stiffness.
+    /// Its runs that ended well.
     pub runs: Vec<MeasuredRun>,
     /// Seeds that were asked for and whose runs failed: what a code is measured by lacks their values.
     pub failed: Vec<u64>,
     /// Why none of the runs counts, in words; absent where they do.
     pub discarded: Option<String>,
-    /// Runs with every Young's modulus ten times the scene's, if there are any.
-    pub stiff_runs: Vec<MeasuredRun>,
     /// Normal forces of all runs.
     pub forces: Option<ForceDistribution>,
     /// Observables over time in the run with the first seed.
@@ -53,7 +51,6 @@ impl CodeRuns {
             series: harvests.first().map(|first| first.series.clone()).unwrap_or_default(),
             final_state: harvests.first().and_then(|first| first.final_state.clone()),
             runs: harvests.into_iter().map(|harvest| harvest.run).collect(),
-            stiff_runs: Vec::new(),
             failed: Vec::new(),
             discarded: None,
         }
@@ -77,7 +74,6 @@ impl CodeRuns {
             seeds: self.runs.iter().map(|run| run.seed).collect(),
             time_step: first.time_step,
             rayleigh_fraction: first.rayleigh_fraction,
-            stiffness_factor: first.stiffness_factor,
             wall_seconds_per_simulated_second: middle,
             timing: self.timing,
             processor: first.processor.clone(),

@@ -106,8 +106,6 @@ pub struct CodeSummary {
     pub time_step: f64,
     /// Time step over the Rayleigh step, for explicit codes.
     pub rayleigh_fraction: Option<f64>,
-    /// Factor on Young's modulus.
-    pub stiffness_factor: f64,
     /// Median over runs of the time of the stepping over simulated time, one core: processor time, or wall time of runs that do not tell it.
     pub wall_seconds_per_simulated_second: f64,
     /// How that time came about.
@@ -157,8 +155,6 @@ pub struct Comparison {
     pub forces: Vec<ForceDistribution>,
     /// Final states, one a code, of the same seed.
     pub final_states: Vec<FinalState>,
-    /// Bias of soft grains: per code and observable, the value at ten times the stiffness minus the value at the scene's.
-    pub soft_bias: Vec<Row>,
     /// What a reader must know: recorded numbers used, runs that failed, live runs outside the recorded spread.
     pub notes: Vec<String>,
 }

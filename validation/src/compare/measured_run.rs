@@ -25,8 +25,6 @@ pub struct MeasuredRun {
     pub time_step: f64,
     /// Time step over the Rayleigh step, for explicit codes.
     pub rayleigh_fraction: Option<f64>,
-    /// Factor on every Young's modulus of the scene.
-    pub stiffness_factor: f64,
     /// Wall time of the time stepping, s.
     pub wall_seconds: f64,
     /// Processor time of the time stepping on one core, s; absent where the code does not tell, and of recorded runs: a line of `runs.csv`
@@ -96,7 +94,6 @@ impl Harvest {
                 seed: recording.seed,
                 time_step: recording.time_step,
                 rayleigh_fraction: recording.rayleigh_fraction,
-                stiffness_factor: recording.stiffness_factor,
                 wall_seconds: recording.wall_seconds,
                 core_seconds: recording.core_seconds,
                 simulated_seconds: recording.simulated_seconds,

@@ -17,5 +17,5 @@ pub use measured_run::{Harvest, MeasuredRun};
 pub use noticed::noticed;
 pub use record::{FEW_SEEDS, RecordError, Recorded, Recorder};
 pub use reference::{MergeError, Missing, Reference, ReferenceError, Wanted, physics_hash};
-pub use rows::{LiveCheck, STIFF, comparison, live_checks};
+pub use rows::{LiveCheck, comparison, live_checks};
 pub use simulate::{Announce, Runs, Share, Simulated, Timed};

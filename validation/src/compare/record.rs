@@ -24,8 +24,6 @@ pub struct Recorder<'a> {
     pub seeds: Option<u64>,
     /// Time step of explicit codes over the Rayleigh step.
     pub rayleigh_fraction: f64,
-    /// Factor on every Young's modulus.
-    pub stiffness_factor: f64,
     /// Wall time after which a run is stopped.
     pub time_limit: Duration,
     /// Whether all that is recorded is replaced.
@@ -124,7 +122,7 @@ impl Recorder<'_> {
             purpose: Purpose::Measuring,
             seeds: missing.seeds.clone(),
             rayleigh_fraction: self.rayleigh_fraction,
-            stiffness_factor: self.stiffness_factor,
+            stiffness_factor: 1.0,
             time_limit: self.time_limit,
             recordings: Some(self.recordings.clone()),
             announce: self.announce,
@@ -134,7 +132,7 @@ impl Recorder<'_> {
     /// What has to be measured or run of a code.
     fn missing(&self, code: &dyn Code, reference: &Reference, hash: &str, seeds: &[u64]) -> Missing {
         if self.again {
-            let recorded = reference.at(code.name(), self.stiffness_factor).next();
+            let recorded = reference.of(code.name()).next();
             return Missing { seeds: seeds.to_vec(), replaces: recorded.map(|_| "--again asks for it".into()) };
         }
         reference.missing(&Wanted {
@@ -143,14 +141,13 @@ impl Recorder<'_> {
             contact_law: code.contact_law(),
             scene_hash: hash,
             rayleigh_fraction: self.rayleigh_fraction,
-            stiffness_factor: self.stiffness_factor,
             seeds,
         })
     }
 
     /// Says what will be kept and what will be replaced.
     fn say(&self, code: &str, missing: &Missing, reference: &Reference, seeds: &[u64]) {
-        let recorded = reference.at(code, self.stiffness_factor).count();
+        let recorded = reference.of(code).count();
         match &missing.replaces {
             Some(reason) => (self.warn)(&format!(
                 "{code}: all {recorded} recorded runs will be replaced by seeds 1 to {}, not mixed with them: {reason}",
@@ -191,19 +188,19 @@ impl Recorder<'_> {
             return Ok(false);
         }
         match missing.replaces {
-            Some(_) => reference.replace(new, self.stiffness_factor, hash),
-            None => reference.add(new, self.stiffness_factor, hash)?,
+            Some(_) => reference.replace(new, hash),
+            None => reference.add(new, hash)?,
         }
         Ok(true)
     }
 
     /// Adds mean and standard deviation of what is recorded of a code; whether every run has a value of all that is compared.
     fn describe(&self, reference: &Reference, code: &str, lines: &mut Vec<String>) -> bool {
-        let runs = reference.at(code, self.stiffness_factor).count();
+        let runs = reference.of(code).count();
         let mut whole = true;
         for expectation in &self.scene.compare {
             let observable = &expectation.observable;
-            let recorded = reference.at(code, self.stiffness_factor);
+            let recorded = reference.of(code);
             let values: Vec<f64> = recorded.filter_map(|run| run.value(observable)).collect();
             let lacking = match runs - values.len() {
                 0 => String::new(),

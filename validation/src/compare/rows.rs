@@ -1,13 +1,10 @@
-//! From runs to rows: means, differences, verdicts, the bias of soft grains, live runs against the recorded spread.
+//! From runs to rows: means, differences, verdicts, live runs against the recorded spread.
 
 use super::comparison::{MAKADAM, at_odds};
 use super::{CodeRuns, Comparison, MeasuredRun, Row};
 use crate::plan::{Expectation, Scene};
 use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, equivalence, inside_recorded_spread};
-
-/// Stiffness at which the bias of soft grains is measured, over the scene's.
-pub const STIFF: f64 = 10.0;
 
 /// Puts together what was measured of several codes, Makadam first, which is the one that is judged.
 pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comparison {
@@ -19,7 +16,6 @@ pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comp
         series: codes.iter().flat_map(|code| code.series.iter().cloned()).collect(),
         forces: codes.iter().filter_map(|code| code.forces.clone()).collect(),
         final_states: codes.iter().filter_map(|code| code.final_state.clone()).collect(),
-        soft_bias: codes.iter().flat_map(|code| soft_bias(scene, code)).collect(),
         notes,
     }
 }
@@ -28,7 +24,7 @@ pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comp
 /// seed that it was run with has no test: its rows say what is missing.
 fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
     let name = &expectation.observable;
-    let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(code, name, &code.runs, code.failed.len())).collect();
+    let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(code, name)).collect();
     let whole = asked.iter().filter(|asked| asked.missing.is_none()).count();
     let mut rows = Vec::new();
     for (place, one) in asked.iter().enumerate() {
@@ -57,24 +53,6 @@ fn leave_open(rows: &mut [Row]) {
     }
 }
 
-/// How far each compared observable of a code shifts where its grains are ten times as stiff.
-fn soft_bias(scene: &Scene, code: &CodeRuns) -> Vec<Row> {
-    if code.stiff_runs.is_empty() {
-        return Vec::new();
-    }
-    let shift = |expectation: &Expectation| {
-        let name = &expectation.observable;
-        let stiff = Asked::of(code, name, &code.stiff_runs, 0);
-        let soft = Asked::of(code, name, &code.runs, code.failed.len());
-        let alone = Row { margin: expectation.margin, ..stiff.row(scene, name) };
-        let row = stiff.against(&soft, &alone, expectation, 2);
-        // A bias is not judged.
-        let outcome = row.outcome.filter(|outcome| *outcome == Outcome::NotMeasured);
-        Row { outcome, interval_of_verdict: None, seeds_needed: None, ..row }
-    };
-    scene.compare.iter().map(shift).collect()
-}
-
 /// What the runs of a code have of an observable that is asked for.
 struct Asked<'a> {
     code: &'a str,
@@ -85,12 +63,12 @@ struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    /// What runs of a code have, beside which `failed` seeds were asked for.
-    fn of(code_runs: &'a CodeRuns, observable: &str, runs: &'a [MeasuredRun], failed: usize) -> Asked<'a> {
-        let CodeRuns { code, discarded, .. } = code_runs;
+    /// What the runs of a code have.
+    fn of(code_runs: &'a CodeRuns, observable: &str) -> Asked<'a> {
+        let CodeRuns { code, runs, failed, discarded, .. } = code_runs;
         let found = || runs.iter().flat_map(|run| &run.measurements).filter(|found| found.observable == observable);
         let values: Vec<f64> = runs.iter().filter_map(|run| run.value(observable)).collect();
-        let missing = match (values.len(), runs.len() + failed) {
+        let missing = match (values.len(), runs.len() + failed.len()) {
             _ if discarded.is_some() => discarded.clone(),
             (_, 0) => Some(format!("{code} has no runs")),
             (found, all) if found == all => None,
@@ -199,7 +177,6 @@ mod tests {
             seed: index as u64 + 1,
             time_step: 1e-3,
             rayleigh_fraction: None,
-            stiffness_factor: 1.0,
             wall_seconds: 3.0,
             core_seconds: None,
             simulated_seconds: 1.5,
@@ -221,7 +198,6 @@ mod tests {
             timing: Timing::SideBySide,
             provenance: String::new(),
             runs,
-            stiff_runs: Vec::new(),
             failed: Vec::new(),
             discarded: None,
             forces: None,
@@ -349,16 +325,6 @@ mod tests {
         assert_eq!(rows[0].2, Some(Outcome::NotMeasured));
         assert_eq!(rows[0].3, "YADE has no runs");
         assert_eq!(comparison(&packing(), &codes, Vec::new()).codes.len(), 1);
-    }
-
-    #[test]
-    fn a_bias_of_soft_grains_that_was_not_measured_is_said() {
-        let mut yade = code("YADE", &[0.584, 0.586]);
-        yade.stiff_runs = code("YADE", &[0.590, 0.591]).runs;
-        let bias = comparison(&packing(), &[yade], Vec::new()).soft_bias;
-        assert_eq!(bias.len(), 6);
-        assert!(bias[0].difference.is_some() && bias[0].outcome.is_none());
-        assert!(bias[1..].iter().all(|row| row.difference.is_none() && row.outcome == Some(Outcome::NotMeasured)));
     }
 
     #[test]

@@ -140,7 +140,6 @@ impl Runs<'_> {
             seeds: vec![seed],
             time_step: run.time_step,
             rayleigh_fraction: run.rayleigh_fraction,
-            stiffness_factor: run.stiffness_factor,
             wall_seconds_per_simulated_second: run.pace(),
             // Without processor time there is no time that other codes' can be divided by.
             timing: if run.core_seconds.is_some() { Timing::Alone } else { Timing::Measuring },

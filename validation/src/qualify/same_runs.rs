@@ -63,7 +63,7 @@ mod tests {
             spin: [0.0; 3],
         };
         let run = serde_json::json!({
-            "code": "Own", "version": "1", "seed": seed, "time_step": 1e-3, "rayleigh_fraction": null, "stiffness_factor": 1.0,
+            "code": "Own", "version": "1", "seed": seed, "time_step": 1e-3, "rayleigh_fraction": null,
             "wall_seconds": seed as f64, "simulated_seconds": 0.6, "processor": "", "date": "", "scene_hash": "",
         });
         let particles = (0..).zip(heights).map(grain).collect();

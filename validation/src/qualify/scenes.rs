@@ -3,8 +3,7 @@
 use super::jobs::{Job, weight};
 use super::{LIVE_FRACTION, LIVE_SEED, QualifyError, Settings};
 use crate::compare::{
-    CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, Reference, Runs, STIFF, Timed, comparison,
-    live_checks,
+    CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, Reference, Runs, Timed, comparison, live_checks,
 };
 use crate::peers::{Code, Makadam, Purpose};
 use crate::plan::Scene;
@@ -30,20 +29,17 @@ pub(super) struct Case {
     file: PathBuf,
     recorded: Vec<CodeRuns>,
     seeds: u64,
-    /// Seeds that Makadam also runs with grains ten times as stiff.
-    stiff_seeds: u64,
     notes: Vec<String>,
     timings: Vec<CodeSummary>,
-    /// Makadam's runs at the scene's stiffness, and at ten times that.
-    harvests: Mutex<[Vec<Harvest>; 2]>,
+    /// Makadam's runs.
+    harvests: Mutex<Vec<Harvest>>,
 }
 
 impl Case {
-    /// A scene with no fewer than so many seeds of Makadam; `stiff`: with grains ten times as stiff too.
+    /// A scene with no fewer than so many seeds of Makadam.
     pub(super) fn open(
         name: &'static str,
         fewest_seeds: u64,
-        stiff: bool,
         settings: &Settings<'_>,
         peers: &[Box<dyn Code>],
     ) -> Result<Case, QualifyError> {
@@ -56,12 +52,9 @@ impl Case {
             return Err(SceneError::from(SceneFileError::Invalid { file, line: None, problem, remedy }).into());
         }
         let reference = Reference::of_scene(&file)?.unwrap_or_default();
-        let stiff_seeds =
-            || peers.iter().map(|peer| reference.at(peer.name(), STIFF).count() as u64).max().unwrap_or(0);
         let mut case = Case {
             name,
             seeds: reference.seeds().max(fewest_seeds),
-            stiff_seeds: if stiff { stiff_seeds() } else { 0 },
             file,
             scene,
             recorded: Vec::new(),
@@ -78,14 +71,14 @@ impl Case {
         Ok(case)
     }
 
-    fn runs<'s>(&'s self, settings: &'s Settings<'_>, seed: u64, stiffness_factor: f64) -> Runs<'s> {
+    fn runs<'s>(&'s self, settings: &'s Settings<'_>, seed: u64) -> Runs<'s> {
         Runs {
             scene: &self.scene,
             scene_file: &self.file,
             purpose: Purpose::Measuring,
             seeds: vec![seed],
             rayleigh_fraction: LIVE_FRACTION,
-            stiffness_factor,
+            stiffness_factor: 1.0,
             time_limit: settings.time_limit,
             recordings: None,
             announce: settings.announce,
@@ -94,27 +87,22 @@ impl Case {
 
     /// The runs of Makadam.
     pub(super) fn jobs<'s>(&'s self, settings: &'s Settings<'_>, kept: &'s KeptRuns) -> Vec<Job<'s>> {
-        let soft = (1..=self.seeds).map(|seed| (seed, 0, 1.0));
-        let stiff = (1..=self.stiff_seeds).map(|seed| (seed, 1, STIFF));
-        let job = move |(seed, place, factor): (u64, usize, f64)| Job {
-            identity: KeptRuns::identity(&self.runs(settings, seed, factor), &Makadam, seed),
+        let job = move |seed| Job {
+            identity: KeptRuns::identity(&self.runs(settings, seed), &Makadam, seed),
             weight: weight(&self.scene),
             work: Box::new(move || {
-                let harvest = kept.take(&self.runs(settings, seed, factor), &Makadam, seed)?;
-                self.harvests.lock().expect("nothing panics while it holds the lock")[place].push(harvest);
+                let harvest = kept.take(&self.runs(settings, seed), &Makadam, seed)?;
+                self.harvests.lock().expect("nothing panics while it holds the lock").push(harvest);
                 Ok(())
             }),
         };
-        soft.chain(stiff).map(job).collect()
+        (1..=self.seeds).map(job).collect()
     }
 
     /// The comparison of all that was run with all that is recorded, by so many threads.
     pub(super) fn compared(self, threads: usize) -> Comparison {
-        let [soft, stiff] = self.harvests.into_inner().expect("nothing panics while it holds the lock");
-        let own = CodeRuns {
-            stiff_runs: CodeRuns::live("Makadam", threads, stiff).runs,
-            ..CodeRuns::live("Makadam", threads, soft)
-        };
+        let harvests = self.harvests.into_inner().expect("nothing panics while it holds the lock");
+        let own = CodeRuns::live("Makadam", threads, harvests);
         let codes: Vec<CodeRuns> = std::iter::once(own).chain(self.recorded).collect();
         let mut comparison = comparison(&self.scene, &codes, self.notes);
         comparison.codes.extend(self.timings);
@@ -129,7 +117,7 @@ impl Case {
         kept: &KeptRuns,
         code: &dyn Code,
     ) -> Result<Harvest, KeptError> {
-        let runs = self.runs(settings, LIVE_SEED, 1.0);
+        let runs = self.runs(settings, LIVE_SEED);
         let Timed { summary, harvest } = runs.time(code, LIVE_SEED, |runs| match runs.purpose {
             Purpose::Timing => kept.take_alone(runs, code, LIVE_SEED),
             Purpose::Measuring => kept.take(runs, code, LIVE_SEED),

@@ -28,8 +28,6 @@ pub struct Extent {
     /// Scenes on which the codes are timed one after the other, and on which the peers are run where they are run live. A live run is
     /// held against recorded ones, so these are scenes that are recorded under the law of contacts that the peers have now.
     pub timed: &'static [&'static str],
-    /// Scenes that Makadam also runs with grains ten times as stiff, over the seeds that are recorded of them so.
-    pub stiff: &'static [&'static str],
     /// Studies that are a part.
     pub studies: &'static [Study],
 }
@@ -148,7 +146,6 @@ pub const TIERS: [Extent; 3] = [
         scenes: &["packing", "drum", "drum-caps", "heap"],
         fewest_seeds: 8,
         timed: &["packing", "drum"],
-        stiff: &[],
         studies: &[],
     },
     Extent {
@@ -157,7 +154,6 @@ pub const TIERS: [Extent; 3] = [
         scenes: &REFERENCE_SCENES,
         fewest_seeds: 8,
         timed: &["packing", "drum", "heap"],
-        stiff: &[],
         studies: &[
             Study::HardCases(&[]),
             LAWS,
@@ -172,7 +168,6 @@ pub const TIERS: [Extent; 3] = [
         scenes: &REFERENCE_SCENES,
         fewest_seeds: 16,
         timed: &["packing", "drum", "heap"],
-        stiff: &["packing", "drum", "heap"],
         studies: &[
             Study::HardCases(&[]),
             LAWS,

@@ -101,7 +101,6 @@ fn section(comparison: &Comparison, place: usize, gallery: Option<Gallery>) -> V
         gallery => gallery,
         series => series,
         forces => forces::figure(comparison).map(|(svg, caption)| context! { svg => svg, caption => caption }),
-        shifts => tables::shifts(comparison).map(|table| table.html()),
         runs => tables::runs(comparison).map(|table| table.html()),
         limits => tables::limits(comparison),
         notes => comparison.notes,

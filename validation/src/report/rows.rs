@@ -5,26 +5,24 @@ use super::words::outcome;
 use crate::compare::{Comparison, Row};
 use crate::study::{Cell, Table, cells};
 
-/// All rows of a qualification: those of comparisons, and those of the bias of soft grains ("stiffness").
+/// All rows of a qualification.
 pub(super) fn table(qualification: &Qualification) -> Table {
     let mut table = Table::named(
-        "scene table observable unit code source mean standard_deviation seeds reference_code difference interval90_low \
+        "scene observable unit code source mean standard_deviation seeds reference_code difference interval90_low \
          interval90_high verdict_low verdict_high margin outcome seeds_needed missing",
     );
     for comparison in &qualification.comparisons {
-        comparison.rows.iter().for_each(|row| table.row(line(comparison, "comparison", row)));
-        comparison.soft_bias.iter().for_each(|row| table.row(line(comparison, "stiffness", row)));
+        comparison.rows.iter().for_each(|row| table.row(line(comparison, row)));
     }
     table
 }
 
-fn line(comparison: &Comparison, table: &str, row: &Row) -> Vec<Cell> {
+fn line(comparison: &Comparison, row: &Row) -> Vec<Cell> {
     let code = comparison.codes.iter().find(|code| code.code == row.code);
     let [low, high] = [0, 1].map(|end| row.interval90.map(|interval| interval[end]));
     let [verdict_low, verdict_high] = [0, 1].map(|end| row.interval_of_verdict.map(|interval| interval[end]));
     cells![
         &row.scene,
-        table,
         &row.observable,
         &row.unit,
         &row.code,

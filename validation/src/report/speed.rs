@@ -21,15 +21,13 @@ pub(super) fn time(code: &CodeSummary) -> String {
     not_timed(code.timing).map_or_else(|| duration(code.wall_seconds_per_simulated_second), String::from)
 }
 
-/// The runs that a speed is quoted from, one a code, at the scene's own stiffness.
+/// The runs that a speed is quoted from, one a code.
 ///
 /// Runs for timing go before those for measuring, these before those side by side, and these before recorded ones. Of a peer that ran with several time
 /// steps the fastest counts, so that no speed-up is taken over a needlessly slow peer.
 fn timed(comparison: &Comparison) -> Vec<&CodeSummary> {
     let usable = |code: &&CodeSummary| {
-        code.stiffness_factor == 1.0
-            && code.wall_seconds_per_simulated_second.is_finite()
-            && code.wall_seconds_per_simulated_second > 0.0
+        code.wall_seconds_per_simulated_second.is_finite() && code.wall_seconds_per_simulated_second > 0.0
     };
     let rank = |code: &CodeSummary| match code.timing {
         Timing::Alone => 0,

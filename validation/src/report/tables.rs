@@ -157,7 +157,7 @@ impl<'a> Line<'a> {
 
 /// How the codes of a scene were run; nothing where none is known.
 pub(super) fn runs(comparison: &Comparison) -> Option<Table> {
-    let numbers = ["time step", "of the Rayleigh step", "stiffness", "wall time per simulated second"];
+    let numbers = ["time step", "of the Rayleigh step", "wall time per simulated second"];
     let table = Table::new(&["code", "version", "source", "seeds"], &numbers).with_words("where the numbers are from");
     let table = table.of_class("wide").of(&comparison.codes, |run| {
         let from = [run.provenance.as_str(), run.processor.as_str()].into_iter().filter(|text| !text.is_empty());
@@ -168,7 +168,6 @@ pub(super) fn runs(comparison: &Comparison) -> Option<Table> {
             seeds(&run.seeds),
             format!("{} s", compact(run.time_step)),
             run.rayleigh_fraction.map(|fraction| format!("{}%", compact(100.0 * fraction))),
-            format!("×{}", compact(run.stiffness_factor)),
             speed::time(run),
             from.collect::<Vec<_>>().join("; "),
         ]
@@ -188,66 +187,9 @@ fn seeds(seeds: &[u64]) -> String {
     }
 }
 
-/// Bias of soft grains: how far each observable moves in each code when grains are made ten times stiffer; nothing where that was
-/// not run.
-pub(super) fn shifts(comparison: &Comparison) -> Option<Table> {
-    let numbers = ["shift, 10 E minus E", "a third of the margin", "share of the margin"];
-    let table = Table::new(&["observable", "code"], &numbers).with_words("shift is");
-    let table = table.of(&comparison.soft_bias, |row| {
-        let margin = margin_of_shift(comparison, row);
-        let same = comparison.soft_bias.iter().filter(|other| other.observable == row.observable);
-        let rounding = match margin {
-            // A third of the margin is the yardstick here.
-            Some(margin) => words::rounding(std::iter::once(&Row { margin: Some(margin / 3.0), ..row.clone() })),
-            None => words::rounding(same),
-        };
-        let verdict = match shift_is_small(comparison, row) {
-            Some(true) => Some(("agree", "small")),
-            Some(false) => Some(("disagree", "too large")),
-            None if row.outcome == Some(Outcome::NotMeasured) => Some(("undecided", "not measured")),
-            None => None,
-        };
-        let none = verdict.is_none().then_some("no margin");
-        let interval = row.interval90.map(|interval| rounding.interval(interval));
-        cells![
-            names::with_unit(&row.observable, &row.unit, rounding),
-            code(&row.code),
-            Cell::from(row.difference.map(|d| rounding.signed(d))).above(interval),
-            margin.map(|margin| format!("±{}", rounding.value(margin / 3.0))),
-            margin.zip(row.difference).map(|(margin, d)| format!("{:.0}%", 100.0 * d.abs() / margin)),
-            Cell::from(none).outcome(verdict),
-        ]
-    });
-    (!table.is_empty()).then_some(table)
-}
-
-fn margin_of_shift(comparison: &Comparison, row: &Row) -> Option<f64> {
-    let expected = || comparison.scene.compare.iter().find(|e| e.observable == row.observable)?.margin;
-    row.margin.or_else(expected)
-}
-
-/// Whether a shift is below a third of the margin; none where there is no margin or no shift.
-fn shift_is_small(comparison: &Comparison, row: &Row) -> Option<bool> {
-    Some(row.difference?.abs() < margin_of_shift(comparison, row)? / 3.0)
-}
-
 /// What the data of a scene forbid to conclude from it.
 pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
     let mut limits = Vec::new();
-    for observable in distinct(comparison.soft_bias.iter().map(|row| row.observable.as_str())) {
-        let soft: Vec<&str> = (comparison.soft_bias.iter())
-            .filter(|row| row.observable == observable && shift_is_small(comparison, row) == Some(false))
-            .map(|row| row.code.as_str())
-            .collect();
-        if !soft.is_empty() {
-            limits.push(format!(
-                "{}: in {} grains ten times stiffer shift it by more than a third of the margin; the codes share one \
-                 stiffness and may be compared, but the value is not that of stiff grains.",
-                names::observable(observable),
-                join(&soft),
-            ));
-        }
-    }
     let exceeded = distinct(
         comparison
             .rows
@@ -277,7 +219,7 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
     if missing > 0 {
         limits.push(format!("{} undecided: too few seeds for the spread.", plural(missing, "test")));
     }
-    let lacking = comparison.rows.iter().chain(&comparison.soft_bias).filter(|row| row.missing.is_some());
+    let lacking = comparison.rows.iter().filter(|row| row.missing.is_some());
     let mut said: Vec<String> = Vec::new();
     for row in lacking {
         let words = format!("{}: {}.", names::observable(&row.observable), row.missing.as_deref().unwrap_or_default());

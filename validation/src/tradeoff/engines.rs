@@ -236,7 +236,6 @@ fn read_row(record: &csv::StringRecord, observables: &[&str], origin: &EngineOri
             seed: text(3).parse().map_err(|_| format!("'{}' is no seed", text(3)))?,
             time_step,
             rayleigh_fraction: None,
-            stiffness_factor: 1.0,
             wall_seconds: pace * simulated_seconds / core_share.unwrap_or(1.0),
             core_seconds: None,
             simulated_seconds,

@@ -67,7 +67,6 @@ fn code(place: usize, source: Source, wall: f64) -> CodeSummary {
         seeds: vec![1, 2, 3, 4, 5],
         time_step: [5e-4, 1.62e-5, 1.62e-5][place],
         rayleigh_fraction: [None, Some(0.2), Some(0.2)][place],
-        stiffness_factor: 1.0,
         wall_seconds_per_simulated_second: wall,
         timing: match source {
             Source::Live => Timing::Alone,
@@ -82,28 +81,6 @@ fn code(place: usize, source: Source, wall: f64) -> CodeSummary {
             Source::Recorded => "reference-scenes/drum/reference, recorded 2026-02-11".into(),
         },
     }
-}
-
-fn soft_bias(scene: &Scene, observable: &str, unit: &str, values: [f64; 3], shift: f64) -> Vec<Row> {
-    (1..3)
-        .map(|place| Row {
-            scene: scene.name.clone(),
-            observable: observable.into(),
-            unit: unit.into(),
-            code: CODES[place].into(),
-            mean: Some(values[place]),
-            standard_deviation: Some(0.2 * shift.abs()),
-            seeds: 3,
-            reference_code: None,
-            difference: Some(shift * (1.0 + 0.2 * place as f64)),
-            interval90: None,
-            interval_of_verdict: None,
-            margin: scene.compare.iter().find(|e| e.observable == observable).and_then(|e| e.margin),
-            outcome: None,
-            missing: None,
-            seeds_needed: None,
-        })
-        .collect()
 }
 
 fn forces() -> Vec<ForceDistribution> {
@@ -185,8 +162,6 @@ pub fn drum(recorded_yade: bool) -> Comparison {
     let final_states = (0..3)
         .map(|place| FinalState { code: CODES[place].into(), seed: 1, time: 8.0, particles: bed(place as u64, 27.0) })
         .collect();
-    let mut soft = soft_bias(&scene, "dynamic_angle_of_repose", "degree", [27.1, 27.3, 27.5], 0.12);
-    soft.extend(soft_bias(&scene, "coordination_number", "", [4.1, 4.15, 4.12], -0.09));
     let mut all = rows(&scene, "dynamic_angle_of_repose", "degree", [27.13, 27.34, 27.48], 0.31, 5);
     all.extend(rows(&scene, "coordination_number", "", [4.093, 4.121, 4.131], 0.021, 5));
     all.extend(rows(&scene, "share_below_mean", "", [0.6012, 0.6031, 0.5990], 0.0049, 5));
@@ -200,7 +175,6 @@ pub fn drum(recorded_yade: bool) -> Comparison {
         series,
         forces: forces(),
         final_states,
-        soft_bias: soft,
         notes: if recorded_yade {
             vec!["YADE's numbers are recorded ones: it is not installed here.".into()]
         } else {
@@ -237,8 +211,6 @@ pub fn packing() -> Comparison {
             })
             .collect()
     };
-    let mut soft = soft_bias(&scene, "packing_fraction", "", [0.5846, 0.5862, 0.5871], -0.0034);
-    soft.extend(soft_bias(&scene, "coordination_number", "", [4.81, 5.06, 5.09], -0.03));
     Comparison {
         judged: "Makadam".into(),
         rows: all,
@@ -253,7 +225,6 @@ pub fn packing() -> Comparison {
                 particles: particles(place as u64),
             })
             .collect(),
-        soft_bias: soft,
         notes: Vec::new(),
         scene,
     }
@@ -287,7 +258,6 @@ pub fn alone() -> Comparison {
         series: Vec::new(),
         forces: Vec::new(),
         final_states: Vec::new(),
-        soft_bias: Vec::new(),
         notes: vec!["LIGGGHTS and YADE are not installed, and no recorded reference exists.".into()],
         scene,
     }

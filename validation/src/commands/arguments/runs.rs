@@ -1,9 +1,7 @@
 //! Arguments of the commands that run scenes and judge them.
 
 use super::shared::{CodeRunArguments, OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
-use super::values::{
-    CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, positive, seconds, time_limit,
-};
+use super::values::{CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, seconds, time_limit};
 use clap::{Args, ValueEnum};
 use makadam::scene::Accuracy;
 use std::path::PathBuf;
@@ -74,9 +72,6 @@ pub struct CompareArguments {
     /// Measure or run all seeds again and replace the recorded ones; only with --record.
     #[arg(long, requires = "record")]
     pub again: bool,
-    /// Factor on every Young's modulus; only with --record.
-    #[arg(long, default_value_t = 1.0, value_parser = positive, requires = "record")]
-    pub stiffness_factor: f64,
     /// Folder of raw recordings that --record reads and writes; if absent, in the user's cache.
     #[arg(long, requires = "record")]
     pub recordings: Option<PathBuf>,
@@ -92,7 +87,7 @@ pub enum TierName {
     Quick,
     /// Every scene with recorded references of both peers, hard cases, published laws, effects, convergence: under 3 hours on two cores.
     Full,
-    /// All of that with at least 16 seeds of Makadam, stiff grains, effects of more scenes, trade-off: a night.
+    /// All of that with at least 16 seeds of Makadam, effects of more scenes, trade-off: a night.
     Release,
 }
 

@@ -26,16 +26,13 @@ pub enum MergeError {
 }
 
 impl Reference {
-    /// Takes in runs of one code, in place of what was recorded of it at the same stiffness. Distribution, series and
-    /// final state are taken from runs at the scene's own stiffness only.
-    pub fn replace(&mut self, mut code: CodeRuns, stiffness_factor: f64, scene_hash: &str) {
+    /// Takes in runs of one code, in place of what was recorded of it.
+    pub fn replace(&mut self, mut code: CodeRuns, scene_hash: &str) {
         let name = code.code.clone();
-        self.runs.retain(|run| run.code != name || run.stiffness_factor != stiffness_factor);
+        self.runs.retain(|run| run.code != name);
         self.take_runs(&mut code, scene_hash);
-        if stiffness_factor == 1.0 {
-            exchange(&mut self.forces, |forces| forces.code == name, code.forces.take());
-            self.take_first_seed(code);
-        }
+        exchange(&mut self.forces, |forces| forces.code == name, code.forces.take());
+        self.take_first_seed(code);
     }
 
     /// Takes in runs of seeds that were not recorded yet and keeps those that were. The forces of both are pooled;
@@ -43,9 +40,9 @@ impl Reference {
     ///
     /// # Errors
     /// [`MergeError`]; nothing is changed then.
-    pub fn add(&mut self, mut code: CodeRuns, stiffness_factor: f64, scene_hash: &str) -> Result<(), MergeError> {
+    pub fn add(&mut self, mut code: CodeRuns, scene_hash: &str) -> Result<(), MergeError> {
         let name = code.code.clone();
-        let recorded: Vec<&MeasuredRun> = self.at(&name, stiffness_factor).collect();
+        let recorded: Vec<&MeasuredRun> = self.of(&name).collect();
         let goes_with = |new: &MeasuredRun, old: &&MeasuredRun| {
             let made = |run: &MeasuredRun| (run.version.clone(), run.contact_law.clone(), run.rayleigh_fraction);
             old.scene_hash == scene_hash && made(old) == made(new) && old.seed != new.seed
@@ -57,18 +54,14 @@ impl Reference {
         let first_seed = |runs: &mut dyn Iterator<Item = u64>| runs.min().unwrap_or(u64::MAX);
         let is_first = first_seed(&mut code.runs.iter().map(|run| run.seed))
             < first_seed(&mut recorded.iter().map(|run| run.seed));
-        if stiffness_factor == 1.0 {
-            let before = self.forces.iter_mut().find(|forces| forces.code == name);
-            match (before, code.forces.take()) {
-                (Some(before), Some(more)) => {
-                    *before = before.pooled(&more).ok_or(MergeError::Bins { code: name })?;
-                }
-                (None, more) => self.forces.extend(more),
-                (Some(_), None) => {}
-            }
+        let before = self.forces.iter_mut().find(|forces| forces.code == name);
+        match (before, code.forces.take()) {
+            (Some(before), Some(more)) => *before = before.pooled(&more).ok_or(MergeError::Bins { code: name })?,
+            (None, more) => self.forces.extend(more),
+            (Some(_), None) => {}
         }
         self.take_runs(&mut code, scene_hash);
-        if stiffness_factor == 1.0 && is_first {
+        if is_first {
             self.take_first_seed(code);
         }
         Ok(())
@@ -78,11 +71,7 @@ impl Reference {
     fn take_runs(&mut self, code: &mut CodeRuns, scene_hash: &str) {
         let stamped = code.runs.drain(..).map(|run| MeasuredRun { scene_hash: scene_hash.into(), ..run });
         self.runs.extend(stamped);
-        self.runs.sort_by(|a, b| {
-            (&a.code, a.stiffness_factor, a.seed)
-                .partial_cmp(&(&b.code, b.stiffness_factor, b.seed))
-                .expect("factors are finite")
-        });
+        self.runs.sort_by(|a, b| (&a.code, a.seed).cmp(&(&b.code, b.seed)));
     }
 
     /// Takes over series and final state, which are those of a code's first seed.
@@ -107,10 +96,9 @@ mod tests {
     use crate::compare::physics_hash;
 
     /// The recorded runs of YADE with other seeds, for adding to a reference or for starting one.
-    fn with_seeds(seeds: [u64; 2], factor: f64) -> (Reference, CodeRuns, String) {
+    fn with_seeds(seeds: [u64; 2]) -> (Reference, CodeRuns, String) {
         let (scene, reference) = sample();
         let mut code = reference.code("YADE").unwrap();
-        code.runs = reference.at("YADE", factor).cloned().collect();
         for (run, seed) in code.runs.iter_mut().zip(seeds) {
             run.seed = seed;
         }
@@ -119,18 +107,17 @@ mod tests {
         (reference, code, physics_hash(&scene))
     }
 
-    fn seeds(reference: &Reference, factor: f64) -> Vec<u64> {
-        reference.at("YADE", factor).map(|run| run.seed).collect()
+    fn seeds(reference: &Reference) -> Vec<u64> {
+        reference.of("YADE").map(|run| run.seed).collect()
     }
 
     #[test]
     fn new_seeds_stand_beside_the_recorded_ones() {
-        let (mut reference, code, hash) = with_seeds([3, 4], 1.0);
+        let (mut reference, code, hash) = with_seeds([3, 4]);
         let before = reference.clone();
-        reference.add(code, 1.0, &hash).unwrap();
-        assert_eq!(seeds(&reference, 1.0), [1, 2, 3, 4]);
-        assert_eq!(seeds(&reference, 10.0), [1, 2]);
-        assert!(reference.at("YADE", 1.0).all(|run| run.scene_hash == hash));
+        reference.add(code, &hash).unwrap();
+        assert_eq!(seeds(&reference), [1, 2, 3, 4]);
+        assert!(reference.of("YADE").all(|run| run.scene_hash == hash));
         let forces = |reference: &Reference, code: &str| reference.code(code).unwrap().forces.unwrap();
         assert_eq!(forces(&reference, "YADE").samples, 2 * forces(&before, "YADE").samples);
         assert_eq!(forces(&reference, "LIGGGHTS"), forces(&before, "LIGGGHTS"));
@@ -140,30 +127,21 @@ mod tests {
 
     #[test]
     fn a_new_first_seed_brings_its_series_and_its_final_state() {
-        let (mut reference, code, hash) = with_seeds([3, 4], 1.0);
-        reference.replace(code, 1.0, &hash);
-        let (_, code, _) = with_seeds([1, 2], 1.0);
-        reference.add(code, 1.0, &hash).unwrap();
+        let (mut reference, code, hash) = with_seeds([3, 4]);
+        reference.replace(code, &hash);
+        let (_, code, _) = with_seeds([1, 2]);
+        reference.add(code, &hash).unwrap();
         let code = reference.code("YADE").unwrap();
-        assert_eq!(seeds(&reference, 1.0), [1, 2, 3, 4]);
+        assert_eq!(seeds(&reference), [1, 2, 3, 4]);
         assert_eq!((code.series[0].seed, code.final_state.unwrap().seed), (1, 1));
     }
 
     #[test]
-    fn stiff_runs_bring_no_forces() {
-        let (mut reference, code, hash) = with_seeds([3, 4], 10.0);
-        let before = reference.clone();
-        reference.add(code, 10.0, &hash).unwrap();
-        assert_eq!((seeds(&reference, 1.0), seeds(&reference, 10.0)), (vec![1, 2], vec![1, 2, 3, 4]));
-        assert_eq!(reference.forces, before.forces);
-    }
-
-    #[test]
     fn what_does_not_go_together_is_refused_and_changes_nothing() {
-        let (reference, code, hash) = with_seeds([3, 4], 1.0);
+        let (reference, code, hash) = with_seeds([3, 4]);
         let refused = |code: CodeRuns, hash: &str| {
             let mut changed = reference.clone();
-            let error = changed.add(code, 1.0, hash).unwrap_err();
+            let error = changed.add(code, hash).unwrap_err();
             assert_eq!(changed, reference);
             error
         };
@@ -180,11 +158,11 @@ mod tests {
     }
 
     #[test]
-    fn replacing_leaves_other_stiffnesses_and_the_order_alone() {
-        let (mut reference, _, hash) = with_seeds([1, 2], 1.0);
+    fn replacing_leaves_the_order_alone() {
+        let (mut reference, _, hash) = with_seeds([1, 2]);
         let before = reference.clone();
         for code in ["LIGGGHTS", "YADE", "LIGGGHTS"] {
-            reference.replace(before.code(code).unwrap(), 1.0, &hash);
+            reference.replace(before.code(code).unwrap(), &hash);
         }
         assert_eq!(reference, before);
     }

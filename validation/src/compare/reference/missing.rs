@@ -2,7 +2,7 @@
 
 use super::{MeasuredRun, Reference};
 
-/// Runs of one code at one stiffness that a reference should hold.
+/// Runs of one code that a reference should hold.
 #[derive(Clone, Debug)]
 pub struct Wanted<'a> {
     /// The code.
@@ -15,8 +15,6 @@ pub struct Wanted<'a> {
     pub scene_hash: &'a str,
     /// Time step over the Rayleigh step.
     pub rayleigh_fraction: f64,
-    /// Factor on every Young's modulus.
-    pub stiffness_factor: f64,
     /// Seeds of the initial positions.
     pub seeds: &'a [u64],
 }
@@ -31,10 +29,10 @@ pub struct Missing {
 }
 
 impl Reference {
-    /// The wanted seeds that are not recorded yet. They are all wanted seeds if any recorded run of the code at this
-    /// stiffness was made otherwise: such runs are not mixed, and their pooled forces cannot be taken apart again.
+    /// The wanted seeds that are not recorded yet. They are all wanted seeds if any recorded run of the code
+    /// was made otherwise: such runs are not mixed, and their pooled forces cannot be taken apart again.
     pub fn missing(&self, wanted: &Wanted<'_>) -> Missing {
-        let recorded: Vec<&MeasuredRun> = self.at(wanted.code, wanted.stiffness_factor).collect();
+        let recorded: Vec<&MeasuredRun> = self.of(wanted.code).collect();
         let version = wanted.version.or_else(|| recorded.first().map(|run| run.version.as_str())).unwrap_or_default();
         let replaces = recorded.iter().find_map(|run| made_otherwise(run, wanted, version));
         let is_missing = |seed: &u64| replaces.is_some() || recorded.iter().all(|run| run.seed != *seed);
@@ -82,7 +80,6 @@ mod tests {
             contact_law: "a law",
             scene_hash: &hash,
             rayleigh_fraction: 0.1,
-            stiffness_factor: 1.0,
             seeds: &[1, 2, 3],
         };
         change(&mut wanted);
@@ -93,16 +90,14 @@ mod tests {
     fn only_seeds_that_are_not_recorded_are_missing() {
         let third = Missing { seeds: vec![3], replaces: None };
         assert_eq!(missing(|_| ()), third);
-        assert_eq!(missing(|wanted| wanted.stiffness_factor = 10.0), third);
         assert_eq!(missing(|wanted| wanted.version = None), third, "a code that is not installed keeps its runs");
         assert!(missing(|wanted| wanted.seeds = &[1]).seeds.is_empty());
     }
 
     #[test]
-    fn a_code_or_stiffness_without_runs_misses_all_seeds() {
+    fn a_code_without_runs_misses_all_seeds() {
         let all = Missing { seeds: vec![1, 2, 3], replaces: None };
         assert_eq!(missing(|wanted| wanted.code = "another"), all);
-        assert_eq!(missing(|wanted| wanted.stiffness_factor = 2.0), all);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `runs.csv` | one line a run: code, version, contact law, seed, time step, stiffness, wall time, processor, date, hash of the scene |
+//! | `runs.csv` | one line a run: code, version, contact law, seed, time step, wall time, processor, date, hash of the scene |
 //! | `measurements.csv` | one line a run and observable |
 //! | `forces.csv` | distribution of normal forces over their mean, all seeds of a code pooled |
 //! | `series.csv` | observables over time, of each code's first seed |
@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
 /// The recorded references of one scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reference {
-    /// All runs, at the scene's stiffness and at multiples of it.
+    /// All runs, by code and seed.
     pub runs: Vec<MeasuredRun>,
     /// Distributions of normal forces, one a code.
     pub forces: Vec<ForceDistribution>,
@@ -49,10 +49,10 @@ impl Reference {
         }
     }
 
-    /// Codes that have runs at the scene's stiffness.
+    /// Codes that have runs.
     pub fn codes(&self) -> Vec<String> {
         let mut codes: Vec<String> = Vec::new();
-        for run in self.runs.iter().filter(|run| run.stiffness_factor == 1.0) {
+        for run in &self.runs {
             if !codes.contains(&run.code) {
                 codes.push(run.code.clone());
             }
@@ -60,9 +60,9 @@ impl Reference {
         codes
     }
 
-    /// Number of seeds at the scene's stiffness of the code that has most of them.
+    /// Number of seeds of the code that has most of them.
     pub fn seeds(&self) -> u64 {
-        let of = |code: &String| self.at(code, 1.0).count() as u64;
+        let of = |code: &String| self.of(code).count() as u64;
         self.codes().iter().map(of).max().unwrap_or(0)
     }
 
@@ -76,7 +76,6 @@ impl Reference {
             return Some(CodeRuns {
                 discarded: Some(discarded),
                 runs: Vec::new(),
-                stiff_runs: Vec::new(),
                 forces: None,
                 series: Vec::new(),
                 final_state: None,
@@ -90,7 +89,7 @@ impl Reference {
 
     /// What is recorded of one code, if anything is.
     pub fn code(&self, code: &str) -> Option<CodeRuns> {
-        let runs: Vec<MeasuredRun> = self.at(code, 1.0).cloned().collect();
+        let runs: Vec<MeasuredRun> = self.of(code).cloned().collect();
         let first = runs.first()?;
         let listed: Vec<&MeasuredRun> = runs.iter().collect();
         let fraction =
@@ -112,25 +111,16 @@ impl Reference {
             forces: self.forces.iter().find(|forces| forces.code == code).cloned(),
             series: self.series.iter().filter(|series| series.code == code).cloned().collect(),
             final_state: self.final_states.iter().find(|state| state.code == code).cloned(),
-            // A bias is that of stiffness alone.
-            stiff_runs: self
-                .at(code, super::STIFF)
-                .filter(|run| {
-                    (&run.contact_law, &run.version, &run.scene_hash)
-                        == (&first.contact_law, &first.version, &first.scene_hash)
-                })
-                .cloned()
-                .collect(),
             failed: Vec::new(),
             discarded: None,
             runs,
         })
     }
 
-    /// Whether the runs of a code at the scene's stiffness were made on the scene as it is now; `None` where none are.
+    /// Whether the runs of a code were made on the scene as it is now; `None` where none are.
     pub fn is_current(&self, code: &str, scene: &Scene) -> Option<bool> {
         let now = physics_hash(scene);
-        let mut runs = self.at(code, 1.0).peekable();
+        let mut runs = self.of(code).peekable();
         runs.peek()?;
         Some(runs.all(|run| run.scene_hash == now))
     }
@@ -141,15 +131,7 @@ impl Reference {
         if self.is_current(code, scene) == Some(false) {
             reasons.push(format!("the scene has changed since {code} was recorded: record anew with --record"));
         }
-        let now = physics_hash(scene);
-        if self.at(code, super::STIFF).any(|run| run.scene_hash != now) {
-            reasons.push(format!(
-                "the scene has changed since {code} was recorded with grains {0} times as stiff, which is left out: record anew with \
-                 --record --stiffness-factor {0}",
-                super::STIFF
-            ));
-        }
-        let runs: Vec<&MeasuredRun> = self.runs.iter().filter(|run| run.code == code).collect();
+        let runs: Vec<&MeasuredRun> = self.of(code).collect();
         let others: Vec<&&MeasuredRun> = runs.iter().filter(|run| run.contact_law != contact_law).collect();
         if let Some(other) = others.first() {
             reasons.push(format!(
@@ -163,9 +145,9 @@ impl Reference {
         reasons
     }
 
-    /// Runs of a code at one stiffness, in the order of their seeds.
-    pub fn at(&self, code: &str, factor: f64) -> impl Iterator<Item = &MeasuredRun> {
-        self.runs.iter().filter(move |run| run.code == code && run.stiffness_factor == factor)
+    /// Runs of a code, in the order of their seeds.
+    pub fn of(&self, code: &str) -> impl Iterator<Item = &MeasuredRun> {
+        self.runs.iter().filter(move |run| run.code == code)
     }
 }
 
@@ -210,7 +192,6 @@ pub fn physics_hash(scene: &Scene) -> String {
 struct MeasurementLine {
     code: String,
     seed: u64,
-    stiffness_factor: f64,
     // What stands in `runs.csv` too has to be readable here as well.
     #[serde(rename = "version")]
     _version: String,

@@ -86,14 +86,9 @@ impl Reference {
 
     fn read_measurements(&mut self, file: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
         for (at, line) in lines::<MeasurementLine>(file, bytes)? {
-            let run = self.runs.iter_mut().find(|run| {
-                run.code == line.code && run.seed == line.seed && run.stiffness_factor == line.stiffness_factor
-            });
+            let run = self.runs.iter_mut().find(|run| run.code == line.code && run.seed == line.seed);
             let Some(run) = run else {
-                let problem = format!(
-                    "{} seed {} at {} times the stiffness has no line in runs.csv",
-                    line.code, line.seed, line.stiffness_factor
-                );
+                let problem = format!("{} seed {} has no line in runs.csv", line.code, line.seed);
                 return Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
             };
             if run.value(&line.observable).is_some() {
@@ -143,8 +138,7 @@ impl Reference {
     fn read_final_states(&mut self, folder: &Path, bytes: Bytes<'_>) -> Result<(), ReferenceError> {
         for code in self.codes() {
             let file = folder.join(final_state_file(&code));
-            let Some((seed, time)) = self.at(&code, 1.0).next().map(|first| (first.seed, first.simulated_seconds))
-            else {
+            let Some((seed, time)) = self.of(&code).next().map(|first| (first.seed, first.simulated_seconds)) else {
                 continue;
             };
             let Some(grains) = lines_if_there::<GrainLine>(&file, bytes)? else {
@@ -157,14 +151,12 @@ impl Reference {
     }
 }
 
-/// Whether the runs of a code at one stiffness differ by their seeds alone, as those of an ensemble must; else the line of one that does
+/// Whether the runs of a code differ by their seeds alone, as those of an ensemble must; else the line of one that does
 /// not, and what is wrong with it.
 fn all_alike(runs: &[(u64, MeasuredRun)]) -> Result<(), (u64, String)> {
     for (place, (line, run)) in runs.iter().enumerate() {
         let before = runs[..place].iter().map(|(_, before)| before);
-        for before in
-            before.filter(|before| (&before.code, before.stiffness_factor) == (&run.code, run.stiffness_factor))
-        {
+        for before in before.filter(|before| before.code == run.code) {
             let differs = [
                 ("version", before.version != run.version),
                 ("contact law", before.contact_law != run.contact_law),

@@ -5,14 +5,13 @@ use makadam::snapshot::Particle;
 pub(super) fn sample() -> (Scene, Reference) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
     let scene = Scene::load(&file).unwrap();
-    let run = |code: &str, seed, factor| MeasuredRun {
+    let run = |code: &str, seed| MeasuredRun {
         code: code.into(),
         version: "1.0, Debian".into(),
         contact_law: "a law".into(),
         seed,
         time_step: 1.23456e-5,
         rayleigh_fraction: Some(0.1),
-        stiffness_factor: factor,
         wall_seconds: 12.5,
         core_seconds: None,
         simulated_seconds: 1.5,
@@ -31,13 +30,12 @@ pub(super) fn sample() -> (Scene, Reference) {
     for code in ["LIGGGHTS", "YADE"] {
         let particle =
             Particle { id: 0, position: [0.1, 0.2, 0.3], radius: 0.005, velocity: [1e-9, 0.0, -0.25], spin: [0.0; 3] };
-        let runs = |factor| CodeRuns {
+        let runs = CodeRuns {
             code: code.into(),
             source: Source::Live,
             timing: crate::compare::Timing::SideBySide,
             provenance: String::new(),
-            runs: vec![run(code, 1, factor), run(code, 2, factor)],
-            stiff_runs: Vec::new(),
+            runs: vec![run(code, 1), run(code, 2)],
             failed: Vec::new(),
             discarded: None,
             forces: Some(ForceDistribution {
@@ -55,8 +53,7 @@ pub(super) fn sample() -> (Scene, Reference) {
             }],
             final_state: Some(FinalState { code: code.into(), seed: 1, time: 1.5, particles: vec![particle] }),
         };
-        reference.replace(runs(1.0), 1.0, &physics_hash(&scene));
-        reference.replace(runs(10.0), 10.0, &physics_hash(&scene));
+        reference.replace(runs, &physics_hash(&scene));
     }
     (scene, reference)
 }
@@ -70,7 +67,6 @@ fn what_is_written_is_read_back() {
     assert_eq!(read, reference);
     assert_eq!(read.codes(), ["LIGGGHTS", "YADE"]);
     assert_eq!(read.seeds(), 2);
-    assert_eq!(read.code("YADE").unwrap().stiff_runs.len(), 2);
     assert_eq!(read.is_current("YADE", &scene), Some(true));
 }
 
@@ -86,20 +82,13 @@ fn a_changed_scene_is_noticed_and_changed_margins_are_not() {
 }
 
 #[test]
-fn stiff_runs_of_a_scene_that_has_changed_are_noticed() {
-    let (scene, mut reference) = sample();
-    let stiff = CodeRuns { runs: reference.at("YADE", 10.0).cloned().collect(), ..reference.code("YADE").unwrap() };
-    reference.replace(stiff, 10.0, "another");
-    // Those at the scene's own stiffness count all the same.
-    assert_eq!(reference.is_current("YADE", &scene), Some(true));
-    let yade = reference.code_on("YADE", &scene).unwrap();
-    assert_eq!((yade.runs.len(), yade.stiff_runs.len(), yade.discarded), (2, 0, None));
+fn runs_under_another_law_of_contacts_are_noticed() {
+    let (scene, reference) = sample();
     assert_eq!(reference.is_current("Makadam", &scene), None);
     assert!(reference.out_of_date("LIGGGHTS", "a law", &scene).is_empty());
     let reasons = reference.out_of_date("YADE", "another law", &scene);
-    assert_eq!(reasons.len(), 2, "{reasons:?}");
-    assert!(reasons[0].ends_with("--record --stiffness-factor 10"), "{reasons:?}");
-    assert!(reasons[1].contains("4 of 4 recorded runs of YADE were made under the contact law 'a law'"), "{reasons:?}");
+    assert_eq!(reasons.len(), 1, "{reasons:?}");
+    assert!(reasons[0].contains("2 of 2 recorded runs of YADE were made under the contact law 'a law'"), "{reasons:?}");
 }
 
 #[test]
@@ -133,11 +122,11 @@ fn recorded_references_are_written_as_they_were_read() {
 #[test]
 fn runs_of_several_days_and_processors_are_accounted_for() {
     let (scene, mut reference) = sample();
-    let last = reference.runs.iter_mut().rfind(|run| run.code == "YADE" && run.stiffness_factor == 1.0).unwrap();
+    let last = reference.runs.iter_mut().rfind(|run| run.code == "YADE").unwrap();
     (last.seed, last.processor, last.date) = (5, "another".into(), "2026-02-03T00:00:00Z".into());
     let account = reference.account(&scene);
     assert!(
-        account.contains("| E | 2 | 1.235e-5 | 10% | a processor, another | 2026-01-02 to 2026-02-03 |"),
+        account.contains("| a law | 2 | 1.235e-5 | 10% | a processor, another | 2026-01-02 to 2026-02-03 |"),
         "{account}"
     );
     // Asking for as many seeds as there are would not bring back the fifth.

@@ -35,8 +35,7 @@ impl Reference {
     }
 
     fn run_lines(&self) -> Result<File, DocumentError> {
-        let columns = "code version contact_law seed time_step rayleigh_fraction stiffness_factor wall_seconds simulated_seconds processor date \
-                       scene_hash";
+        let columns = "code version contact_law seed time_step rayleigh_fraction wall_seconds simulated_seconds processor date scene_hash";
         let cells = |run: &MeasuredRun| {
             cells![
                 &run.code,
@@ -45,7 +44,6 @@ impl Reference {
                 run.seed,
                 rounded(run.time_step),
                 run.rayleigh_fraction,
-                run.stiffness_factor,
                 rounded(run.wall_seconds),
                 rounded(run.simulated_seconds),
                 &run.processor,
@@ -57,7 +55,7 @@ impl Reference {
     }
 
     fn measurement_lines(&self) -> Result<File, DocumentError> {
-        let columns = "code version seed time_step rayleigh_fraction stiffness_factor observable unit value standard_error frames";
+        let columns = "code version seed time_step rayleigh_fraction observable unit value standard_error frames";
         let rows = self.runs.iter().flat_map(|run| {
             let finite = run.measurements.iter().filter(|measured| measured.value.is_finite());
             finite.map(move |measured| (run, measured))
@@ -69,7 +67,6 @@ impl Reference {
                 run.seed,
                 rounded(run.time_step),
                 run.rayleigh_fraction,
-                run.stiffness_factor,
                 &measured.observable,
                 &measured.unit,
                 measured.value,
@@ -105,20 +102,17 @@ impl Reference {
         let mut text = format!(
             "# Recorded references of `{}`\n\nWhat YADE and LIGGGHTS measured on this scene. Every run started from the \
              grains that Makadam places for its seed, ran on one core, and was measured by the same code that measures \
-             Makadam.\n\n| code | version | contact law | stiffness | seeds | time step (s) | of the Rayleigh step | processor | date |\n\
-             | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+             Makadam.\n\n| code | version | contact law | seeds | time step (s) | of the Rayleigh step | processor | date |\n\
+             | --- | --- | --- | --- | --- | --- | --- | --- |\n",
             scene.name
         );
-        let mut kinds: Vec<(&str, f64)> =
-            self.runs.iter().map(|run| (run.code.as_str(), run.stiffness_factor)).collect();
-        kinds.dedup();
-        for &(code, factor) in &kinds {
-            let runs: Vec<&MeasuredRun> = self.at(code, factor).collect();
+        let codes = self.codes();
+        for code in &codes {
+            let runs: Vec<&MeasuredRun> = self.of(code).collect();
             let first = runs[0];
-            let stiffness = if factor == 1.0 { "E".to_string() } else { format!("{factor} E") };
             let fraction = first.rayleigh_fraction.map_or("-".to_string(), |f| format!("{:.0}%", 100.0 * f));
             text += &format!(
-                "| {code} | {} | {} | {stiffness} | {} | {:.3e} | {fraction} | {} | {} |\n",
+                "| {code} | {} | {} | {} | {:.3e} | {fraction} | {} | {} |\n",
                 first.version,
                 first.contact_law,
                 runs.len(),
@@ -128,14 +122,13 @@ impl Reference {
             );
         }
         text += "\nMade by\n\n```\n";
-        for (code, factor) in &kinds {
+        for code in &codes {
             // The last seed and not their number: seeds whose run failed leave holes.
-            let last = self.at(code, *factor).last();
+            let last = self.of(code).last();
             let seeds = last.map_or(0, |run| run.seed);
             let fraction = last.and_then(|run| run.rayleigh_fraction).unwrap_or_default();
-            let stiffness = if *factor == 1.0 { String::new() } else { format!(" --stiffness-factor {factor}") };
             text += &format!(
-                "makadam compare {} --record --codes {} --seeds {seeds} --rayleigh-fraction {fraction}{stiffness}\n",
+                "makadam compare {} --record --codes {} --seeds {seeds} --rayleigh-fraction {fraction}\n",
                 scene.name,
                 code.to_lowercase()
             );

@@ -388,13 +388,13 @@ pub fn lammps_logs() -> Vec<Vec<u8>> {
 
 /// The files of a folder of references.
 pub fn references() -> Vec<Vec<u8>> {
-    let made = "YADE,2023.02a,1,1e-5,0.1,1.0";
+    let made = "YADE,2023.02a,1,1e-5,0.1";
     vec![
         format!(
-            "{PART}runs.csv\ncode,version,seed,time_step,rayleigh_fraction,stiffness_factor,wall_seconds,simulated_seconds,\
+            "{PART}runs.csv\ncode,version,seed,time_step,rayleigh_fraction,wall_seconds,simulated_seconds,\
              processor,date,scene_hash\n{made},12.5,1.5,\"a processor, fast\",2026-01-02T03:04:05Z,0123456789abcdef\n\
-             YADE,2023.02a,2,1e-5,,10.0,12.5,1.5,a processor,2026-01-02T03:04:05Z,0123456789abcdef\n\
-             {PART}measurements.csv\ncode,version,seed,time_step,rayleigh_fraction,stiffness_factor,observable,unit,value,\
+             LIGGGHTS,3.8.0,2,1e-5,,12.5,1.5,a processor,2026-01-02T03:04:05Z,0123456789abcdef\n\
+             {PART}measurements.csv\ncode,version,seed,time_step,rayleigh_fraction,observable,unit,value,\
              standard_error,frames\n{made},packing_fraction,,0.59,,1\n{made},dynamic_angle,degrees,31.5,0.2,20\n\
              {PART}forces.csv\ncode,force_over_mean,density,samples\nYADE,0.125,0.5,77\nYADE,0.375,0.25,77\n\
              {PART}series.csv\ncode,seed,observable,time,value\nYADE,1,angle,0.0,30.0\nYADE,1,angle,0.5,31.5\n\
@@ -430,7 +430,6 @@ pub fn kept() -> KeptRun {
             seed: 1,
             time_step: 5e-4,
             rayleigh_fraction: None,
-            stiffness_factor: 10.0,
             wall_seconds: 1.25,
             core_seconds: None,
             simulated_seconds: 1.5,
