@@ -224,6 +224,48 @@ fn an_interrupted_run_stays_readable() {
     assert_eq!(collection.matches("<DataSet").count() as u64, summary["frames"].as_u64().unwrap());
 }
 
+/// Whether a process catches termination: it has begun to listen.
+fn catches_termination(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+    u64::from_str_radix(caught.trim(), 16).unwrap() & (1 << (15 - 1)) != 0
+}
+
+#[test]
+fn the_first_signal_ends_a_command_that_waits_for_a_scene() {
+    for words in [&["check", "-"][..], &["run", "-"], &["compare", "-"]] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_makadam"))
+            .args(words)
+            .current_dir(folder.path())
+            .stdin(std::process::Stdio::piped())
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        let patience = std::time::Instant::now() + std::time::Duration::from_secs(60);
+        let pause = || std::thread::sleep(std::time::Duration::from_millis(5));
+        while !catches_termination(child.id()) {
+            assert!(std::time::Instant::now() < patience, "{words:?}: it does not listen");
+            pause();
+        }
+        let terminated = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+        assert!(terminated.success());
+        // Its standard input stays open all the time.
+        let ended = loop {
+            match child.try_wait().unwrap() {
+                Some(ended) => break Some(ended),
+                None if std::time::Instant::now() > patience => break None,
+                None => pause(),
+            }
+        };
+        if ended.is_none() {
+            child.kill().unwrap();
+        }
+        assert_eq!(ended.and_then(|ended| ended.code()), Some(1), "{words:?}");
+    }
+}
+
 /// A program that stands in for a peer: it tells a version, and then does what `body` says.
 fn stand_in(folder: &Path, body: &str) -> String {
     let file = folder.join("stand-in");

@@ -56,8 +56,50 @@ fn recorded_references_are_used_and_said() {
     }
     let notes = document["notes"].to_string();
     assert!(notes.contains("YADE was not run") && notes.contains("recorded 2026-01-01 on invented"), "{notes}");
+    assert!(notes.contains("the references of changed have no checksums.csv: nothing vouches"), "{notes}");
     let report = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(report.contains("Makadam"));
+}
+
+#[test]
+fn an_output_is_refused_before_anything_runs_and_no_verdict_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = with_references(folder.path());
+    let compare = || {
+        let output = makadam(folder.path()).arg("compare").arg(&scene).args(["--output", "out"]).output().unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
+    };
+    let refused = |words: &str| {
+        let (code, table, errors) = compare();
+        assert!(code == Some(2) && table.is_empty() && errors.contains(words), "{code:?} {table}{errors}");
+    };
+    let out = folder.path().join("out");
+    std::fs::write(&out, "mine").unwrap();
+    refused("out is a file, and a report takes a folder");
+    assert_eq!(std::fs::read_to_string(&out).unwrap(), "mine");
+    std::fs::remove_file(&out).unwrap();
+    std::fs::create_dir(&out).unwrap();
+    let report = out.join("report.json");
+    for (text, words) in [
+        ("{\"passed\": 3}", "report.json is of no report of Makadam"),
+        ("{\"version\": 1, \"qualification\": {\"tier\": \"full\"}}", "report of a qualification (tier full)"),
+    ] {
+        std::fs::write(&report, text).unwrap();
+        refused(words);
+        assert_eq!(std::fs::read_to_string(&report).unwrap(), text);
+    }
+    // Its own, in a folder that a table cannot be written into.
+    std::fs::write(&report, "{\"version\": 1, \"qualification\": {\"tier\": \"compare\"}}").unwrap();
+    std::fs::create_dir_all(out.join("rows.csv/in-the-way")).unwrap();
+    let (code, table, errors) = compare();
+    assert!(code == Some(1) && errors.contains("rows.csv"), "{code:?}: {errors}");
+    assert!(table.contains("agrees with YADE and LIGGGHTS"), "{table}");
+    std::fs::remove_dir_all(out.join("rows.csv")).unwrap();
+    for _ in 0..2 {
+        let (code, table, errors) = compare();
+        assert!(code == Some(0) && table.contains("report: out/report.html"), "{table}{errors}");
+    }
 }
 
 /// Records of another scene would agree or not by chance.
@@ -194,6 +236,7 @@ fn the_program_alone_knows_the_reference_scenes() {
     let output = run(&["compare", "packing", "--codes", "yade,liggghts", "-q"]);
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && table.contains("packing fraction"), "{table}");
+    assert!(!table.contains("nothing vouches"), "{table}");
 }
 
 #[test]

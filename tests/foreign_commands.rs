@@ -46,6 +46,39 @@ fn a_run_is_measured_from_its_frames_as_it_measured_itself() {
 }
 
 #[test]
+fn frames_of_an_unsound_run_or_of_a_part_of_the_window_are_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let smoke = data("tests/scenes/smoke.toml");
+    let run = |output: &str, more: &[&str]| {
+        outcome(folder.path(), &[&["run", smoke.as_str(), "--quiet", "-o", output], more].concat())
+    };
+    let notes = |run: &str, more: &[&str]| {
+        outcome(folder.path(), &[&["measure", run, "--scene", smoke.as_str()], more].concat()).2
+    };
+    let warned = [
+        "--set",
+        "solver.step=0.006",
+        "--set",
+        "watch.on_energy=\"warn\"",
+        "--set",
+        "watch.on_escape=\"ignore\"",
+        "--set",
+        "watch.on_deep_overlap=\"warn\"",
+        "--set",
+        "watch.every=1",
+    ];
+    run("unsound", &warned);
+    let said = notes("unsound", &[]);
+    assert!(said.contains("run.json says that its numbers are worthless: "), "{said}");
+    assert_eq!(run("short", &["--set", "duration=0.3"]).0, 0);
+    let from = ["--set", "measure.from=0.2"];
+    let said = notes("short", &from);
+    assert!(said.contains("and the scene is measured from 0.2 to 0.4 s, each 0.05 s"), "{said}");
+    assert_eq!(run("whole", &[]).0, 0);
+    assert_eq!(notes("whole", &from), "");
+}
+
+#[test]
 fn files_of_other_codes_are_measured_and_what_they_lack_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let plain = data("validation/tests/frames/yade/plain.txt");

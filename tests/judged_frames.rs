@@ -45,9 +45,11 @@ fn frames_that_were_not_asked_for_or_are_not_whole_are_refused() {
     let from = ["--seeds", "1", "--set", "measure.from=0.05"];
     // Where the scene measures its end alone, the last frame has to be there.
     let end = &from[..2];
-    let refused: [(&str, &[&str], &str); 9] = [
+    let refused: [(&str, &[&str], &str); 11] = [
         ("lost-grain", &from, "the frame at 0.1 s has 99 grains, and grains.csv has 100; leave all of them"),
-        ("renumbered", &from, "grains have other numbers in the frame at"),
+        ("renumbered", &from, "number a grain alike in all frames"),
+        ("reversed", end, "in grains.csv; number grains as there"),
+        ("far", end, "1 of 100 grains lie outside the domain of 'packing-100', the first of them grain 5 at [1000"),
         ("empty-frame", &from, "the frame at 0.1 s has no grains; leave all of them"),
         ("empty-frame", end, "the frame at 0.1 s has no grains; leave all of them"),
         ("early", end, "no frame at 0.1 s; leave one at each time of frames.csv"),

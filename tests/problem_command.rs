@@ -34,6 +34,27 @@ fn a_problem_is_exported_solved_and_checked() {
 }
 
 #[test]
+fn only_problems_are_replaced_by_problems() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("victim.toml");
+    std::fs::copy(smoke(), &scene).unwrap();
+    let whole = std::fs::read(&scene).unwrap();
+    let export = |output: &str| run(folder.path(), &["export", "victim.toml", "--time", "0.15", "--output", output]);
+    for output in ["victim.toml", "."] {
+        let (code, said, errors) = export(output);
+        assert!(code == 2 && said.is_empty(), "{said}{errors}");
+        assert!(errors.contains("is no problem file (HDF5)") && errors.contains("another file"), "{errors}");
+    }
+    for _ in 0..2 {
+        let (code, _, errors) = export("a.hdf5");
+        assert_eq!(code, 0, "an earlier problem is replaced: {errors}");
+    }
+    let (code, said, errors) = run(folder.path(), &["solve", "a.hdf5", "--output", "victim.toml"]);
+    assert!(code == 2 && said.is_empty() && errors.contains("is no problem file"), "{said}{errors}");
+    assert!(std::fs::read(&scene).unwrap() == whole);
+}
+
+#[test]
 fn bad_files_and_missing_programs_have_their_exit_codes() {
     let folder = tempfile::tempdir().unwrap();
     let recorded = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/problem/recorded/drum.hdf5");

@@ -119,6 +119,16 @@ fn what_cannot_be_read_is_named_and_nothing_at_all_is_an_error() {
     let page = std::fs::read_to_string(folder.path().join("archive/index.html")).unwrap();
     assert!(page.contains("Not read") && page.contains("first/report.html"));
 
+    // A pipe would be waited for.
+    let pipe = folder.path().join("archive/pipe/report.json");
+    std::fs::create_dir(pipe.parent().unwrap()).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let mut command = makadam(folder.path());
+    let output = command.args(["reports", "archive"]).timeout(std::time::Duration::from_secs(60)).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    assert!(errors.contains("not read: pipe/report.json: it is no regular file"), "{errors}");
+
     // A page that somebody else has written stays.
     std::fs::write(folder.path().join("archive/index.html"), "mine").unwrap();
     let (code, _, errors) = outcome(folder.path(), &["reports", "archive"]);

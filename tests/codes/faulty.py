@@ -17,7 +17,13 @@ def frame(at, rows, name="out"):
 
 if fault == "same-run":
     same = random.Random(1)
-    grains = [[row[0], *(same.uniform(0, 0.02) for _ in range(3)), 0.005] for row in grains]
+    grains = [[row[0], *(same.uniform(0, 0.02) for _ in range(3)), row[4]] for row in grains]
+if fault == "reversed":
+    grains = [[99 - row[0], *row[1:]] for row in grains]
+if fault == "far":
+    grains[5][1] += 1e6
+if fault == "some-contacts":
+    grains[1][1:4] = [grains[0][1] + grains[0][4] + grains[1][4], *grains[0][2:4]]
 for place, at in enumerate(times):
     last = place == len(times) - 1
     rows = grains

@@ -1,17 +1,22 @@
 //! Ctrl-C, termination and the end of a terminal: the step at hand is finished, or given up where it takes long, what was computed is
-//! written, and the command ends. A second request ends the process at once.
+//! written, and the command ends. Before a computation is under way, as while a scene is awaited on standard input, there is nothing to
+//! write, and the first request ends the process at once; so does a second one at any time.
 
 use libc::{SIG_IGN, SIGHUP, SIGINT, SIGTERM, c_int};
 use makadam::Interrupt;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 static INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
+
+/// Whether a computation is under way that looks for a request.
+static HEEDED: AtomicBool = AtomicBool::new(false);
 
 /// Starts listening. A signal that the process was started to ignore stays ignored: `nohup` relies on that, and so do jobs in
 /// the background of a script. Where the system refuses, the default stays.
 pub fn listen() {
     // A handler may not allocate: what it uses is made before.
-    let _ = handle();
+    let _ = interrupt();
     for signal in [SIGINT, SIGTERM, SIGHUP] {
         // SAFETY: a zeroed `sigaction` is a valid one (default action, empty mask, no flags); both pointers are to such.
         let inherited = unsafe {
@@ -22,7 +27,7 @@ pub fn listen() {
             continue;
         }
         // SAFETY: as above; the handler takes one number, as a handler without SA_SIGINFO does, and does nothing but what is
-        // allowed in one: an atomic exchange and `_exit`.
+        // allowed in one: atomic operations and `_exit`.
         unsafe {
             let mut action: libc::sigaction = std::mem::zeroed();
             action.sa_sigaction = request as *const () as usize;
@@ -33,18 +38,32 @@ pub fn listen() {
 }
 
 extern "C" fn request(_signal: c_int) {
-    if INTERRUPT.get().is_none_or(Interrupt::request) {
+    let second = INTERRUPT.get().is_none_or(Interrupt::request);
+    if second || !HEEDED.load(Ordering::SeqCst) {
         // SAFETY: `_exit` runs nothing of this process and may be called in a handler.
         unsafe { libc::_exit(1) }
     }
 }
 
-/// Whether the user has asked to stop.
+/// Whether the user has asked to stop. From the first look on, a request is left to who looks.
 pub fn requested() -> bool {
+    heed();
     INTERRUPT.get().is_some_and(Interrupt::is_requested)
 }
 
 /// What a simulation must heed to be stopped inside a step.
 pub fn handle() -> Interrupt {
-    INTERRUPT.get_or_init(Interrupt::new).clone()
+    heed();
+    interrupt().clone()
+}
+
+fn interrupt() -> &'static Interrupt {
+    INTERRUPT.get_or_init(Interrupt::new)
+}
+
+fn heed() {
+    // Many threads look, and all but the first find it set.
+    if !HEEDED.load(Ordering::Relaxed) {
+        HEEDED.store(true, Ordering::SeqCst);
+    }
 }

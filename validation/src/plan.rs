@@ -8,9 +8,10 @@ mod output;
 pub use output::{GrainField, Output};
 
 use makadam::scene::{
-    Accuracy, Beforehand, Checked, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material, PairRule,
-    Population, SceneError, SceneFileError, SolverSettings, Wall, Watch,
+    Accuracy, Beforehand, Checked, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material, Motion,
+    PairRule, Population, SceneError, SceneFileError, SolverSettings, Wall, Watch,
 };
+use makadam::wall::jumps_back;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize, Serializer};
 use std::borrow::Cow;
@@ -99,9 +100,10 @@ impl Scene {
     pub fn check(&self) -> Result<(), SceneError> {
         self.check_tables()?;
         match self.beforehand() {
-            Some(beforehand) => self.simulated.check_after(beforehand),
-            None => self.simulated.check(),
+            Some(beforehand) => self.simulated.check_after(beforehand)?,
+            None => self.simulated.check()?,
         }
+        Ok(self.check_walls_at_start()?)
     }
 
     /// What the scene cannot bear with its settings; `text` is that of its file, if it has one, for lines.
@@ -121,6 +123,29 @@ impl Scene {
 
     fn beforehand(&self) -> Option<Beforehand> {
         self.prepare.as_ref().map(|prepare| Beforehand { duration: prepare.duration, step: prepare.step })
+    }
+
+    /// Refuses walls that would jump as the run begins: its clock starts at zero again.
+    fn check_walls_at_start(&self) -> Checked {
+        let Some(Prepare { duration, step }) = self.prepare else { return Ok(()) };
+        let until = (duration / step).round() * step;
+        match self.wall.iter().position(|wall| jumps_back(wall, &self.domain, until)) {
+            None => Ok(()),
+            Some(index) => {
+                let problem = format!(
+                    "wall '{}' moves in the {duration} s of [prepare], and would jump back as the run begins at time 0",
+                    self.wall[index].name
+                );
+                let whole = match self.wall[index].motion {
+                    Motion::Vibrating { .. } => "let prepare.duration be a whole number of periods from start = 0, ",
+                    Motion::Rotating { .. } => "let prepare.duration be a whole number of turns, ",
+                    _ => "",
+                };
+                let remedy =
+                    format!("{whole}give start = {duration} or later (of the run's clock too), or leave out [prepare]");
+                Err(DocumentPath::default().key("wall").index(index).key("motion").fault(problem, &remedy))
+            }
+        }
     }
 
     fn check_tables(&self) -> Checked {
@@ -352,6 +377,10 @@ fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Stri
 }
 
 /// A state that a run starts from, in place of the jittered lattice: the scene simulated for a while beforehand.
+///
+/// The clock of the run starts at zero again, and walls stand where their prescribed motion has them then; those that a force or a torque
+/// drives stay where they are. A scene in which a wall would jump is refused: a motion has to begin (`start`) when `duration` is over, or to
+/// lead back to the same surface (a drum about its own axis, a plane within itself, whole turns, whole periods).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Prepare {

@@ -2,7 +2,7 @@
 
 use crate::plan::Scene;
 use makadam::checkpoint::{open, seal, write_atomically};
-use makadam::snapshot::{Partner, Snapshot};
+use makadam::snapshot::{Particle, Partner, Snapshot};
 use makadam::watch::Watchdog;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -187,18 +187,7 @@ pub fn frame_belongs_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
     if here != there {
         return of(format!("it has {here} grains, and the scene has {there}"));
     }
-    let listed = scene.grain.iter().map(|grain| (grain.radius, grain.radius));
-    let drawn = scene.population.iter().map(|population| population.radius.bounds());
-    let (low, high) = listed
-        .chain(drawn)
-        .fold((f64::INFINITY, 0.0_f64), |(low, high), (least, most)| (low.min(least), high.max(most)));
-    let fits = |radius: f64| (low * (1.0 - SAME_SIZE)..=high * (1.0 + SAME_SIZE)).contains(&radius);
-    if let Some(grain) = frame.particles.iter().find(|grain| !fits(grain.radius)) {
-        return of(format!(
-            "grain {} has a radius of {} m, and those of the scene are from {low} m to {high} m",
-            grain.id, grain.radius
-        ));
-    }
+    grains_belong_to(frame, scene)?;
     let wall = frame.contacts.iter().find_map(|contact| match contact.second {
         Partner::Wall(number) if number as usize >= scene.wall.len() => Some(number),
         _ => None,
@@ -206,8 +195,47 @@ pub fn frame_belongs_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
     wall.map_or(Ok(()), |number| of(format!("a grain touches wall {number}, and the scene has {}", scene.wall.len())))
 }
 
+/// Whether the grains of a frame have sizes that those of a scene can have.
+///
+/// # Errors
+/// What does not go with the scene, in words.
+pub fn grains_belong_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
+    let listed = scene.grain.iter().map(|grain| (grain.radius, grain.radius));
+    let drawn = scene.population.iter().map(|population| population.radius.bounds());
+    let (low, high) = listed
+        .chain(drawn)
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), (least, most)| (low.min(least), high.max(most)));
+    let fits = |radius: f64| (low * (1.0 - SAME_SIZE)..=high * (1.0 + SAME_SIZE)).contains(&radius);
+    match frame.particles.iter().find(|grain| !fits(grain.radius)) {
+        None => Ok(()),
+        Some(grain) => Err(format!(
+            "the frame at {} s is of another scene than '{}': grain {} has a radius of {} m, and those of the scene are from {low} m to {high} m",
+            frame.time, scene.name, grain.id, grain.radius
+        )),
+    }
+}
+
+/// Grains of a frame that lie outside of the domain, which none may leave, in words; `None` where all are inside.
+pub fn left_behind(frame: &Snapshot, scene: &Scene) -> Option<String> {
+    let period = scene.domain.period();
+    let is_out = |axis: usize, place: f64| {
+        !period.is_periodic(axis) && !(scene.domain.min[axis]..=scene.domain.max[axis]).contains(&place)
+    };
+    let outside = |grain: &&Particle| (0..3).any(|axis| is_out(axis, grain.position[axis]));
+    let first = frame.particles.iter().find(outside)?;
+    let count = frame.particles.iter().filter(outside).count();
+    Some(format!(
+        "in the frame at {} s {count} of {} grains lie outside the domain of '{}', the first of them grain {} at {:?} m",
+        frame.time,
+        frame.particles.len(),
+        scene.name,
+        first.id,
+        first.position
+    ))
+}
+
 /// Codes write radii with few digits.
-const SAME_SIZE: f64 = 1e-3;
+pub(crate) const SAME_SIZE: f64 = 1e-3;
 
 /// No place, speed, size or force comes near it, in SI units.
 const LARGEST: f64 = 1e12;

@@ -139,3 +139,22 @@ fn other_codes_start_from_the_state_that_a_scene_prepares() {
         }
     }
 }
+
+#[test]
+fn what_another_code_lacks_is_said_before_a_state_is_prepared() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    scene(folder, "\n[prepare]\nduration = 0.05\nstep = 5e-4\n");
+    let export = |code: &str, more: &[&str]| {
+        let fixed = ["export", "scene.toml", "--for", code, "-o", code];
+        makadam(folder, &[&fixed, more].concat()).output().unwrap()
+    };
+    let prepared = folder.join("cache/makadam/prepared");
+    for code in ["yade", "liggghts", "lammps"] {
+        let refused = export(code, &["--set", "material.grain.kinetic_friction=0.3"]);
+        assert!(!refused.status.success() && words(&refused).contains("kinetic friction"), "{}", words(&refused));
+        assert!(!prepared.exists(), "a state was prepared in vain for {code}");
+    }
+    assert!(export("liggghts", &[]).status.success());
+    assert!(prepared.is_dir(), "what a code can run is prepared there");
+}

@@ -2,12 +2,13 @@
 
 use crate::support::beds::{Random, drum_scene, fcc, frame, particles, recording, scene, tilted_drum, value};
 use approx::assert_abs_diff_eq;
+use makadam::scene::Axis;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_validation::observables::literature::LiteratureCurve;
 use makadam_validation::observables::neighbours::close_pairs;
 use makadam_validation::observables::packing_fraction::fraction_in_box;
 use makadam_validation::observables::{ForcePool, Measurement, force_distribution, measure};
-use makadam_validation::plan::Scene;
+use makadam_validation::plan::{Observable, Scene};
 use makadam_validation::recording::Recording;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, SQRT_2};
@@ -141,6 +142,43 @@ fn exponential_forces_give_the_numbers_of_an_exponential() {
     for (force, density) in distribution.force.iter().zip(&distribution.density) {
         assert_abs_diff_eq!(*density, (-force).exp(), epsilon = 5e-3);
     }
+}
+
+#[test]
+fn a_contact_across_a_periodic_end_lies_there() {
+    let (mut scene, run) = exponential_forces();
+    scene.domain.periodic = vec![Axis::X];
+    scene.measure.observables = vec![Observable::ContactForces];
+    let forces: Vec<f64> = run.frames[0].contacts.iter().map(|contact| contact.normal_force).collect();
+    let (sum, count, load) = (forces.iter().sum::<f64>(), forces.len() as f64, 1e6);
+    // The mean force with two more grains, each at a place along x (m) and of a radius (m), and a contact of theirs.
+    let mean_with = |grains: [(f64, f64); 2]| {
+        let mut run = run.clone();
+        let frame = &mut run.frames[0];
+        let first = frame.particles.len() as u32;
+        for (id, (x, radius)) in (first..).zip(grains) {
+            let position = [x, 0.0, 0.0];
+            frame.particles.push(Particle { id, position, radius, velocity: [0.0; 3], spin: [0.0; 3] });
+        }
+        frame.contacts.push(Contact {
+            first,
+            second: Partner::Grain(first + 1),
+            point: [0.0; 3],
+            normal: [1.0, 0.0, 0.0],
+            normal_force: load,
+            tangential_force: [0.0; 3],
+        });
+        value(&measure(&scene, &run), "mean_normal_force")
+    };
+    let left_out = |grains| assert_abs_diff_eq!(mean_with(grains), sum / count, epsilon = 1e-9);
+    let counted = |grains| assert_abs_diff_eq!(mean_with(grains), (sum + load) / (count + 1.0), epsilon = 1e-6);
+    // The ends are at -1 m and 1 m, the bulk begins 0.02 m from them. Halfway between these places is the middle of the box.
+    left_out([(0.996, 0.005), (-0.996, 0.005)]);
+    left_out([(-0.999, 0.005), (0.992, 0.005)]);
+    // Giants in the bulk that touch at its end, and a giant that reaches through the end into the bulk.
+    left_out([(0.7, 0.301), (-0.7, 0.301)]);
+    counted([(-0.6, 0.5), (0.896, 0.005)]);
+    counted([(0.2, 0.005), (0.209, 0.005)]);
 }
 
 #[test]

@@ -404,6 +404,14 @@ impl PlacedFace<'_> {
     }
 }
 
+/// Whether a wall would jump, or a vibration change its phase, where a scene is simulated for a time (s) and its clock then goes back to
+/// zero: its prescribed motion begins before, and does not lead back to the same surface. What a drive has moved stays where it is.
+pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
+    let faces = Face::of_shape(&wall.shape, domain);
+    let extent = (Vector::from(domain.max) - Vector::from(domain.min)).norm();
+    Movement::new(&wall.motion, &faces).jumps_back(time, &faces, extent)
+}
+
 /// The walls of a scene where they stand at a time.
 ///
 /// ```

@@ -17,8 +17,12 @@ use crate::effects::drive::Drive;
 use crate::scene::{Motion, Wall};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 type Vector = Vector3<f64>;
+
+/// Share of a time by which the sum of its steps may be longer.
+const ROUNDING: f64 = 1e-9;
 
 /// How a wall moves: as the scene prescribes, or as a drive has moved it.
 #[derive(Clone, Debug)]
@@ -148,6 +152,28 @@ impl Movement {
             }
         }
         pose
+    }
+
+    /// Whether any of its faces would jump, or a vibration change its phase, if the clock went back from a time (s) to zero, in a scene of
+    /// this extent, m. What a drive has moved stays where it is.
+    pub fn jumps_back(&self, time: f64, faces: &[Face], extent: f64) -> bool {
+        let (Motion::Translating { start, .. } | Motion::Rotating { start, .. } | Motion::Vibrating { start, .. }) =
+            self.motion
+        else {
+            return false;
+        };
+        if start >= time * (1.0 - ROUNDING) {
+            return false;
+        }
+        let (first, last) = (self.at(0.0), self.at(time));
+        let stands = |pose: &Pose, face: &Face| pose.moved(face, keeps_in_place(face, &self.motion)).unwrap_or(*face);
+        let elsewhere = faces.iter().any(|face| !stands(&last, face).is_same(&stands(&first, face), extent));
+        let out_of_phase = self.motion.vibration().is_some_and(|vibration| {
+            let rate = (TAU * vibration.frequency).max(f64::MIN_POSITIVE);
+            let lag = (last.velocity - first.velocity) / rate;
+            faces.iter().any(|face| !face.moved(lag).is_same(face, extent))
+        });
+        elsewhere || out_of_phase
     }
 
     /// How far the scene has turned it at a time (s), rad.

@@ -18,6 +18,9 @@ type Vector = Vector3<f64>;
 /// How far a face reaches beyond its edges for a path that crosses it, over its size: where two faces meet, rounding must leave no gap.
 const JOINT: f64 = 1e-9;
 
+/// Largest angle, rad, and share of the extent of a scene, within which two faces are the same surface.
+const SAME: f64 = 1e-6;
+
 /// Where a smooth surface lies, m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Face {
@@ -191,6 +194,28 @@ impl Face {
             Face::Disc { centre, normal, .. } | Face::Ring { centre, normal, .. } => along(normal) && on_axis(centre),
             Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
             Face::Ball { centre, .. } => on_axis(centre),
+        }
+    }
+
+    /// Whether a face that was moved is the same surface again, in a scene of this extent, m.
+    pub(super) fn is_same(&self, other: &Face, extent: f64) -> bool {
+        let near = |gap: Vector| gap.norm() < SAME * extent;
+        let aligned = |one: Vector, other: Vector| (one - other).norm() < SAME;
+        match (*self, *other) {
+            (Face::Plane { point, normal }, Face::Plane { point: place, normal: turned }) => {
+                aligned(normal, turned) && near(normal * normal.dot(&(place - point)))
+            }
+            (Face::Disc { centre, normal, .. }, Face::Disc { centre: place, normal: turned, .. })
+            | (Face::Ring { centre, normal, .. }, Face::Ring { centre: place, normal: turned, .. }) => {
+                (aligned(normal, turned) || aligned(normal, -turned)) && near(place - centre)
+            }
+            (Face::Shell { base, axis, ends, .. }, Face::Shell { base: place, axis: turned, .. }) => {
+                let gap = place - base;
+                let endless = ends.iter().all(|end| end.is_infinite());
+                aligned(axis, turned) && near(if endless { gap - axis * axis.dot(&gap) } else { gap })
+            }
+            (Face::Ball { centre, period, .. }, Face::Ball { centre: place, .. }) => near(period.arm(&centre, &place)),
+            _ => false,
         }
     }
 

@@ -4,7 +4,7 @@ use super::arguments::{CodeRunArguments, CompareArguments};
 use super::record::record;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes, json};
 use crate::compare::{CodeSummary, Comparison, Row};
-use crate::output::JSON_VERSION;
+use crate::output::{JSON_VERSION, create_folder};
 use crate::plan::Scene;
 use crate::qualify::{Judged, OneScene};
 use crate::report::{self, Standing, Verdict};
@@ -65,20 +65,21 @@ pub(super) struct Wanted<'a> {
 
 /// Judges and tells.
 pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Console) -> Result<ExitCode, Failure> {
+    wanted.output.map_or(Ok(()), claim)?;
     let Judged { qualification, failure } = one_scene.judge()?;
     let verdict = qualification.verdict();
     let comparison = &qualification.comparisons[0];
-    let mut text = match wanted.json {
+    let text = match wanted.json {
         true => json(&document(wanted.command, comparison, &verdict, &qualification.provenance)),
         false => format!("{}\n{}", report::comparison_table(comparison, console.colour()), verdict.sentence),
     };
-    if let Some(folder) = wanted.output {
-        let paths = report::write(&qualification, folder)?;
-        if !wanted.json {
-            text += &format!("\nreport: {}", paths.html.display());
-        }
+    // Neither is lost if the other cannot be written.
+    let told = console.result(&text);
+    let written = wanted.output.map(|folder| report::write(&qualification, folder)).transpose();
+    told?;
+    if let Some(paths) = written?.filter(|_| !wanted.json) {
+        console.result(&format!("report: {}", paths.html.display()))?;
     }
-    console.result(&text)?;
     match (failure, verdict.standing) {
         (Some(failure), _) => Err(failure.into()),
         (None, Standing::Agree | Standing::NothingCompared) => Ok(ExitCode::SUCCESS),
@@ -86,6 +87,18 @@ pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Conso
             Ok(ExitCode::from(OUTSIDE_TOLERANCE))
         }
     }
+}
+
+/// Makes the folder of a report, or refuses it, before anything runs.
+fn claim(folder: &Path) -> Result<(), Failure> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(Failure::Usage(format!(
+            "{} is a file, and a report takes a folder; give another path with --output",
+            folder.display()
+        )));
+    }
+    report::may_hold_comparison(folder).map_err(Failure::Usage)?;
+    Ok(create_folder(folder)?)
 }
 
 fn document<'a>(

@@ -3,7 +3,7 @@
 use super::arguments::{MeasureArguments, load};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
 use crate::draw::numbers::significant;
-use crate::import::{Assembly, Imported, Tables};
+use crate::import::{Assembly, Imported, Tables, unlike};
 use crate::observables::{Measurement, Unmeasured, measure as measure_recording, measured_frames, unmeasured};
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
@@ -47,7 +47,8 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
     };
     let Imported { recording, mut notes } = assembly.assemble(&tables)?;
     let measured = measured_frames(&scene, &recording);
-    notes.extend(other_end(&scene, &measured));
+    notes.extend(unlike(&scene, measured.iter().copied()));
+    notes.extend(other_window(&scene, &measured));
     let frames = measured.len();
     if frames == 0 {
         let (last, from) = (recording.simulated_seconds, scene.measure.from.unwrap_or(0.0));
@@ -81,11 +82,22 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
     }
 }
 
-/// That the one frame that is measured is not at the end of the run, where the scene measures its end.
-fn other_end(scene: &Scene, measured: &[&Snapshot]) -> Option<String> {
-    let time = measured.last().filter(|_| scene.measure.from.is_none())?.time;
-    let is_other = (time - scene.duration).abs() > scene.measure.slack();
-    is_other.then(|| format!("the last frame is measured, at {time} s, and the scene ends at {} s", scene.duration))
+/// That the frames that are measured are not those of the scene: its end, or all times from `measure.from` to it.
+fn other_window(scene: &Scene, measured: &[&Snapshot]) -> Option<String> {
+    let (first, last) = (measured.first()?.time, measured.last()?.time);
+    let (end, slack, interval) = (scene.duration, scene.measure.slack(), scene.measure.interval);
+    let Some(from) = scene.measure.from else {
+        let is_other = (last - end).abs() > slack;
+        return is_other.then(|| format!("the last frame is measured, at {last} s, and the scene ends at {end} s"));
+    };
+    let gap = measured.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max);
+    let is_other = (last - end).abs() > slack || first > from + interval + slack || gap > interval + slack;
+    is_other.then(|| {
+        let widest = if measured.len() > 1 { format!(", up to {gap} s apart") } else { String::new() };
+        format!(
+            "the measured frames are from {first} to {last} s{widest}, and the scene is measured from {from} to {end} s, each {interval} s"
+        )
+    })
 }
 
 fn text(recording: &Recording, frames: usize, measurements: &[Measurement], not_measured: &[Unmeasured]) -> String {

@@ -8,7 +8,13 @@ use crate::execution::Execution;
 use crate::problem::{self, Check, FromSiconos, Settings};
 use crate::stepping::steps_in;
 use serde::Serialize;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 use std::process::ExitCode;
+
+/// How every HDF5 file begins.
+const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -29,6 +35,7 @@ pub(super) fn problem(arguments: &ProblemArguments, console: &Console) -> Result
 
 /// Writes the problem of a step of a scene.
 fn export(arguments: &ProblemExportArguments, console: &Console) -> Result<ExitCode, Failure> {
+    refuse_to_replace(&arguments.output)?;
     let (file, scene, seed) = arguments.scene.load()?;
     let (mut simulation, _) = begin(&scene, seed, &file, &Execution::serial(), console)?;
     let by_time = arguments.time.map(|time| steps_in((time - simulation.time()).max(0.0), simulation.time_step()));
@@ -61,6 +68,7 @@ fn export(arguments: &ProblemExportArguments, console: &Console) -> Result<ExitC
 
 /// Solves a file's problem by one method.
 fn solve(arguments: &ProblemSolveArguments, console: &Console) -> Result<ExitCode, Failure> {
+    arguments.output.as_deref().map_or(Ok(()), refuse_to_replace)?;
     let file = problem::read(&arguments.file)?;
     let settings = Settings { tolerance: arguments.tolerance, most_sweeps: arguments.sweeps };
     let refused = |why: String| Failure::Running(format!("{}: {why}", arguments.file.display()));
@@ -84,6 +92,22 @@ fn solve(arguments: &ProblemSolveArguments, console: &Console) -> Result<ExitCod
         false => problem::words(&answer),
     })?;
     Ok(if converged { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+}
+
+/// Refuses to write over what is no file of a problem, such as the scene itself.
+fn refuse_to_replace(output: &Path) -> Result<(), Failure> {
+    let Ok(there) = output.metadata() else { return Ok(()) };
+    let mut head = Vec::new();
+    // A pipe is not looked into: it might never answer.
+    let read = there.is_file().then(|| File::open(output)?.take(SIGNATURE.len() as u64).read_to_end(&mut head));
+    match read {
+        Some(Ok(0)) => Ok(()),
+        Some(Ok(_)) if head == SIGNATURE => Ok(()),
+        _ => Err(Failure::Usage(format!(
+            "{} is there and is no problem file (HDF5), so it is not replaced; give another file with --output",
+            output.display()
+        ))),
+    }
 }
 
 /// Solves files' problems by every solver and compares.

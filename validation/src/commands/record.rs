@@ -216,4 +216,30 @@ mod tests {
         desk.forget_raw_recordings();
         assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![1, 2], true));
     }
+
+    #[test]
+    fn damaged_references_make_way_for_again_and_are_kept() {
+        let desk = Desk::new();
+        let references = Reference::folder(&desk.scene);
+        desk.record("--seeds 2", "1", &[]);
+        let damages = [("series.csv", None, "reference-damaged"), ("runs.csv", Some("code\n"), "reference-damaged-2")];
+        for (name, text, aside) in damages {
+            let table = references.join(name);
+            match text {
+                Some(text) => std::fs::write(&table, text).unwrap(),
+                None => std::fs::remove_file(&table).unwrap(),
+            }
+            assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![], false), "{name}: without --again it is an error");
+            assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![], true), "{name}: from raw recordings");
+            assert_eq!(desk.seeds(), [1, 2]);
+            let kept = desk.folder.path().join(aside);
+            assert!(kept.join("README.md").is_file(), "{name}");
+            assert_eq!(std::fs::read_to_string(kept.join(name)).ok().as_deref(), text);
+        }
+        // Where nothing comes of it, they stay where they are.
+        std::fs::write(references.join("runs.csv"), "code\n").unwrap();
+        desk.forget_raw_recordings();
+        assert_eq!(desk.record("--seeds 1 --again", "1", &[1]), (vec![1], false));
+        assert_eq!(std::fs::read_to_string(references.join("runs.csv")).unwrap(), "code\n");
+    }
 }

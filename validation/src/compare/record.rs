@@ -80,7 +80,7 @@ impl Recorder<'_> {
     /// [`RecordError::Reference`] or [`RecordError::Write`] if the references cannot be read or written.
     pub fn record(&self, codes: Vec<Box<dyn Code>>) -> Result<Recorded, RecordError> {
         let folder = Reference::folder(self.scene_file);
-        let mut reference = Reference::load(&folder)?.unwrap_or_default();
+        let (mut reference, aside) = self.known(&folder)?;
         let seeds: Vec<u64> = (1..=self.seeds.unwrap_or_else(|| reference.seeds().max(FEW_SEEDS))).collect();
         let hash = physics_hash(self.scene);
         // Said before the hours that the runs may take, so that a fraction mistyped is noticed in time.
@@ -110,9 +110,31 @@ impl Recorder<'_> {
         }
         // Nothing new leaves the files alone, down to their dates.
         if recorded.changed {
+            if let Some(aside) = aside {
+                std::fs::rename(&recorded.folder, &aside)
+                    .map_err(|source| WriteError::new(&recorded.folder, source))?;
+            }
             reference.save(self.scene, &recorded.folder)?;
         }
         Ok(recorded)
+    }
+
+    /// What is recorded in a folder. Where all is replaced, what cannot be read makes way: nothing, and where the folder is moved to.
+    fn known(&self, folder: &Path) -> Result<(Reference, Option<PathBuf>), RecordError> {
+        match Reference::load(folder) {
+            Ok(reference) => Ok((reference.unwrap_or_default(), None)),
+            Err(problem) if self.again => {
+                let aside = aside(folder);
+                (self.warn)(&format!(
+                    "{problem}; --again starts from nothing, and moves {} to {} once a run has ended: runs of codes that are not \
+                     recorded now are in that folder alone, so ask for these codes too, with --codes",
+                    folder.display(),
+                    aside.display()
+                ));
+                Ok((Reference::default(), Some(aside)))
+            }
+            Err(problem) => Err(problem.into()),
+        }
     }
 
     fn runs(&self, missing: &Missing) -> Runs<'_> {
@@ -218,4 +240,13 @@ impl Recorder<'_> {
         }
         whole
     }
+}
+
+/// Where damaged references are moved to: a place beside them that is free.
+fn aside(folder: &Path) -> PathBuf {
+    let name = folder.file_name().unwrap_or_default().to_string_lossy();
+    let numbered = (2..).map(|number| format!("{name}-damaged-{number}"));
+    let names = std::iter::once(format!("{name}-damaged")).chain(numbered);
+    let mut places = names.map(|name| folder.with_file_name(name));
+    places.find(|place| place.symlink_metadata().is_err()).expect("numbers do not end")
 }

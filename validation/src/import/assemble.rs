@@ -2,12 +2,14 @@
 
 use super::columns::{Column, Places};
 use super::frame_table::{FrameTable, ImportError};
+use super::numbers::{Numbers, numbers};
+use super::plausible::{apart, image, is_same};
 use super::timing::Given;
 use super::{Tables, contact_from_force, measurable, merge_wall_contacts};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
 use makadam::effects::period::Period;
-use makadam::scene::populate;
+use makadam::scene::{Domain, populate};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -38,16 +40,13 @@ pub struct Imported {
     pub notes: Vec<String>,
 }
 
-/// Numbers that a code gives its grains, and ours, from 0 in their order.
-type Numbers = BTreeMap<i64, u32>;
-
 impl Assembly<'_> {
     /// Puts the frames together.
     ///
     /// # Errors
     /// [`ImportError`] with file and line.
     pub fn assemble(&self, tables: &Tables) -> Result<Imported, ImportError> {
-        let mut notes = Vec::new();
+        let mut notes = tables.notes.clone();
         let grains = self.timed(&tables.grains, &mut notes)?;
         let Some((_, first)) = grains.first() else {
             return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
@@ -67,8 +66,8 @@ impl Assembly<'_> {
         } else if !tables.contacts.iter().any(|table| Places::of(table).find(Column::Wall).is_some()) {
             lacks.push(Content::WallContacts);
         }
-        let numbers = numbers(&grains)?;
-        let radii = match places.find(Column::Radius).or(places.find(Column::Diameter)) {
+        let numbers = numbers(self.scene, &grains, &mut notes)?;
+        let radii = match places.radius() {
             Some(_) => None,
             None => Some(self.radii(first, numbers.len(), &mut notes)?),
         };
@@ -81,7 +80,7 @@ impl Assembly<'_> {
         self.count(&grains, &mut notes);
         let mut frames = Vec::with_capacity(grains.len());
         for (place, (time, table)) in grains.iter().enumerate() {
-            let particles = particles(table, &numbers, radii.as_deref())?;
+            let particles = particles(table, &numbers, radii.as_deref(), &self.scene.domain)?;
             let mut found = Found::default();
             for of_frame in std::mem::take(&mut contacts[place]) {
                 self.add_contacts(of_frame, &particles, &numbers, &mut found)?;
@@ -205,21 +204,29 @@ impl Assembly<'_> {
             let (point, towards) =
                 geometry(a, partner, particles, point.map(|places| vector(numbers_of_row, places)), period)
                     .ok_or_else(|| fault("a contact with a wall needs its point: px, py, pz".into()))?;
+            let (other, what) = match (named(second), named(wall)) {
+                (Some(place), _) => (Some(grain(place)?), format!("grain {}", numbers_of_row[place])),
+                (None, place) => (None, format!("wall {}", place.map_or(0.0, |place| numbers_of_row[place]))),
+            };
+            if let Some(problem) = apart(a, other, &towards) {
+                return Err(fault(format!("grain {} and {what} {problem}", numbers_of_row[first])));
+            }
             let Some(towards) = given.unwrap_or(towards).try_normalize(0.0) else { continue };
             match forces {
                 Forces::OnFirst(force) => {
                     let force = vector(numbers_of_row, force);
-                    found.contacts.extend(contact_from_force(a.id, partner, point.into(), towards, force));
+                    found.add(contact_from_force(a.id, partner, point.into(), towards, force))
                 }
-                Forces::Split(normal_force, tangential) => found.contacts.push(Contact {
+                Forces::Split(normal_force, tangential) => found.add(Some(Contact {
                     first: a.id,
                     second: partner,
                     point: point.into(),
                     normal: towards.into(),
                     normal_force: numbers_of_row[normal_force],
                     tangential_force: vector(numbers_of_row, tangential).into(),
-                }),
+                })),
             }
+            .map_err(|how| fault(format!("grain {} {how}", numbers_of_row[first])))?;
         }
         Ok(())
     }
@@ -231,9 +238,28 @@ struct Found {
     contacts: Vec<Contact>,
     /// Grains that touch, the smaller number first: spheres touch once, and a contact that is listed twice would count twice.
     pairs: BTreeSet<(u32, u32)>,
+    /// Places of the contacts of a grain with a wall.
+    walls: BTreeMap<(u32, u32), Vec<usize>>,
 }
 
 impl Found {
+    /// Adds a contact, if there is one. Triangles of one wall are touched at points of their own.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words that follow the grain's name.
+    fn add(&mut self, contact: Option<Contact>) -> Result<(), &'static str> {
+        let Some(contact) = contact else { return Ok(()) };
+        if let Partner::Wall(wall) = contact.second {
+            let known = self.walls.entry((contact.first, wall)).or_default();
+            if known.iter().any(|place| is_same(&self.contacts[*place], &contact)) {
+                return Err("touches a wall twice in this frame at one point with one force; list each contact once");
+            }
+            known.push(self.contacts.len());
+        }
+        self.contacts.push(contact);
+        Ok(())
+    }
+
     /// Takes note that two grains touch.
     ///
     /// # Errors
@@ -283,27 +309,6 @@ fn vector(row: &[f64], [x, y, z]: [usize; 3]) -> Vector3<f64> {
     Vector3::new(row[x], row[y], row[z])
 }
 
-/// Numbers of the grains of all frames.
-fn numbers(grains: &[(f64, &FrameTable)]) -> Result<Numbers, ImportError> {
-    let mut all = Numbers::new();
-    for (_, table) in grains {
-        match Places::of(table).find(Column::Id) {
-            Some(place) => {
-                for (row, numbers) in table.rows().enumerate() {
-                    let own = numbers[place];
-                    if own.fract() != 0.0 || own.abs() > 1e15 {
-                        return Err(table.fault(row, format!("{own} is no number of a grain")));
-                    }
-                    all.insert(own as i64, 0);
-                }
-            }
-            None => all.extend((0..table.rows().count() as i64).map(|row| (row, 0))),
-        }
-    }
-    all.values_mut().zip(0..).for_each(|(number, rank)| *number = rank);
-    Ok(all)
-}
-
 /// Where the coordinates stand.
 fn position(table: &FrameTable, places: &Places<'_>) -> Result<[usize; 3], ImportError> {
     let scaled = table.columns.iter().any(|name| ["xs", "xsu"].contains(&name.as_str()));
@@ -316,16 +321,17 @@ fn position(table: &FrameTable, places: &Places<'_>) -> Result<[usize; 3], Impor
     })
 }
 
-/// The grains of a frame, in the order of their numbers.
-fn particles(table: &FrameTable, numbers: &Numbers, radii: Option<&[f64]>) -> Result<Vec<Particle>, ImportError> {
+/// The grains of a frame, in the order of their numbers; along periodic axes where the scene repeats them.
+fn particles(
+    table: &FrameTable,
+    numbers: &Numbers,
+    radii: Option<&[f64]>,
+    domain: &Domain,
+) -> Result<Vec<Particle>, ImportError> {
     let places = Places::of(table);
     let position = position(table, &places)?;
     let id = places.find(Column::Id);
-    let size = match (places.find(Column::Radius), places.find(Column::Diameter)) {
-        (Some(place), _) => Some((place, 1.0)),
-        (None, Some(place)) => Some((place, 0.5)),
-        (None, None) => None,
-    };
+    let size = places.radius();
     let (velocity, spin) = (places.vector(Column::Velocity), places.vector(Column::Spin));
     let mut particles = Vec::with_capacity(table.rows().count());
     for (row, r) in table.rows().enumerate() {
@@ -340,7 +346,8 @@ fn particles(table: &FrameTable, numbers: &Numbers, radii: Option<&[f64]>) -> Re
             return Err(table.fault(row, format!("a radius of {radius} m")));
         }
         let of = |places: Option<[usize; 3]>| places.map_or([0.0; 3], |places| places.map(|place| r[place]));
-        particles.push(Particle { id, position: of(Some(position)), radius, velocity: of(velocity), spin: of(spin) });
+        let position = image(domain, vector(r, position)).into();
+        particles.push(Particle { id, position, radius, velocity: of(velocity), spin: of(spin) });
     }
     particles.sort_by_key(|particle| particle.id);
     match particles.windows(2).find(|pair| pair[0].id == pair[1].id) {

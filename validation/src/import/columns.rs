@@ -144,6 +144,12 @@ impl<'t> Places<'t> {
         Some([x?, y?, z?])
     }
 
+    /// Place of the radius or the diameter, and what makes it a radius.
+    pub fn radius(&self) -> Option<(usize, f64)> {
+        let of_diameter = || Some((self.find(Column::Diameter)?, 0.5));
+        self.find(Column::Radius).map(|place| (place, 1.0)).or_else(of_diameter)
+    }
+
     /// Names of the columns, for an error.
     pub fn names(&self) -> String {
         self.table.columns.join(", ")

@@ -13,6 +13,8 @@ mod contacts;
 mod dump;
 mod frame_table;
 mod numbering;
+mod numbers;
+mod plausible;
 mod sequence;
 mod text;
 mod timing;
@@ -24,6 +26,7 @@ pub use contacts::merge_wall_contacts;
 pub(crate) use contacts::{contact_from_force, measurable};
 pub use dump::{DumpFault, DumpFrame, read_dump, read_named_dump};
 pub use frame_table::{FrameTable, ImportError};
+pub(crate) use plausible::unlike;
 
 use crate::run_frames::RunFrames;
 use std::path::{Path, PathBuf};
@@ -41,6 +44,8 @@ pub struct Tables {
     pub grains: Vec<FrameTable>,
     /// Frames of contacts.
     pub contacts: Vec<FrameTable>,
+    /// What a reader must know of the runs that they are from, in sentences.
+    pub notes: Vec<String>,
 }
 
 impl Tables {
@@ -66,6 +71,7 @@ impl Tables {
         };
         self.grains.extend(timed(run.files("grains"))?);
         self.contacts.extend(timed(run.files("contacts"))?);
+        self.notes.extend(run.alarms().map(String::from));
         Ok(())
     }
 
@@ -80,11 +86,19 @@ impl Tables {
     }
 }
 
-/// Refuses a file that has been read: its frames would count twice.
+/// Refuses a file that has been read, by this name or another one: its frames would count twice.
 fn once(known: &[FrameTable], path: &Path) -> Result<(), ImportError> {
-    match known.iter().any(|table| table.file == path) {
-        true => Err(ImportError::new(path, 1, "the file is given twice; name each file once")),
-        false => Ok(()),
+    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let mut files: Vec<&Path> = known.iter().map(|table| &*table.file).collect();
+    files.dedup();
+    match files.into_iter().find(|file| *file == path || real(file) == real(path)) {
+        Some(file) if file == path => Err(ImportError::new(path, 1, "the file is given twice; name each file once")),
+        Some(file) => Err(ImportError::new(
+            path,
+            1,
+            format!("the file is given twice, also as {}; name each file once", file.display()),
+        )),
+        None => Ok(()),
     }
 }
 
@@ -100,6 +114,13 @@ fn read(path: &Path) -> Result<Vec<FrameTable>, ImportError> {
 /// [`ImportError`] with file and line.
 pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Vec<FrameTable>, ImportError> {
     let begins = |mark: &str| bytes.starts_with(mark.as_bytes());
+    let is_text = || !begins("<?xml") && !begins("<VTKFile") && !begins("# vtk") && !bytes.starts_with(b"\x89HDF");
+    if !bytes.is_empty() && is_text() && !bytes.ends_with(b"\n") && !bytes.ends_with(b"\r") {
+        let line = bytes.split(|byte| *byte == b'\n').count();
+        let problem = "the last row has no line end: the file may be cut off in the middle of a number; write it anew, or end it with a \
+                       line end";
+        return Err(ImportError::new(path, line, problem));
+    }
     let mut frames = if bytes.is_empty() {
         return Err(ImportError::new(path, 1, "the file is empty"));
     } else if begins("ITEM:") {

@@ -9,6 +9,8 @@ use std::fmt::Write;
 
 mod contact_series;
 mod counted_frames;
+mod same_grains;
+mod whole_frames;
 
 /// Time between frames, s.
 const INTERVAL: f64 = 0.02;
@@ -94,7 +96,7 @@ fn tables(grains: &[(&str, String)], contacts: &[(&str, String)]) -> Result<Tabl
         }
         Ok(frames)
     };
-    Ok(Tables { grains: all(grains)?, contacts: all(contacts)? })
+    Ok(Tables { grains: all(grains)?, contacts: all(contacts)?, notes: Vec::new() })
 }
 
 /// Where a table has no normals, they are taken from the centres, which have moved on since the contacts were found.

@@ -147,6 +147,9 @@ impl Assembly<'_> {
                 strangers += 1;
                 continue;
             };
+            if let Some(problem) = of_another_step(table, grains[at].1) {
+                return Err(table.fault(0, problem));
+            }
             if given.tables[at].iter().any(|known: &&FrameTable| known.file == table.file) {
                 let problem = format!("it has two frames of contacts at {} s; leave one at each time", grains[at].0);
                 return Err(table.fault(0, problem));
@@ -176,6 +179,17 @@ impl Assembly<'_> {
             _ => Ok(given),
         }
     }
+}
+
+/// Contacts and grains that are told to be of different steps, where no time says otherwise.
+fn of_another_step(contacts: &FrameTable, grains: &FrameTable) -> Option<String> {
+    let steps = contacts.step.zip(grains.step).filter(|_| contacts.time.is_none() && grains.time.is_none());
+    let (own, other) = steps.filter(|(own, other)| own != other)?;
+    Some(format!(
+        "its contacts are of step {own}, and the grains of {} are of step {other}; give contacts and grains of one time (a number in the \
+         name of a file counts as its step)",
+        grains.file.display()
+    ))
 }
 
 /// Whether a table was cut out of one with a column of times: that has no rows where there are no contacts, and other files have a

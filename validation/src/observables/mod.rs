@@ -13,7 +13,8 @@
 //! gravity, a drum is the cylinder that turns about its own level axis.
 //!
 //! **Bulk.** Grains whose centres, and contacts whose points, lie at least two mean diameters from every wall and
-//! from the free surface. Where fewer than 50 grains a frame are left, one diameter is used.
+//! from the free surface. Where fewer than 50 grains a frame are left, one diameter is used. The ends of a periodic axis count as
+//! walls; a contact across an end lies there, between a grain and the nearest image of the other one.
 //!
 //! | quantity | where |
 //! | --- | --- |

@@ -49,7 +49,7 @@ impl<'a> View<'a> {
     pub fn bulk_contacts(&self) -> Vec<&'a Contact> {
         let inside = |contact: &&Contact| match contact.second {
             Partner::Wall(_) => false,
-            Partner::Grain(second) => contact.normal_force > 0.0 && self.midpoint_in_bulk(contact.first, second),
+            Partner::Grain(second) => contact.normal_force > 0.0 && self.point_in_bulk(contact.first, second),
         };
         self.frame.contacts.iter().filter(inside).collect()
     }
@@ -64,19 +64,20 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The contact point follows from the grains rather than from the code's own table, whose meaning may vary.
-    fn midpoint_in_bulk(&self, first: u32, second: u32) -> bool {
+    /// The contact point follows from the grains rather than from the code's own table, whose meaning may vary. Across the end of a
+    /// periodic axis it lies between a grain and the nearest image of the other one.
+    fn point_in_bulk(&self, first: u32, second: u32) -> bool {
         let (Some(first), Some(second)) = (self.place(first), self.place(second)) else {
             return false;
         };
-        match (self.in_bulk()[first], self.in_bulk()[second]) {
-            (true, true) => true,
-            _ => {
-                let (a, b) = (&self.frame.particles[first], &self.frame.particles[second]);
-                let share = a.radius / (a.radius + b.radius);
-                let point = Vector3::from(a.position).lerp(&Vector3::from(b.position), share);
-                self.bulk.contains(&self.walls, &point)
-            }
+        let (a, b) = (&self.frame.particles[first], &self.frame.particles[second]);
+        let (share, domain) = (a.radius / (a.radius + b.radius), &self.setting.scene.domain);
+        let (from, to, period) = (Vector3::from(a.position), Vector3::from(b.position), domain.period());
+        let arm = period.arm(&from, &to);
+        if arm != to - from {
+            let point = period.wrapped(&(from + arm * share), &domain.min.into());
+            return self.bulk.contains(&self.walls, &point);
         }
+        self.in_bulk()[first] && self.in_bulk()[second] || self.bulk.contains(&self.walls, &from.lerp(&to, share))
     }
 }

@@ -87,7 +87,15 @@ pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Out
     let (text, appended) = split(bytes)?;
     let document = Document::parse(&text).map_err(|error| format!("it is no XML document: {error}"))?;
     let (root, source) = root(&document, appended)?;
-    let piece = named(root, "Piece").ok_or("it has no piece")?;
+    let holds = |piece: &Node<'_, '_>| piece.attribute("NumberOfPoints").is_some_and(|points| points.trim() != "0");
+    let pieces = || root.descendants().filter(|node| node.has_tag_name("Piece"));
+    let piece = pieces().find(holds).or_else(|| pieces().next()).ok_or("it has no piece")?;
+    if pieces().filter(holds).count() > 1 {
+        return Err(
+            "it has several pieces; write one piece a file (in ParaView: filter Merge Blocks, or Append Geometry)"
+                .into(),
+        );
+    }
     let count = |name: &str| match piece.attribute(name).unwrap_or("0").parse::<usize>() {
         Ok(count) if count <= i32::MAX as usize => Ok(count),
         _ => Err(format!("{name} is no number of points or cells")),

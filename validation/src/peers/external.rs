@@ -13,9 +13,9 @@ use crate::import::{Assembly, ImportError, Imported, Tables};
 use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
-use crate::recording::{Recording, frame_belongs_to};
+use crate::recording::{Recording, SAME_SIZE, frame_belongs_to, left_behind};
 use makadam::scene::Grain;
-use makadam::snapshot::Snapshot;
+use makadam::snapshot::{Particle, Snapshot};
 use serde::Deserialize;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -184,6 +184,18 @@ impl External {
                 ));
             }
             frame_belongs_to(frame, job.scene).or_else(refused)?;
+            let is_other = |(particle, grain): &(&Particle, &Grain)| {
+                (particle.radius - grain.radius).abs() > SAME_SIZE * grain.radius
+            };
+            if let Some((particle, grain)) = frame.particles.iter().zip(grains).find(is_other) {
+                return refused(format!(
+                    "grain {} has a radius of {} m in the frame at {time} s, and of {} m in grains.csv; number grains as there",
+                    particle.id, particle.radius, grain.radius
+                ));
+            }
+            if let Some(problem) = left_behind(frame, job.scene) {
+                return refused(problem);
+            }
         }
         Ok(())
     }

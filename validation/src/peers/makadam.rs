@@ -78,7 +78,17 @@ fn started(job: &Job<'_>) -> Result<Simulation, CodeError> {
 /// # Errors
 /// [`CodeError`] where the scene cannot be populated, or its state not be prepared.
 pub fn starting_grains(job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
+    starting_grains_if(job, |_| Ok(()))
+}
+
+/// The same where a code can run the scene: `check` is shown the grains as they are placed and may refuse, before the time that preparing a
+/// state takes.
+pub(super) fn starting_grains_if(
+    job: &Job<'_>,
+    check: impl FnOnce(&[Grain]) -> Result<(), CodeError>,
+) -> Result<Vec<Grain>, CodeError> {
     let mut grains = populate(job.scene, job.seed).map_err(in_file(job.scene_file))?;
+    check(&grains)?;
     if job.scene.prepare.is_some() {
         for particle in started(job)?.snapshot().particles {
             let grain = &mut grains[particle.id as usize];

@@ -28,7 +28,7 @@ use crate::plan::Scene;
 use crate::recording::Recording;
 use ::makadam::effects::Effect;
 use ::makadam::effects::catalogue::Trigger;
-use ::makadam::scene::Shape;
+use ::makadam::scene::{Grain, Shape};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -139,6 +139,19 @@ pub enum CodeError {
         /// Log file, kept.
         log: PathBuf,
     },
+    /// It printed more than is kept, and was stopped.
+    #[error(
+        "{code} was stopped: it printed more than {mebibytes} MiB; the first of them are in {}; let it print less",
+        log.display()
+    )]
+    LongLog {
+        /// The code.
+        code: &'static str,
+        /// Limit, MiB.
+        mebibytes: u64,
+        /// Log file, kept, as long as the limit.
+        log: PathBuf,
+    },
     /// It came to a state that makes its numbers worthless.
     #[error("{code} came to a state that makes its numbers worthless: {alarm}")]
     Worthless {
@@ -218,7 +231,7 @@ pub fn refuse_effects(
     code: &'static str,
     lacks: &[&'static Effect],
     scene: &Scene,
-    grains: &[::makadam::scene::Grain],
+    grains: &[Grain],
 ) -> Result<(), CodeError> {
     let palette = palette::Palette::new(scene, grains);
     let here = |effect: &Effect| match effect.trigger {
@@ -233,12 +246,17 @@ pub fn refuse_effects(
     Ok(())
 }
 
-/// What no soft peer can do with a scene, told before it is started; `lacks` are the effects that it has not.
+/// The grains that a soft peer starts from, or what it cannot do with the scene; `lacks` are the effects that it has not.
+fn supported_start(code: &'static str, lacks: &[&'static Effect], job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
+    makadam::starting_grains_if(job, |grains| refuse_unsupported(code, lacks, job.scene, grains))
+}
+
+/// What no soft peer can do with a scene, told before it is started.
 fn refuse_unsupported(
     code: &'static str,
     lacks: &[&'static Effect],
     scene: &Scene,
-    grains: &[::makadam::scene::Grain],
+    grains: &[Grain],
 ) -> Result<(), CodeError> {
     let refuse = |reason: &str| Err(CodeError::Unsupported { code, reason: reason.into() });
     if scene.prepare.is_some() && scene.wall.iter().any(|wall| wall.motion.is_driven()) {

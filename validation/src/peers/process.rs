@@ -19,6 +19,9 @@ const TAIL: usize = 600;
 /// Bytes of the end of a log that are searched for the reason of a failure.
 const SEARCHED: u64 = 1 << 16;
 
+/// MiB that a program may print: far more than any log, and far less than a disk.
+const LONGEST_LOG: u64 = 64;
+
 /// Free bytes below which a failure is put down to a full disk.
 const FULL_DISK: u64 = 1 << 20;
 
@@ -89,7 +92,8 @@ impl Run<'_> {
     pub fn execute(&self) -> Result<Option<f64>, CodeError> {
         let Some(program) = locate(self.program) else { return Err(CodeError::Missing { code: self.code }) };
         let log = File::create(&self.log).map_err(|source| io(&self.log, source))?;
-        let log_copy = log.try_clone().map_err(|source| io(&self.log, source))?;
+        let copy = || log.try_clone().map_err(|source| io(&self.log, source));
+        let (log_copy, printed) = (copy()?, copy()?);
         let mut command = tied(&program);
         command
             .args(self.arguments)
@@ -115,12 +119,21 @@ impl Run<'_> {
                 let seconds = self.limit.as_secs_f64();
                 return Err(CodeError::TimedOut { code: self.code, seconds, log: self.log.clone() });
             }
+            if is_too_long(&printed) {
+                drop(group);
+                return Err(self.cut(&printed));
+            }
             // Both times of the same moment: one that has ended tells no more.
             core_share = share_of(group.0.id(), start).or(core_share);
             std::thread::sleep(pause);
             pause = (pause * 2).min(Duration::from_millis(200));
             (self.watch)();
         };
+        if is_too_long(&printed) {
+            // What it has left running may still print.
+            drop(group);
+            return Err(self.cut(&printed));
+        }
         if status.success() {
             return Ok(core_share);
         }
@@ -134,6 +147,14 @@ impl Run<'_> {
 }
 
 impl Run<'_> {
+    /// Cuts the log off at the limit, and says why the run was stopped.
+    fn cut(&self, printed: &File) -> CodeError {
+        match printed.set_len(LONGEST_LOG << 20) {
+            Ok(()) => CodeError::LongLog { code: self.code, mebibytes: LONGEST_LOG, log: self.log.clone() },
+            Err(source) => io(&self.log, source),
+        }
+    }
+
     /// Why it failed, in its own words; the log named to the user holds them all.
     fn last_words(&self) -> String {
         let printed = ending(&self.log);
@@ -149,6 +170,11 @@ impl Run<'_> {
         let _ = appended();
         last_words(&printed, &own)
     }
+}
+
+/// Whether a log is longer than what is kept of one.
+fn is_too_long(log: &File) -> bool {
+    log.metadata().is_ok_and(|log| log.len() > LONGEST_LOG << 20)
 }
 
 /// The last line that tells of an error, in what a program printed or in its own logs, before the end of what it printed. Programs

@@ -6,7 +6,7 @@ use super::plan::{MotionPhase, Plan};
 use super::primitives::{Primitive, primitives};
 use super::process::{self, Program, Run, io};
 use super::yade_rolling::{Rolling, rolling};
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, starting_grains};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use crate::import::{contact_from_force, measurable, merge_wall_contacts};
 use crate::recording::Recording;
 use makadam::effects::catalogue::{
@@ -231,8 +231,7 @@ impl Code for Yade {
 /// Writes job and driver into the job's folder: the grains and the steps of the run.
 fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
     let scene = job.scene;
-    let grains = starting_grains(job)?;
-    super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
+    let grains = supported_start(NAME, &LACKS, job)?;
     let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };
     if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
         return Err(unsupported("a wall is driven by a torque".into()));

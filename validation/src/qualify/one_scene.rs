@@ -104,6 +104,9 @@ impl OneScene<'_> {
                 recorded.push(from_reference(code.as_ref(), reference.as_ref(), scene, &mut notes)?);
             }
         }
+        if !recorded.is_empty() {
+            notes.extend(Reference::unvouched(self.scene_file, scene));
+        }
         let simulated: Vec<_> = live.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
         let side_by_side = rayon::current_num_threads().min(live.len() * runs.seeds.len());
         let (mut measured, mut failure) = (Vec::new(), None);

@@ -68,6 +68,9 @@ impl Case {
             case.recorded.push(reference.code_on(code, &case.scene).ok_or_else(missing)?);
             case.notes.extend(reference.out_of_date(code, peer.contact_law(), &case.scene));
         }
+        if !case.recorded.is_empty() {
+            case.notes.extend(Reference::unvouched(&case.file, &case.scene));
+        }
         Ok(case)
     }
 

@@ -127,10 +127,11 @@ const ALL_ABLATIONS: [Ablated; 8] = [
 ];
 
 /// Every scene with margins and recorded references of both peers.
-const REFERENCE_SCENES: [&str; 8] = [
+const REFERENCE_SCENES: [&str; 9] = [
     "packing",
     "packing-low-friction",
     "packing-high-friction",
+    "packing-stiff",
     "drum",
     "drum-caps",
     "heap",

@@ -22,6 +22,7 @@ mod on_record;
 mod outlines;
 mod page;
 mod pictures;
+mod place;
 pub mod published;
 mod qualification;
 mod rows;
@@ -36,6 +37,7 @@ mod write;
 
 pub use against::Changes;
 pub use on_record::{Lost, TestOnRecord};
+pub use place::may_hold_comparison;
 pub use qualification::{Qualification, Standing, Verdict};
 pub use schema::schema;
 pub use speed::speed_sentence;

@@ -74,7 +74,7 @@ impl Index {
         let mut unreadable = Vec::new();
         let mut read: Vec<(Entry, Qualification)> = Vec::new();
         for path in &found.reports {
-            match report::read(path) {
+            match read_file(path) {
                 Ok(qualification) => {
                     let page = path.with_file_name("report.html");
                     let page = page.is_file().then(|| below(&page));
@@ -124,6 +124,14 @@ impl Index {
             }
         }
         text
+    }
+}
+
+/// Reads a report out of a regular file: a pipe might never answer.
+fn read_file(path: &Path) -> Result<Qualification, String> {
+    match path.metadata() {
+        Ok(there) if !there.is_file() => Err("it is no regular file, such as a folder, a pipe or a device".into()),
+        _ => report::read(path),
     }
 }
 

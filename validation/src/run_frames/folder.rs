@@ -88,6 +88,7 @@ pub struct RunFrames {
     grains: Vec<(f64, PathBuf)>,
     contacts: Vec<(f64, PathBuf)>,
     walls: Vec<(f64, PathBuf)>,
+    alarms: Option<String>,
 }
 
 impl RunFrames {
@@ -115,8 +116,8 @@ impl RunFrames {
             };
             return Err(RunFolderError::NoFrames { folder: folder.display().to_string(), problem: problem.into() });
         }
-        let (scene, time_step) = told(&folder);
-        Ok(RunFrames { scene, time_step, folder, grains, contacts, walls })
+        let Told { scene, time_step, alarms } = told(&folder);
+        Ok(RunFrames { scene, time_step, folder, grains, contacts, walls, alarms })
     }
 
     /// The folder.
@@ -127,6 +128,11 @@ impl RunFrames {
     /// Name of the scene, as far as it is known.
     pub fn scene(&self) -> &str {
         &self.scene
+    }
+
+    /// What watchdogs noticed on the way that makes the numbers of the run doubtful or worthless, as far as it is known.
+    pub fn alarms(&self) -> Option<&str> {
+        self.alarms.as_deref()
     }
 
     /// Number of frames.
@@ -239,11 +245,30 @@ fn is_below(name: &str) -> bool {
     Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)))
 }
 
+/// What `run.json` says of a run.
+struct Told {
+    scene: String,
+    time_step: Option<f64>,
+    alarms: Option<String>,
+}
+
 /// What the summary of a run tells: the name of its scene, and its time step (s).
-fn told(folder: &Path) -> (String, Option<f64>) {
-    let summary = std::fs::read_to_string(folder.join(RunFiles::SUMMARY)).unwrap_or_default();
+fn told(folder: &Path) -> Told {
+    let file = folder.join(RunFiles::SUMMARY);
+    let summary = std::fs::read_to_string(&file).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap_or_default();
     let name = summary["scene"].as_str().map(String::from);
     let of_folder = || folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    (name.unwrap_or_else(of_folder), summary["time_step"].as_f64().filter(|step| *step > 0.0))
+    let alarms = summary["alarms"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let is_grave = alarms.iter().any(|alarm| alarm["grave"] == true);
+    let words: Vec<&str> = alarms.iter().filter_map(|alarm| alarm["first"].as_str()).collect();
+    let alarms = (summary["sound"] == false).then(|| {
+        let worth = if is_grave { "that its numbers are worthless" } else { "that the run was not sound" };
+        format!("{} says {worth}: {}", file.display(), words.join("; "))
+    });
+    Told {
+        scene: name.unwrap_or_else(of_folder),
+        time_step: summary["time_step"].as_f64().filter(|step| *step > 0.0),
+        alarms,
+    }
 }

@@ -109,6 +109,7 @@ impl Case {
             }
             Err(CodeError::Crashed { status, tail, .. }) => Err((Verdict::Crashed, format!("{status}: {tail}"))),
             Err(CodeError::Output { problem, .. }) => Err((Verdict::Crashed, problem)),
+            Err(error @ CodeError::LongLog { .. }) => Err((Verdict::Crashed, error.to_string())),
             Err(error) => return Err(StabilityError::Code(error)),
         };
         Ok(self.outcome(code.name(), &grains, run, start))

@@ -250,6 +250,7 @@ impl Campaign<'_> {
                 error @ (CodeError::Crashed { .. }
                 | CodeError::Worthless { .. }
                 | CodeError::Output { .. }
+                | CodeError::LongLog { .. }
                 | CodeError::TimedOut { .. }),
                 _,
             )) => Ok(Attempt::Failed(error.to_string())),

@@ -45,6 +45,11 @@ pub(super) fn write(folder: &Path) -> Result<(), WriteError> {
     write_whole(&folder.join(FILE), text.as_bytes())
 }
 
+/// Whether a folder has the list.
+pub(super) fn are_in(folder: &Path) -> bool {
+    folder.join(FILE).is_file()
+}
+
 /// Holds the tables of a folder against the list. Without a list nothing is held against anything: an earlier version wrote none.
 ///
 /// # Errors

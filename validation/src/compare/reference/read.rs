@@ -6,6 +6,7 @@ use super::{
 };
 use crate::observables::Measurement;
 use crate::output::cells::as_meant;
+use crate::plan::Scene;
 use crate::scenes;
 use makadam::snapshot::Particle;
 use serde::de::DeserializeOwned;
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// A file cannot be read.
-    #[error("{}: cannot be read: {source}; restore it from the repository, or record anew with 'makadam compare SCENE --record'", file.display())]
+    #[error("{}: cannot be read: {source}; restore it from the repository, or record anew with 'makadam compare SCENE --record --again'", file.display())]
     Io {
         /// The file.
         file: PathBuf,
@@ -23,13 +24,13 @@ pub enum ReferenceError {
         source: std::io::Error,
     },
     /// A table is not the one that was recorded.
-    #[error("{}: not as it was recorded: its checksum is not the one in checksums.csv beside it; restore the file from the repository, or, if the change is meant, delete checksums.csv", file.display())]
+    #[error("{}: not as it was recorded: its checksum is not the one in checksums.csv beside it; restore the file from the repository, record anew with 'makadam compare SCENE --record --again', or, if the change is meant, delete checksums.csv", file.display())]
     Changed {
         /// The file.
         file: PathBuf,
     },
     /// A line is not what it should be.
-    #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record'", file.display())]
+    #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record --again'", file.display())]
     Line {
         /// The file.
         file: PathBuf,
@@ -53,6 +54,20 @@ impl Reference {
             true => Reference::read(&folder, &scenes::read),
             false => Reference::load(&folder),
         }
+    }
+
+    /// What is to be said of references that nothing vouches for, which lie on a disk without checksums; those that the program holds are
+    /// whole.
+    pub fn unvouched(scene_file: &Path, scene: &Scene) -> Option<String> {
+        let scene_file = &scenes::origin(scene_file);
+        let vouched = scenes::is_built_in(scene_file) || super::checksums::are_in(&Reference::folder(scene_file));
+        (!vouched).then(|| {
+            format!(
+                "the references of {} have no checksums.csv: nothing vouches for their numbers; restore it from the repository, or \
+                 record anew with --record --again",
+                scene.name
+            )
+        })
     }
 
     /// Reads the references in a folder; `None` if there is no `runs.csv`.

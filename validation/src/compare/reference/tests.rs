@@ -153,7 +153,25 @@ fn a_bad_line_is_named() {
     assert!(message.contains("measurements.csv:3:") && message.contains("runs.csv"), "{message}");
     std::fs::remove_file(&file).unwrap();
     let message = Reference::load(folder.path()).unwrap_err().to_string();
-    assert!(message.contains("measurements.csv: cannot be read"), "{message}");
+    assert!(message.contains("measurements.csv: cannot be read") && message.contains("--record --again"), "{message}");
+}
+
+#[test]
+fn references_that_nothing_vouches_for_are_told() {
+    let (scene, reference) = sample();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.toml");
+    let references = Reference::folder(&file);
+    reference.save(&scene, &references).unwrap();
+    assert_eq!(Reference::unvouched(&file, &scene), None);
+    std::fs::remove_file(references.join("checksums.csv")).unwrap();
+    let note = Reference::unvouched(&file, &scene).unwrap();
+    assert!(
+        note.contains(&format!("the references of {} have no checksums.csv: nothing vouches", scene.name)),
+        "{note}"
+    );
+    let built_in = Path::new(crate::scenes::BUILT_IN).join("packing/scene.toml");
+    assert_eq!(Reference::unvouched(&built_in, &scene), None);
 }
 
 #[test]
@@ -177,6 +195,7 @@ fn a_number_that_was_changed_by_hand_is_seen_in_every_table() {
     let refused = |name: &str| {
         let message = Reference::load(folder).unwrap_err().to_string();
         assert!(message.contains(name) && message.contains("checksums.csv"), "{message}");
+        assert!(message.contains("--record --again"), "{message}");
     };
     for name in ["runs.csv", "measurements.csv", "forces.csv", "series.csv", "final-state-yade.csv"] {
         let text = std::fs::read_to_string(folder.join(name)).unwrap();

@@ -8,7 +8,8 @@ const WALLS: &str = "first,wall,fx,fy,fz,px,py,pz\n";
 
 /// Contacts of a grain with a wall at some times, in one table.
 fn walls_at(times: &[f64], grain: u32) -> String {
-    let rows = times.iter().map(|time| format!("{time},{grain},0,0,0,0.5,0,0,0\n"));
+    let height = if grain == 1 { 0 } else { 2 };
+    let rows = times.iter().map(|time| format!("{time},{grain},0,0,0,0.5,0,0,{height}\n"));
     format!("time,{WALLS}{}", rows.collect::<String>())
 }
 
@@ -45,7 +46,7 @@ fn each_of_two_files_with_the_same_columns_tells_every_measured_frame() {
         }
     }
     // A file for each frame of each wall, and one of them is missing.
-    let file = |name: &'static str| (name, format!("{WALLS}1,0,0,0,0.5,0,0,0\n"));
+    let file = |name: &'static str| (name, format!("{WALLS}1,0,0,0,0.5,0,0.{},0\n", &name[4..5]));
     let all = ["wall0_1500.csv", "wall0_2000.csv", "wall1_1500.csv", "wall1_2000.csv"].map(file);
     assert_eq!(given(&all).unwrap().recording.frames[1].contacts.len(), 1, "one face of one wall");
     let error = given(&all[..3]).unwrap_err().to_string();

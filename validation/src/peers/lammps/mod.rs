@@ -7,7 +7,7 @@ use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
 use super::palette::Palette;
 use super::plan::Plan;
 use super::process::Program;
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, starting_grains};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
@@ -92,8 +92,7 @@ struct Input {
 /// Writes deck and grains into the job's folder.
 fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
     let scene = job.scene;
-    let grains = starting_grains(job)?;
-    super::refuse_unsupported(NAME, &LACKS, scene, &grains)?;
+    let grains = supported_start(NAME, &LACKS, job)?;
     let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
     let plan = Plan::new(scene, largest_step);
     let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };

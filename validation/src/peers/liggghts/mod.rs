@@ -7,7 +7,7 @@ mod walls;
 use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
 use super::plan::Plan;
 use super::process::Program;
-use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, starting_grains};
+use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
@@ -105,8 +105,7 @@ struct Input {
 
 /// Writes deck, grains and meshes into the job's folder.
 fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
-    let grains = starting_grains(job)?;
-    super::refuse_unsupported(NAME, &LACKS, job.scene, &grains)?;
+    let grains = supported_start(NAME, &LACKS, job)?;
     let plan = Plan::new(job.scene, job.rayleigh_fraction * job.scene.rayleigh_step(&grains));
     let (turn, scene, grains) = match job.purpose {
         Purpose::Measuring => (Turn::default(), job.scene.clone(), grains),

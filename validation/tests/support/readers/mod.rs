@@ -243,8 +243,8 @@ fn foreign_frames(bytes: &[u8]) -> bool {
     if rows > 10_000 {
         return true;
     }
-    let both = Tables { grains: frames.clone(), contacts: frames.clone() };
-    for tables in [Tables { grains: frames, contacts: Vec::new() }, both] {
+    let both = Tables { grains: frames.clone(), contacts: frames.clone(), notes: Vec::new() };
+    for tables in [Tables { grains: frames, ..Tables::default() }, both] {
         match assembly.assemble(&tables) {
             Ok(imported) => {
                 imported.recording.frames.iter().for_each(documents::check_contacts);

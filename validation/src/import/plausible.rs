@@ -1,0 +1,51 @@
+//! What the frames of a scene cannot have: grains outside of it, contacts of grains that are apart.
+
+use crate::plan::Scene;
+use crate::recording::{grains_belong_to, left_behind};
+use makadam::scene::Domain;
+use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use nalgebra::Vector3;
+
+/// Gap over the smaller radius beyond which no law of contacts acts. Contacts are told of positions up to a step ago.
+const APART: f64 = 1.0;
+
+/// What is wrong with a contact of grains, or of a grain and a wall, that are apart, in words that follow their names.
+pub(super) fn apart(first: &Particle, second: Option<&Particle>, towards: &Vector3<f64>) -> Option<String> {
+    let (reach, smaller) = match second {
+        Some(second) => (first.radius + second.radius, first.radius.min(second.radius)),
+        None => (first.radius, first.radius),
+    };
+    let gap = towards.norm() - reach;
+    (gap > APART * smaller).then(|| {
+        format!("are {gap:.3e} m apart, and do not touch; see to it that contacts count grains as the frames do, and are of their time")
+    })
+}
+
+/// The image of a place that lies in the domain, as far as it is periodic; the place itself where it lies inside.
+pub(super) fn image(domain: &Domain, place: Vector3<f64>) -> Vector3<f64> {
+    let low = Vector3::from(domain.min);
+    let wrapped = domain.period().wrapped(&place, &low);
+    let is_inside = |axis: usize| (domain.min[axis]..domain.max[axis]).contains(&place[axis]);
+    Vector3::from_fn(|axis, _| if is_inside(axis) { place[axis] } else { wrapped[axis] })
+}
+
+/// What a reader must know of measured frames that are unlike the scene, in sentences.
+pub(crate) fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapshot> + Clone) -> Vec<String> {
+    let filled = || frames.clone().filter(|frame| !frame.particles.is_empty());
+    let mut notes: Vec<String> = filled().find_map(|frame| grains_belong_to(frame, scene).err()).into_iter().collect();
+    notes.extend(filled().find_map(|frame| left_behind(frame, scene)));
+    let contacts = || filled().flat_map(|frame| &frame.contacts);
+    if contacts().next().is_some() && !contacts().any(|contact| contact.normal_force > 0.0) {
+        notes.push(
+            "no contact pushes its grains apart: forces are to be those on the first grain, and normals lead away from it".into(),
+        );
+    }
+    notes
+}
+
+/// Whether two contacts with a wall are one that is told twice: at one point, with one force.
+pub(super) fn is_same(one: &Contact, other: &Contact) -> bool {
+    matches!(one.second, Partner::Wall(_))
+        && (one.first, one.second, one.point, one.normal_force, one.tangential_force)
+            == (other.first, other.second, other.point, other.normal_force, other.tangential_force)
+}
