@@ -1,7 +1,7 @@
 //! The key of a build: a hash of all that decides the bits of a simulation. It is worked out while the package is built.
 //!
-//! What is hashed: the sources of the solver in the order of their names, without comments, indents and blank lines, which decide
-//! nothing; and the versions of the packages that compute, as `Cargo.lock` has them. Folders, dates, commits, profiles, processors
+//! What is hashed: the sources in the order of their names, without comments, indents and blank lines, which decide nothing; whatever else
+//! lies among them, such as the driver of another code, byte for byte; and the versions of the packages that compute, as `Cargo.lock` has them. Folders, dates, commits, profiles, processors
 //! and targets are left out: the same sources give the same bits wherever they are built.
 
 use std::collections::BTreeSet;
@@ -18,7 +18,12 @@ pub fn build_key(folder: &Path) -> u64 {
     sources.sort();
     for (name, file) in sources {
         hash.add(&name);
-        let text = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        let bytes = std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        if !name.ends_with(".rs") {
+            hash.bytes(&bytes);
+            continue;
+        }
+        let text = String::from_utf8(bytes).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         for line in text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//")) {
             hash.add(line);
         }
@@ -43,7 +48,7 @@ fn list(folder: &Path, prefix: &str, sources: &mut Vec<(String, PathBuf)>) {
         let (path, name) = (entry.path(), format!("{prefix}{}", entry.file_name().to_string_lossy()));
         if path.is_dir() {
             list(&path, &format!("{name}/"), sources);
-        } else if name.ends_with(".rs") {
+        } else {
             sources.push((name, path));
         }
     }
@@ -107,8 +112,13 @@ impl Default for Fnv {
 
 impl Fnv {
     fn add(&mut self, line: &str) {
-        for byte in line.bytes().chain([0]) {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        self.bytes(line.as_bytes());
+        self.bytes(&[0]);
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
     }
 }

@@ -156,7 +156,7 @@ const SMALL: Extent = Extent {
     timed: &["tiny"],
     studies: &[
         Study::HardCases(&["drift", "impossible-gap-rigid"]),
-        Study::Ablation(&[Ablated { scene: "tiny", seeds: 2, needed: &["Coulomb friction"] }]),
+        Study::Ablation(&[Ablated { scene: "tiny", seeds: 2, needed: &["Coulomb friction"], unmeasurable: &[] }]),
         Study::Convergence(&["tiny"]),
     ],
 };

@@ -86,6 +86,11 @@ fn a_key_changes_with_sources_effects_and_packages_that_compute_and_with_nothing
     assert_eq!(build_key(&one), expected, "packaged");
     write(one.join("src/new.rs"), "").unwrap();
     assert_ne!(build_key(&one), expected, "a new source");
+    std::fs::remove_file(one.join("src/new.rs")).unwrap();
+    for bytes in [&b"# how another code is driven"[..], &[0xff, 0x00]] {
+        write(one.join("src/driver.py"), bytes).unwrap();
+        assert_ne!(build_key(&one), expected, "what is embedded");
+    }
     std::fs::remove_dir_all(base).unwrap();
 }
 

@@ -223,6 +223,19 @@ pub fn processor() -> String {
     model.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
 }
 
+/// The machine, as far as the system tells it apart from others with a processor of the same name: a time of another one is another number.
+pub fn machine() -> String {
+    let information = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let first = |name: &str| {
+        let of = |line: &str| Some(line.strip_prefix(name)?.trim_start().strip_prefix(':')?.trim().to_string());
+        information.lines().find_map(of).unwrap_or_default()
+    };
+    let told = ["cpu family", "model", "stepping", "cache size", "flags"].map(first);
+    let id = std::fs::read_to_string("/etc/machine-id").unwrap_or_default();
+    let apart = checksum([&told[..], &[id.trim().to_string()]].concat().join("/").as_bytes());
+    format!("{} {apart:016x}", processor())
+}
+
 /// Largest resident memory of this process so far, bytes; 0 where the system does not tell.
 pub fn peak_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -234,6 +247,12 @@ pub fn peak_bytes() -> u64 {
 mod tests {
     use super::*;
     use std::time::Duration;
+
+    #[test]
+    fn a_machine_is_its_processor_and_more() {
+        assert!(machine().starts_with(&processor()) && machine().len() == processor().len() + 17);
+        assert_eq!(machine(), machine());
+    }
 
     #[test]
     fn times_are_written_as_utc() {

@@ -4,7 +4,7 @@ use super::{Harvest, Runs};
 use crate::output::{WriteError, file_stem};
 use crate::peers::{Code, CodeError, Purpose};
 use crate::plan::Scene;
-use crate::provenance::{JUDGE, processor, scene_hash};
+use crate::provenance::{JUDGE, machine, scene_hash};
 use crate::study::{Found, Key, RunCache, sealed, unseal};
 use makadam::BUILD;
 use serde::{Deserialize, Serialize};
@@ -155,10 +155,10 @@ fn key(runs: &Runs<'_>, scene: &Scene, code: &dyn Code, seed: u64) -> Key {
 
 /// The key of a run that is alone on the machine: its wall time is of this processor.
 fn alone(runs: &Runs<'_>, scene: &Scene, code: &dyn Code, seed: u64) -> Key {
-    keyed(runs, scene, code, seed, "-alone", &processor())
+    keyed(runs, scene, code, seed, "-alone", &machine())
 }
 
-fn keyed(runs: &Runs<'_>, scene: &Scene, code: &dyn Code, seed: u64, mark: &str, processor: &str) -> Key {
+fn keyed(runs: &Runs<'_>, scene: &Scene, code: &dyn Code, seed: u64, mark: &str, machine: &str) -> Key {
     let name = format!("{}-{}-s{seed}{mark}", file_stem(&scene.name), code.name().to_lowercase());
     let watch = serde_json::to_string(&scene.watch).expect("a checked scene holds finite numbers and plain text");
     // Where a code is timed by the input that it is measured by, one run is both.
@@ -171,7 +171,7 @@ fn keyed(runs: &Runs<'_>, scene: &Scene, code: &dyn Code, seed: u64, mark: &str,
         format!("{} {}, {}", code.name(), code.version().unwrap_or_default(), code.contact_law()),
         BUILD.to_string(),
         JUDGE.to_string(),
-        processor.to_string(),
+        machine.to_string(),
         String::from(if timing { "timing" } else { "" }),
     ];
     Key::new(name, &parts.each_ref().map(String::as_str)).apart()

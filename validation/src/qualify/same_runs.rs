@@ -4,6 +4,8 @@ use crate::compare::{Harvest, Simulated};
 use crate::peers::CodeError;
 use crate::plan::Scene;
 use makadam::scene::populate;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// The runs of the judged code without those that are the same as one of an earlier seed, which are failures. Runs of other codes, and
 /// of scenes that start from the same grains with each seed, are left as they are.
@@ -23,6 +25,23 @@ pub(super) fn without_same_runs(judged: &str, code: &'static str, scene: &Scene,
         }
     }
     Simulated { harvests: kept, failures }
+}
+
+/// Seeds of Makadam that are one and the same run, each with the earlier one: all that was measured of both is the same to the last bit.
+/// The scenes of the tiers start from other grains with each seed.
+pub(super) fn twins(harvests: &[Harvest]) -> Vec<[u64; 2]> {
+    let values = |harvest: &Harvest| -> Vec<u64> {
+        harvest.run.measurements.iter().map(|measured| measured.value.to_bits()).collect()
+    };
+    let mut known: BTreeMap<Vec<u64>, u64> = BTreeMap::new();
+    let mut twins = Vec::new();
+    for harvest in harvests.iter().filter(|harvest| !harvest.run.measurements.is_empty()) {
+        match known.entry(values(harvest)) {
+            Entry::Occupied(earlier) => twins.push([*earlier.get(), harvest.run.seed]),
+            Entry::Vacant(place) => _ = place.insert(harvest.run.seed),
+        }
+    }
+    twins
 }
 
 /// Whether two runs are one to the last bit: by where the grains are at the end, in whatever order. Measurements alone do not tell:
@@ -50,7 +69,7 @@ fn depends_on_seed(scene: &Scene, seeds: [u64; 2]) -> bool {
 mod tests {
     use super::*;
     use crate::compare::FinalState;
-    use crate::observables::ForcePool;
+    use crate::observables::{ForcePool, Measurement};
     use crate::scenes::{find, load};
     use makadam::snapshot::Particle;
 
@@ -99,6 +118,25 @@ mod tests {
         let mut listed = scene.clone();
         listed.population.clear();
         assert_eq!(seeds(&without_same_runs("Own", "Own", &listed, runs())).len(), 4);
+    }
+
+    #[test]
+    fn seeds_of_makadam_that_are_one_run_are_found() {
+        let measured = |seed: u64, value: f64| {
+            let mut harvest = harvest(seed, [0.1, 0.2]);
+            harvest.run.measurements = ["packing_fraction", "gini"]
+                .map(|name| {
+                    let value = if name == "gini" { 0.4 } else { value };
+                    Measurement { observable: name.into(), unit: String::new(), value, standard_error: None, frames: 1 }
+                })
+                .into();
+            harvest
+        };
+        let near = f64::from_bits(0.6_f64.to_bits() + 1);
+        let runs: Vec<Harvest> =
+            (1..).zip([0.6, near, 0.6, 0.61, near]).map(|(seed, value)| measured(seed, value)).collect();
+        assert_eq!(twins(&runs), [[1, 3], [2, 5]]);
+        assert!(twins(&[harvest(1, [0.1, 0.2]), harvest(2, [0.1, 0.2])]).is_empty(), "nothing was measured");
     }
 
     /// On a lattice without room to vary, seeds differ in radii or velocities alone.

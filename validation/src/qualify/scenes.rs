@@ -1,6 +1,7 @@
 //! The scenes of a qualification: what is recorded of each, the runs of Makadam, live runs of the peers, the comparison.
 
 use super::jobs::{Job, weight};
+use super::same_runs::twins;
 use super::{LIVE_FRACTION, LIVE_SEED, QualifyError, Settings};
 use crate::compare::{
     CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, Reference, Runs, Timed, comparison, live_checks,
@@ -104,10 +105,18 @@ impl Case {
 
     /// The comparison of all that was run with all that is recorded, by so many threads.
     pub(super) fn compared(self, threads: usize) -> Comparison {
-        let harvests = self.harvests.into_inner().expect("nothing panics while it holds the lock");
-        let own = CodeRuns::live("Makadam", threads, harvests);
+        let mut harvests = self.harvests.into_inner().expect("nothing panics while it holds the lock");
+        harvests.sort_by_key(|harvest| harvest.run.seed);
+        let twins = twins(&harvests);
+        harvests.retain(|harvest| twins.iter().all(|[_, twin]| *twin != harvest.run.seed));
+        let mut notes = self.notes;
+        notes.extend(twins.iter().map(|[seed, twin]| {
+            format!("Makadam: seeds {seed} and {twin} are one and the same run, of which the second counts as failed")
+        }));
+        let failed = twins.into_iter().map(|[_, twin]| twin).collect();
+        let own = CodeRuns { failed, ..CodeRuns::live("Makadam", threads, harvests) };
         let codes: Vec<CodeRuns> = std::iter::once(own).chain(self.recorded).collect();
-        let mut comparison = comparison(&self.scene, &codes, self.notes);
+        let mut comparison = comparison(&self.scene, &codes, notes);
         comparison.codes.extend(self.timings);
         comparison
     }

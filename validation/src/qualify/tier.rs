@@ -58,14 +58,26 @@ pub struct Ablated {
     pub seeds: u64,
     /// Effects that it is known to need (`validation/docs/ablation.md`): an effect that has been lost moves nothing.
     pub needed: &'static [&'static str],
+    /// Of these, those without which a run fails or an observable has no value: elsewhere a run that fails proves no need.
+    pub unmeasurable: &'static [&'static str],
 }
 
 /// Seeds that the recorded rows of a law have.
 const LAWS: Study = Study::Laws(&[("janssen", 3), ("beverloo", 3), ("collapse", 1), ("chute", 1)]);
 
 const SMALL_ABLATIONS: [Ablated; 5] = [
-    Ablated { scene: "packing", seeds: 12, needed: &["Coulomb friction", "rolling resistance", "twisting resistance"] },
-    Ablated { scene: "heap", seeds: 12, needed: &["Coulomb friction", "twisting resistance", "wall motion"] },
+    Ablated {
+        scene: "packing",
+        seeds: 12,
+        needed: &["Coulomb friction", "rolling resistance", "twisting resistance"],
+        unmeasurable: &[],
+    },
+    Ablated {
+        scene: "heap",
+        seeds: 12,
+        needed: &["Coulomb friction", "twisting resistance", "wall motion"],
+        unmeasurable: &["wall motion"],
+    },
     Ablated {
         scene: "oedometer",
         seeds: 8,
@@ -77,6 +89,7 @@ const SMALL_ABLATIONS: [Ablated; 5] = [
             "twisting resistance",
             "driven walls",
         ],
+        unmeasurable: &["elastic compliance"],
     },
     Ablated {
         scene: "landslide",
@@ -88,11 +101,13 @@ const SMALL_ABLATIONS: [Ablated; 5] = [
             "twisting resistance",
             "changing gravity",
         ],
+        unmeasurable: &[],
     },
     Ablated {
         scene: "cooling-gas",
         seeds: 8,
         needed: &["Coulomb friction", "falling restitution", "rolling resistance", "periodic axes"],
+        unmeasurable: &["periodic axes"],
     },
 ];
 
@@ -106,11 +121,13 @@ const ALL_ABLATIONS: [Ablated; 8] = [
         scene: "drum",
         seeds: 4,
         needed: &["Coulomb friction", "elastic compliance", "rolling resistance", "twisting resistance", "wall motion"],
+        unmeasurable: &["wall motion"],
     },
     Ablated {
         scene: "vibrated-bed",
         seeds: 4,
         needed: &["Coulomb friction", "restitution", "elastic compliance", "wall motion"],
+        unmeasurable: &[],
     },
     Ablated {
         scene: "cohesive-heap",
@@ -123,6 +140,7 @@ const ALL_ABLATIONS: [Ablated; 8] = [
             "wall motion",
             "cohesion",
         ],
+        unmeasurable: &["Coulomb friction", "wall motion"],
     },
 ];
 

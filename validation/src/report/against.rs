@@ -7,7 +7,7 @@ use crate::draw::names;
 use crate::draw::numbers::{significant, two_digits};
 use serde::Serialize;
 
-/// Standard errors of a difference beyond which a number has moved: less than once in 300 tests by chance.
+/// Standard errors of a difference beyond which a number has moved: by chance about once in 300 tests of many seeds, and once in 100 of eight.
 const BEYOND_NOISE: f64 = 3.0;
 
 /// What is different from an earlier qualification.

@@ -8,7 +8,7 @@ use crate::compare::{Harvest, Runs, Share};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError, CoreClock, Purpose};
 use crate::plan::Scene;
-use crate::provenance::{Build, command_line, processor};
+use crate::provenance::{Build, command_line, machine};
 use crate::scenes::{SceneError, in_file};
 use crate::study::{Found, Key, RunCache};
 use makadam::scene::populate;
@@ -199,7 +199,7 @@ impl Campaign<'_> {
     fn key(&self, place: usize, seed: u64) -> Key {
         let configuration = &self.plan.configurations[place];
         let version = self.code(configuration).and_then(|code| code.version()).unwrap_or_default();
-        run_key(self.scene, configuration, &version, seed, &processor())
+        run_key(self.scene, configuration, &version, seed, &machine())
     }
 
     fn code(&self, configuration: &Configuration) -> Option<&dyn Code> {

@@ -126,18 +126,54 @@ fn judged(ablated: &Ablated, ablation: &Ablation) -> Vec<StudyTest> {
     }];
     for effect in ablated.needed {
         let rows: Vec<_> = ablation.rows.iter().filter(|row| row.effect == *effect).collect();
-        // Where nothing can be measured without it the scene needs it as well.
-        let needed = |row: &&&crate::effects::Ablated| {
-            row.need == Need::Needed || (row.mean.is_some() && row.changed_mean.is_none())
-        };
+        let lacks = |row: &&&crate::effects::Ablated| row.mean.is_some() && row.changed_mean.is_none();
+        // Where nothing can be measured without it, and that is on record, the scene needs it as well.
+        let counts = ablated.unmeasurable.contains(effect);
+        let needed = |row: &&&crate::effects::Ablated| row.need == Need::Needed || counts && lacks(row);
         let moved: Vec<&str> = rows.iter().filter(needed).map(|row| row.observable.as_str()).collect();
-        let measured = match (rows.first(), moved.is_empty()) {
-            (None, _) => "it was not varied".into(),
-            (Some(row), true) => format!("{}: no observable moves beyond its margin", row.change),
-            (Some(row), false) => format!("{}: {}", row.change, moved.join(", ")),
+        let lacking: Vec<&str> = rows.iter().filter(lacks).map(|row| row.observable.as_str()).collect();
+        let measured = match (rows.first(), moved.is_empty(), lacking.is_empty()) {
+            (None, ..) => "it was not varied".into(),
+            (Some(row), true, true) => format!("{}: no observable moves beyond its margin", row.change),
+            (Some(row), true, false) => format!("{}: no value of {} in some seed", row.change, lacking.join(", ")),
+            (Some(row), false, _) => format!("{}: {}", row.change, moved.join(", ")),
         };
         let name = format!("{}: {effect}", ablated.scene);
-        tests.push(test(name, measured, "an observable moves beyond its margin".into(), !moved.is_empty()));
+        let judged = test(name, measured, "an observable moves beyond its margin".into(), !moved.is_empty());
+        tests.push(match moved.is_empty() && !lacking.is_empty() {
+            true => StudyTest { outcome: StudyOutcome::NotMeasured, ..judged },
+            false => judged,
+        });
     }
     tests
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variation_that_fails_proves_a_need_only_where_that_is_on_record() {
+        let row = |effect: &'static str, changed_mean: Option<f64>, need: Need| crate::effects::Ablated {
+            effect,
+            change: "off".into(),
+            observable: "packing_fraction".into(),
+            mean: Some(0.6),
+            changed_mean,
+            interval90: None,
+            margin: 0.006,
+            need,
+        };
+        let outcome = |unmeasurable: &'static [&'static str], changed_mean: Option<f64>, need: Need| {
+            let ablated = Ablated { scene: "tiny", seeds: 2, needed: &["Coulomb friction"], unmeasurable };
+            let rows = vec![row("Coulomb friction", changed_mean, need)];
+            let tests = judged(&ablated, &Ablation { seeds: vec![1, 2], rows });
+            assert_eq!(tests.len(), 2);
+            tests[1].outcome
+        };
+        assert_eq!(outcome(&[], Some(0.65), Need::Needed), StudyOutcome::Passed);
+        assert_eq!(outcome(&[], Some(0.6), Need::NotNeeded), StudyOutcome::Failed);
+        assert_eq!(outcome(&[], None, Need::NotMeasurable), StudyOutcome::NotMeasured);
+        assert_eq!(outcome(&["Coulomb friction"], None, Need::NotMeasurable), StudyOutcome::Passed);
+    }
 }

@@ -5,7 +5,7 @@ use crate::convergence::{self, Curve, Effort, Problem, Study, TOLERANCES};
 use crate::execution::Execution;
 use crate::plan::Scene;
 use crate::prepared::{Start, StartError, start};
-use crate::provenance::{JUDGE, Provenance, processor, scene_hash};
+use crate::provenance::{JUDGE, Provenance, machine, scene_hash};
 use crate::report::{StudyOutcome, StudySection, StudyTest};
 use crate::stepping::{Stepping, steps_in};
 use crate::study::{Document, Key, RunCache};
@@ -88,7 +88,7 @@ impl Part for Convergence<'_> {
                 "{name}: every method on the problem of one step, alone on the machine"
             ));
             let hash = format!("{:016x}", scene_hash(scene));
-            let key = Key::new((*name).into(), &[&hash, &scene.seed.to_string(), BUILD, JUDGE, &processor()]);
+            let key = Key::new((*name).into(), &[&hash, &scene.seed.to_string(), BUILD, JUDGE, &machine()]);
             let page = self.place.folder("convergence").join(name).join("convergence.html");
             let again = self.place.settings.again || !page.is_file();
             let solved = cache.take(&key, again, || self.solve(name, file, scene))?;
