@@ -141,7 +141,8 @@ pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification
     {
         return Err(CodeError::Missing { code: missing.name() }.into());
     }
-    let open = |name: &&'static str| Case::open(name, extent.fewest_seeds, settings, &peers);
+    let open =
+        |name: &&'static str| Case::open(name, extent.fewest_seeds, extent.on_record.is_some(), settings, &peers);
     let mut cases = extent.scenes.iter().map(open).collect::<Result<Vec<Case>, QualifyError>>()?;
     let kept = KeptRuns::open(&settings.folder.join("runs"), settings.again)?;
     let place = Place { settings, kept: &kept };

@@ -12,6 +12,23 @@ const TESTS: &str = include_str!("tests.csv");
 /// The same of the tests of studies.
 const STUDIES: &str = include_str!("studies.csv");
 
+/// The recorded numbers of each scene and peer that a tier judges by, as hashes: others are recorded by an edit here too.
+const REFERENCES: &str = include_str!("references.csv");
+
+/// A line of `references.csv`.
+#[derive(Deserialize)]
+struct ReferenceLine {
+    scene: String,
+    code: String,
+    fingerprint: String,
+}
+
+/// Hash of what is on record of a peer on a scene ([`CodeRuns::fingerprint`](crate::compare::CodeRuns::fingerprint)).
+pub(super) fn fingerprint_on_record(scene: &str, code: &str) -> Option<String> {
+    let is_this = |line: &ReferenceLine| (line.scene.as_str(), line.code.as_str()) == (scene, code);
+    lines::<ReferenceLine>(REFERENCES).into_iter().find(is_this).map(|line| line.fingerprint)
+}
+
 /// A line of `tests.csv`.
 #[derive(Deserialize)]
 struct Line {
@@ -64,8 +81,10 @@ fn lines<T: DeserializeOwned>(table: &str) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::Reference;
     use crate::problem::RECORDED;
     use crate::qualify::tier::{Study, TIERS};
+    use crate::scenes::find;
     use crate::stability::{KNOWN_EXCEPTIONS, catalogue};
 
     #[test]
@@ -78,6 +97,24 @@ mod tests {
             assert!((1..all.len()).all(|place| !names[..place].contains(&names[place])));
             assert!(all.iter().all(|test| test.margin.is_some_and(|margin| margin > 0.0) && test.seeds >= 4));
         }
+    }
+
+    /// Where references were recorded anew on purpose, the lines that this test shows are those of `references.csv`.
+    #[test]
+    fn the_recorded_numbers_are_those_on_record() {
+        let mut now = String::from("scene,code,fingerprint\n");
+        for scene in Tier::Release.extent().scenes {
+            let reference = Reference::of_scene(&find(scene, &[]).unwrap()).unwrap().unwrap();
+            for code in ["YADE", "LIGGGHTS"] {
+                now += &format!("{scene},{code},{}\n", reference.code(code).unwrap().fingerprint());
+            }
+        }
+        assert_eq!(REFERENCES, now, "{now}");
+        let mut runs = Reference::of_scene(&find("packing", &[]).unwrap()).unwrap().unwrap().code("YADE").unwrap();
+        let on_record = fingerprint_on_record("packing", "YADE");
+        runs.runs[3].measurements[0].value *= 1.0 + 1e-12;
+        assert!(on_record.is_some() && on_record != Some(runs.fingerprint()));
+        assert_eq!(fingerprint_on_record("packing-100", "YADE"), None);
     }
 
     #[test]

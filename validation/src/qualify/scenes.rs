@@ -1,6 +1,7 @@
 //! The scenes of a qualification: what is recorded of each, the runs of Makadam, live runs of the peers, the comparison.
 
 use super::jobs::{Job, weight};
+use super::record::fingerprint_on_record;
 use super::same_runs::twins;
 use super::{LIVE_FRACTION, LIVE_SEED, QualifyError, Settings};
 use crate::compare::{
@@ -37,10 +38,11 @@ pub(super) struct Case {
 }
 
 impl Case {
-    /// A scene with no fewer than so many seeds of Makadam.
+    /// A scene with no fewer than so many seeds of Makadam; `on_record`: the recorded numbers have to be those on record.
     pub(super) fn open(
         name: &'static str,
         fewest_seeds: u64,
+        on_record: bool,
         settings: &Settings<'_>,
         peers: &[Box<dyn Code>],
     ) -> Result<Case, QualifyError> {
@@ -66,7 +68,13 @@ impl Case {
         for peer in peers {
             let code = peer.name();
             let missing = || QualifyError::NotRecorded { code: code.into(), scene: name.into() };
-            case.recorded.push(reference.code_on(code, &case.scene).ok_or_else(missing)?);
+            let recorded = reference.code_on(code, &case.scene).ok_or_else(missing)?;
+            let is_other = on_record && fingerprint_on_record(name, code) != Some(recorded.fingerprint());
+            case.recorded.push(match is_other && recorded.discarded.is_none() {
+                true => recorded
+                    .without_runs(format!("the recorded numbers of {code} are not those on record (references.csv)")),
+                false => recorded,
+            });
             case.notes.extend(reference.out_of_date(code, peer.contact_law(), &case.scene));
         }
         if !case.recorded.is_empty() {

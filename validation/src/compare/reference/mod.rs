@@ -73,14 +73,7 @@ impl Reference {
         if self.is_current(code, scene) == Some(false) {
             let discarded =
                 format!("{code} was recorded on another scene than this one, so record it anew with --record");
-            return Some(CodeRuns {
-                discarded: Some(discarded),
-                runs: Vec::new(),
-                forces: None,
-                series: Vec::new(),
-                final_state: None,
-                ..recorded
-            });
+            return Some(recorded.without_runs(discarded));
         }
         let last = recorded.runs.iter().map(|run| run.seed).max().unwrap_or(0);
         let failed = (1..=last).filter(|seed| recorded.runs.iter().all(|run| run.seed != *seed)).collect();
