@@ -1,8 +1,9 @@
 //! The key of a build: a hash of all that decides the bits of a simulation. It is worked out while the package is built.
 //!
-//! What is hashed: the sources in the order of their names, without comments, indents and blank lines, which decide nothing; whatever else
-//! lies among them, such as the driver of another code, byte for byte; and the versions of the packages that compute, as `Cargo.lock` has them. Folders, dates, commits, profiles, processors
-//! and targets are left out: the same sources give the same bits wherever they are built.
+//! What is hashed: the sources in the order of their names, without comments, indents and blank lines, which decide nothing; whatever
+//! else lies among them, such as the driver of another code, byte for byte; and the versions of the packages that compute, as
+//! `Cargo.lock` has them. Folders, dates, commits, profiles, processors and targets are left out: the same sources give the same bits
+//! wherever they are built.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

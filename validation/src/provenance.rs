@@ -218,22 +218,22 @@ fn civil_date(days: u64) -> (u64, u64, u64) {
 
 /// Model of the processor, from the system.
 pub fn processor() -> String {
-    let information = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = information.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
-    model.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
+    of_processor("model name").unwrap_or_else(|| std::env::consts::ARCH.into())
 }
 
 /// The machine, as far as the system tells it apart from others with a processor of the same name: a time of another one is another number.
 pub fn machine() -> String {
-    let information = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let first = |name: &str| {
-        let of = |line: &str| Some(line.strip_prefix(name)?.trim_start().strip_prefix(':')?.trim().to_string());
-        information.lines().find_map(of).unwrap_or_default()
-    };
-    let told = ["cpu family", "model", "stepping", "cache size", "flags"].map(first);
+    let told =
+        ["cpu family", "model", "stepping", "cache size", "flags"].map(of_processor).map(Option::unwrap_or_default);
     let id = std::fs::read_to_string("/etc/machine-id").unwrap_or_default();
-    let apart = checksum([&told[..], &[id.trim().to_string()]].concat().join("/").as_bytes());
+    let apart = checksum(format!("{}/{}", told.join("/"), id.trim()).as_bytes());
     format!("{} {apart:016x}", processor())
+}
+
+/// What the system says of the first processor under a name.
+fn of_processor(name: &str) -> Option<String> {
+    let information = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    information.lines().find_map(|line| Some(line.strip_prefix(name)?.trim_start().strip_prefix(':')?.trim().into()))
 }
 
 /// Largest resident memory of this process so far, bytes; 0 where the system does not tell.

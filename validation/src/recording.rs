@@ -182,8 +182,7 @@ impl Recording {
 /// What does not go with the scene, in words.
 pub fn frame_belongs_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
     let (here, there) = (frame.particles.len(), scene.grain_count());
-    let of =
-        |what: String| Err(format!("the frame at {} s is of another scene than '{}': {what}", frame.time, scene.name));
+    let of = |what: String| Err(of_another_scene(frame, scene, &what));
     if here != there {
         return of(format!("it has {here} grains, and the scene has {there}"));
     }
@@ -208,15 +207,21 @@ pub fn grains_belong_to(frame: &Snapshot, scene: &Scene) -> Result<(), String> {
     let fits = |radius: f64| (low * (1.0 - SAME_SIZE)..=high * (1.0 + SAME_SIZE)).contains(&radius);
     match frame.particles.iter().find(|grain| !fits(grain.radius)) {
         None => Ok(()),
-        Some(grain) => Err(format!(
-            "the frame at {} s is of another scene than '{}': grain {} has a radius of {} m, and those of the scene are from {low} m to {high} m",
-            frame.time, scene.name, grain.id, grain.radius
-        )),
+        Some(grain) => {
+            let (id, radius) = (grain.id, grain.radius);
+            let what =
+                format!("grain {id} has a radius of {radius} m, and those of the scene are from {low} m to {high} m");
+            Err(of_another_scene(frame, scene, &what))
+        }
     }
 }
 
+fn of_another_scene(frame: &Snapshot, scene: &Scene, what: &str) -> String {
+    format!("the frame at {} s is of another scene than '{}': {what}", frame.time, scene.name)
+}
+
 /// Grains of a frame that lie outside of the domain, which none may leave, in words; `None` where all are inside.
-pub fn left_behind(frame: &Snapshot, scene: &Scene) -> Option<String> {
+pub fn outside_domain(frame: &Snapshot, scene: &Scene) -> Option<String> {
     let period = scene.domain.period();
     let is_out = |axis: usize, place: f64| {
         !period.is_periodic(axis) && !(scene.domain.min[axis]..=scene.domain.max[axis]).contains(&place)

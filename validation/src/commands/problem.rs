@@ -5,6 +5,7 @@ use super::arguments::{
 };
 use super::{Console, Failure, OUTSIDE_TOLERANCE, begin, json};
 use crate::execution::Execution;
+use crate::output::HDF5;
 use crate::problem::{self, Check, FromSiconos, Settings};
 use crate::stepping::steps_in;
 use serde::Serialize;
@@ -12,9 +13,6 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::process::ExitCode;
-
-/// How every HDF5 file begins.
-const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -99,10 +97,10 @@ fn refuse_to_replace(output: &Path) -> Result<(), Failure> {
     let Ok(there) = output.metadata() else { return Ok(()) };
     let mut head = Vec::new();
     // A pipe is not looked into: it might never answer.
-    let read = there.is_file().then(|| File::open(output)?.take(SIGNATURE.len() as u64).read_to_end(&mut head));
+    let read = there.is_file().then(|| File::open(output)?.take(HDF5.len() as u64).read_to_end(&mut head));
     match read {
         Some(Ok(0)) => Ok(()),
-        Some(Ok(_)) if head == SIGNATURE => Ok(()),
+        Some(Ok(_)) if head == HDF5 => Ok(()),
         _ => Err(Failure::Usage(format!(
             "{} is there and is no problem file (HDF5), so it is not replaced; give another file with --output",
             output.display()

@@ -176,13 +176,13 @@ impl Assembly<'_> {
             };
             let a = grain(first)?;
             let named = |place: Option<usize>| place.filter(|place| numbers_of_row[*place] >= 0.0);
-            let partner = match (named(second), named(wall)) {
+            let (partner, other) = match (named(second), named(wall)) {
                 (Some(place), None) => {
                     let other = grain(place)?;
                     found.meet(a.id, other.id).map_err(|how| {
                         fault(format!("grains {} and {} {how}", numbers_of_row[first], numbers_of_row[place]))
                     })?;
-                    Partner::Grain(other.id)
+                    (Partner::Grain(other.id), Some(other))
                 }
                 (None, Some(place)) => {
                     let number = numbers_of_row[place];
@@ -192,7 +192,7 @@ impl Assembly<'_> {
                             self.scene.wall.len()
                         )));
                     }
-                    Partner::Wall(number as u32)
+                    (Partner::Wall(number as u32), None)
                 }
                 _ => {
                     return Err(fault(
@@ -201,14 +201,14 @@ impl Assembly<'_> {
                 }
             };
             let given = normal.map(|places| vector(numbers_of_row, places));
-            let (point, towards) =
-                geometry(a, partner, particles, point.map(|places| vector(numbers_of_row, places)), period)
-                    .ok_or_else(|| fault("a contact with a wall needs its point: px, py, pz".into()))?;
-            let (other, what) = match (named(second), named(wall)) {
-                (Some(place), _) => (Some(grain(place)?), format!("grain {}", numbers_of_row[place])),
-                (None, place) => (None, format!("wall {}", place.map_or(0.0, |place| numbers_of_row[place]))),
-            };
+            let (point, towards) = geometry(a, other, point.map(|places| vector(numbers_of_row, places)), period)
+                .ok_or_else(|| fault("a contact with a wall needs its point: px, py, pz".into()))?;
             if let Some(problem) = apart(a, other, &towards) {
+                let own = |place: Option<usize>| place.map_or(f64::NAN, |place| numbers_of_row[place]);
+                let what = match partner {
+                    Partner::Grain(_) => format!("grain {}", own(second)),
+                    Partner::Wall(_) => format!("wall {}", own(wall)),
+                };
                 return Err(fault(format!("grain {} and {what} {problem}", numbers_of_row[first])));
             }
             let Some(towards) = given.unwrap_or(towards).try_normalize(0.0) else { continue };
@@ -284,25 +284,20 @@ enum Forces {
     Split(usize, [usize; 3]),
 }
 
-/// The contact point and the way from the first grain to its partner; none where a wall's point is not known.
+/// The contact point and the way from the first grain to the second, or to a wall; none where a wall's point is not known.
 fn geometry(
     first: &Particle,
-    partner: Partner,
-    particles: &[Particle],
+    second: Option<&Particle>,
     point: Option<Vector3<f64>>,
     period: Period,
 ) -> Option<(Vector3<f64>, Vector3<f64>)> {
     let centre = Vector3::from(first.position);
-    match partner {
-        Partner::Wall(_) => point.map(|point| (point, period.arm(&centre, &point))),
-        Partner::Grain(id) => {
-            let place = particles.binary_search_by_key(&id, |particle| particle.id).ok()?;
-            let second = &particles[place];
-            let towards = period.arm(&centre, &second.position.into());
-            let between = centre + towards * (first.radius / (first.radius + second.radius));
-            Some((point.unwrap_or(between), towards))
-        }
-    }
+    let Some(second) = second else {
+        return point.map(|point| (point, period.arm(&centre, &point)));
+    };
+    let towards = period.arm(&centre, &second.position.into());
+    let between = centre + towards * (first.radius / (first.radius + second.radius));
+    Some((point.unwrap_or(between), towards))
 }
 
 fn vector(row: &[f64], [x, y, z]: [usize; 3]) -> Vector3<f64> {

@@ -28,7 +28,9 @@ pub use dump::{DumpFault, DumpFrame, read_dump, read_named_dump};
 pub use frame_table::{FrameTable, ImportError};
 pub(crate) use plausible::unlike;
 
+use crate::output::HDF5;
 use crate::run_frames::RunFrames;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Columns of a dump of contacts between grains as LIGGGHTS's `compute pair/gran/local id force contactPoint` has them.
@@ -46,6 +48,8 @@ pub struct Tables {
     pub contacts: Vec<FrameTable>,
     /// What a reader must know of the runs that they are from, in sentences.
     pub notes: Vec<String>,
+    /// Files of grains and of contacts that were added: where they really lie, and as what they were given.
+    pub files: [BTreeMap<PathBuf, PathBuf>; 2],
 }
 
 impl Tables {
@@ -55,7 +59,7 @@ impl Tables {
     /// # Errors
     /// [`ImportError`] with file and line.
     pub fn add_grains(&mut self, path: &Path, columns: &[String]) -> Result<(), ImportError> {
-        once(&self.grains, path)?;
+        once(&mut self.files[0], path)?;
         if !path.is_dir() {
             self.grains.extend(renamed(read(path)?, columns)?);
             return Ok(());
@@ -80,26 +84,18 @@ impl Tables {
     /// # Errors
     /// [`ImportError`] with file and line.
     pub fn add_contacts(&mut self, path: &Path, columns: &[String]) -> Result<(), ImportError> {
-        once(&self.contacts, path)?;
+        once(&mut self.files[1], path)?;
         self.contacts.extend(renamed(read(path)?, columns)?);
         Ok(())
     }
 }
 
 /// Refuses a file that has been read, by this name or another one: its frames would count twice.
-fn once(known: &[FrameTable], path: &Path) -> Result<(), ImportError> {
-    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    let mut files: Vec<&Path> = known.iter().map(|table| &*table.file).collect();
-    files.dedup();
-    match files.into_iter().find(|file| *file == path || real(file) == real(path)) {
-        Some(file) if file == path => Err(ImportError::new(path, 1, "the file is given twice; name each file once")),
-        Some(file) => Err(ImportError::new(
-            path,
-            1,
-            format!("the file is given twice, also as {}; name each file once", file.display()),
-        )),
-        None => Ok(()),
-    }
+fn once(known: &mut BTreeMap<PathBuf, PathBuf>, path: &Path) -> Result<(), ImportError> {
+    let real = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let Some(earlier) = known.insert(real, path.into()) else { return Ok(()) };
+    let also = if earlier == path { String::new() } else { format!(", also as {}", earlier.display()) };
+    Err(ImportError::new(path, 1, format!("the file is given twice{also}; name each file once")))
 }
 
 /// The frames of a file.
@@ -114,26 +110,22 @@ fn read(path: &Path) -> Result<Vec<FrameTable>, ImportError> {
 /// [`ImportError`] with file and line.
 pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Vec<FrameTable>, ImportError> {
     let begins = |mark: &str| bytes.starts_with(mark.as_bytes());
-    let is_text = || !begins("<?xml") && !begins("<VTKFile") && !begins("# vtk") && !bytes.starts_with(b"\x89HDF");
-    if !bytes.is_empty() && is_text() && !bytes.ends_with(b"\n") && !bytes.ends_with(b"\r") {
-        let line = bytes.split(|byte| *byte == b'\n').count();
-        let problem = "the last row has no line end: the file may be cut off in the middle of a number; write it anew, or end it with a \
-                       line end";
-        return Err(ImportError::new(path, line, problem));
-    }
     let mut frames = if bytes.is_empty() {
         return Err(ImportError::new(path, 1, "the file is empty"));
     } else if begins("ITEM:") {
+        is_whole(path, &bytes)?;
         dumped(path, &bytes)?
-    } else if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
+    } else if bytes.starts_with(&HDF5) {
         vtk::hdf(path, bytes)?
     } else if begins("<?xml") || begins("<VTKFile") {
         vtk::xml(path, &bytes)?
     } else if begins("# vtk DataFile") {
         text::legacy_vtk(path, &bytes)?
     } else if begins("#format ") {
+        is_whole(path, &bytes)?;
         text::yade(path, &bytes)?
     } else {
+        is_whole(path, &bytes)?;
         text::csv(path, &bytes)?
     };
     if let [single] = &mut frames[..]
@@ -142,6 +134,17 @@ pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Vec<FrameTable>, ImportError
         single.step = number_in(path);
     }
     Ok(frames)
+}
+
+/// Refuses rows that may be cut off in the middle of a number. What is no text at all is refused where it is read.
+fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), ImportError> {
+    if bytes.ends_with(b"\n") || bytes.ends_with(b"\r") || bytes.contains(&0) {
+        return Ok(());
+    }
+    let line = bytes.split(|byte| *byte == b'\n').count();
+    let problem = "the last row has no line end: the file may be cut off in the middle of a number; write it anew, or end it with a \
+                   line end";
+    Err(ImportError::new(path, line, problem))
 }
 
 fn dumped(path: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportError> {

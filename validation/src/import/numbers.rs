@@ -40,21 +40,20 @@ pub(super) fn numbers(
     if kinds.0.len() <= 1 {
         return Ok(direct.into_iter().next().unwrap_or_else(ranked));
     }
-    let candidates =
-        match direct.is_empty() && radii.len() == scene.grain_count() && radii.values().all(Option::is_some) {
-            true => vec![ranked()],
-            false => direct,
-        };
-    let mut fitting = candidates.iter().filter(|numbers| kinds.misfit(numbers, &radii).is_none());
-    match (fitting.next(), fitting.next()) {
-        (Some(numbers), None) => Ok(numbers.clone()),
-        (found, _) => {
-            let of = match (radii.first_key_value(), radii.last_key_value()) {
-                (Some((first, _)), Some((last, _))) => format!("{} are numbered from {first} to {last}", radii.len()),
-                _ => "there are none".into(),
-            };
-            let misfit =
-                candidates.first().filter(|_| found.is_none()).and_then(|numbers| kinds.misfit(numbers, &radii));
+    let has_radii = radii.len() == scene.grain_count() && radii.values().all(Option::is_some);
+    let candidates = if direct.is_empty() && has_radii { vec![ranked()] } else { direct };
+    let (fitting, misfits): (Vec<_>, Vec<_>) = candidates
+        .into_iter()
+        .map(|numbers| (kinds.misfit(&numbers, &radii), numbers))
+        .partition(|(misfit, _)| misfit.is_none());
+    match <[_; 1]>::try_from(fitting) {
+        Ok([(_, numbers)]) => Ok(numbers),
+        Err(several) => {
+            let ends = radii.first_key_value().zip(radii.last_key_value());
+            let of = ends.map_or(String::new(), |((first, _), (last, _))| {
+                format!("{} are numbered from {first} to {last}", radii.len())
+            });
+            let misfit = misfits.into_iter().find_map(|(misfit, _)| misfit).filter(|_| several.is_empty());
             let misfit = misfit.map_or(String::new(), |problem| format!(", and {problem}"));
             let problem = format!(
                 "the {} grains of the scene are of several kinds, and the numbers here do not tell which is which: {of}{misfit}; number \
@@ -100,31 +99,27 @@ fn radii_by_number(grains: &[(f64, &FrameTable)]) -> Result<BTreeMap<i64, Option
     Ok(all)
 }
 
-/// Grains of one kind follow each other in the scene's numbers: how many there are, and between which radii (m).
+/// Grains of one kind follow each other in the scene's numbers: the number behind the last, and between which radii (m) they are.
 struct Kinds(Vec<(usize, f64, f64)>);
 
 impl Kinds {
     fn of(scene: &Scene) -> Kinds {
-        let listed = scene.grain.iter().map(|grain| (1, grain.radius, grain.radius));
-        let drawn = scene.population.iter().map(|population| {
-            let (low, high) = population.radius.bounds();
-            (population.count, low, high)
-        });
-        Kinds(listed.chain(drawn).filter(|(count, ..)| *count > 0).collect())
+        let listed = scene.grain.iter().map(|grain| (1, (grain.radius, grain.radius)));
+        let drawn = scene.population.iter().map(|population| (population.count, population.radius.bounds()));
+        let mut end = 0;
+        let ending = |(count, (low, high)): (usize, (f64, f64))| {
+            end += count;
+            (end, low, high)
+        };
+        Kinds(listed.chain(drawn).filter(|(count, _)| *count > 0).map(ending).collect())
     }
 
     /// The first grain whose radius its kind cannot have, in words.
     fn misfit(&self, numbers: &Numbers, radii: &BTreeMap<i64, Option<f64>>) -> Option<String> {
-        let mut ends = Vec::with_capacity(self.0.len());
-        let mut end = 0;
-        for &(count, low, high) in &self.0 {
-            end += count;
-            ends.push((end, low, high));
-        }
         numbers.iter().find_map(|(own, number)| {
             let radius = radii[own]?;
-            let kind = ends.partition_point(|(end, ..)| *end <= *number as usize);
-            let (_, low, high) = *ends.get(kind)?;
+            let kind = self.0.partition_point(|(end, ..)| *end <= *number as usize);
+            let (_, low, high) = *self.0.get(kind)?;
             let fits = (low * (1.0 - SAME_SIZE)..=high * (1.0 + SAME_SIZE)).contains(&radius);
             (!fits).then(|| format!("grain {own} has a radius of {radius} m, where the scene has {low} to {high} m"))
         })

@@ -1,7 +1,7 @@
 //! What the frames of a scene cannot have: grains outside of it, contacts of grains that are apart.
 
 use crate::plan::Scene;
-use crate::recording::{grains_belong_to, left_behind};
+use crate::recording::{grains_belong_to, outside_domain};
 use makadam::scene::Domain;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
@@ -33,7 +33,7 @@ pub(super) fn image(domain: &Domain, place: Vector3<f64>) -> Vector3<f64> {
 pub(crate) fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapshot> + Clone) -> Vec<String> {
     let filled = || frames.clone().filter(|frame| !frame.particles.is_empty());
     let mut notes: Vec<String> = filled().find_map(|frame| grains_belong_to(frame, scene).err()).into_iter().collect();
-    notes.extend(filled().find_map(|frame| left_behind(frame, scene)));
+    notes.extend(filled().find_map(|frame| outside_domain(frame, scene)));
     let contacts = || filled().flat_map(|frame| &frame.contacts);
     if contacts().next().is_some() && !contacts().any(|contact| contact.normal_force > 0.0) {
         notes.push(

@@ -96,7 +96,7 @@ fn tables(grains: &[(&str, String)], contacts: &[(&str, String)]) -> Result<Tabl
         }
         Ok(frames)
     };
-    Ok(Tables { grains: all(grains)?, contacts: all(contacts)?, notes: Vec::new() })
+    Ok(Tables { grains: all(grains)?, contacts: all(contacts)?, ..Tables::default() })
 }
 
 /// Where a table has no normals, they are taken from the centres, which have moved on since the contacts were found.

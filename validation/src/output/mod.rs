@@ -27,6 +27,9 @@ pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, 
 pub use table::{TableWritten, TimeTable};
 pub(crate) use vtk_read::{Outline, decode as decode_vtk, outline as outline_vtk};
 
+/// How every HDF5 file begins.
+pub(crate) const HDF5: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+
 use makadam::checkpoint::{replace_with, write_atomically};
 use std::io::Write;
 use std::path::Path;

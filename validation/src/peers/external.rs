@@ -13,7 +13,7 @@ use crate::import::{Assembly, ImportError, Imported, Tables};
 use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
-use crate::recording::{Recording, SAME_SIZE, frame_belongs_to, left_behind};
+use crate::recording::{Recording, SAME_SIZE, frame_belongs_to, outside_domain};
 use makadam::scene::Grain;
 use makadam::snapshot::{Particle, Snapshot};
 use serde::Deserialize;
@@ -193,7 +193,7 @@ impl External {
                     particle.id, particle.radius, grain.radius
                 ));
             }
-            if let Some(problem) = left_behind(frame, job.scene) {
+            if let Some(problem) = outside_domain(frame, job.scene) {
                 return refused(problem);
             }
         }

@@ -245,14 +245,13 @@ fn is_below(name: &str) -> bool {
     Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)))
 }
 
-/// What `run.json` says of a run.
+/// What `run.json` says of a run: the name of its scene, its time step (s), and why it is not sound.
 struct Told {
     scene: String,
     time_step: Option<f64>,
     alarms: Option<String>,
 }
 
-/// What the summary of a run tells: the name of its scene, and its time step (s).
 fn told(folder: &Path) -> Told {
     let file = folder.join(RunFiles::SUMMARY);
     let summary = std::fs::read_to_string(&file).unwrap_or_default();

@@ -243,7 +243,7 @@ fn foreign_frames(bytes: &[u8]) -> bool {
     if rows > 10_000 {
         return true;
     }
-    let both = Tables { grains: frames.clone(), contacts: frames.clone(), notes: Vec::new() };
+    let both = Tables { grains: frames.clone(), contacts: frames.clone(), ..Tables::default() };
     for tables in [Tables { grains: frames, ..Tables::default() }, both] {
         match assembly.assemble(&tables) {
             Ok(imported) => {
