@@ -145,11 +145,13 @@ const ALL_ABLATIONS: [Ablated; 8] = [
 ];
 
 /// Every scene with margins and recorded references of both peers.
-const REFERENCE_SCENES: [&str; 9] = [
+const REFERENCE_SCENES: [&str; 11] = [
     "packing",
     "packing-low-friction",
     "packing-high-friction",
     "packing-stiff",
+    "packing-low-friction-stiff",
+    "packing-high-friction-stiff",
     "drum",
     "drum-caps",
     "heap",

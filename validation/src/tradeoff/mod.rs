@@ -15,6 +15,7 @@
 //! it takes on a core of its own, however busy the machine was.
 
 mod campaign;
+mod chance;
 mod configuration;
 mod convergence;
 mod cost;

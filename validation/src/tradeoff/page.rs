@@ -73,11 +73,12 @@ fn answer(study: &Study) -> Answer {
 /// The fastest settings; nothing where there are none.
 pub(super) fn fastest(study: &Study) -> Option<Table> {
     let table = Table::new(&["stiffness", "code", "setting"], &["s a simulated s", "over Makadam's"]);
-    let table = table.with_words("90% interval").of(&study.fastest, |row| {
+    let table = table.with_words("its 90% interval").with_words("90% interval of errors").of(&study.fastest, |row| {
         let code = Cell::from(&row.code).marked(code_style(&row.code).class);
         let seconds = [row.wall_seconds_per_simulated_second, row.ratio_to_makadam];
-        let chosen = choice(row.setting.as_deref(), seconds, row.intervals_within_bounds);
-        cells![modulus(row.youngs_modulus), code].into_iter().chain(chosen).collect()
+        let [setting, pace, ratio, sureness] = choice(row.setting.as_deref(), seconds, row.intervals_within_bounds);
+        let range = words::range([row.ratio_low, row.ratio_high]);
+        vec![modulus(row.youngs_modulus).into(), code, setting, pace, ratio, range.into(), sureness]
     });
     (!table.is_empty()).then_some(table)
 }

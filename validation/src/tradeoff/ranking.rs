@@ -67,6 +67,8 @@ pub(super) fn fastest(points: &[Point], bounds: &[Bound]) -> Vec<Fastest> {
             wall_seconds_per_simulated_second: best.map(pace),
             intervals_within_bounds: best.and_then(|best| best.intervals_within_bounds),
             ratio_to_makadam: None,
+            ratio_low: None,
+            ratio_high: None,
         });
     }
     for place in 0..rows.len() {

@@ -159,6 +159,11 @@ pub struct Fastest {
     pub intervals_within_bounds: Option<bool>,
     /// Its wall time over that of Makadam's fastest setting at the same stiffness.
     pub ratio_to_makadam: Option<f64>,
+    /// Lower end of the 90% interval of this ratio, each setting being the fastest of a sample of the seeds; absent for Makadam, for
+    /// a single seed, and where the code keeps the bounds in no sample.
+    pub ratio_low: Option<f64>,
+    /// Upper end; absent also where the code keeps the bounds in fewer than 95% of the samples.
+    pub ratio_high: Option<f64>,
 }
 
 /// What a variation of the solver beside step and sweeps comes to, at the scene's stiffness.

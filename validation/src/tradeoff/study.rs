@@ -1,6 +1,7 @@
 //! A trade-off: what the runs say, in rows.
 
 use super::campaign::Outcome;
+use super::chance::{Candidate, fill_intervals};
 use super::plan::Plan;
 use super::ranking::{fastest, mark_fronts, variations};
 use super::rows::{Bound, Fastest, Point, Reference, Varied};
@@ -73,6 +74,10 @@ impl Study {
         let references = plan.refinements.iter().flat_map(|refinement| table.references(refinement)).collect();
         let mut points: Vec<Point> = (0..plan.configurations.len()).filter_map(|place| table.point(place)).collect();
         mark_fronts(&mut points, &names);
+        let mut fastest = fastest(&points, &bounds);
+        let candidates: Vec<Candidate> =
+            (0..plan.configurations.len()).filter_map(|place| table.candidate(place)).collect();
+        fill_intervals(&mut fastest, &candidates);
         Study {
             version: JSON_VERSION,
             command: "tradeoff".into(),
@@ -83,7 +88,7 @@ impl Study {
             seeds: terms.seeds,
             time_limit: terms.time_limit,
             references,
-            fastest: fastest(&points, &bounds),
+            fastest,
             variations: variations(&points),
             points,
             bounds,

@@ -1,6 +1,7 @@
 //! From runs to rows: references, points and their deviations.
 
 use super::campaign::Outcome;
+use super::chance::Candidate;
 use super::convergence::Convergence;
 use super::kept::KeptRun;
 use super::plan::{Plan, Refinement};
@@ -107,6 +108,28 @@ impl Table<'_> {
             within_bounds: verdict(|deviation| deviation.within),
             intervals_within_bounds: verdict(|deviation| deviation.interval_within),
             deviations,
+        })
+    }
+
+    /// A configuration that could be the fastest of its code; absent if it has not run to its end, or without bounds.
+    pub(super) fn candidate(&self, place: usize) -> Option<Candidate> {
+        let configuration = &self.plan.configurations[place];
+        let runs = &self.outcome.runs[place];
+        if runs.is_empty() || self.bounds.is_empty() || runs.iter().any(|kept| kept.extrapolated) {
+            return None;
+        }
+        let reference = self.plan.refinement(configuration.stiffness_factor)?.grids[2];
+        let differences = self.bounds.iter().map(|bound| {
+            let converged = self.values(reference, &bound.observable);
+            let own = self.values(place, &bound.observable);
+            let by_seed = own.iter().filter_map(|(seed, value)| Some((*seed, value - converged.get(seed)?)));
+            (by_seed.collect(), bound.value)
+        });
+        Some(Candidate {
+            code: configuration.code.clone(),
+            stiffness_factor: configuration.stiffness_factor,
+            pace: median(runs.iter().map(KeptRun::pace)),
+            differences: differences.collect(),
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::rows::{Bound, Deviation};
 use crate::draw::names::{observable, unit};
-use crate::draw::numbers::compact;
+use crate::draw::numbers::{compact, two_digits};
 
 /// A value to the second digit of its error; to four digits where the error is not known.
 pub(super) fn measured(value: f64, error: Option<f64>) -> String {
@@ -46,6 +46,15 @@ pub(super) fn titled(name: &str, of: &str) -> String {
         "" => observable(name),
         "°" => format!("{} (degrees)", observable(name)),
         symbol => format!("{} ({symbol})", observable(name)),
+    }
+}
+
+/// What a ratio of wall times would be with other seeds: "8.1 to 15".
+pub(super) fn range(ends: [Option<f64>; 2]) -> String {
+    match ends {
+        [Some(low), Some(high)] => format!("{} to {}", two_digits(low), two_digits(high)),
+        [Some(low), None] => format!("at least {}", two_digits(low)),
+        [None, _] => String::new(),
     }
 }
 
