@@ -64,12 +64,15 @@ mod tests {
     use crate::peers::{CodeError, Job};
     use crate::recording::Recording;
     use clap::Parser;
+    use std::cell::Cell;
     use std::path::PathBuf;
     use std::sync::{Arc, Mutex};
 
     /// A code that is done at once, writes down its seeds and fails where it is told to.
     struct Fake {
         version: &'static str,
+        /// What it is given to run from.
+        deck: &'static str,
         failing: Vec<u64>,
         ran: Arc<Mutex<Vec<u64>>>,
     }
@@ -81,6 +84,12 @@ mod tests {
 
         fn version(&self) -> Option<String> {
             Some(self.version.into())
+        }
+
+        fn write_input(&self, job: &Job<'_>) -> Result<String, CodeError> {
+            std::fs::create_dir_all(job.work_folder).unwrap();
+            std::fs::write(job.work_folder.join("deck.in"), self.deck).unwrap();
+            Ok("fake -in deck.in".into())
         }
 
         fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
@@ -112,6 +121,7 @@ mod tests {
     struct Desk {
         folder: tempfile::TempDir,
         scene: PathBuf,
+        deck: Cell<&'static str>,
     }
 
     impl Desk {
@@ -120,7 +130,7 @@ mod tests {
             let scene = folder.path().join("scene.toml");
             let smoke = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
             std::fs::copy(smoke, &scene).unwrap();
-            Desk { folder, scene }
+            Desk { folder, scene, deck: Cell::new("skin 1") }
         }
 
         /// Records with a fake code; the seeds that it ran, and whether all went well.
@@ -130,7 +140,7 @@ mod tests {
             let arguments = Arguments::parse_from(fixed.into_iter().chain(options.split_whitespace()));
             let Command::Compare(arguments) = arguments.command else { unreachable!("the words say compare") };
             let ran = Arc::default();
-            let fake = Fake { version, failing: failing.to_vec(), ran: Arc::clone(&ran) };
+            let fake = Fake { version, deck: self.deck.get(), failing: failing.to_vec(), ran: Arc::clone(&ran) };
             let scene = Scene::load(&self.scene).unwrap();
             let console = Console::new(true, false);
             let ended = record_codes(vec![Box::new(fake)], &arguments, &scene, &self.scene, &console);
@@ -183,6 +193,17 @@ mod tests {
         assert_eq!(desk.record("--seeds 3", "1", &[]), (vec![3], true));
         assert_eq!(desk.record("--seeds 3", "2", &[]), (vec![1, 2, 3], true));
         assert!(desk.recorded().iter().all(|(_, version)| version == "2"));
+    }
+
+    #[test]
+    fn raw_recordings_of_another_deck_are_not_taken_up() {
+        let desk = Desk::new();
+        desk.record("--seeds 2", "1", &[]);
+        desk.deck.set("skin 2");
+        assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![1, 2], true));
+        assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![], true));
+        desk.deck.set("skin 1");
+        assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![], true));
     }
 
     #[test]

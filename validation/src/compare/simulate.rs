@@ -6,6 +6,7 @@ use crate::peers::{Code, CodeError, Job, Purpose};
 use crate::plan::Scene;
 use crate::provenance::utc;
 use crate::recording::{Recording, RecordingError};
+use makadam::checkpoint::checksum;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -77,7 +78,23 @@ impl Runs<'_> {
     /// [`CodeError`]; what the code wrote is kept then.
     pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
         let name = self.file_stem(code, seed);
-        let kept = self.recordings.as_ref().map(|folder| folder.join(format!("{name}.rec")));
+        let work_folder = cache_folder().map_err(|error| CodeError::Io { path: error.path, source: error.source })?;
+        let work_folder = work_folder.join("runs").join(format!("{name}-{}", std::process::id()));
+        let job = |progress| Job {
+            scene,
+            scene_file: self.scene_file,
+            purpose: self.purpose,
+            seed,
+            stiffness_factor: self.stiffness_factor,
+            rayleigh_fraction: self.rayleigh_fraction,
+            work_folder: &work_folder,
+            time_limit: self.time_limit,
+            progress,
+        };
+        let kept = match &self.recordings {
+            Some(folder) => Some(folder.join(format!("{name}-{}.rec", self.origin(code, &job(&|_| {}))?))),
+            None => None,
+        };
         let mut again = String::new();
         if let Some(file) = kept.as_ref().filter(|file| file.is_file()) {
             let installed = code.version();
@@ -85,6 +102,7 @@ impl Runs<'_> {
                 // Versions do not mix: what another one left behind is run again, unless no code is there to run.
                 Ok(recording) if installed.as_ref().is_none_or(|installed| *installed == recording.version) => {
                     let ended = file.metadata().and_then(|data| data.modified()).unwrap_or_else(|_| SystemTime::now());
+                    let _ = std::fs::remove_dir_all(&work_folder);
                     return Ok(Harvest::of(scene, &recording, code.contact_law(), utc(ended)));
                 }
                 Ok(recording) => again = format!(" (again: recorded with {})", recording.version),
@@ -97,19 +115,7 @@ impl Runs<'_> {
             return Err(CodeError::Interrupted { code: code.name() });
         }
         let progress = (self.announce)(&format!("{} {} seed {seed}{again}", scene.name, code.name()));
-        let work_folder = cache_folder().map_err(|error| CodeError::Io { path: error.path, source: error.source })?;
-        let work_folder = work_folder.join("runs").join(format!("{name}-{}", std::process::id()));
-        let recording = code.simulate(&Job {
-            scene,
-            scene_file: self.scene_file,
-            purpose: self.purpose,
-            seed,
-            stiffness_factor: self.stiffness_factor,
-            rayleigh_fraction: self.rayleigh_fraction,
-            work_folder: &work_folder,
-            time_limit: self.time_limit,
-            progress: &*progress,
-        })?;
+        let recording = code.simulate(&job(&*progress))?;
         if let Some(file) = &kept {
             recording.save(file)?;
         }
@@ -161,18 +167,41 @@ impl Runs<'_> {
         Err(RecordingError::Format(file.display().to_string(), problem))
     }
 
-    /// Name of a recording without its extension; the hash tells the scene from what it was before a change.
+    /// Name of a run.
     fn file_stem(&self, code: &dyn Code, seed: u64) -> String {
-        let law = Some(code.contact_law()).filter(|law| !law.is_empty());
-        let law = law.map_or_else(String::new, |law| format!("-{}", file_stem(law)));
         let purpose = if self.purpose == Purpose::Timing { "-timing" } else { "" };
         format!(
-            "{}-{}-s{seed}-f{}-e{}-{}{law}{purpose}",
+            "{}-{}-s{seed}-f{}-e{}{purpose}",
             file_stem(&self.scene.name),
             file_stem(&code.name().to_lowercase()),
             self.rayleigh_fraction,
             self.stiffness_factor,
-            physics_hash(self.scene)
         )
+    }
+
+    /// Hashes of what a recording follows from: the scene, and the files that the code is given, if there are any, so that a recording of
+    /// another deck is not taken up.
+    ///
+    /// # Errors
+    /// [`CodeError`], if files cannot be written or read back.
+    fn origin(&self, code: &dyn Code, job: &Job<'_>) -> Result<String, CodeError> {
+        let refused = |path: &Path, source| CodeError::Io { path: path.display().to_string(), source };
+        // Nothing that an earlier process of the same number left behind counts.
+        let _ = std::fs::remove_dir_all(job.work_folder);
+        let hash = physics_hash(self.scene);
+        match code.write_input(job) {
+            Ok(_) => {}
+            Err(CodeError::Unsupported { .. }) => return Ok(hash),
+            Err(error) => return Err(error),
+        }
+        let listed = std::fs::read_dir(job.work_folder).map_err(|source| refused(job.work_folder, source))?;
+        let mut files: Vec<PathBuf> = listed.flatten().map(|entry| entry.path()).collect();
+        files.sort();
+        let mut all = Vec::new();
+        for file in files {
+            all.extend(file.file_name().unwrap_or_default().as_encoded_bytes());
+            all.extend(std::fs::read(&file).map_err(|source| refused(&file, source))?);
+        }
+        Ok(format!("{hash}-{:016x}", checksum(&all)))
     }
 }
