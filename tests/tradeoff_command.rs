@@ -220,6 +220,33 @@ fn no_setting_within_the_bounds_is_told_by_the_exit_code() {
     assert_eq!(document(&output)["fastest"][0]["setting"], "0.25 ms × 20 sweeps");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_setting_that_fails_is_not_tried_with_further_seeds_and_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let tried = folder.path().join("tried");
+    let (draft, fake) = (folder.path().join("draft"), folder.path().join("liggghts"));
+    let words = format!(
+        "#!/bin/sh\ncase \"$*\" in *-help*) echo 'LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled)'; exit 0;; esac\npwd >> {}\necho 'it fell over'\nexit 1\n",
+        tried.display()
+    );
+    std::fs::write(&draft, words).unwrap();
+    // By another process: the system runs no file that this one may still hold open for writing.
+    assert!(
+        std::process::Command::new("install").args(["-m", "755"]).args([&draft, &fake]).status().unwrap().success()
+    );
+    let mut command = makadam(folder.path());
+    command.env("MAKADAM_LIGGGHTS", fake).arg("tradeoff").arg(smoke());
+    command.args(["--quick", "--codes", "liggghts", "--seeds", "2", "--json", "--output", "out"]);
+    let study = document(&command.output().unwrap());
+    let settings = std::fs::read_to_string(tried).unwrap().lines().count();
+    let told = study["notes"].as_array().unwrap();
+    assert_eq!((settings, told.len()), (4, 4), "{told:?}");
+    assert!(told.iter().all(|note| note.as_str().unwrap().contains("failed with seed 1")), "{told:?}");
+    let page = std::fs::read_to_string(folder.path().join("out/tradeoff.html")).unwrap();
+    assert!(page.find("id=\"points\"") < page.find("it fell over"), "tables come before what failed");
+}
+
 #[test]
 fn bad_arguments_and_missing_codes_are_told() {
     let folder = tempfile::tempdir().unwrap();

@@ -6,9 +6,11 @@ use makadam_validation::peers::{Code, Makadam};
 use makadam_validation::plan::Scene;
 use makadam_validation::provenance::Build;
 use makadam_validation::tradeoff::{
-    Configuration, EngineOrigin, EngineRecord, EngineRuns, KeptRun, Knobs, Outcome, Plan, Scope, recorded_engines,
+    Bound, Configuration, EngineOrigin, EngineRecord, EngineRuns, KeptRun, Knobs, Outcome, Plan, Scope, Study, Terms,
+    recorded_engines,
 };
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 fn smoke() -> Scene {
@@ -96,7 +98,7 @@ fn runs_stand_at_the_stiffest_reference_for_the_seeds_that_are_asked_for() {
     let scene = smoke();
     let mut plan = Plan::new(&scene, Scope::Quick, &["Makadam"], &[10.0]);
     let own = plan.configurations.len();
-    let mut outcome = Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
+    let mut outcome = Outcome::none(own);
     record(&scene).join(&scene, 2, &mut plan, &mut outcome);
     assert_eq!((plan.configurations.len(), outcome.runs.len()), (own + 2, own + 2));
     for (configuration, runs) in plan.configurations.iter().zip(&outcome.runs).skip(own) {
@@ -112,10 +114,39 @@ fn runs_of_another_scene_are_left_out_with_a_note() {
     let scene = smoke();
     let mut plan = Plan::new(&scene, Scope::Quick, &["Makadam"], &[]);
     let own = plan.configurations.len();
-    let mut outcome = Outcome { runs: vec![Vec::new(); own], made: 0, notes: Vec::new(), interrupted: false };
+    let mut outcome = Outcome::none(own);
     record(&scene.with_stiffness_factor(2.0)).join(&scene, 2, &mut plan, &mut outcome);
     assert_eq!((plan.configurations.len(), outcome.runs.len()), (own, own));
     assert!(outcome.notes[0].contains("another version of this scene"), "{:?}", outcome.notes);
+}
+
+#[test]
+fn a_setting_that_failed_with_a_seed_keeps_no_bound() {
+    let scene = smoke();
+    let plan = Plan::new(&scene, Scope::Quick, &["Makadam"], &[]);
+    let reference = plan.refinements[0].grids[2];
+    let other = (0..plan.configurations.len()).find(|place| !plan.is_grid(*place)).unwrap();
+    let mut outcome = Outcome::none(plan.configurations.len());
+    for place in [reference, other] {
+        let configuration = || plan.configurations[place].clone();
+        let runs = [1, 2].map(|seed| KeptRun { configuration: configuration(), ..run("", seed, &scene) });
+        outcome.runs[place] = runs.to_vec();
+    }
+    let study = |outcome: &Outcome| {
+        let bounds = vec![Bound { observable: "packing_fraction".into(), value: 0.01 }];
+        let terms = Terms { quick: true, seeds: 2, bounds, time_limit: 1.0, provenance: BTreeMap::new() };
+        Study::new(&scene, &plan, outcome, terms)
+    };
+    let setting = plan.configurations[other].setting();
+    let point = |study: &Study| study.points.iter().find(|point| point.setting == setting).unwrap().clone();
+    assert_eq!(point(&study(&outcome)).within_bounds, Some(true));
+    assert!(study(&outcome).notes.is_empty());
+    outcome.failures.insert(other, (3, "it fell over".into()));
+    let failed = study(&outcome);
+    assert_eq!((point(&failed).failed, point(&failed).within_bounds), (true, Some(false)));
+    assert_ne!(failed.fastest[0].setting.as_ref(), Some(&setting));
+    let [note] = failed.notes.as_slice() else { panic!("{:?}", failed.notes) };
+    assert!(note.contains(&setting) && note.contains("failed with seed 3") && note.ends_with("it fell over"), "{note}");
 }
 
 #[test]

@@ -61,7 +61,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         }
         .carry_out()?
     };
-    outcome.notes.iter().for_each(|note| console.warn(note));
+    outcome.sentences(&plan).iter().for_each(|note| console.warn(note));
     let notes = outcome.notes.len();
     let found: usize = outcome.runs.iter().map(Vec::len).sum();
     console.note(&format!("{} runs made, {} taken from {}", outcome.made, found - outcome.made, folder.display()));

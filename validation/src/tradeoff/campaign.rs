@@ -12,7 +12,7 @@ use crate::provenance::{Build, command_line, machine};
 use crate::scenes::{SceneError, in_file};
 use crate::study::{Found, Key, RunCache};
 use makadam::scene::populate;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -53,10 +53,31 @@ pub struct Outcome {
     pub runs: Vec<Vec<KeptRun>>,
     /// Runs that were made now; the others were there.
     pub made: usize,
-    /// Runs that failed and files that were damaged, in sentences.
+    /// The first failure of each configuration that failed, by its place: the seed, and why.
+    pub failures: BTreeMap<usize, (u64, String)>,
+    /// Codes that cannot run the scene and files that were damaged, in sentences.
     pub notes: Vec<String>,
     /// Whether the user asked to stop before the end.
     pub interrupted: bool,
+}
+
+impl Outcome {
+    /// Nothing yet, of so many configurations.
+    pub fn none(configurations: usize) -> Outcome {
+        let runs = vec![Vec::new(); configurations];
+        Outcome { runs, made: 0, failures: BTreeMap::new(), notes: Vec::new(), interrupted: false }
+    }
+
+    /// What failed and what was noticed, in sentences.
+    pub fn sentences(&self, plan: &Plan) -> Vec<String> {
+        let failed = self.failures.iter().map(|(place, (seed, why))| {
+            let configuration = &plan.configurations[*place];
+            let Configuration { code, stiffness_factor, .. } = configuration;
+            let setting = configuration.setting();
+            format!("{code} {setting}, stiffness factor {stiffness_factor}, failed with seed {seed}, and counts as beyond the bounds: {why}")
+        });
+        failed.chain(self.notes.iter().cloned()).collect()
+    }
 }
 
 /// Why a campaign could not go on. What had been run is kept.
@@ -104,8 +125,7 @@ impl Campaign<'_> {
         let grains = populate(self.scene, 1).map_err(in_file(self.scene_file))?;
         let mut costs = Costs::new(self.scene, grains.len(), self.scene.rayleigh_step(&grains));
         let configurations = &self.plan.configurations;
-        let mut outcome =
-            Outcome { runs: vec![Vec::new(); configurations.len()], made: 0, notes: Vec::new(), interrupted: false };
+        let mut outcome = Outcome::none(configurations.len());
         let mut missing = self.find(&mut outcome, &mut costs)?;
         let mut unsupported: BTreeSet<String> = BTreeSet::new();
         let mut done = 0.0;
@@ -114,6 +134,8 @@ impl Campaign<'_> {
             let configuration = &configurations[place];
             // A run that was cut short tells its wall time; another seed would tell the same.
             let known = outcome.runs[place].first().is_some_and(|first| first.extrapolated);
+            // One that failed with a seed keeps no bound, whatever it does with the others.
+            let known = known || outcome.failures.contains_key(&place);
             if known || unsupported.contains(&configuration.code) {
                 continue;
             }
@@ -134,8 +156,7 @@ impl Campaign<'_> {
                     outcome.made += 1;
                 }
                 Attempt::Failed(why) => {
-                    let factor = configuration.stiffness_factor;
-                    outcome.notes.push(format!("{label}, stiffness factor {factor}: {why}"));
+                    outcome.failures.insert(place, (seed, why));
                 }
                 Attempt::Unsupported(error) => {
                     outcome.notes.push(error.to_string());

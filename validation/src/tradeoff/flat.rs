@@ -12,7 +12,7 @@ pub(super) fn points(points: &[Point]) -> Table {
     Table::named(
         "code version setting stiffness_factor youngs_modulus time_step rayleigh_fraction sweeps variation seeds \
          wall_seconds_per_simulated_second wall_seconds_per_simulated_second_least wall_seconds_per_simulated_second_most \
-         core_share_least simulated_seconds extrapolated reference within_bounds intervals_within_bounds \
+         core_share_least simulated_seconds extrapolated failed reference within_bounds intervals_within_bounds \
          observable unit mean standard_error deviation deviation_standard_error interval90_low interval90_high \
          deviation_from_scene bound within interval_within on_front",
     )
@@ -35,6 +35,7 @@ pub(super) fn points(points: &[Point]) -> Table {
             point.core_share_least,
             point.simulated_seconds,
             point.extrapolated,
+            point.failed,
             point.reference,
             point.within_bounds,
             point.intervals_within_bounds,

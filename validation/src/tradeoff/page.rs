@@ -168,6 +168,7 @@ fn ordered(study: &Study) -> Vec<&Point> {
 /// Whether a point keeps the bounds, in words.
 fn verdict(study: &Study, point: &Point) -> &'static str {
     match (point.reference, point.within_bounds, point.intervals_within_bounds) {
+        _ if point.failed => "failed with a seed",
         _ if study.bounds.is_empty() => "",
         (true, ..) => "reference",
         (_, Some(true), Some(true)) => "within, interval too",

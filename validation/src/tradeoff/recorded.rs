@@ -61,6 +61,7 @@ fn point(record: &Record) -> Point {
         core_share_least: number(record, "core_share_least"),
         simulated_seconds: number(record, "simulated_seconds").unwrap(),
         extrapolated: truth(record, "extrapolated").unwrap(),
+        failed: truth(record, "failed").unwrap_or(false),
         reference: truth(record, "reference").unwrap(),
         deviations: Vec::new(),
         within_bounds: truth(record, "within_bounds"),

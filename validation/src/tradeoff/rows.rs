@@ -125,6 +125,8 @@ pub struct Point {
     pub simulated_seconds: f64,
     /// Whether runs were cut short after that time, so that the wall time is extrapolated and there are no deviations.
     pub extrapolated: bool,
+    /// Whether it failed with a seed, so that it keeps no bound.
+    pub failed: bool,
     /// Whether this is the reference itself, whose deviation is zero by definition.
     pub reference: bool,
     /// Its observables.

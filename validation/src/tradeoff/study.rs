@@ -93,7 +93,7 @@ impl Study {
             points,
             bounds,
             findings: Vec::new(),
-            notes: outcome.notes.clone(),
+            notes: outcome.sentences(plan),
             provenance: terms.provenance,
         }
     }

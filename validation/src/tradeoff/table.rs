@@ -86,6 +86,7 @@ impl Table<'_> {
             let all: Option<Vec<bool>> = each.collect();
             all.filter(|all| !all.is_empty()).map(|all| !all.contains(&false))
         };
+        let failed = self.outcome.failures.contains_key(&place);
         Some(Point {
             code: configuration.code.clone(),
             version: first.run.version.clone(),
@@ -105,17 +106,19 @@ impl Table<'_> {
             simulated_seconds: first.run.simulated_seconds,
             extrapolated: runs.iter().any(|kept: &KeptRun| kept.extrapolated),
             reference: self.plan.refinements.iter().any(|refinement| refinement.grids[2] == place),
-            within_bounds: verdict(|deviation| deviation.within),
-            intervals_within_bounds: verdict(|deviation| deviation.interval_within),
+            failed,
+            within_bounds: verdict(|deviation| deviation.within).map(|within| within && !failed),
+            intervals_within_bounds: verdict(|deviation| deviation.interval_within).map(|within| within && !failed),
             deviations,
         })
     }
 
-    /// A configuration that could be the fastest of its code; absent if it has not run to its end, or without bounds.
+    /// A configuration that could be the fastest of its code; absent if it has failed or was cut short, or without bounds.
     pub(super) fn candidate(&self, place: usize) -> Option<Candidate> {
         let configuration = &self.plan.configurations[place];
         let runs = &self.outcome.runs[place];
-        if runs.is_empty() || self.bounds.is_empty() || runs.iter().any(|kept| kept.extrapolated) {
+        let failed = self.outcome.failures.contains_key(&place);
+        if failed || runs.is_empty() || self.bounds.is_empty() || runs.iter().any(|kept| kept.extrapolated) {
             return None;
         }
         let reference = self.plan.refinement(configuration.stiffness_factor)?.grids[2];
