@@ -92,7 +92,7 @@ impl Runs<'_> {
             progress,
         };
         let kept = match &self.recordings {
-            Some(folder) => Some(folder.join(format!("{name}-{}.rec", self.origin(code, &job(&|_| {}))?))),
+            Some(folder) => Some(folder.join(format!("{name}{}.rec", inputs(code, &job(&|_| {}))?))),
             None => None,
         };
         let mut again = String::new();
@@ -112,6 +112,7 @@ impl Runs<'_> {
             }
         }
         if crate::interrupt::requested() {
+            let _ = std::fs::remove_dir_all(&work_folder);
             return Err(CodeError::Interrupted { code: code.name() });
         }
         let progress = (self.announce)(&format!("{} {} seed {seed}{again}", scene.name, code.name()));
@@ -167,41 +168,41 @@ impl Runs<'_> {
         Err(RecordingError::Format(file.display().to_string(), problem))
     }
 
-    /// Name of a run.
+    /// Name of a run; the hash tells the scene from what it was before a change.
     fn file_stem(&self, code: &dyn Code, seed: u64) -> String {
         let purpose = if self.purpose == Purpose::Timing { "-timing" } else { "" };
         format!(
-            "{}-{}-s{seed}-f{}-e{}{purpose}",
+            "{}-{}-s{seed}-f{}-e{}-{}{purpose}",
             file_stem(&self.scene.name),
             file_stem(&code.name().to_lowercase()),
             self.rayleigh_fraction,
             self.stiffness_factor,
+            physics_hash(self.scene)
         )
     }
+}
 
-    /// Hashes of what a recording follows from: the scene, and the files that the code is given, if there are any, so that a recording of
-    /// another deck is not taken up.
-    ///
-    /// # Errors
-    /// [`CodeError`], if files cannot be written or read back.
-    fn origin(&self, code: &dyn Code, job: &Job<'_>) -> Result<String, CodeError> {
-        let refused = |path: &Path, source| CodeError::Io { path: path.display().to_string(), source };
-        // Nothing that an earlier process of the same number left behind counts.
-        let _ = std::fs::remove_dir_all(job.work_folder);
-        let hash = physics_hash(self.scene);
-        match code.write_input(job) {
-            Ok(_) => {}
-            Err(CodeError::Unsupported { .. }) => return Ok(hash),
-            Err(error) => return Err(error),
-        }
-        let listed = std::fs::read_dir(job.work_folder).map_err(|source| refused(job.work_folder, source))?;
-        let mut files: Vec<PathBuf> = listed.flatten().map(|entry| entry.path()).collect();
-        files.sort();
-        let mut all = Vec::new();
-        for file in files {
-            all.extend(file.file_name().unwrap_or_default().as_encoded_bytes());
-            all.extend(std::fs::read(&file).map_err(|source| refused(&file, source))?);
-        }
-        Ok(format!("{hash}-{:016x}", checksum(&all)))
+/// The end of a recording's name: a hash of the files that the code is given, so that what came of another deck is not taken up; nothing
+/// where it is given none.
+///
+/// # Errors
+/// [`CodeError`], if files cannot be written or read back.
+fn inputs(code: &dyn Code, job: &Job<'_>) -> Result<String, CodeError> {
+    let refused = |path: &Path, source| CodeError::Io { path: path.display().to_string(), source };
+    // Nothing that an earlier process of the same number left behind counts.
+    let _ = std::fs::remove_dir_all(job.work_folder);
+    match code.write_input(job) {
+        Ok(_) => {}
+        Err(CodeError::Unsupported { .. }) => return Ok(String::new()),
+        Err(error) => return Err(error),
     }
+    let listed = std::fs::read_dir(job.work_folder).map_err(|source| refused(job.work_folder, source))?;
+    let mut files: Vec<PathBuf> = listed.flatten().map(|entry| entry.path()).collect();
+    files.sort();
+    let mut all = Vec::new();
+    for file in files {
+        all.extend(file.file_name().unwrap_or_default().as_encoded_bytes());
+        all.extend(std::fs::read(&file).map_err(|source| refused(&file, source))?);
+    }
+    Ok(format!("-{:016x}", checksum(&all)))
 }
