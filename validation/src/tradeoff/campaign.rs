@@ -134,8 +134,8 @@ impl Campaign<'_> {
             let configuration = &configurations[place];
             // A run that was cut short tells its wall time; another seed would tell the same.
             let known = outcome.runs[place].first().is_some_and(|first| first.extrapolated);
-            // One that failed with a seed keeps no bound, whatever it does with the others.
-            let known = known || outcome.failures.contains_key(&place);
+            // One that failed with a seed keeps no bound, whatever it does with the others; of a reference every seed counts.
+            let known = known || outcome.failures.contains_key(&place) && !self.plan.is_grid(place);
             if known || unsupported.contains(&configuration.code) {
                 continue;
             }
@@ -156,7 +156,7 @@ impl Campaign<'_> {
                     outcome.made += 1;
                 }
                 Attempt::Failed(why) => {
-                    outcome.failures.insert(place, (seed, why));
+                    outcome.failures.entry(place).or_insert((seed, why));
                 }
                 Attempt::Unsupported(error) => {
                     outcome.notes.push(error.to_string());

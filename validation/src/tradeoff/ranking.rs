@@ -22,6 +22,7 @@ pub(super) fn mark_fronts(points: &mut [Point], names: &[(String, String)]) {
                     point.code == code
                         && point.stiffness_factor == factor
                         && !point.reference
+                        && !point.failed
                         && point.deviation(name).is_some()
                 })
                 .collect();

@@ -124,9 +124,7 @@ impl Table<'_> {
         let reference = self.plan.refinement(configuration.stiffness_factor)?.grids[2];
         let differences = self.bounds.iter().map(|bound| {
             let converged = self.values(reference, &bound.observable);
-            let own = self.values(place, &bound.observable);
-            let by_seed = own.iter().filter_map(|(seed, value)| Some((*seed, value - converged.get(seed)?)));
-            (by_seed.collect(), bound.value)
+            (by_seed(&self.values(place, &bound.observable), &converged), bound.value)
         });
         Some(Candidate {
             code: configuration.code.clone(),
@@ -166,7 +164,12 @@ impl Table<'_> {
     }
 }
 
-/// Differences of the seeds that both have.
+/// Differences of the seeds that both have, by seed.
+fn by_seed(first: &Values, second: &Values) -> Values {
+    first.iter().filter_map(|(seed, value)| Some((*seed, value - second.get(seed)?))).collect()
+}
+
+/// The same in the order of seeds.
 fn differences(first: &Values, second: &Values) -> Vec<f64> {
-    first.iter().filter_map(|(seed, value)| Some(value - second.get(seed)?)).collect()
+    by_seed(first, second).into_values().collect()
 }
