@@ -7,6 +7,7 @@ use crate::scene::Scene;
 use crate::settings::{Whole, seed_of};
 use crate::stepping::beside;
 use makadam_validation::observables::{catalogue, measure, measure_frames, series};
+use makadam_validation::output::{file_stem, run_folder};
 use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Makadam, Purpose, Yade};
 use makadam_validation::provenance::Build;
 use makadam_validation::recording;
@@ -214,8 +215,9 @@ pub fn simulate(
     if code.version().is_none() {
         return Err(code_error(py, &CodeError::Missing { code: code.name() }));
     }
-    let work_folder = std::env::temp_dir().join(format!("makadam-{}", std::process::id()));
     let seed = seed_of(py, seed)?.unwrap_or(scene.plan.seed);
+    let name = format!("{}-{}-s{seed}", file_stem(&scene.plan.name), file_stem(&code.name().to_lowercase()));
+    let work_folder = run_folder(&name).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
     let limit = Duration::try_from_secs_f64(time_limit)
         .map_err(|error| exception(py, "JudgeError", &format!("time_limit {time_limit}: {error}")))?;
     let recorded = beside(py, || {
@@ -233,6 +235,8 @@ pub fn simulate(
         code.simulate(&job)
     })?;
     let recording = recorded.map_err(|error| code_error(py, &error))?;
+    // What the code wrote is in the recording; a folder that stays does no harm.
+    let _ = std::fs::remove_dir_all(&work_folder);
     for alarm in &recording.alarms {
         warn(py, &alarm.words())?;
     }

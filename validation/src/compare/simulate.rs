@@ -1,7 +1,7 @@
 //! Runs of one code over several seeds, side by side, measured as they end.
 
 use super::{CodeSummary, Harvest, Source, Timing, physics_hash};
-use crate::output::{cache_folder, file_stem};
+use crate::output::{file_stem, run_folder};
 use crate::peers::{Code, CodeError, Job, Purpose};
 use crate::plan::Scene;
 use crate::provenance::utc;
@@ -78,8 +78,8 @@ impl Runs<'_> {
     /// [`CodeError`]; what the code wrote is kept then.
     pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
         let name = self.file_stem(code, seed);
-        let work_folder = cache_folder().map_err(|error| CodeError::Io { path: error.path, source: error.source })?;
-        let work_folder = work_folder.join("runs").join(format!("{name}-{}", std::process::id()));
+        let work_folder =
+            run_folder(&name).map_err(|error| CodeError::Io { path: error.path, source: error.source })?;
         let job = |progress| Job {
             scene,
             scene_file: self.scene_file,

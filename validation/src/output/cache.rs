@@ -5,6 +5,7 @@ use std::fs::DirBuilder;
 use std::io::{Error, ErrorKind};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Folder in which prepared states and recordings are kept: `makadam` in `XDG_CACHE_HOME` or in `~/.cache`. Without either it is
 /// `makadam-UID` where the system keeps temporary files, with the number of the user, who alone may read and write it.
@@ -18,6 +19,17 @@ pub fn cache_folder() -> Result<PathBuf, WriteError> {
         Some(folder) => Ok(folder.join("makadam")),
         None => private_folder(&std::env::temp_dir(), rustix::process::getuid().as_raw()),
     }
+}
+
+/// Path for the files of one run of a code in [`cache_folder`], which no other run has while this process lives: not of another process,
+/// and not of this one, where several may be made of the same scene and seed. Nothing is created.
+///
+/// # Errors
+/// Those of [`cache_folder`].
+pub fn run_folder(name: &str) -> Result<PathBuf, WriteError> {
+    static RUNS: AtomicU64 = AtomicU64::new(1);
+    let number = RUNS.fetch_add(1, Ordering::Relaxed);
+    Ok(cache_folder()?.join("runs").join(format!("{name}-{}-{number}", std::process::id())))
 }
 
 /// The folder of a user in one that all users share.
@@ -46,6 +58,11 @@ mod tests {
     use super::*;
     use std::fs::{Permissions, set_permissions};
     use std::os::unix::fs::{PermissionsExt, symlink};
+
+    #[test]
+    fn two_runs_of_one_name_have_folders_of_their_own() {
+        assert_ne!(run_folder("packing-yade-s1").unwrap(), run_folder("packing-yade-s1").unwrap());
+    }
 
     #[test]
     fn a_folder_among_temporary_files_is_taken_only_from_its_user() {

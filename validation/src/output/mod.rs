@@ -16,7 +16,7 @@ pub(crate) mod vtk;
 mod vtk_read;
 mod wall_mesh;
 
-pub use cache::cache_folder;
+pub use cache::{cache_folder, run_folder};
 pub use frames::{FrameWriter, FramesWritten};
 pub use lock::{FolderLock, LockError};
 pub use names::file_stem;

@@ -18,9 +18,9 @@ pub use one_scene::{JudgeError, Judged, OneScene};
 pub use record::{on_record, studies_on_record};
 pub use tier::{Ablated, Extent, Study, TIERS, Tier};
 
-use crate::compare::{Announce, Comparison, KeptError, KeptRuns, Reference, ReferenceError};
+use crate::compare::{Announce, Comparison, KeptError, KeptRuns, Reference, ReferenceError, Runs};
 use crate::output::WriteError;
-use crate::peers::{Code, CodeError, Liggghts, Makadam, Yade};
+use crate::peers::{Code, CodeError, Liggghts, Makadam, Purpose, Yade};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{Qualification, StudySection};
@@ -29,7 +29,7 @@ use crate::stability::StabilityError;
 use crate::statistics::confidence_of_each;
 use crate::study::{DocumentError, damaged_below};
 use scenes::{AgainstRecorded, Case};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use studies::{Part, Place};
 
@@ -55,6 +55,23 @@ pub struct Settings<'a> {
     pub announce: Announce<'a>,
     /// Told what is being done.
     pub say: &'a (dyn Fn(&str) + Sync),
+}
+
+impl Settings<'_> {
+    /// A run of a scene for measuring, as all parts of a qualification ask for it, so that none is made twice.
+    fn measuring<'s>(&'s self, scene: &'s Scene, file: &'s Path, seed: u64) -> Runs<'s> {
+        Runs {
+            scene,
+            scene_file: file,
+            purpose: Purpose::Measuring,
+            seeds: vec![seed],
+            rayleigh_fraction: LIVE_FRACTION,
+            stiffness_factor: 1.0,
+            time_limit: self.time_limit,
+            recordings: None,
+            announce: self.announce,
+        }
+    }
 }
 
 /// Why there is no qualification.

@@ -156,9 +156,13 @@ mod tests {
                         });
                         assert_eq!(own, tests.collect::<Vec<_>>());
                     }
-                    Study::Convergence(scenes) | Study::Tradeoff(scenes) => {
+                    Study::Convergence(scenes) => {
                         let of = |name: &str| own.iter().any(|test| test.starts_with(&format!("{name}: ")));
                         assert!(scenes.iter().all(|scene| of(scene)));
+                    }
+                    Study::Tradeoff(scenes) => {
+                        let judged = own.iter().map(|test| test.split_once(": ").map_or(*test, |(scene, _)| scene));
+                        assert!(judged.eq(scenes.iter().map(|(scene, _)| *scene)));
                     }
                 }
             }

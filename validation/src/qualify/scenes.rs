@@ -84,17 +84,7 @@ impl Case {
     }
 
     fn runs<'s>(&'s self, settings: &'s Settings<'_>, seed: u64) -> Runs<'s> {
-        Runs {
-            scene: &self.scene,
-            scene_file: &self.file,
-            purpose: Purpose::Measuring,
-            seeds: vec![seed],
-            rayleigh_fraction: LIVE_FRACTION,
-            stiffness_factor: 1.0,
-            time_limit: settings.time_limit,
-            recordings: None,
-            announce: settings.announce,
-        }
+        settings.measuring(&self.scene, &self.file, seed)
     }
 
     /// The runs of Makadam.

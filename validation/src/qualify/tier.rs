@@ -45,8 +45,8 @@ pub enum Study {
     Convergence(&'static [&'static str]),
     /// Problems of `makadam problem check` that the program holds.
     ContactProblems,
-    /// Scenes of `makadam tradeoff --quick --codes makadam`.
-    Tradeoff(&'static [&'static str]),
+    /// Scenes of `makadam tradeoff --quick --codes makadam`, each with the seeds by which its own setting is judged.
+    Tradeoff(&'static [(&'static str, u64)]),
 }
 
 /// A scene with each of its effects off, or on.
@@ -195,7 +195,7 @@ pub const TIERS: [Extent; 3] = [
             Study::Ablation(&ALL_ABLATIONS),
             Study::ContactProblems,
             Study::Convergence(&["packing", "drum"]),
-            Study::Tradeoff(&["packing", "drum", "heap"]),
+            Study::Tradeoff(&[("packing", 96), ("drum", 32), ("heap", 40)]),
         ],
     },
 ];

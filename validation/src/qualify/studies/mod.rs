@@ -5,6 +5,7 @@ mod contact_problems;
 mod convergence;
 mod hard_cases;
 mod laws;
+mod own_settings;
 mod tradeoff;
 
 use super::jobs::Job;

@@ -1,12 +1,14 @@
-//! What accuracy costs in time: few settings of Makadam, timed one after the other, alone on the machine.
+//! What accuracy costs in time: few settings of Makadam, timed one after the other, alone on the machine; and the settings that scenes come
+//! with, judged side by side.
 
-use super::{Named, Part, Place, QualifyError, scenes_named, test};
+use super::own_settings::OwnSettings;
+use super::{Job, Named, Part, Place, QualifyError, scenes_named};
 use crate::compare::FEW_SEEDS;
 use crate::output::file_stem;
 use crate::peers::{Code, Makadam};
 use crate::plan::Scene;
 use crate::provenance::account;
-use crate::report::{StudySection, StudyTest};
+use crate::report::StudySection;
 use crate::study::{Document, RunCache};
 use crate::tradeoff::{Bound, Campaign, CampaignError, Outcome, Plan, QUICK_TIME_LIMIT, Scope, Study, Terms};
 use std::path::PathBuf;
@@ -15,13 +17,18 @@ use std::sync::{Arc, Mutex};
 pub(super) struct Tradeoff<'a> {
     place: Place<'a>,
     scenes: Vec<Named>,
+    own_settings: Vec<OwnSettings<'a>>,
     outcomes: Mutex<Vec<Outcome>>,
 }
 
 impl<'a> Tradeoff<'a> {
-    pub(super) fn open(names: &[&'static str], place: Place<'a>) -> Result<Tradeoff<'a>, QualifyError> {
-        let scenes = scenes_named(names, place)?;
-        Ok(Tradeoff { place, scenes, outcomes: Mutex::default() })
+    pub(super) fn open(scenes: &[(&'static str, u64)], place: Place<'a>) -> Result<Tradeoff<'a>, QualifyError> {
+        let names: Vec<&'static str> = scenes.iter().map(|(name, _)| *name).collect();
+        let seeds = scenes.iter().map(|(_, seeds)| *seeds);
+        let scenes = scenes_named(&names, place)?;
+        let judged = |((name, file, scene), seeds): (&Named, u64)| OwnSettings::new(name, file, scene, seeds, place);
+        let own_settings = scenes.iter().zip(seeds).map(judged).collect();
+        Ok(Tradeoff { place, scenes, own_settings, outcomes: Mutex::default() })
     }
 
     fn folder(&self, scene: &Scene) -> PathBuf {
@@ -68,9 +75,13 @@ impl Part for Tradeoff<'_> {
         Ok(())
     }
 
+    fn jobs(&self) -> Vec<Job<'_>> {
+        self.own_settings.iter().flat_map(OwnSettings::jobs).collect()
+    }
+
     fn section(&self) -> Result<StudySection, QualifyError> {
         let outcomes = self.outcomes.lock().expect("nothing panics while it holds the lock");
-        let (mut tests, mut pages, mut notes): (Vec<StudyTest>, _, _) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut tests, mut pages, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         for ((name, _, scene), outcome) in self.scenes.iter().zip(&*outcomes) {
             let terms = Terms {
                 quick: true,
@@ -83,7 +94,9 @@ impl Part for Tradeoff<'_> {
             study.write(&self.folder(scene))?;
             pages.push(format!("tradeoff/{}/tradeoff.html", file_stem(&scene.name)));
             notes.extend(study.findings.iter().map(|finding| format!("{name}: {finding}")));
-            tests.push(judged(name, &study));
+        }
+        for own in &self.own_settings {
+            tests.extend(own.tests()?);
         }
         let runs = || outcomes.iter().flat_map(|outcome| outcome.runs.iter().flatten());
         Ok(StudySection {
@@ -91,7 +104,7 @@ impl Part for Tradeoff<'_> {
             title: "What accuracy costs".into(),
             scope: format!(
                 "Makadam at few settings, {FEW_SEEDS} seeds each, against its own converged reference: timed one after the other on one \
-                 core, alone on the machine."
+                 core, alone on the machine. The settings that the scenes come with are judged with as many seeds as it takes to tell."
             ),
             runs: runs().count(),
             wall_seconds: runs().map(|kept| kept.run.wall_seconds).sum(),
@@ -100,13 +113,4 @@ impl Part for Tradeoff<'_> {
             notes,
         })
     }
-}
-
-/// Whether some setting other than the reference keeps the bounds.
-fn judged(scene: &str, study: &Study) -> StudyTest {
-    let fastest = study.fastest.iter().find(|row| row.code == "Makadam").and_then(|row| row.setting.clone());
-    let bounds = study.bounds.iter().map(|bound| format!("{} within {}", bound.observable, bound.value));
-    let right = format!("a setting keeps {}", bounds.collect::<Vec<_>>().join(", "));
-    let measured = fastest.map_or("none does".into(), |setting| format!("fastest of those that do: {setting}"));
-    test(format!("{scene}: a setting keeps the bounds"), measured, right, study.reaches_bounds("Makadam") == Some(true))
 }
