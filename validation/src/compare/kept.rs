@@ -43,6 +43,13 @@ pub enum KeptError {
     Write(#[from] WriteError),
 }
 
+impl KeptError {
+    /// Whether nothing else is to be run after it: the user asked to stop, or nothing can be kept. Otherwise the run alone has failed.
+    pub fn ends_all(&self) -> bool {
+        matches!(self, KeptError::Write(_) | KeptError::Code(CodeError::Interrupted { .. }))
+    }
+}
+
 impl From<CodeError> for KeptError {
     fn from(error: CodeError) -> KeptError {
         match error {

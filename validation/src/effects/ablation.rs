@@ -5,7 +5,7 @@
 use super::variations::{Variation, variations};
 use crate::compare::{Announce, KeptError, KeptRuns, MeasuredRun, Runs};
 use crate::draw::numbers::Rounding;
-use crate::peers::{CodeError, Makadam, Purpose};
+use crate::peers::{Makadam, Purpose};
 use crate::plan::{Expectation, Scene};
 use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, Equivalence, equivalence};
@@ -108,10 +108,8 @@ impl Ablation {
         for (number, result) in ended.into_iter().enumerate() {
             match result {
                 Ok(run) => runs.push(Some(run)),
-                Err(error @ (KeptError::Write(_) | KeptError::Code(CodeError::Interrupted { .. }))) => {
-                    return Err(error);
-                }
-                Err(error) if number < plan.seeds.len() => return Err(error),
+                // The first are of the scene itself.
+                Err(error) if error.ends_all() || number < plan.seeds.len() => return Err(error),
                 Err(_) => runs.push(None),
             }
         }

@@ -58,7 +58,7 @@ pub struct Settings<'a> {
 }
 
 impl Settings<'_> {
-    /// A run of a scene for measuring, as all parts of a qualification ask for it, so that none is made twice.
+    /// A run of a scene for measuring. Effects ask for the same ([`crate::effects::Plan::runs`]), so that none is made twice.
     fn measuring<'s>(&'s self, scene: &'s Scene, file: &'s Path, seed: u64) -> Runs<'s> {
         Runs {
             scene,

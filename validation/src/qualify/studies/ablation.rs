@@ -1,10 +1,10 @@
 //! Scenes with each of their effects off, or on: an effect that a scene is known to need must move what is measured.
 
 use super::{Job, Part, Place, QualifyError, test};
-use crate::compare::{KeptError, KeptRuns};
+use crate::compare::KeptRuns;
 use crate::effects::{Ablation, Need, Plan, Study};
 use crate::execution::Execution;
-use crate::peers::{CodeError, Makadam};
+use crate::peers::Makadam;
 use crate::plan::Scene;
 use crate::provenance::Provenance;
 use crate::qualify::jobs::weight;
@@ -69,9 +69,7 @@ impl Part for Ablations<'_> {
                                 spent.insert(identity.clone(), run.wall_seconds);
                                 Ok(())
                             }
-                            Err(error @ (KeptError::Write(_) | KeptError::Code(CodeError::Interrupted { .. }))) => {
-                                Err(error.into())
-                            }
+                            Err(error) if error.ends_all() => Err(error.into()),
                             // Without an effect a scene may have no run; that of the scene as it is comes to light below.
                             Err(_) => Ok(()),
                         }),

@@ -3,7 +3,7 @@
 use super::{Job, Place, QualifyError};
 use crate::compare::{KeptError, KeptRuns, MeasuredRun, Runs};
 use crate::draw::numbers::Rounding;
-use crate::peers::{CodeError, Makadam};
+use crate::peers::Makadam;
 use crate::plan::Scene;
 use crate::qualify::jobs::weight;
 use crate::report::{StudyOutcome, StudyTest};
@@ -39,9 +39,7 @@ impl<'a> OwnSettings<'a> {
             identity: KeptRuns::identity(&self.runs(version, seed), &Makadam, seed),
             weight: weight(version),
             work: Box::new(move || match self.one(version, seed) {
-                Err(error @ (KeptError::Write(_) | KeptError::Code(CodeError::Interrupted { .. }))) => {
-                    Err(error.into())
-                }
+                Err(error) if error.ends_all() => Err(error.into()),
                 // A run that fails comes to light in the tests.
                 _ => Ok(()),
             }),
@@ -59,7 +57,7 @@ impl<'a> OwnSettings<'a> {
         for seed in 1..=self.seeds {
             let mut of = |version: &Scene| match self.one(version, seed) {
                 Ok(run) => Ok(Some(run)),
-                Err(error @ (KeptError::Write(_) | KeptError::Code(CodeError::Interrupted { .. }))) => Err(error),
+                Err(error) if error.ends_all() => Err(error),
                 Err(error) => {
                     failure.get_or_insert(format!("seed {seed}: {error}"));
                     Ok(None)
