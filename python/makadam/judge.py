@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Comparison", "Recording", "compare", "measure", "observables", "reference", "simulate"]
 
-CODES = ("makadam", "yade", "liggghts")
-
-
 class Comparison:
     """What a comparison of codes on a scene yields."""
 
@@ -62,7 +59,7 @@ def measure(scene: Source, frames: Iterable[Frame]) -> list[dict[str, Any]]:
 
 
 def reference(scene: Source) -> list[dict[str, Any]]:
-    """What is recorded of YADE and LIGGGHTS on a scene: rows of ``code``, ``version``, ``seed``, ``observable``, ``unit``, ``value``,
+    """What is recorded of other codes on a scene: rows of ``code``, ``version``, ``seed``, ``observable``, ``unit``, ``value``,
     ``standard_error`` within the run, and ``frames``. Empty for a scene that nothing is recorded of; what was recorded before the scene
     changed does not count."""
     rows: list[dict[str, Any]] = list(_core._reference(scene))
@@ -73,7 +70,7 @@ def compare(
     scene: Source,
     runs: Optional[Sequence[Recording]] = None,
     *,
-    codes: Sequence[str] = CODES,
+    codes: Optional[Sequence[str]] = None,
     live: bool = False,
     seeds: Optional[int] = None,
     rayleigh_fraction: float = 0.2,
@@ -85,7 +82,8 @@ def compare(
         scene: A scene with ``[[compare]]``.
         runs: Runs of this scene that were made already, one per seed and all of one code, in place of Makadam's; they are held against
             what is recorded of the others.
-        codes: The codes: ``makadam``, ``yade``, ``liggghts``, ``lammps``; of the last nothing is recorded.
+        codes: The codes: ``makadam``, ``yade``, ``liggghts``, ``lammps``; the first three where none are given, and the last where
+            numbers are recorded of it and not ``live``.
         live: Whether the other codes are run here and now, in place of what is recorded of them.
         seeds: Number of seeds, counted from 1; as many as are recorded where none is given.
         rayleigh_fraction: Time step of the explicit codes over the Rayleigh step.
@@ -97,6 +95,7 @@ def compare(
     """
     if isinstance(codes, str):
         codes = (codes,)
+    asked = None if codes is None else list(codes)
     if runs is not None:
-        return Comparison(_core._compare_runs(scene, list(runs), list(codes)))
-    return Comparison(_core._compare(scene, list(codes), live, seeds, rayleigh_fraction, time_limit))
+        return Comparison(_core._compare_runs(scene, list(runs), asked))
+    return Comparison(_core._compare(scene, asked, live, seeds, rayleigh_fraction, time_limit))

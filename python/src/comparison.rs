@@ -8,7 +8,7 @@ use crate::stepping::beside;
 use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison, noticed, physics_hash};
 use makadam_validation::peers::Code;
 use makadam_validation::provenance::utc;
-use makadam_validation::qualify::OneScene;
+use makadam_validation::qualify::{OneScene, usual_codes};
 use makadam_validation::report::Qualification;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -58,7 +58,7 @@ fn document<'py>(py: Python<'py>, qualification: &Qualification) -> PyResult<Bou
 #[pyo3(name = "_compare")]
 pub fn compare<'py>(
     scene: &Bound<'py, PyAny>,
-    codes: Vec<String>,
+    codes: Option<Vec<String>>,
     live: bool,
     seeds: Option<u64>,
     rayleigh_fraction: f64,
@@ -69,8 +69,8 @@ pub fn compare<'py>(
     let limit = Duration::try_from_secs_f64(time_limit)
         .map_err(|error| exception(py, "JudgeError", &format!("time_limit {time_limit}: {error}")))?;
     let mut asked: Vec<Box<dyn Code + Send>> = Vec::new();
-    for code in &codes {
-        asked.push(code_of(py, code)?);
+    for code in asked_or_usual(py, codes, &scene, live)? {
+        asked.push(code_of(py, &code)?);
     }
     let judged = beside(py, || {
         let codes = asked.into_iter().map(|code| code as Box<dyn Code>).collect();
@@ -93,6 +93,15 @@ pub fn compare<'py>(
         Some(failure) => Err(code_error(py, failure)),
         None => document(py, &judged.qualification),
     }
+}
+
+/// The names that were asked for, or those of the codes in which a scene is compared where nobody says which.
+fn asked_or_usual(py: Python<'_>, asked: Option<Vec<String>>, scene: &Scene, live: bool) -> PyResult<Vec<String>> {
+    if let Some(asked) = asked {
+        return Ok(asked);
+    }
+    let codes = usual_codes(&scene.file, live).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
+    Ok(codes.iter().map(|code| code.name().to_string()).collect())
 }
 
 /// Whether runs can be seeds of one ensemble on a scene; if not, why.
@@ -127,7 +136,7 @@ fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String
 pub fn compare_runs<'py>(
     scene: &Bound<'py, PyAny>,
     runs: Vec<PyRef<'py, Recording>>,
-    codes: Vec<String>,
+    codes: Option<Vec<String>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let py = scene.py();
     let scene = Scene::of(scene)?;
@@ -145,6 +154,7 @@ pub fn compare_runs<'py>(
     let mut notes = noticed(name, &harvests);
     let mut measured =
         vec![CodeRuns { provenance: "runs that the caller made".into(), ..CodeRuns::live(name, 1, harvests) }];
+    let codes = asked_or_usual(py, codes, &scene, false)?;
     for code in codes.iter().filter(|code| !code.eq_ignore_ascii_case("makadam")) {
         let code = code_of(py, code)?.name();
         let Some(recorded) = found.as_ref().and_then(|reference| reference.code_on(code, &scene.plan)) else {

@@ -102,6 +102,20 @@ fn close(code: &str, what: &str, value: f64, expected: f64, tolerance: f64) {
 }
 
 #[test]
+fn a_grain_that_may_escape_is_followed_beyond_the_domain() {
+    let body = String::from("[watch]\non_escape = 'ignore'\n")
+        + &wall("slick", "kind = 'plane', point = [0, 0, -0.15], normal = [0, 0, 1]", FIXED)
+        + &grain([0.25, 0.0, 0.0], [1.0, 0.0, 0.0])
+        + &grain([0.0, 0.0, 0.0], [0.0, 0.1, 0.0]);
+    in_each(&scene(0.0, 0.2, 0.1, &body), 0.2, |code, recording| {
+        let places: Vec<[f64; 3]> =
+            recording.frames.last().unwrap().particles.iter().map(|grain| grain.position).collect();
+        close(code, "the way of the first grain", places[0][0], 0.45, 1e-3);
+        close(code, "that of the other", places[1][1], 0.02, 1e-3);
+    });
+}
+
+#[test]
 fn restitution_of_a_pair_and_on_every_kind_of_wall() {
     let speed = 0.5;
     let angle = 0.3f64;

@@ -2,7 +2,7 @@
 
 use super::arguments::{CodeRunArguments, CompareArguments};
 use super::record::record;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes, json};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes_or_usual, json};
 use crate::compare::{CodeSummary, Comparison, Row};
 use crate::output::{JSON_VERSION, create_folder};
 use crate::plan::Scene;
@@ -42,7 +42,7 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
     let one_scene = OneScene {
         scene,
         scene_file: file,
-        codes: codes(&arguments.codes),
+        codes: codes_or_usual(arguments.codes.as_deref(), file, arguments.runs.live)?,
         judged: "Makadam",
         live: arguments.runs.live,
         seeds: arguments.runs.seeds,

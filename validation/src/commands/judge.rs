@@ -2,7 +2,7 @@
 
 use super::arguments::JudgeArguments;
 use super::compare::{Wanted, tell};
-use super::{Console, Failure, announce, codes};
+use super::{Console, Failure, announce, codes_or_usual};
 use crate::peers::{Code, External};
 use crate::qualify::OneScene;
 use std::process::ExitCode;
@@ -15,7 +15,7 @@ pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<Exi
     let (file, scene) = arguments.source.load()?;
     let judged = external.name();
     let mut all: Vec<Box<dyn Code>> = vec![Box::new(external)];
-    all.extend(codes(&arguments.against));
+    all.extend(codes_or_usual(arguments.against.as_deref(), &file, arguments.runs.live)?);
     let one_scene = OneScene {
         scene: &scene,
         scene_file: &file,

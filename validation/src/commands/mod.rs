@@ -39,6 +39,7 @@ use crate::output::cache_folder;
 use crate::peers::{Code, Lammps, Liggghts, Makadam, Yade};
 use crate::plan::Scene;
 use crate::prepared::{Start, is_ready, start};
+use crate::qualify::{JudgeError, usual_codes};
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::Document;
@@ -228,6 +229,14 @@ fn codes(names: &[CodeName]) -> Vec<Box<dyn Code>> {
         (CodeName::Lammps, Box::new(Lammps::default())),
     ];
     all.into_iter().filter(|(name, _)| names.contains(name)).map(|(_, code)| code).collect()
+}
+
+/// The codes that are asked for, or those in which a scene is compared where nobody says which.
+fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Result<Vec<Box<dyn Code>>, Failure> {
+    match names {
+        Some(names) => Ok(codes(names)),
+        None => Ok(usual_codes(scene_file, live).map_err(JudgeError::from)?),
+    }
 }
 
 /// The same, all of which are installed.

@@ -1,6 +1,6 @@
 //! `makadam compare --record`: what is missing in a scene's recorded references is measured or run, and taken in.
 
-use super::arguments::CompareArguments;
+use super::arguments::{CodeName, CompareArguments};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record, codes};
 use crate::compare::Recorder;
 use crate::output::cache_folder;
@@ -17,7 +17,8 @@ pub(super) fn record(
     file: &Path,
     console: &Console,
 ) -> Result<ExitCode, Failure> {
-    let peers = codes(&arguments.codes).into_iter().filter(|code| code.name() != "Makadam").collect();
+    let asked = arguments.codes.as_deref().unwrap_or(&[CodeName::Yade, CodeName::Liggghts]);
+    let peers = codes(asked).into_iter().filter(|code| code.name() != "Makadam").collect();
     record_codes(peers, arguments, scene, file, console)
 }
 

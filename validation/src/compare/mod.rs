@@ -18,4 +18,5 @@ pub use noticed::noticed;
 pub use record::{FEW_SEEDS, RecordError, Recorded, Recorder};
 pub use reference::{MergeError, Missing, Reference, ReferenceError, Wanted, physics_hash};
 pub use rows::{LiveCheck, comparison, live_checks};
+pub(crate) use simulate::LIVE_FRACTION;
 pub use simulate::{Announce, Runs, Share, Simulated, Timed};

@@ -41,6 +41,33 @@ pub struct Runs<'a> {
     pub announce: Announce<'a>,
 }
 
+/// Time step of the live runs of a qualification over the Rayleigh step: the longest with which LIGGGHTS keeps the bounds of
+/// the trade-off in every scene.
+pub(crate) const LIVE_FRACTION: f64 = 0.2;
+
+impl<'a> Runs<'a> {
+    /// One seed for measuring. Scenes, effects and settings of a qualification all ask for a run in this way, so that none is made twice.
+    pub fn of_one_seed(
+        scene: &'a Scene,
+        scene_file: &'a Path,
+        seed: u64,
+        time_limit: Duration,
+        announce: Announce<'a>,
+    ) -> Runs<'a> {
+        Runs {
+            scene,
+            scene_file,
+            purpose: Purpose::Measuring,
+            seeds: vec![seed],
+            rayleigh_fraction: LIVE_FRACTION,
+            stiffness_factor: 1.0,
+            time_limit,
+            recordings: None,
+            announce,
+        }
+    }
+}
+
 /// A code that was timed on one seed and measured.
 pub struct Timed {
     /// How long it took.

@@ -67,6 +67,7 @@ pub(crate) fn code_style(code: &str) -> CodeStyle {
         "makadam" => ("code-makadam", Marker::Circle),
         "liggghts" => ("code-liggghts", Marker::Square),
         "yade" => ("code-yade", Marker::Triangle),
+        "lammps" => ("code-lammps", Marker::Diamond),
         "siconos" => ("code-siconos", Marker::Wedge),
         _ => ("code-other", Marker::Diamond),
     };

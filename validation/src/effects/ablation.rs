@@ -5,7 +5,7 @@
 use super::variations::{Variation, variations};
 use crate::compare::{Announce, KeptError, KeptRuns, MeasuredRun, Runs};
 use crate::draw::numbers::Rounding;
-use crate::peers::{Makadam, Purpose};
+use crate::peers::Makadam;
 use crate::plan::{Expectation, Scene};
 use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, Equivalence, equivalence};
@@ -137,17 +137,7 @@ impl Plan<'_> {
 
     /// What is asked of Makadam for one run.
     pub fn runs<'v>(&'v self, version: &'v Variation, seed: u64) -> Runs<'v> {
-        Runs {
-            scene: &version.scene,
-            scene_file: self.scene_file,
-            purpose: Purpose::Measuring,
-            seeds: vec![seed],
-            rayleigh_fraction: 0.2,
-            stiffness_factor: 1.0,
-            time_limit: self.time_limit,
-            recordings: None,
-            announce: self.announce,
-        }
+        Runs::of_one_seed(&version.scene, self.scene_file, seed, self.time_limit, self.announce)
     }
 
     /// The observables that have a margin, under one variation.

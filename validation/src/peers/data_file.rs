@@ -4,7 +4,7 @@ use super::Purpose;
 use super::mesh::reach;
 use super::palette::Palette;
 use crate::plan::Scene;
-use makadam::scene::Grain;
+use makadam::scene::{Grain, Reaction};
 use std::fmt::Write;
 
 /// Reach of the neighbour list over the smallest radius; a matter of speed alone. The second one is that at which packing, drum and heap are
@@ -15,6 +15,14 @@ const FASTEST_SKIN: f64 = 0.5;
 /// Most bins a grain. Both codes clear them all whenever they make their list anew: a single grain in 2 m of air took LIGGGHTS 300 times
 /// as long with bins of its own size.
 const MOST_BINS: f64 = 100.0;
+
+/// The sides of the simulation box: fixed, and a grain that leaves ends the run; where the scene lets grains escape, the box grows with them.
+pub(super) fn boundary(scene: &Scene) -> &'static str {
+    match scene.watch.on_escape {
+        Reaction::Stop => "f f f",
+        Reaction::Warn | Reaction::Ignore => "m m m",
+    }
+}
 
 /// Grains as atoms of `kinds` types. The simulation box holds whatever walls reach into.
 pub(super) fn data(scene: &Scene, grains: &[Grain], palette: &Palette<'_>, kinds: usize) -> String {

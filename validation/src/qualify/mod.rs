@@ -14,13 +14,13 @@ mod scenes;
 mod studies;
 mod tier;
 
-pub use one_scene::{JudgeError, Judged, OneScene};
+pub use one_scene::{JudgeError, Judged, OneScene, usual_codes};
 pub use record::{on_record, studies_on_record};
 pub use tier::{Ablated, Extent, Study, TIERS, Tier};
 
 use crate::compare::{Announce, Comparison, KeptError, KeptRuns, Reference, ReferenceError, Runs};
 use crate::output::WriteError;
-use crate::peers::{Code, CodeError, Liggghts, Makadam, Purpose, Yade};
+use crate::peers::{Code, CodeError, Lammps, Liggghts, Makadam, Yade};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{Qualification, StudySection};
@@ -32,9 +32,6 @@ use scenes::{AgainstRecorded, Case};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use studies::{Part, Place};
-
-/// Time step of the live runs over the Rayleigh step: the peers' fastest honest setting.
-const LIVE_FRACTION: f64 = 0.2;
 
 /// Seed of the live runs. It is never recorded: whether a value lies among others of which it is one is no question.
 const LIVE_SEED: u64 = 1001;
@@ -58,19 +55,9 @@ pub struct Settings<'a> {
 }
 
 impl Settings<'_> {
-    /// A run of a scene for measuring. Effects ask for the same ([`crate::effects::Plan::runs`]), so that none is made twice.
+    /// A run of a scene for measuring.
     fn measuring<'s>(&'s self, scene: &'s Scene, file: &'s Path, seed: u64) -> Runs<'s> {
-        Runs {
-            scene,
-            scene_file: file,
-            purpose: Purpose::Measuring,
-            seeds: vec![seed],
-            rayleigh_fraction: LIVE_FRACTION,
-            stiffness_factor: 1.0,
-            time_limit: self.time_limit,
-            recordings: None,
-            announce: self.announce,
-        }
+        Runs::of_one_seed(scene, file, seed, self.time_limit, self.announce)
     }
 }
 
@@ -153,13 +140,15 @@ impl From<StabilityError> for QualifyError {
 pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification, QualifyError> {
     let clock = Instant::now();
     let peers: [Box<dyn Code>; 2] = [Box::new(Yade::default()), Box::new(Liggghts::default())];
+    let further: [Box<dyn Code>; 1] = [Box::new(Lammps::default())];
     if settings.live
         && let Some(missing) = peers.iter().find(|code| code.version().is_none())
     {
         return Err(CodeError::Missing { code: missing.name() }.into());
     }
-    let open =
-        |name: &&'static str| Case::open(name, extent.fewest_seeds, extent.on_record.is_some(), settings, &peers);
+    let open = |name: &&'static str| {
+        Case::open(name, extent.fewest_seeds, extent.on_record.is_some(), settings, &peers, &further)
+    };
     let mut cases = extent.scenes.iter().map(open).collect::<Result<Vec<Case>, QualifyError>>()?;
     let kept = KeptRuns::open(&settings.folder.join("runs"), settings.again)?;
     let place = Place { settings, kept: &kept };
@@ -241,8 +230,8 @@ fn notes(
     let mut notes = Vec::new();
     if !settings.live {
         notes.push(
-            "YADE and LIGGGHTS were not run: their numbers are the recorded references, and no speeds are compared. \
-             With both installed (scripts/install-peers), --live runs them."
+            "The other codes were not run: their numbers are the recorded references, and no speeds are compared. \
+             With YADE and LIGGGHTS installed (scripts/install-peers), --live runs these two."
                 .into(),
         );
     }

@@ -2,7 +2,7 @@
 
 use super::same_runs::without_same_runs;
 use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison, noticed};
-use crate::peers::{Code, CodeError, Purpose};
+use crate::peers::{Code, CodeError, Lammps, Liggghts, Makadam, Purpose, Yade};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::Qualification;
@@ -30,6 +30,21 @@ pub struct OneScene<'a> {
     pub time_limit: Duration,
     /// Opens progress displays.
     pub announce: Announce<'a>,
+}
+
+/// The codes in which a scene is compared where nobody says which: Makadam, YADE and LIGGGHTS, and of recorded codes LAMMPS too.
+///
+/// # Errors
+/// [`ReferenceError`] if recorded numbers cannot be read.
+pub fn usual_codes(scene_file: &Path, live: bool) -> Result<Vec<Box<dyn Code>>, ReferenceError> {
+    let mut codes: Vec<Box<dyn Code>> =
+        vec![Box::new(Makadam), Box::new(Yade::default()), Box::new(Liggghts::default())];
+    let third = Lammps::default();
+    let is_recorded = |reference: Reference| reference.of(third.name()).next().is_some();
+    if !live && Reference::of_scene(scene_file)?.is_some_and(is_recorded) {
+        codes.push(Box::new(third));
+    }
+    Ok(codes)
 }
 
 /// A comparison of one scene with its verdict.

@@ -3,9 +3,10 @@
 use super::jobs::{Job, weight};
 use super::record::fingerprint_on_record;
 use super::same_runs::twins;
-use super::{LIVE_FRACTION, LIVE_SEED, QualifyError, Settings};
+use super::{LIVE_SEED, QualifyError, Settings};
 use crate::compare::{
-    CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, Reference, Runs, Timed, comparison, live_checks,
+    CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, LIVE_FRACTION, Reference, Runs, Timed, comparison,
+    live_checks,
 };
 use crate::peers::{Code, Makadam, Purpose};
 use crate::plan::Scene;
@@ -38,13 +39,15 @@ pub(super) struct Case {
 }
 
 impl Case {
-    /// A scene with no fewer than so many seeds of Makadam; `on_record`: the recorded numbers have to be those on record.
+    /// A scene with no fewer than so many seeds of Makadam; `on_record`: the recorded numbers have to be those on record. Of `peers`
+    /// there has to be something recorded, of `further` codes what is recorded counts.
     pub(super) fn open(
         name: &'static str,
         fewest_seeds: u64,
         on_record: bool,
         settings: &Settings<'_>,
         peers: &[Box<dyn Code>],
+        further: &[Box<dyn Code>],
     ) -> Result<Case, QualifyError> {
         let file = scenes::find(name, &settings.roots)?;
         let scene = scenes::load(&file)?;
@@ -65,10 +68,14 @@ impl Case {
             timings: Vec::new(),
             harvests: Mutex::default(),
         };
-        for peer in peers {
+        for peer in peers.iter().chain(further) {
             let code = peer.name();
-            let missing = || QualifyError::NotRecorded { code: code.into(), scene: name.into() };
-            let recorded = reference.code_on(code, &case.scene).ok_or_else(missing)?;
+            let Some(recorded) = reference.code_on(code, &case.scene) else {
+                if further.iter().any(|further| further.name() == code) {
+                    continue;
+                }
+                return Err(QualifyError::NotRecorded { code: code.into(), scene: name.into() });
+            };
             let is_other = on_record && fingerprint_on_record(name, code) != Some(recorded.fingerprint());
             case.recorded.push(match is_other && recorded.discarded.is_none() {
                 true => recorded

@@ -53,9 +53,10 @@ pub struct JudgeArguments {
     /// TOML file that describes the code: name, version, command, and where it leaves its frames.
     #[arg(long, value_name = "FILE")]
     pub code: PathBuf,
-    /// Codes that it is held against, separated by commas.
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
-    pub against: Vec<CodeName>,
+    /// Codes that it is held against, separated by commas; if absent, makadam,yade,liggghts, and lammps where recorded
+    /// numbers of it are read.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub against: Option<Vec<CodeName>>,
     /// How the codes are run, and what is told.
     #[command(flatten)]
     pub runs: CodeRunArguments,

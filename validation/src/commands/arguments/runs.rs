@@ -62,9 +62,10 @@ pub struct CompareArguments {
     /// The scene.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Codes to compare, separated by commas.
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
-    pub codes: Vec<CodeName>,
+    /// Codes to compare, separated by commas; if absent, makadam,yade,liggghts, and lammps where recorded
+    /// numbers of it are read.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub codes: Option<Vec<CodeName>>,
     /// Record results of the other codes as the scene's references. Only seeds not yet recorded for the same scene, version and
     /// time step are measured from raw recordings or run.
     #[arg(long, conflicts_with = "json")]

@@ -100,7 +100,7 @@ impl Reference {
     /// How the numbers were made, for people.
     pub(super) fn account(&self, scene: &Scene) -> String {
         let mut text = format!(
-            "# Recorded references of `{}`\n\nWhat YADE and LIGGGHTS measured on this scene. Every run started from the \
+            "# Recorded references of `{}`\n\nWhat other codes measured on this scene. Every run started from the \
              grains that Makadam places for its seed, ran on one core, and was measured by the same code that measures \
              Makadam.\n\n| code | version | contact law | seeds | time step (s) | of the Rayleigh step | processor | date |\n\
              | --- | --- | --- | --- | --- | --- | --- | --- |\n",

@@ -2,7 +2,7 @@
 
 use super::surfaces::{Surface, region, variables};
 use crate::peers::Purpose;
-use crate::peers::data_file::{data, neighbours};
+use crate::peers::data_file::{boundary, data, neighbours};
 use crate::peers::palette::Palette;
 use crate::peers::plan::Plan;
 use crate::plan::Scene;
@@ -72,7 +72,8 @@ fn deck(
     palette: &Palette<'_>,
     purpose: Purpose,
 ) -> Result<String, String> {
-    let mut text = String::from("units si\natom_style sphere\nboundary f f f\nnewton off\ncomm_modify vel yes\n");
+    let mut text = String::from("units si\natom_style sphere\n");
+    let _ = writeln!(text, "boundary {}\nnewton off\ncomm_modify vel yes", boundary(scene));
     text += "processors 1 1 1\nread_data grains.data\n";
     text += &neighbours(scene, grains, purpose);
     let laws = Laws::new(palette, grains)?;

@@ -1,7 +1,7 @@
 //! The input of LIGGGHTS: deck, initial grains, one mesh file a wall.
 
 use super::walls::Walls;
-use crate::peers::data_file::{data, neighbours};
+use crate::peers::data_file::{boundary, data, neighbours};
 use crate::peers::palette::Palette;
 use crate::peers::plan::Plan;
 use crate::peers::stl::stl;
@@ -42,7 +42,8 @@ pub(super) fn files(
 }
 
 fn deck(scene: &Scene, grains: &[Grain], walls: &Walls, plan: &Plan, palette: &Palette<'_>) -> Result<String, String> {
-    let mut text = String::from("atom_style granular\natom_modify map array\nboundary f f f\nnewton off\n");
+    let mut text = String::from("atom_style granular\natom_modify map array\n");
+    let _ = writeln!(text, "boundary {}\nnewton off", boundary(scene));
     text += "communicate single vel yes\nunits si\nprocessors 1 1 1\n";
     let moduli = || palette.materials().map(|material| material.youngs_modulus);
     // LIGGGHTS takes moduli outside its usual range for a slip unless told otherwise.
