@@ -94,16 +94,22 @@ pub(super) fn summary(comparisons: &[Comparison]) -> Option<Table> {
             pairs(comparison, &comparison.rows).into_iter().filter(|pair| !columns.contains(pair)).collect::<Vec<_>>(),
         );
     }
-    columns.sort_by_key(|pair| pair.floor);
+    let (floors, columns): (Vec<Pair>, Vec<Pair>) = columns.into_iter().partition(|pair| pair.floor);
+    let floor_head = match floors.as_slice() {
+        [] => None,
+        [only] => Some(only.head()),
+        _ => Some((Cell::from("widest between the others").above(Some("floor".into())), "floor")),
+    };
     let table = Table::new(&["scene", "observable"], &["margin"]).styled("summary");
-    let mut table = table.with_columns(columns.iter().map(Pair::head));
+    let mut table = table.with_columns(columns.iter().map(Pair::head).chain(floor_head));
     for comparison in comparisons {
         let tested = |row: &&Row| row.outcome.is_some() && row.code == comparison.judged;
         let observables = distinct(comparison.rows.iter().filter(tested).map(|row| row.observable.as_str()));
         table.group(&comparison.scene.name, observables, |observable| {
             let line = Line::of(comparison, observable);
             let differences = columns.iter().map(|pair| line.difference(pair, false));
-            [line.name().into(), line.margin()].into_iter().chain(differences).collect()
+            let floor = (!floors.is_empty()).then(|| line.floor(&floors));
+            [line.name().into(), line.margin()].into_iter().chain(differences).chain(floor).collect()
         });
     }
     (!table.is_empty()).then_some(table)
@@ -141,10 +147,26 @@ impl<'a> Line<'a> {
         row.and_then(|row| value(Some(row.mean? - row.difference?))).into()
     }
 
+    /// The row of a pair of codes.
+    fn row(&self, pair: &Pair) -> Option<&'a Row> {
+        let is = |row: &&&Row| row.code == pair.code && row.reference_code.as_deref() == Some(pair.reference.as_str());
+        self.rows.iter().find(is).copied()
+    }
+
+    /// The widest difference between references, with its pair where there are several.
+    fn floor(&self, floors: &[Pair]) -> Cell {
+        let width = |pair: &Pair| Some(self.row(pair)?.difference?.abs());
+        let known = floors.iter().filter_map(|pair| Some((pair, width(pair)?)));
+        let Some((widest, _)) = known.max_by(|(_, one), (_, other)| one.total_cmp(other)) else {
+            return Cell::default();
+        };
+        let pair = (floors.len() > 1).then(|| format!("{} − {}", widest.code, widest.reference));
+        self.difference(widest, false).above(pair)
+    }
+
     /// A difference and its outcome; `fully`: with its interval, and what would decide or is missing.
     fn difference(&self, pair: &Pair, fully: bool) -> Cell {
-        let own = |row: &&&Row| row.code == pair.code && row.reference_code.as_deref() == Some(pair.reference.as_str());
-        let Some(row) = self.rows.iter().find(own) else { return Cell::default() };
+        let Some(row) = self.row(pair) else { return Cell::default() };
         let undecided = row.outcome == Some(Outcome::Undecided);
         let needed = row.seeds_needed.filter(|_| fully && undecided);
         Cell::from(row.difference.map(|difference| self.rounding.signed(difference)))
