@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Comparison", "Recording", "compare", "measure", "observables", "reference", "simulate"]
 
+
 class Comparison:
     """What a comparison of codes on a scene yields."""
 

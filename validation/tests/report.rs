@@ -219,30 +219,6 @@ fn the_floor_is_no_test_but_is_spoken_of() {
     assert!(verdict.sentence.ends_with("so they prove nothing."), "{}", verdict.sentence);
 }
 
-/// Text of the summary, the table of every test.
-fn summary(page: &str) -> String {
-    let document = parse(page);
-    let is = |node: &roxmltree::Node<'_, '_>| node.attribute("class").is_some_and(|class| class.contains("summary"));
-    let table = document.descendants().find(is).expect("a summary");
-    table.descendants().filter_map(|node| node.text()).collect::<Vec<_>>().join(" ")
-}
-
-#[test]
-fn of_several_other_codes_the_two_farthest_apart_are_the_floor() {
-    let mut drum = sample::drum(false);
-    let of_two = summary(&page(&sample::qualification(vec![drum.clone()])));
-    assert!(of_two.contains("LIGGGHTS − YADE") && !of_two.contains("widest"), "{of_two}");
-    let is_angle = |row: &&Row| row.code == "LIGGGHTS" && row.observable == "dynamic_angle_of_repose";
-    let floor = drum.rows.iter().find(is_angle).expect("a floor").clone();
-    for (code, difference) in [("YADE", -0.77), ("LIGGGHTS", -0.91)] {
-        let reference_code = Some("LAMMPS".into());
-        drum.rows.push(Row { code: code.into(), reference_code, difference: Some(difference), ..floor.clone() });
-    }
-    let of_three = summary(&page(&sample::qualification(vec![drum])));
-    assert!(of_three.contains("widest between the others") && of_three.contains("−0.91"), "{of_three}");
-    assert!(of_three.contains("LIGGGHTS − LAMMPS") && !of_three.contains("−0.77"), "{of_three}");
-}
-
 #[test]
 fn one_seed_is_told_where_one_is_compared_not_where_one_is_timed() {
     let told = |drum: Comparison| text(&page(&sample::qualification(vec![drum]))).contains("ran with one seed");

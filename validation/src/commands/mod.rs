@@ -231,14 +231,6 @@ fn codes(names: &[CodeName]) -> Vec<Box<dyn Code>> {
     all.into_iter().filter(|(name, _)| names.contains(name)).map(|(_, code)| code).collect()
 }
 
-/// The codes that are asked for, or those in which a scene is compared where nobody says which.
-fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Result<Vec<Box<dyn Code>>, Failure> {
-    match names {
-        Some(names) => Ok(codes(names)),
-        None => Ok(usual_codes(scene_file, live).map_err(JudgeError::from)?),
-    }
-}
-
 /// The same, all of which are installed.
 fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
     let codes = codes(names);
@@ -248,6 +240,14 @@ fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
             "{} is not installed; run scripts/install-peers, or leave it out with --codes",
             missing.name()
         ))),
+    }
+}
+
+/// The codes that are asked for, or those in which a scene is compared where nobody says which.
+fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Result<Vec<Box<dyn Code>>, Failure> {
+    match names {
+        Some(names) => Ok(codes(names)),
+        None => Ok(usual_codes(scene_file, live).map_err(JudgeError::from)?),
     }
 }
 
