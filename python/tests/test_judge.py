@@ -99,7 +99,7 @@ def test_observables_are_known_by_name():
 
 def test_references_are_tables():
     rows = makadam.reference("packing")
-    assert {row["code"] for row in rows} == {"YADE", "LIGGGHTS"}
+    assert {row["code"] for row in rows} == {"YADE", "LIGGGHTS", "LAMMPS"}
     fractions = [row["value"] for row in rows if row["code"] == "YADE" and row["observable"] == "packing_fraction"]
     assert len(fractions) > 2 and 0.59 < np.mean(fractions) < 0.61
     assert makadam.reference(bin_scene()) == []
@@ -123,7 +123,7 @@ def test_seeds_are_held_against_references(recording):
     with pytest.raises(makadam.JudgeError, match="two runs have seed 2"):
         makadam.compare("packing", [*packed, packed[1]])
     compared = makadam.compare("packing", packed)
-    assert {row["reference_code"] for row in compared.rows if row["code"] == "Makadam"} == {"YADE", "LIGGGHTS"}
+    assert {row["reference_code"] for row in compared.rows if row["code"] == "Makadam"} == {"YADE", "LIGGGHTS", "LAMMPS"}
     assert compared.standing != "not-measured" and "YADE was not run" in " ".join(compared.notes)
     assert all(len(column) == len(compared.rows) for column in compared.columns().values())
     with pytest.raises(makadam.JudgeError, match="nothing to compare"):
