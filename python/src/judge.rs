@@ -8,7 +8,7 @@ use crate::settings::{Whole, seed_of};
 use crate::stepping::beside;
 use makadam_validation::observables::{catalogue, measure, measure_frames, series};
 use makadam_validation::output::{file_stem, run_folder};
-use makadam_validation::peers::{Code, CodeError, Job, Lammps, Liggghts, Makadam, Purpose, Yade};
+use makadam_validation::peers::{Code, CodeError, CodeName, Job, Purpose};
 use makadam_validation::provenance::Build;
 use makadam_validation::recording;
 use pyo3::prelude::*;
@@ -176,16 +176,8 @@ pub fn code_error(py: Python<'_>, error: &CodeError) -> PyErr {
 }
 
 pub fn code_of(py: Python<'_>, name: &str) -> PyResult<Box<dyn Code + Send>> {
-    Ok(match name.to_lowercase().as_str() {
-        "makadam" => Box::new(Makadam),
-        "yade" => Box::new(Yade::default()),
-        "liggghts" => Box::new(Liggghts::default()),
-        "lammps" => Box::new(Lammps::default()),
-        _ => {
-            let message = format!("no code '{name}': give makadam, yade, liggghts or lammps");
-            return Err(exception(py, "JudgeError", &message));
-        }
-    })
+    let unknown = || exception(py, "JudgeError", &format!("no code '{name}': give makadam, yade, liggghts or lammps"));
+    CodeName::of(name).map(CodeName::code).ok_or_else(unknown)
 }
 
 /// Runs a scene from its start to its end in one code, on one core, and keeps a frame each `measure.interval`.

@@ -2,7 +2,7 @@
 //! `timing SCENE CODE RAYLEIGH_FRACTION DURATION [SEED]`. What the tables of `validation/docs/timing.md` are made from.
 
 use makadam_validation::observables::measure;
-use makadam_validation::peers::{Code, Job, Lammps, Liggghts, Makadam, Purpose, Yade};
+use makadam_validation::peers::{CodeName, Job, Purpose};
 use makadam_validation::plan::Scene;
 use makadam_validation::scenes;
 use std::path::PathBuf;
@@ -17,13 +17,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = scenes::find(scene, &[root])?;
     let mut scene = Scene::load(&file)?;
     scene.duration = duration.parse()?;
-    let code: Box<dyn Code> = match code.as_str() {
-        "makadam" => Box::new(Makadam),
-        "yade" => Box::new(Yade::default()),
-        "liggghts" => Box::new(Liggghts::default()),
-        "lammps" => Box::new(Lammps::default()),
-        other => return Err(format!("no code '{other}': use makadam, yade, liggghts or lammps").into()),
-    };
+    let code = CodeName::of(code).ok_or_else(|| format!("no code '{code}': use makadam, yade, liggghts or lammps"))?;
+    let code = code.code();
     for purpose in [Purpose::Measuring, Purpose::Timing] {
         let work_folder = std::env::temp_dir().join(format!("timing-{}", std::process::id()));
         let recording = code.simulate(&Job {

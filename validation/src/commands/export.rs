@@ -1,10 +1,10 @@
 //! `makadam export`: the frames of a run for other programs, and scenes for other codes.
 
-use super::arguments::{CodeName, ExportArguments, ExportFormat, load};
-use super::{Console, Failure, codes};
+use super::arguments::{ExportArguments, ExportFormat, load};
+use super::{Console, Failure};
 use crate::export::{ExportError, Kind, absent_from_gsd, write_gsd, write_vtkhdf};
 use crate::output::{create_folder, file_stem};
-use crate::peers::{Job, Purpose};
+use crate::peers::{CodeName, Job, Purpose};
 use crate::run_frames::RunFrames;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -24,9 +24,10 @@ pub(super) fn export(arguments: &ExportArguments, console: &Console) -> Result<E
 /// Writes what a code runs the scene from.
 fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.what, &arguments.changes)?;
-    let Some(code) = codes(&[code]).pop().filter(|code| code.name() != "Makadam") else {
+    if code == CodeName::Makadam {
         return Err(Failure::Usage("Makadam runs scenes as they are; name another code".into()));
-    };
+    }
+    let code = code.code();
     let name = format!("{}-{}", file_stem(&scene.name), code.name().to_lowercase());
     let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(name));
     let job = Job {

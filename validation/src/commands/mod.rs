@@ -36,14 +36,14 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 use crate::compare::Share;
 use crate::execution::Execution;
 use crate::output::cache_folder;
-use crate::peers::{Code, Lammps, Liggghts, Makadam, Yade};
+use crate::peers::{Code, CodeName, codes_of};
 use crate::plan::Scene;
 use crate::prepared::{Start, is_ready, start};
 use crate::qualify::{JudgeError, usual_codes};
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::Document;
-use arguments::{Arguments, CodeName, Command, load};
+use arguments::{Arguments, Command, load};
 use clap::Parser;
 use makadam::Simulation;
 use makadam::scene::Stop;
@@ -220,20 +220,9 @@ fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).expect("results hold only numbers, plain text and lists")
 }
 
-/// The codes that are asked for, each once, Makadam first.
-fn codes(names: &[CodeName]) -> Vec<Box<dyn Code>> {
-    let all: [(CodeName, Box<dyn Code>); 4] = [
-        (CodeName::Makadam, Box::new(Makadam)),
-        (CodeName::Yade, Box::new(Yade::default())),
-        (CodeName::Liggghts, Box::new(Liggghts::default())),
-        (CodeName::Lammps, Box::new(Lammps::default())),
-    ];
-    all.into_iter().filter(|(name, _)| names.contains(name)).map(|(_, code)| code).collect()
-}
-
-/// The same, all of which are installed.
+/// The codes that are asked for, all of which are installed.
 fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
-    let codes = codes(names);
+    let codes = codes_of(names);
     match codes.iter().find(|code| code.version().is_none()) {
         None => Ok(codes),
         Some(missing) => Err(Failure::MissingCode(format!(
@@ -246,7 +235,7 @@ fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
 /// The codes that are asked for, or those in which a scene is compared where nobody says which.
 fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Result<Vec<Box<dyn Code>>, Failure> {
     match names {
-        Some(names) => Ok(codes(names)),
+        Some(names) => Ok(codes_of(names)),
         None => Ok(usual_codes(scene_file, live).map_err(JudgeError::from)?),
     }
 }

@@ -1,10 +1,10 @@
 //! `makadam compare --record`: what is missing in a scene's recorded references is measured or run, and taken in.
 
-use super::arguments::{CodeName, CompareArguments};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record, codes};
+use super::arguments::CompareArguments;
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record};
 use crate::compare::Recorder;
 use crate::output::cache_folder;
-use crate::peers::Code;
+use crate::peers::{Code, CodeName, codes_of};
 use crate::plan::Scene;
 use std::path::Path;
 use std::process::ExitCode;
@@ -17,8 +17,8 @@ pub(super) fn record(
     file: &Path,
     console: &Console,
 ) -> Result<ExitCode, Failure> {
-    let asked = arguments.codes.as_deref().unwrap_or(&[CodeName::Yade, CodeName::Liggghts]);
-    let peers = codes(asked).into_iter().filter(|code| code.name() != "Makadam").collect();
+    let asked = arguments.codes.as_deref().unwrap_or(&CodeName::REFEREES);
+    let peers = codes_of(asked).into_iter().filter(|code| code.name() != "Makadam").collect();
     record_codes(peers, arguments, scene, file, console)
 }
 

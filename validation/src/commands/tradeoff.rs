@@ -1,9 +1,10 @@
 //! `makadam tradeoff`: what accuracy costs in time.
 
-use super::arguments::{BoundArgument, CodeName, TradeoffArguments};
-use super::{Console, Failure, OUTSIDE_TOLERANCE, codes, installed, publish, refuse_time_budget};
+use super::arguments::{BoundArgument, TradeoffArguments};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, installed, publish, refuse_time_budget};
 use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
+use crate::peers::{CodeName, codes_of};
 use crate::plan::Scene;
 use crate::provenance::{account, processor};
 use crate::study::RunCache;
@@ -30,7 +31,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     };
     let mut plan = Plan::new(&scene, scope, &names, &stiffness_factors(arguments));
     // The reference is Makadam's, whichever codes are asked for.
-    let runners = codes(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
+    let runners = codes_of(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
     let [quick, full] = TIME_LIMITS;
     let terms = Terms {
         quick: arguments.quick,

@@ -8,7 +8,7 @@ use super::mesh::wall_mesh;
 use super::process::{Run, locate};
 use super::run_folder::{RunFolder, check_pattern};
 use super::stl::stl;
-use super::{Code, CodeError, Job, starting_grains};
+use super::{Code, CodeError, CodeName, Job, starting_grains};
 use crate::import::{Assembly, ImportError, Imported, Tables};
 use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
@@ -20,9 +20,6 @@ use serde::Deserialize;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Names that this program gives to the codes that it drives itself.
-const TAKEN: [&str; 4] = ["makadam", "yade", "liggghts", "lammps"];
 
 /// What a file says of a code.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -88,7 +85,7 @@ impl External {
         })?;
         description.name = description.name.trim().to_string();
         let Description { name, command, grains, .. } = &description;
-        if name.is_empty() || TAKEN.contains(&name.to_lowercase().as_str()) {
+        if name.is_empty() || CodeName::of(name).is_some() {
             return Err(fault(format!("'{name}' is no name for a code of your own; give another one")));
         }
         if command.is_empty() || grains.is_empty() {

@@ -1,5 +1,6 @@
 //! The codes that are compared: one trait, one file a code.
 
+mod code_name;
 mod core_share;
 mod data_file;
 mod deck_run;
@@ -17,6 +18,7 @@ mod stl;
 pub mod yade;
 mod yade_rolling;
 
+pub use code_name::{CodeName, codes_of};
 pub use core_share::CoreClock;
 pub use external::{DescriptionError, External};
 pub use lammps::Lammps;

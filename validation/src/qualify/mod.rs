@@ -20,7 +20,7 @@ pub use tier::{Ablated, Extent, Study, TIERS, Tier};
 
 use crate::compare::{Announce, Comparison, KeptError, KeptRuns, Reference, ReferenceError, Runs};
 use crate::output::WriteError;
-use crate::peers::{Code, CodeError, Lammps, Liggghts, Makadam, Yade};
+use crate::peers::{Code, CodeError, CodeName, Makadam, codes_of};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{Qualification, StudySection};
@@ -139,8 +139,8 @@ impl From<StabilityError> for QualifyError {
 /// [`QualifyError`]; a live run of a peer that fails is a part of the verdict, not an error.
 pub fn qualify(extent: &Extent, settings: &Settings<'_>) -> Result<Qualification, QualifyError> {
     let clock = Instant::now();
-    let peers: [Box<dyn Code>; 2] = [Box::new(Yade::default()), Box::new(Liggghts::default())];
-    let further: [Box<dyn Code>; 1] = [Box::new(Lammps::default())];
+    let peers = codes_of(&CodeName::REFEREES);
+    let further = codes_of(&CodeName::FURTHER_REFEREES);
     if settings.live
         && let Some(missing) = peers.iter().find(|code| code.version().is_none())
     {

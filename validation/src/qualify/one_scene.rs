@@ -2,7 +2,7 @@
 
 use super::same_runs::without_same_runs;
 use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison, noticed};
-use crate::peers::{Code, CodeError, Lammps, Liggghts, Makadam, Purpose, Yade};
+use crate::peers::{Code, CodeError, CodeName, Purpose, codes_of};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::Qualification;
@@ -37,14 +37,13 @@ pub struct OneScene<'a> {
 /// # Errors
 /// [`ReferenceError`] if recorded numbers cannot be read.
 pub fn usual_codes(scene_file: &Path, live: bool) -> Result<Vec<Box<dyn Code>>, ReferenceError> {
-    let mut codes: Vec<Box<dyn Code>> =
-        vec![Box::new(Makadam), Box::new(Yade::default()), Box::new(Liggghts::default())];
-    let third = Lammps::default();
-    let is_recorded = |reference: Reference| reference.of(third.name()).next().is_some();
-    if !live && Reference::of_scene(scene_file)?.is_some_and(is_recorded) {
-        codes.push(Box::new(third));
+    let mut names = vec![CodeName::Makadam];
+    names.extend(CodeName::REFEREES);
+    if !live && let Some(reference) = Reference::of_scene(scene_file)? {
+        let is_recorded = |name: &CodeName| reference.of(name.code().name()).next().is_some();
+        names.extend(CodeName::FURTHER_REFEREES.into_iter().filter(is_recorded));
     }
-    Ok(codes)
+    Ok(codes_of(&names))
 }
 
 /// A comparison of one scene with its verdict.

@@ -82,10 +82,12 @@ fn lines<T: DeserializeOwned>(table: &str) -> Vec<T> {
 mod tests {
     use super::*;
     use crate::compare::Reference;
+    use crate::peers::{CodeName, codes_of};
     use crate::problem::RECORDED;
     use crate::qualify::tier::{Study, TIERS};
     use crate::scenes::find;
     use crate::stability::{KNOWN_EXCEPTIONS, catalogue};
+    use clap::ValueEnum;
 
     #[test]
     fn the_record_names_each_test_once_a_tier() {
@@ -105,7 +107,7 @@ mod tests {
         let mut now = String::from("scene,code,fingerprint\n");
         for scene in Tier::Release.extent().scenes {
             let reference = Reference::of_scene(&find(scene, &[]).unwrap()).unwrap().unwrap();
-            for code in ["YADE", "LIGGGHTS", "LAMMPS"] {
+            for code in codes_of(CodeName::value_variants()).iter().map(|code| code.name()) {
                 let recorded = reference.code(code).map(|runs| format!("{scene},{code},{}\n", runs.fingerprint()));
                 now += &recorded.unwrap_or_default();
             }

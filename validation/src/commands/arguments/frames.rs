@@ -1,7 +1,8 @@
 //! Arguments of the commands that take frames of any code.
 
 use super::shared::{CodeRunArguments, SourceArguments};
-use super::values::{CodeName, seconds};
+use super::values::seconds;
+use crate::peers::CodeName;
 use crate::scenes::Change;
 use clap::Args;
 use std::path::PathBuf;

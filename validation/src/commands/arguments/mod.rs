@@ -24,7 +24,7 @@ pub use studies::{
     ConvergenceArguments, EffectsArguments, LawsArguments, RooflineArguments, ScalingArguments, StabilityArguments,
     TradeoffArguments,
 };
-pub use values::{BoundArgument, CodeName};
+pub use values::BoundArgument;
 
 use clap::{Parser, Subcommand};
 

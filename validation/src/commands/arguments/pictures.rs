@@ -1,6 +1,7 @@
 //! Arguments of the commands that show what a run has left.
 
-use super::values::{CodeName, positive, rayleigh_fraction};
+use super::values::{positive, rayleigh_fraction};
+use crate::peers::CodeName;
 use crate::pictures::{Cut, Style, View};
 use crate::scenes::Change;
 use clap::{Args, ValueEnum};

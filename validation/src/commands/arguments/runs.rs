@@ -1,7 +1,8 @@
 //! Arguments of the commands that run scenes and judge them.
 
 use super::shared::{CodeRunArguments, OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
-use super::values::{CodeName, InstructionSetName, PrecisionName, SchedulerName, accuracy, seconds, time_limit};
+use super::values::{InstructionSetName, PrecisionName, SchedulerName, accuracy, seconds, time_limit};
+use crate::peers::CodeName;
 use clap::{Args, ValueEnum};
 use makadam::scene::Accuracy;
 use std::path::PathBuf;

@@ -1,7 +1,8 @@
 //! Arguments of the commands that study the solver.
 
 use super::shared::{OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
-use super::values::{BoundArgument, CodeName, InstructionSetName, bound, method, positive, time_limit};
+use super::values::{BoundArgument, InstructionSetName, bound, method, positive, time_limit};
+use crate::peers::CodeName;
 use crate::scenes::Change;
 use clap::Args;
 

@@ -68,19 +68,6 @@ impl From<InstructionSetName> for InstructionSet {
     }
 }
 
-/// A code that can be compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum CodeName {
-    /// Makadam.
-    Makadam,
-    /// YADE.
-    Yade,
-    /// LIGGGHTS.
-    Liggghts,
-    /// LAMMPS; nothing is recorded of it.
-    Lammps,
-}
-
 /// A tolerated deviation of an observable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundArgument {
