@@ -102,6 +102,33 @@ fn an_output_is_refused_before_anything_runs_and_no_verdict_is_lost() {
     }
 }
 
+#[test]
+fn options_that_would_do_nothing_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = with_references(folder.path());
+    let refused = |more: &[&str], words: &str| {
+        let output = makadam(folder.path()).arg("compare").arg(&scene).args(more).output().unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && errors.contains(words), "{more:?}: {errors}");
+    };
+    refused(&["--rayleigh-fraction", "0.2"], "recorded numbers have their own: add --live or --record");
+    refused(&["--record", "--codes", "makadam"], "--record keeps what other codes measure");
+    refused(&["--record", "--output", "out"], "cannot be used with");
+    refused(&["--record", "--live"], "cannot be used with");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_path_may_be_no_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let scene = with_references(folder.path());
+    let output = std::ffi::OsStr::from_bytes(b"o\xffut");
+    let run = makadam(folder.path()).arg("compare").arg(&scene).arg("--output").arg(output).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    assert!(folder.path().join(output).join("report.json").is_file());
+}
+
 /// Records of another scene would agree or not by chance.
 #[test]
 fn records_of_the_scene_as_it_was_are_compared_with_nothing() {
@@ -183,7 +210,7 @@ fn the_default_of_codes_can_be_typed_as_it_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     let help = makadam(folder.path()).args(["compare", "--help"]).output().unwrap();
     let help = String::from_utf8(help.stdout).unwrap();
-    assert!(help.contains("if absent, makadam,yade,liggghts"), "{help}");
+    assert!(help.contains("--live makadam,yade,liggghts"), "{help}");
     assert!(
         help.contains("report.html, report.json, rows.csv, junit.xml and badge.svg")
             && !help.contains("comparison.json"),

@@ -199,6 +199,12 @@ fn scenes_are_written_for_other_codes() {
     }
     let (code, text, _) = outcome(folder.path(), &["export", "packing-100", "--for", "yade"]);
     assert!(code == 0 && text.contains("yade -j1 -n -x yade_driver.py"), "{code}: {text}");
+    // What somebody keeps there stays.
+    let deck = folder.path().join("deck/deck.in");
+    std::fs::write(&deck, "mine").unwrap();
+    let (code, _, errors) = outcome(folder.path(), &["export", "packing-100", "--for", "liggghts", "-o", "deck"]);
+    assert!(code == 2 && errors.contains("deck is not empty"), "{code}: {errors}");
+    assert_eq!(std::fs::read_to_string(deck).unwrap(), "mine");
     let (code, _, errors) = outcome(folder.path(), &["export", "packing-100", "--for", "makadam"]);
     assert!(code == 2 && errors.contains("name another code"), "{code}: {errors}");
     let (code, _, errors) = outcome(folder.path(), &["export", "packing-100"]);

@@ -4,6 +4,8 @@ use crate::support::makadam;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// A packing of a hundred grains, at the beginning of its fall.
 const SCENE: [&str; 9] = [
@@ -103,4 +105,44 @@ fn one_run_for_several_seeds_is_no_verdict() {
     assert_eq!(code, 1, "{text}{errors}");
     assert!(errors.contains("Faulty: seeds 1 and 2 are one and the same run"), "{errors}");
     assert!(text.contains("Faulty: seeds 1 and 3 are one and the same run"), "{text}");
+}
+
+/// What was cut short says so, and does not take the place of a report of what was not.
+#[test]
+fn an_interruption_is_told_and_leaves_an_earlier_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let judge = |fault: &str, output: &str| {
+        fs::write(folder.join("code.toml"), described(fault, OUT)).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_makadam"));
+        command.arg("judge").args(SCENE).args(["--code", "code.toml", "--against", "makadam", "--seeds", "2"]);
+        command.args(["--output", output]).env("XDG_CACHE_HOME", folder.join("cache")).current_dir(folder);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let interrupted = |output: &str| {
+        let _ = fs::remove_dir_all(folder.join("cache"));
+        let child = judge("slow", output);
+        let runs = folder.join("cache/makadam/runs");
+        let started = |entry: fs::DirEntry| {
+            entry.path().join("grains.csv").is_file() && entry.path().join("frames.csv").is_file()
+        };
+        let patience = Instant::now() + Duration::from_secs(60);
+        while !fs::read_dir(&runs).is_ok_and(|entries| entries.flatten().any(started)) {
+            assert!(Instant::now() < patience, "the code was not started");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+        let ended = child.wait_with_output().unwrap();
+        assert_eq!(ended.status.code(), Some(1));
+        String::from_utf8_lossy(&ended.stderr).into_owned()
+    };
+    assert!(judge("none", "out").wait_with_output().unwrap().status.success());
+    let page = |output: &str| fs::read_to_string(folder.join(output).join("report.html")).unwrap();
+    let whole = page("out");
+    let said = interrupted("out");
+    assert!(said.contains("interrupted; results so far: not stored, the earlier report stays in out"), "{said}");
+    assert_eq!(page("out"), whole);
+    let said = interrupted("new");
+    assert!(said.contains("interrupted; results so far: new/report.html"), "{said}");
+    assert!(page("new").contains("Faulty, seed 1: Faulty was interrupted"));
 }

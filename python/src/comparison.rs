@@ -69,7 +69,7 @@ pub fn compare<'py>(
     let limit = Duration::try_from_secs_f64(time_limit)
         .map_err(|error| exception(py, "JudgeError", &format!("time_limit {time_limit}: {error}")))?;
     let mut asked: Vec<Box<dyn Code + Send>> = Vec::new();
-    for code in asked_or_usual(py, codes, &scene, live)? {
+    for code in asked_or_usual(codes, &scene, live) {
         asked.push(code_of(py, &code)?);
     }
     let judged = beside(py, || {
@@ -96,12 +96,9 @@ pub fn compare<'py>(
 }
 
 /// The names that were asked for, or those of the codes in which a scene is compared where nobody says which.
-fn asked_or_usual(py: Python<'_>, asked: Option<Vec<String>>, scene: &Scene, live: bool) -> PyResult<Vec<String>> {
-    if let Some(asked) = asked {
-        return Ok(asked);
-    }
-    let codes = usual_codes(&scene.file, live).map_err(|error| exception(py, "JudgeError", &error.to_string()))?;
-    Ok(codes.iter().map(|code| code.name().to_string()).collect())
+fn asked_or_usual(asked: Option<Vec<String>>, scene: &Scene, live: bool) -> Vec<String> {
+    let usual = || usual_codes(&scene.plan, &scene.file, live);
+    asked.unwrap_or_else(|| usual().into_iter().map(|name| name.code().name().to_string()).collect())
 }
 
 /// Whether runs can be seeds of one ensemble on a scene; if not, why.
@@ -154,7 +151,7 @@ pub fn compare_runs<'py>(
     let mut notes = noticed(name, &harvests);
     let mut measured =
         vec![CodeRuns { provenance: "runs that the caller made".into(), ..CodeRuns::live(name, 1, harvests) }];
-    let codes = asked_or_usual(py, codes, &scene, false)?;
+    let codes = asked_or_usual(codes, &scene, false);
     for code in codes.iter().filter(|code| !code.eq_ignore_ascii_case("makadam")) {
         let code = code_of(py, code)?.name();
         let Some(recorded) = found.as_ref().and_then(|reference| reference.code_on(code, &scene.plan)) else {

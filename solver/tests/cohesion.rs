@@ -106,12 +106,16 @@ fn grains_within_the_range_meet_and_those_beyond_do_not() {
 #[test]
 fn the_work_of_adhesion_gives_the_pull_and_range_of_johnson_kendall_and_roberts() {
     let (work, radius, modulus) = (0.05, 0.002, 1e7);
-    let Pull { force, range } = Cohesion::SurfaceEnergy { work }.pull(radius, modulus);
+    let Pull { force, range } = Cohesion::SurfaceEnergy { work, range: None }.pull(radius, modulus);
     assert_relative_eq!(force, 1.5 * PI * work * radius, max_relative = 1e-14);
     // The equation of their equilibrium at the torn neck: delta = a^2/R - sqrt(2 pi w a/E*), smallest over a.
     let separation = |neck: f64| (2.0 * PI * work * neck / modulus).sqrt() - neck * neck / radius;
     let largest = (1..100_000).map(|step| separation(1e-9 * f64::from(step) * 10.0)).fold(0.0, f64::max);
     assert_relative_eq!(range, largest, max_relative = 1e-4);
+    // A range of its own changes no pull; none at all is touch.
+    let short = Cohesion::SurfaceEnergy { work, range: Some(0.0) }.pull(radius, modulus);
+    assert_eq!(short, Pull { force, range: 1e-6 * radius });
+    assert_eq!(Cohesion::SurfaceEnergy { work, range: Some(3e-6) }.pull(radius, modulus).range, 3e-6);
 }
 
 #[test]
@@ -140,7 +144,7 @@ fn energy_and_momentum_are_accounted_for() {
 #[test]
 fn a_cohesive_bed_has_the_same_bits_everywhere() {
     let mut scene = reference_scene("packing");
-    scene.material.values_mut().for_each(|one| one.cohesion = Some(Cohesion::SurfaceEnergy { work: 0.5 }));
+    scene.material.values_mut().for_each(|one| one.cohesion = Some(Cohesion::SurfaceEnergy { work: 0.5, range: None }));
     let without = hash_after(&reference_scene("packing"), 500, |_| ());
     assert_ne!(same_bits_everywhere(&scene, 500), without, "cohesion changes the result");
 }

@@ -63,9 +63,10 @@ fn the_ledger_closes_while_a_hertzian_packing_collapses() {
 
 #[test]
 fn the_ledger_closes_in_a_cohesive_heap() {
-    for cohesion in
-        [Cohesion::Constant { force: 4.0 * MASS * 9.81, range: 2e-4 }, Cohesion::SurfaceEnergy { work: 0.2 }]
-    {
+    for cohesion in [
+        Cohesion::Constant { force: 4.0 * MASS * 9.81, range: 2e-4 },
+        Cohesion::SurfaceEnergy { work: 0.2, range: None },
+    ] {
         for solver in [HERTZ, crate::common::CONVERGED_RIGID] {
             let setup = Setup { solver: solver.into(), body: bed(40), youngs_modulus: 1e6, ..Setup::default() };
             let mut scene = setup.scene();

@@ -15,6 +15,8 @@ def frame(at, rows, name="out"):
     leave(f"{name}_{round(at * 1000)}.csv", ["id", "x", "y", "z", "radius"], rows)
 
 
+if fault == "slow":
+    time.sleep(60)
 if fault == "same-run":
     same = random.Random(1)
     grains = [[row[0], *(same.uniform(0, 0.02) for _ in range(3)), row[4]] for row in grains]

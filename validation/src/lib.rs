@@ -1,4 +1,4 @@
-//! The judge of Makadam: the same scene in Makadam, YADE and LIGGGHTS, one measurement code, a verdict, a report.
+//! The judge of Makadam: the same scene in Makadam, YADE, LIGGGHTS and LAMMPS, one measurement code, a verdict, a report.
 //!
 //! ```text
 //! peers (Makadam, YADE, LIGGGHTS) ─> Recording ─> observables ─> statistics ─> compare ─> report

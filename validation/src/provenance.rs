@@ -188,7 +188,9 @@ pub fn scene_hash(scene: &Scene) -> u64 {
 
 /// The command line of this process, with the program's name in place of its path.
 pub fn command_line() -> String {
-    let arguments = std::env::args().skip(1).map(|argument| match argument.contains(char::is_whitespace) {
+    // A path may be no text.
+    let words = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    let arguments = words.map(|argument| match argument.contains(char::is_whitespace) {
         true => format!("'{argument}'"),
         false => argument,
     });

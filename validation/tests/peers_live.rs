@@ -396,7 +396,10 @@ fn a_grain_hangs_from_a_ceiling_up_to_its_pull_off_force() {
             + &grain([0.03, 0.011, 0.1 - RADIUS * 0.9999], [0.0; 3]);
         let mut scene = scene(GRAVITY, 0.1, 0.1, &body);
         let work = share * mass() * GRAVITY / (1.5 * std::f64::consts::PI * RADIUS);
-        scene.material.values_mut().for_each(|one| one.cohesion = Some(Cohesion::SurfaceEnergy { work }));
+        scene
+            .material
+            .values_mut()
+            .for_each(|one| one.cohesion = Some(Cohesion::SurfaceEnergy { work, range: Some(0.0) }));
         in_these(&[&Yade::default()], &scene, 0.1, |_, recording| {
             let height = recording.frames.last().unwrap().particles[0].position[2];
             assert_eq!(height > 0.1 - 1.1 * RADIUS, hangs, "pull {share} of the weight: height {height}");

@@ -5,8 +5,8 @@ use makadam_validation::plan::Scene;
 use makadam_validation::scenes;
 
 /// Reference scenes with the hash of what other codes are given of them, by which recorded results are known.
-const HASHES: [(&str, &str); 15] = [
-    ("cohesive-heap", "97bf81c8022fea88"),
+const HASHES: [(&str, &str); 17] = [
+    ("cohesive-heap", "cd83bba4ba6d56bb"),
     ("drum", "6b1ce0781e5c37d5"),
     ("drum-caps", "f370629e4d422826"),
     ("drum-rolling", "097b1b6c0377fe23"),
@@ -15,6 +15,8 @@ const HASHES: [(&str, &str); 15] = [
     ("heap-rolling", "fcf081bd58b7642d"),
     ("oedometer", "6ea3a3f15c6b76c9"),
     ("packing", "d4a0ed254a056927"),
+    ("packing-20k", "d080f6e7091d0491"),
+    ("packing-deep", "d6fb5b9ada57c35d"),
     ("packing-high-friction", "7dae9461a7456f11"),
     ("packing-high-friction-stiff", "ec4bc32c19063151"),
     ("packing-low-friction", "8653e7e5915dbbe7"),

@@ -11,7 +11,8 @@
 //! From a work of adhesion `w` (J/m2) pull and range follow those of Johnson, Kendall & Roberts (Proc. R. Soc. A 324, 1971): the
 //! pull-off force `3/2 pi w R*` and the separation at which a neck tears, `a0^2 / (2 6^(1/3) R*)` with
 //! `a0^3 = 9 pi w R*^2 / (2 E*)` (Chokshi, Tielens & Hollenbach, Astrophys. J. 407, 1993, where the work is 2 gamma). Unlike
-//! theirs this pull acts on approach as well.
+//! theirs this pull acts on approach as well. With a range of 0 it is the contact of Derjaguin, Muller & Toporov alone, whose pull-off
+//! force is `2 pi w R*` for their own work of adhesion, three quarters of this one.
 
 use super::catalogue::{Absent, Change, Coefficient, Combination, Effect, Trigger, change_coefficients};
 use serde::{Deserialize, Serialize};
@@ -81,14 +82,14 @@ fn force(cohesion: Cohesion) -> Option<f64> {
 fn range(cohesion: Cohesion) -> Option<f64> {
     match cohesion {
         Cohesion::Constant { range, .. } => Some(range),
-        Cohesion::SurfaceEnergy { .. } => None,
+        Cohesion::SurfaceEnergy { range, .. } => range,
     }
 }
 
 fn work(cohesion: Cohesion) -> Option<f64> {
     match cohesion {
         Cohesion::Constant { .. } => None,
-        Cohesion::SurfaceEnergy { work } => Some(work),
+        Cohesion::SurfaceEnergy { work, .. } => Some(work),
     }
 }
 
@@ -112,6 +113,9 @@ pub enum Cohesion {
     SurfaceEnergy {
         /// Work of adhesion, J/m2: what it takes to part a square metre of contact.
         work: f64,
+        /// Gap up to which the pull acts, m; if absent, that at which a neck tears. With 0 it ends where contact ends.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        range: Option<f64>,
     },
 }
 
@@ -129,12 +133,13 @@ impl Cohesion {
     pub fn pull(&self, effective_radius: f64, effective_modulus: f64) -> Pull {
         match *self {
             Cohesion::Constant { force, range } => Pull { force, range: range.max(TOUCH * effective_radius) },
-            Cohesion::SurfaceEnergy { work } => {
+            Cohesion::SurfaceEnergy { work, range } => {
                 let cube = 4.5 * std::f64::consts::PI * work * effective_radius * effective_radius / effective_modulus;
                 let neck = libm::cbrt(cube);
+                let tears = neck * neck / (2.0 * libm::cbrt(6.0) * effective_radius);
                 Pull {
                     force: 1.5 * std::f64::consts::PI * work * effective_radius,
-                    range: neck * neck / (2.0 * libm::cbrt(6.0) * effective_radius),
+                    range: range.map_or(tears, |range| range.max(TOUCH * effective_radius)),
                 }
             }
         }

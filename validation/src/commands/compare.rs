@@ -5,6 +5,7 @@ use super::record::record;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes_or_usual, json};
 use crate::compare::{CodeSummary, Comparison, Row};
 use crate::output::{JSON_VERSION, create_folder};
+use crate::peers::CodeError;
 use crate::plan::Scene;
 use crate::qualify::{Judged, OneScene};
 use crate::report::{self, Standing, Verdict};
@@ -38,15 +39,19 @@ pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result
 }
 
 fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
-    let CodeRunArguments { json, output, .. } = &arguments.runs;
+    let CodeRunArguments { json, output, live, rayleigh_fraction, .. } = &arguments.runs;
+    if rayleigh_fraction.is_some() && !live {
+        let problem = "--rayleigh-fraction is of runs, and recorded numbers have their own: add --live or --record";
+        return Err(Failure::Usage(problem.into()));
+    }
     let one_scene = OneScene {
         scene,
         scene_file: file,
-        codes: codes_or_usual(arguments.codes.as_deref(), file, arguments.runs.live)?,
+        codes: codes_or_usual(arguments.codes.as_deref(), scene, file, arguments.runs.live),
         judged: "Makadam",
         live: arguments.runs.live,
         seeds: arguments.runs.seeds,
-        rayleigh_fraction: arguments.runs.rayleigh_fraction,
+        rayleigh_fraction: arguments.runs.rayleigh_fraction(),
         time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
         announce: &announce(console),
     };
@@ -73,14 +78,24 @@ pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Conso
         true => json(&document(wanted.command, comparison, &verdict, &qualification.provenance)),
         false => format!("{}\n{}", report::comparison_table(comparison, console.colour()), verdict.sentence),
     };
+    let interrupted = matches!(failure, Some(CodeError::Interrupted { .. }));
+    // What was cut short does not replace a report of what was not.
+    let stays = wanted.output.filter(|folder| interrupted && report::is_in(folder));
     // Neither is lost if the other cannot be written.
     let told = console.result(&text);
-    let written = wanted.output.map(|folder| report::write(&qualification, folder)).transpose();
+    let output = wanted.output.filter(|_| stays.is_none());
+    let written = output.map(|folder| report::write(&qualification, folder)).transpose();
     told?;
-    if let Some(paths) = written?.filter(|_| !wanted.json) {
+    let written = written?;
+    if let Some(paths) = written.as_ref().filter(|_| !wanted.json) {
         console.result(&format!("report: {}", paths.html.display()))?;
     }
     match (failure, verdict.standing) {
+        (Some(_), _) if interrupted => Err(Failure::Interrupted(match (stays, written) {
+            (Some(folder), _) => format!("not stored, the earlier report stays in {}", folder.display()),
+            (None, Some(paths)) => format!("{}", paths.html.display()),
+            (None, None) => "not stored".into(),
+        })),
         (Some(failure), _) => Err(failure.into()),
         (None, Standing::Agree | Standing::NothingCompared) => Ok(ExitCode::SUCCESS),
         (None, Standing::Disagree | Standing::Undecided | Standing::NotMeasured) => {

@@ -30,6 +30,10 @@ fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) 
     let code = code.code();
     let name = format!("{}-{}", file_stem(&scene.name), code.name().to_lowercase());
     let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(name));
+    if std::fs::read_dir(&folder).is_ok_and(|mut entries| entries.next().is_some()) {
+        let problem = format!("{} is not empty; give another folder with --output, or empty it", folder.display());
+        return Err(Failure::Usage(problem));
+    }
     let job = Job {
         scene: &scene,
         scene_file: &file,

@@ -15,7 +15,7 @@ pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<Exi
     let (file, scene) = arguments.source.load()?;
     let judged = external.name();
     let mut all: Vec<Box<dyn Code>> = vec![Box::new(external)];
-    all.extend(codes_or_usual(arguments.against.as_deref(), &file, arguments.runs.live)?);
+    all.extend(codes_or_usual(arguments.against.as_deref(), &scene, &file, arguments.runs.live));
     let one_scene = OneScene {
         scene: &scene,
         scene_file: &file,
@@ -23,7 +23,7 @@ pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<Exi
         judged,
         live: arguments.runs.live,
         seeds: arguments.runs.seeds,
-        rayleigh_fraction: arguments.runs.rayleigh_fraction,
+        rayleigh_fraction: arguments.runs.rayleigh_fraction(),
         time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
         announce: &announce(console),
     };

@@ -39,7 +39,7 @@ use crate::output::cache_folder;
 use crate::peers::{Code, CodeName, codes_of};
 use crate::plan::Scene;
 use crate::prepared::{Start, is_ready, start};
-use crate::qualify::{JudgeError, usual_codes};
+use crate::qualify::usual_codes;
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::Document;
@@ -233,11 +233,8 @@ fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
 }
 
 /// The codes that are asked for, or those in which a scene is compared where nobody says which.
-fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Result<Vec<Box<dyn Code>>, Failure> {
-    match names {
-        Some(names) => Ok(codes_of(names)),
-        None => Ok(usual_codes(scene_file, live).map_err(JudgeError::from)?),
-    }
+fn codes_or_usual(names: Option<&[CodeName]>, scene: &Scene, scene_file: &Path, live: bool) -> Vec<Box<dyn Code>> {
+    names.map_or_else(|| codes_of(&usual_codes(scene, scene_file, live)), codes_of)
 }
 
 /// Opens progress bars on the console.

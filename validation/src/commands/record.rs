@@ -1,10 +1,10 @@
 //! `makadam compare --record`: what is missing in a scene's recorded references is measured or run, and taken in.
 
 use super::arguments::CompareArguments;
-use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record};
+use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, can_record, codes_or_usual};
 use crate::compare::Recorder;
 use crate::output::cache_folder;
-use crate::peers::{Code, CodeName, codes_of};
+use crate::peers::Code;
 use crate::plan::Scene;
 use std::path::Path;
 use std::process::ExitCode;
@@ -17,8 +17,14 @@ pub(super) fn record(
     file: &Path,
     console: &Console,
 ) -> Result<ExitCode, Failure> {
-    let asked = arguments.codes.as_deref().unwrap_or(&CodeName::REFEREES);
-    let peers = codes_of(asked).into_iter().filter(|code| code.name() != "Makadam").collect();
+    // What was recorded once is recorded again, so that no code is lost.
+    let codes = codes_or_usual(arguments.codes.as_deref(), scene, file, false);
+    let peers: Vec<Box<dyn Code>> = codes.into_iter().filter(|code| code.name() != "Makadam").collect();
+    if peers.is_empty() {
+        let problem =
+            "--record keeps what other codes measure, and Makadam is run anew each time: name others with --codes";
+        return Err(Failure::Usage(problem.into()));
+    }
     record_codes(peers, arguments, scene, file, console)
 }
 
@@ -35,7 +41,7 @@ fn record_codes(
         scene,
         scene_file: file,
         seeds: arguments.runs.seeds,
-        rayleigh_fraction: arguments.runs.rayleigh_fraction,
+        rayleigh_fraction: arguments.runs.rayleigh_fraction(),
         time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
         again: arguments.again,
         recordings: match &arguments.recordings {

@@ -385,6 +385,26 @@ fn frames_of_one_time_are_one_only_where_they_are_the_same() {
     assert!(error.contains("b.csv: line 2: it has a frame at 0.5 s, as a.csv has (line 2)"), "{error}");
 }
 
+/// A code that is started twice tells the frame in between twice.
+#[test]
+fn contacts_of_one_time_in_one_file_are_one_only_where_they_are_the_same() {
+    let (scene, _) = packing();
+    let grains =
+        [("a.csv", marked(3).replace("id,", "time,id,").replace("\n1,", "\n0.5,1,").replace("\n2,", "\n0.5,2,"))];
+    let frame = |force: f64| {
+        format!(
+            "ITEM: TIME\n0.5\nITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ENTRIES first second fx fy fz\n1 2 0 0 {force}\n"
+        )
+    };
+    let given = |second: f64| {
+        let contacts = [("pairs.dump", frame(-1.0) + &frame(second))];
+        assembled(&scene, &tables(&grains, &contacts).unwrap())
+    };
+    assert_eq!(given(-1.0).unwrap().recording.frames[0].contacts.len(), 1);
+    let error = given(-2.0).unwrap_err().to_string();
+    assert!(error.contains("pairs.dump: line 24: it has two frames of contacts at 0.5 s"), "{error}");
+}
+
 #[test]
 fn missing_grains_are_told() {
     let (scene, _) = packing();

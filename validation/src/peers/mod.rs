@@ -112,7 +112,7 @@ pub enum CodeError {
         code: &'static str,
     },
     /// It cannot express the scene.
-    #[error("{code} cannot express this scene: {reason}; leave it out with --codes")]
+    #[error("{code} cannot express this scene: {reason}; change the scene, or leave this code out")]
     Unsupported {
         /// The code.
         code: &'static str,
@@ -206,13 +206,21 @@ pub enum CodeError {
     #[error(transparent)]
     State(#[from] ::makadam::checkpoint::CheckpointError),
     /// The system refused.
-    #[error("{path}: {source}; check that the path is writable and the disk has room")]
+    #[error("{path}: {source}; {}", remedy(source))]
     Io {
         /// What was being written or read.
         path: String,
         /// What the system said.
         source: std::io::Error,
     },
+}
+
+/// What to do about a file that the system refused.
+fn remedy(source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        std::io::ErrorKind::NotFound => "nothing has written it: see the logs beside it",
+        _ => "check that the path is writable and the disk has room",
+    }
 }
 
 /// Writes files into a folder, which is made.

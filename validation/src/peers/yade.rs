@@ -253,13 +253,14 @@ fn version_in(words: &str) -> Option<&str> {
 }
 
 /// Cohesion in YADE's terms: a pull of `4 pi gamma R*` while two touch (Derjaguin, Muller & Toporov), which is the pull-off force
-/// `3/2 pi w R*` for `gamma = 3 w / 8`, one number for all contacts. The range, a thousandth of a radius or so, is lost.
+/// `3/2 pi w R*` for `gamma = 3 w / 8`, one number for all contacts, without a range.
 fn surface_energy(palette: &Palette<'_>) -> Result<Option<f64>, String> {
     let mut all = palette.pairs().map(|(_, _, pair)| pair.cohesion);
     match all.next().flatten() {
         first if !all.all(|other| other == first) => Err("it has one surface energy for all contacts".into()),
         None => Ok(None),
-        Some(Cohesion::SurfaceEnergy { work }) => Ok(Some(0.375 * work)),
+        Some(Cohesion::SurfaceEnergy { work, range: Some(0.0) }) => Ok(Some(0.375 * work)),
+        Some(Cohesion::SurfaceEnergy { .. }) => Err("its pull ends where contact ends: give cohesion range = 0".into()),
         Some(Cohesion::Constant { .. }) => Err("its pull goes with the radius: give cohesion as surface-energy".into()),
     }
 }

@@ -231,7 +231,7 @@ fn notes(
     if !settings.live {
         notes.push(
             "The other codes were not run: their numbers are the recorded references, and no speeds are compared. \
-             With YADE and LIGGGHTS installed (scripts/install-peers), --live runs these two."
+             With YADE and LIGGGHTS installed (scripts/install-peers), --live runs these two; LAMMPS counts as recorded."
                 .into(),
         );
     }

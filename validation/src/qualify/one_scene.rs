@@ -1,11 +1,15 @@
 //! One scene in several codes, judged.
 
+use super::record::on_record;
 use super::same_runs::without_same_runs;
-use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison, noticed};
-use crate::peers::{Code, CodeError, CodeName, Purpose, codes_of};
+use super::tier::Tier;
+use crate::compare::{
+    Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison, noticed, physics_hash,
+};
+use crate::peers::{Code, CodeError, CodeName, Purpose};
 use crate::plan::Scene;
 use crate::provenance::account;
-use crate::report::Qualification;
+use crate::report::{Qualification, TestOnRecord};
 use rayon::prelude::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -32,18 +36,26 @@ pub struct OneScene<'a> {
     pub announce: Announce<'a>,
 }
 
-/// The codes in which a scene is compared where nobody says which: Makadam, YADE and LIGGGHTS, and of recorded codes LAMMPS too.
-///
-/// # Errors
-/// [`ReferenceError`] if recorded numbers cannot be read.
-pub fn usual_codes(scene_file: &Path, live: bool) -> Result<Vec<Box<dyn Code>>, ReferenceError> {
-    let mut names = vec![CodeName::Makadam];
-    names.extend(CodeName::REFEREES);
-    if !live && let Some(reference) = Reference::of_scene(scene_file)? {
-        let is_recorded = |name: &CodeName| reference.of(name.code().name()).next().is_some();
-        names.extend(CodeName::FURTHER_REFEREES.into_iter().filter(is_recorded));
+/// The codes in which a scene is compared where nobody says which: Makadam, and live its referees; else all codes that have left a table
+/// beside the scene, whatever became of it, or are on record for it. Where there are none, the referees, so that their lack is told.
+pub fn usual_codes(scene: &Scene, scene_file: &Path, live: bool) -> Vec<CodeName> {
+    let hash = physics_hash(scene);
+    let on_record = on_record(Tier::Release);
+    let is_on_record = |code: &str| {
+        let is_this = |test: &TestOnRecord| test.scene == scene.name && test.scene_hash.as_ref() == Some(&hash);
+        on_record.iter().any(|test| test.reference_code == code && is_this(test))
+    };
+    let all = CodeName::REFEREES.into_iter().chain(CodeName::FURTHER_REFEREES);
+    let mut others: Vec<CodeName> = all
+        .filter(|name| {
+            let code = name.code();
+            !live && (Reference::is_left(scene_file, code.name()) || is_on_record(code.name()))
+        })
+        .collect();
+    if others.is_empty() {
+        others.extend(CodeName::REFEREES);
     }
-    Ok(codes_of(&names))
+    std::iter::once(CodeName::Makadam).chain(others).collect()
 }
 
 /// A comparison of one scene with its verdict.
@@ -69,7 +81,7 @@ pub enum JudgeError {
     /// Nothing is recorded of a code.
     #[error(
         "nothing is recorded of {code} on the scene {scene}; run it with --live (scripts/install-peers installs it), or leave it \
-         out with --codes"
+         out (name the others with --codes, in judge with --against)"
     )]
     NotRecorded {
         /// The code.
@@ -120,6 +132,7 @@ impl OneScene<'_> {
         }
         if !recorded.is_empty() {
             notes.extend(Reference::unvouched(self.scene_file, scene));
+            notes.extend(unrecorded(reference.as_ref(), scene));
         }
         let simulated: Vec<_> = live.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
         let side_by_side = rayon::current_num_threads().min(live.len() * runs.seeds.len());
@@ -129,9 +142,7 @@ impl OneScene<'_> {
             let mut failed = Vec::new();
             for (seed, error) in simulated.failures {
                 failed.push(seed);
-                if !matches!(error, CodeError::Interrupted { .. }) {
-                    notes.push(format!("{code}, seed {seed}: {error}"));
-                }
+                notes.push(format!("{code}, seed {seed}: {error}"));
                 failure = failure.or(Some(error));
             }
             notes.extend(noticed(code, &simulated.harvests));
@@ -142,7 +153,11 @@ impl OneScene<'_> {
         }
         measured.extend(recorded);
         let qualification = Qualification {
-            title: format!("Comparison of codes on the scene {}", scene.name),
+            // Reports of one title are held against each other, so that of a code of somebody's own names it.
+            title: match self.judged {
+                "Makadam" => format!("Comparison of codes on the scene {}", scene.name),
+                own => format!("{own} on the scene {}", scene.name),
+            },
             tier: "compare".into(),
             comparisons: vec![Comparison { judged: self.judged.into(), ..comparison(scene, &measured, notes) }],
             wall_seconds: clock.elapsed().as_secs_f64(),
@@ -160,6 +175,13 @@ impl OneScene<'_> {
     }
 }
 
+/// Which referees have no numbers on a scene that has those of others.
+fn unrecorded(reference: Option<&Reference>, scene: &Scene) -> Option<String> {
+    let lacks = |code: &&str| reference.is_none_or(|reference| reference.of(code).next().is_none());
+    let lacking: Vec<&str> = CodeName::REFEREES.iter().map(|name| name.code().name()).filter(lacks).collect();
+    (!lacking.is_empty()).then(|| format!("nothing is recorded of {} on {}", lacking.join(" and "), scene.name))
+}
+
 /// What is recorded of a code, or an error that says how to get it.
 fn from_reference(
     code: &dyn Code,
@@ -174,4 +196,44 @@ fn from_reference(
     notes.push(format!("{code} was not run: its numbers are the recorded references ({})", runs.provenance));
     notes.extend(reference.into_iter().flat_map(|reference| reference.out_of_date(code, contact_law, scene)));
     Ok(runs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::{find, load};
+
+    #[test]
+    fn codes_are_those_that_are_recorded_or_on_record() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("scene.toml");
+        let [mut scene, packed] = ["packing-100", "packing"].map(|name| load(&find(name, &[]).unwrap()).unwrap());
+        let usual = |scene: &Scene, live: bool| {
+            let names = usual_codes(scene, &file, live);
+            names.iter().map(|name| name.code().name()).collect::<Vec<_>>().join(" ")
+        };
+        // Nothing is recorded: the lack of both referees will be told.
+        assert_eq!(usual(&scene, false), "Makadam YADE LIGGGHTS");
+        let reference = folder.path().join("reference");
+        std::fs::create_dir(&reference).unwrap();
+        std::fs::write(reference.join("runs.csv"), "code,version\nLIGGGHTS,3.8\n").unwrap();
+        assert_eq!(usual(&scene, false), "Makadam LIGGGHTS");
+        // Whatever became of its lines.
+        std::fs::write(reference.join("final-state-lammps.csv"), "").unwrap();
+        assert_eq!(usual(&scene, false), "Makadam LIGGGHTS LAMMPS");
+        assert_eq!(usual(&scene, true), "Makadam YADE LIGGGHTS");
+        // A scene of the tiers is compared with all that is on record of it, whatever lies beside it; another scene of its name is not.
+        assert_eq!(usual(&packed, false), "Makadam YADE LIGGGHTS LAMMPS");
+        scene.name = "packing".into();
+        assert_eq!(usual(&scene, false), "Makadam LIGGGHTS LAMMPS");
+    }
+
+    #[test]
+    fn referees_without_numbers_are_named() {
+        let scene = load(&find("packing-100", &[]).unwrap()).unwrap();
+        let note = unrecorded(None, &scene).unwrap();
+        assert_eq!(note, "nothing is recorded of YADE and LIGGGHTS on packing-100");
+        let recorded = Reference::of_scene(&find("packing", &[]).unwrap()).unwrap();
+        assert_eq!(unrecorded(recorded.as_ref(), &scene), None);
+    }
 }

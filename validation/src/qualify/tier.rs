@@ -140,7 +140,7 @@ const ALL_ABLATIONS: [Ablated; 8] = [
             "wall motion",
             "cohesion",
         ],
-        unmeasurable: &["Coulomb friction", "wall motion"],
+        unmeasurable: &["Coulomb friction", "wall motion", "cohesion"],
     },
 ];
 

@@ -37,7 +37,7 @@ mod write;
 
 pub use against::Changes;
 pub use on_record::{Lost, TestOnRecord};
-pub use place::may_hold_comparison;
+pub use place::{is_in, may_hold_comparison};
 pub use qualification::{Qualification, Standing, Verdict};
 pub use schema::schema;
 pub use speed::speed_sentence;

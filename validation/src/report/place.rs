@@ -56,6 +56,11 @@ pub fn may_hold_comparison(folder: &Path) -> Result<(), String> {
     }
 }
 
+/// Whether a folder holds a report.
+pub fn is_in(folder: &Path) -> bool {
+    tier(&folder.join(NAMES[0])).is_some()
+}
+
 /// The tier of a report; none of what is no report.
 fn tier(file: &Path) -> Option<String> {
     let head: Head = serde_json::from_slice(&regular(file)?).ok()?;

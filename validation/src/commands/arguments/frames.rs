@@ -54,8 +54,8 @@ pub struct JudgeArguments {
     /// TOML file that describes the code: name, version, command, and where it leaves its frames.
     #[arg(long, value_name = "FILE")]
     pub code: PathBuf,
-    /// Codes that it is held against, separated by commas; if absent, makadam,yade,liggghts, and lammps where recorded
-    /// numbers of it are read.
+    /// Codes that it is held against, separated by commas; if absent, makadam and those that are recorded on the scene, or with
+    /// --live makadam,yade,liggghts.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub against: Option<Vec<CodeName>>,
     /// How the codes are run, and what is told.

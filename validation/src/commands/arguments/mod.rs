@@ -31,7 +31,7 @@ use clap::{Parser, Subcommand};
 const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 3 invalid scene, problem or frame file, \
     4 outside tolerance, undecided or not measured, 5 a reference code is missing.";
 
-/// Simulates grains in contact by non-smooth contact dynamics, measures and shows what comes out, and judges it against YADE and LIGGGHTS.
+/// Simulates grains in contact by non-smooth contact dynamics, measures and shows what comes out, and judges it against YADE, LIGGGHTS and LAMMPS.
 #[derive(Debug, Parser)]
 #[command(name = "makadam", version, after_help = EXIT_CODES)]
 pub struct Arguments {
@@ -65,7 +65,7 @@ pub enum Command {
     Sweep(SweepArguments),
     /// Measure frames that any code has left, as Makadam's own are measured: dumps, VTK, CSV, VTKHDF.
     Measure(MeasureArguments),
-    /// Compare Makadam with YADE and LIGGGHTS on one scene.
+    /// Compare Makadam with YADE, LIGGGHTS and LAMMPS on one scene.
     Compare(CompareArguments),
     /// Judge a code of your own on one scene, as Makadam and its peers are judged.
     Judge(JudgeArguments),

@@ -63,13 +63,13 @@ pub struct CompareArguments {
     /// The scene.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Codes to compare, separated by commas; if absent, makadam,yade,liggghts, and lammps where recorded
-    /// numbers of it are read.
+    /// Codes to compare, separated by commas; if absent, makadam and those that are recorded on the scene, or with --live
+    /// makadam,yade,liggghts.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub codes: Option<Vec<CodeName>>,
     /// Record results of the other codes as the scene's references. Only seeds not yet recorded for the same scene, version and
     /// time step are measured from raw recordings or run.
-    #[arg(long, conflicts_with = "json")]
+    #[arg(long, conflicts_with_all = ["json", "output", "live"])]
     pub record: bool,
     /// Measure or run all seeds again and replace the recorded ones; only with --record.
     #[arg(long, requires = "record")]

@@ -104,9 +104,9 @@ pub struct CodeRunArguments {
     /// Run the other codes now instead of reading recorded numbers.
     #[arg(long)]
     pub live: bool,
-    /// Time step of explicit codes, as a fraction of the Rayleigh step.
-    #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction)]
-    pub rayleigh_fraction: f64,
+    /// Time step of explicit codes, as a fraction of the Rayleigh step; 0.1 if absent.
+    #[arg(long, value_parser = rayleigh_fraction)]
+    pub rayleigh_fraction: Option<f64>,
     /// Wall time after which a run of another code is stopped, s.
     #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
     pub time_limit: f64,
@@ -119,4 +119,11 @@ pub struct CodeRunArguments {
     /// Print the comparison as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+impl CodeRunArguments {
+    /// Time step of explicit codes over the Rayleigh step.
+    pub fn rayleigh_fraction(&self) -> f64 {
+        self.rayleigh_fraction.unwrap_or(0.1)
+    }
 }

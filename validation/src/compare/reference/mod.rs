@@ -1,4 +1,4 @@
-//! Recorded references: what YADE and LIGGGHTS measured once on a scene, kept as CSV beside it.
+//! Recorded references: what other codes measured once on a scene, kept as CSV beside it.
 //!
 //! | file | holds |
 //! | --- | --- |
@@ -23,6 +23,7 @@ pub use read::ReferenceError;
 use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing};
 use crate::observables::{ForceDistribution, Series};
 use crate::plan::Scene;
+use crate::scenes;
 use makadam::checkpoint::checksum;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -47,6 +48,16 @@ impl Reference {
             Some("scene") | None => scene_file.with_file_name("reference"),
             Some(stem) => scene_file.with_file_name(format!("{stem}-reference")),
         }
+    }
+
+    /// Whether a code has left something beside a scene, on a disk or in the program, whatever became of its numbers: a line in the list of
+    /// runs, or a final state.
+    pub fn is_left(scene_file: &Path, code: &str) -> bool {
+        let folder = Reference::folder(&scenes::origin(scene_file));
+        let runs = scenes::read(&folder.join("runs.csv")).unwrap_or_default();
+        let is_of_code = |line: &str| line.split(',').next() == Some(code);
+        String::from_utf8_lossy(&runs).lines().any(is_of_code)
+            || scenes::read(&folder.join(final_state_file(code))).is_ok()
     }
 
     /// Codes that have runs.
