@@ -1,6 +1,7 @@
 //! Bad input: the exit code, a message that names file, line and remedy, and what was computed so far kept readable.
 
 use crate::support::changed::changed;
+use crate::support::child::{signal, wait_for};
 use crate::support::lines::line_of;
 use crate::support::makadam;
 use crate::support::small_scene::smoke;
@@ -207,12 +208,8 @@ fn an_interrupted_run_stays_readable() {
         .spawn()
         .unwrap();
     let second_frame = folder.path().join("out/frames/contacts-00001.vtp");
-    while !second_frame.exists() {
-        assert!(child.try_wait().unwrap().is_none(), "the run ended by itself");
-        std::thread::sleep(std::time::Duration::from_millis(10));
-    }
-    let interrupted = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
-    assert!(interrupted.success());
+    wait_for(&mut child, "a second frame", || second_frame.exists());
+    signal(&child, "-TERM");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("interrupted"));
@@ -249,8 +246,7 @@ fn the_first_signal_ends_a_command_that_waits_for_a_scene() {
             assert!(std::time::Instant::now() < patience, "{words:?}: it does not listen");
             pause();
         }
-        let terminated = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
-        assert!(terminated.success());
+        signal(&child, "-TERM");
         // Its standard input stays open all the time.
         let ended = loop {
             match child.try_wait().unwrap() {

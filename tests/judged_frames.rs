@@ -1,11 +1,11 @@
 //! What `judge` takes of a code: the frames that were asked for, of this run, whole.
 
+use crate::support::child::{signal, wait_for};
 use crate::support::makadam;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
 /// A packing of a hundred grains, at the beginning of its fall.
 const SCENE: [&str; 9] = [
@@ -121,17 +121,14 @@ fn an_interruption_is_told_and_leaves_an_earlier_report() {
     };
     let interrupted = |output: &str| {
         let _ = fs::remove_dir_all(folder.join("cache"));
-        let child = judge("slow", output);
+        let mut child = judge("slow", output);
         let runs = folder.join("cache/makadam/runs");
         let started = |entry: fs::DirEntry| {
             entry.path().join("grains.csv").is_file() && entry.path().join("frames.csv").is_file()
         };
-        let patience = Instant::now() + Duration::from_secs(60);
-        while !fs::read_dir(&runs).is_ok_and(|entries| entries.flatten().any(started)) {
-            assert!(Instant::now() < patience, "the code was not started");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+        let is_started = || fs::read_dir(&runs).is_ok_and(|entries| entries.flatten().any(started));
+        wait_for(&mut child, "a code that was started", is_started);
+        signal(&child, "-TERM");
         let ended = child.wait_with_output().unwrap();
         assert_eq!(ended.status.code(), Some(1));
         String::from_utf8_lossy(&ended.stderr).into_owned()

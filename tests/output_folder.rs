@@ -1,13 +1,13 @@
 //! `makadam run` and its output folder: what an earlier run has left, two runs at once, a stop at the wrong moment, and how much is
 //! written.
 
+use crate::support::child::{signal, wait_for};
 use crate::support::makadam;
 use crate::support::tiny_scene::tiny;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
 /// Steps of the tiny scene from one frame to the next.
 const STEPS_A_FRAME: u64 = 4;
@@ -34,19 +34,6 @@ fn said(output: &Output, code: i32, words: &[&str]) -> String {
     assert_eq!(output.status.code(), Some(code), "{message}");
     assert!(words.iter().all(|word| message.contains(word)), "{message}");
     message
-}
-
-fn wait_for(child: &mut Child, what: &str, there: impl Fn() -> bool) {
-    let patience = Instant::now() + Duration::from_secs(120);
-    while !there() {
-        assert!(child.try_wait().unwrap().is_none(), "the run ended before there was {what}");
-        assert!(Instant::now() < patience, "no {what}");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-}
-
-fn signal(child: &Child, name: &str) {
-    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
 }
 
 /// Stops a child, and waits until it stands still: a signal is on its way for a while.

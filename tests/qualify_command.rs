@@ -1,6 +1,7 @@
 //! `makadam qualify`: every finished run is kept in the folder of the report, whatever ends the command, and none is made twice; each part
 //! of a tier counts.
 
+use crate::support::child::wait_for;
 use crate::support::invented::record;
 use crate::support::makadam;
 use crate::support::small_scene::{compared_once, smoke};
@@ -10,7 +11,7 @@ use makadam_validation::report::{Qualification, Standing, StudyOutcome, read};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 
 /// Scenes of the quick tier.
 const SCENES: [&str; 4] = ["packing", "drum", "drum-caps", "heap"];
@@ -64,12 +65,7 @@ fn kept(folder: &Path) -> BTreeMap<PathBuf, SystemTime> {
 }
 
 fn wait_for_runs(child: &mut Child, folder: &Path, count: usize) {
-    let patience = Instant::now() + Duration::from_secs(120);
-    while kept(folder).len() < count {
-        assert!(child.try_wait().unwrap().is_none(), "it ended with {} runs", kept(folder).len());
-        assert!(Instant::now() < patience);
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    wait_for(child, &format!("{count} runs"), || kept(folder).len() >= count);
 }
 
 fn rows(qualification: &Qualification) -> Vec<&Row> {

@@ -6,7 +6,7 @@ use crate::judge::{Recording, code_error, code_of};
 use crate::scene::Scene;
 use crate::stepping::beside;
 use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison, noticed, physics_hash};
-use makadam_validation::peers::Code;
+use makadam_validation::peers::{Code, CodeName};
 use makadam_validation::provenance::utc;
 use makadam_validation::qualify::{OneScene, usual_codes};
 use makadam_validation::report::Qualification;
@@ -68,12 +68,9 @@ pub fn compare<'py>(
     let scene = Scene::of(scene)?;
     let limit = Duration::try_from_secs_f64(time_limit)
         .map_err(|error| exception(py, "JudgeError", &format!("time_limit {time_limit}: {error}")))?;
-    let mut asked: Vec<Box<dyn Code + Send>> = Vec::new();
-    for code in asked_or_usual(codes, &scene, live) {
-        asked.push(code_of(py, &code)?);
-    }
+    let asked = asked_or_usual(py, codes, &scene, live)?;
     let judged = beside(py, || {
-        let codes = asked.into_iter().map(|code| code as Box<dyn Code>).collect();
+        let codes = asked.into_iter().map(|name| -> Box<dyn Code> { name.code() }).collect();
         OneScene {
             scene: &scene.plan,
             scene_file: &scene.file,
@@ -95,10 +92,12 @@ pub fn compare<'py>(
     }
 }
 
-/// The names that were asked for, or those of the codes in which a scene is compared where nobody says which.
-fn asked_or_usual(asked: Option<Vec<String>>, scene: &Scene, live: bool) -> Vec<String> {
-    let usual = || usual_codes(&scene.plan, &scene.file, live);
-    asked.unwrap_or_else(|| usual().into_iter().map(|name| name.code().name().to_string()).collect())
+/// The codes that were asked for, or those in which a scene is compared where nobody says which.
+fn asked_or_usual(py: Python<'_>, asked: Option<Vec<String>>, scene: &Scene, live: bool) -> PyResult<Vec<CodeName>> {
+    match asked {
+        Some(asked) => asked.iter().map(|name| code_of(py, name)).collect(),
+        None => Ok(usual_codes(&scene.plan, &scene.file, live)),
+    }
 }
 
 /// Whether runs can be seeds of one ensemble on a scene; if not, why.
@@ -151,9 +150,9 @@ pub fn compare_runs<'py>(
     let mut notes = noticed(name, &harvests);
     let mut measured =
         vec![CodeRuns { provenance: "runs that the caller made".into(), ..CodeRuns::live(name, 1, harvests) }];
-    let codes = asked_or_usual(codes, &scene, false);
-    for code in codes.iter().filter(|code| !code.eq_ignore_ascii_case("makadam")) {
-        let code = code_of(py, code)?.name();
+    let codes = asked_or_usual(py, codes, &scene, false)?;
+    for code in codes.into_iter().filter(|code| *code != CodeName::Makadam) {
+        let code = code.code().name();
         let Some(recorded) = found.as_ref().and_then(|reference| reference.code_on(code, &scene.plan)) else {
             let message = format!("nothing is recorded of {code} on the scene {}; leave it out", scene.plan.name);
             return Err(exception(py, "JudgeError", &message));

@@ -8,7 +8,7 @@ use crate::settings::{Whole, seed_of};
 use crate::stepping::beside;
 use makadam_validation::observables::{catalogue, measure, measure_frames, series};
 use makadam_validation::output::{file_stem, run_folder};
-use makadam_validation::peers::{Code, CodeError, CodeName, Job, Purpose};
+use makadam_validation::peers::{CodeError, CodeName, Job, Purpose};
 use makadam_validation::provenance::Build;
 use makadam_validation::recording;
 use pyo3::prelude::*;
@@ -175,9 +175,9 @@ pub fn code_error(py: Python<'_>, error: &CodeError) -> PyErr {
     }
 }
 
-pub fn code_of(py: Python<'_>, name: &str) -> PyResult<Box<dyn Code + Send>> {
-    let unknown = || exception(py, "JudgeError", &format!("no code '{name}': give makadam, yade, liggghts or lammps"));
-    CodeName::of(name).map(CodeName::code).ok_or_else(unknown)
+/// The code of a name.
+pub fn code_of(py: Python<'_>, name: &str) -> PyResult<CodeName> {
+    CodeName::of(name).map_err(|error| exception(py, "JudgeError", &error.to_string()))
 }
 
 /// Runs a scene from its start to its end in one code, on one core, and keeps a frame each `measure.interval`.
@@ -203,7 +203,7 @@ pub fn simulate(
 ) -> PyResult<Recording> {
     let py = scene.py();
     let scene = Scene::of(scene)?;
-    let code = code_of(py, code)?;
+    let code = code_of(py, code)?.code();
     if code.version().is_none() {
         return Err(code_error(py, &CodeError::Missing { code: code.name() }));
     }

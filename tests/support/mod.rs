@@ -1,7 +1,8 @@
-//! What the end-to-end tests share: the command, a small and a tiny scene, changed copies of the former,
+//! What the end-to-end tests share: the command, one that runs meanwhile, a small and a tiny scene, changed copies of the former,
 //! invented records and the lines of a scene.
 
 pub mod changed;
+pub mod child;
 pub mod disk;
 pub mod invented;
 pub mod lines;

@@ -17,8 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = scenes::find(scene, &[root])?;
     let mut scene = Scene::load(&file)?;
     scene.duration = duration.parse()?;
-    let code = CodeName::of(code).ok_or_else(|| format!("no code '{code}': use makadam, yade, liggghts or lammps"))?;
-    let code = code.code();
+    let code = CodeName::of(code)?.code();
     for purpose in [Purpose::Measuring, Purpose::Timing] {
         let work_folder = std::env::temp_dir().join(format!("timing-{}", std::process::id()));
         let recording = code.simulate(&Job {

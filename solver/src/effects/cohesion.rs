@@ -11,8 +11,8 @@
 //! From a work of adhesion `w` (J/m2) pull and range follow those of Johnson, Kendall & Roberts (Proc. R. Soc. A 324, 1971): the
 //! pull-off force `3/2 pi w R*` and the separation at which a neck tears, `a0^2 / (2 6^(1/3) R*)` with
 //! `a0^3 = 9 pi w R*^2 / (2 E*)` (Chokshi, Tielens & Hollenbach, Astrophys. J. 407, 1993, where the work is 2 gamma). Unlike
-//! theirs this pull acts on approach as well. With a range of 0 it is the contact of Derjaguin, Muller & Toporov alone, whose pull-off
-//! force is `2 pi w R*` for their own work of adhesion, three quarters of this one.
+//! theirs this pull acts on approach as well. With a range of 0 it is the contact of Derjaguin, Muller & Toporov alone, for a work of
+//! adhesion of `3/4 w`: their pull-off force is `2 pi w R*`.
 
 use super::catalogue::{Absent, Change, Coefficient, Combination, Effect, Trigger, change_coefficients};
 use serde::{Deserialize, Serialize};
@@ -134,12 +134,15 @@ impl Cohesion {
         match *self {
             Cohesion::Constant { force, range } => Pull { force, range: range.max(TOUCH * effective_radius) },
             Cohesion::SurfaceEnergy { work, range } => {
-                let cube = 4.5 * std::f64::consts::PI * work * effective_radius * effective_radius / effective_modulus;
-                let neck = libm::cbrt(cube);
-                let tears = neck * neck / (2.0 * libm::cbrt(6.0) * effective_radius);
+                let torn = || {
+                    let cube =
+                        4.5 * std::f64::consts::PI * work * effective_radius * effective_radius / effective_modulus;
+                    let neck = libm::cbrt(cube);
+                    neck * neck / (2.0 * libm::cbrt(6.0) * effective_radius)
+                };
                 Pull {
                     force: 1.5 * std::f64::consts::PI * work * effective_radius,
-                    range: range.map_or(tears, |range| range.max(TOUCH * effective_radius)),
+                    range: range.map_or_else(torn, |range| range.max(TOUCH * effective_radius)),
                 }
             }
         }

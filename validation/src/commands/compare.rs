@@ -47,9 +47,9 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
     let one_scene = OneScene {
         scene,
         scene_file: file,
-        codes: codes_or_usual(arguments.codes.as_deref(), scene, file, arguments.runs.live),
+        codes: codes_or_usual(arguments.codes.as_deref(), scene, file, *live),
         judged: "Makadam",
-        live: arguments.runs.live,
+        live: *live,
         seeds: arguments.runs.seeds,
         rayleigh_fraction: arguments.runs.rayleigh_fraction(),
         time_limit: Duration::from_secs_f64(arguments.runs.time_limit),

@@ -3,6 +3,11 @@
 use super::{Code, Lammps, Liggghts, Makadam, Yade};
 use clap::ValueEnum;
 
+/// A name that this program gives to no code.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no code '{0}': give makadam, yade, liggghts or lammps")]
+pub struct UnknownCode(String);
+
 /// A code that this program drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CodeName {
@@ -23,9 +28,12 @@ impl CodeName {
     /// The codes that count where their numbers are on record, and are not asked to run.
     pub const FURTHER_REFEREES: [CodeName; 1] = [CodeName::Lammps];
 
-    /// The code of a name, in capitals or not; `None` for a name that this program gives to no code.
-    pub fn of(name: &str) -> Option<CodeName> {
-        CodeName::from_str(name, true).ok()
+    /// The code of a name, in capitals or not.
+    ///
+    /// # Errors
+    /// [`UnknownCode`] for a name that this program gives to no code.
+    pub fn of(name: &str) -> Result<CodeName, UnknownCode> {
+        CodeName::from_str(name, true).map_err(|_| UnknownCode(name.into()))
     }
 
     /// The code.
@@ -53,9 +61,13 @@ mod tests {
     fn each_code_is_found_by_its_own_name_and_listed_once() {
         let all = CodeName::value_variants();
         for name in all {
-            assert_eq!(CodeName::of(name.code().name()), Some(*name));
+            assert_eq!(CodeName::of(name.code().name()), Ok(*name));
         }
-        assert_eq!(CodeName::of("edem"), None);
+        let unknown = CodeName::of("edem").unwrap_err().to_string();
+        assert!(unknown.contains("no code 'edem'"), "{unknown}");
+        for name in all {
+            assert!(unknown.contains(&name.code().name().to_lowercase()), "{unknown}");
+        }
         let listed = codes_of(&[CodeName::Lammps, CodeName::Makadam, CodeName::Lammps]);
         assert_eq!(listed.iter().map(|code| code.name()).collect::<Vec<_>>(), ["Makadam", "LAMMPS"]);
         let referees = CodeName::REFEREES.iter().chain(&CodeName::FURTHER_REFEREES);

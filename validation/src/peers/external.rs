@@ -85,7 +85,7 @@ impl External {
         })?;
         description.name = description.name.trim().to_string();
         let Description { name, command, grains, .. } = &description;
-        if name.is_empty() || CodeName::of(name).is_some() {
+        if name.is_empty() || CodeName::of(name).is_ok() {
             return Err(fault(format!("'{name}' is no name for a code of your own; give another one")));
         }
         if command.is_empty() || grains.is_empty() {

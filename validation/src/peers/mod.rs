@@ -18,7 +18,7 @@ mod stl;
 pub mod yade;
 mod yade_rolling;
 
-pub use code_name::{CodeName, codes_of};
+pub use code_name::{CodeName, UnknownCode, codes_of};
 pub use core_share::CoreClock;
 pub use external::{DescriptionError, External};
 pub use lammps::Lammps;

@@ -40,22 +40,20 @@ pub struct OneScene<'a> {
 /// beside the scene, whatever became of it, or are on record for it. Where there are none, the referees, so that their lack is told.
 pub fn usual_codes(scene: &Scene, scene_file: &Path, live: bool) -> Vec<CodeName> {
     let hash = physics_hash(scene);
-    let on_record = on_record(Tier::Release);
-    let is_on_record = |code: &str| {
-        let is_this = |test: &TestOnRecord| test.scene == scene.name && test.scene_hash.as_ref() == Some(&hash);
-        on_record.iter().any(|test| test.reference_code == code && is_this(test))
+    let is_this = |test: &TestOnRecord| test.scene == scene.name && test.scene_hash.as_ref() == Some(&hash);
+    let on_record: Vec<TestOnRecord> = on_record(Tier::Release).into_iter().filter(is_this).collect();
+    let counts = |name: &CodeName| {
+        let code = name.code().name();
+        Reference::is_left(scene_file, code) || on_record.iter().any(|test| test.reference_code == code)
     };
-    let all = CodeName::REFEREES.into_iter().chain(CodeName::FURTHER_REFEREES);
-    let mut others: Vec<CodeName> = all
-        .filter(|name| {
-            let code = name.code();
-            !live && (Reference::is_left(scene_file, code.name()) || is_on_record(code.name()))
-        })
-        .collect();
-    if others.is_empty() {
-        others.extend(CodeName::REFEREES);
+    let mut codes = vec![CodeName::Makadam];
+    if !live {
+        codes.extend(CodeName::REFEREES.into_iter().chain(CodeName::FURTHER_REFEREES).filter(counts));
     }
-    std::iter::once(CodeName::Makadam).chain(others).collect()
+    if codes.len() == 1 {
+        codes.extend(CodeName::REFEREES);
+    }
+    codes
 }
 
 /// A comparison of one scene with its verdict.

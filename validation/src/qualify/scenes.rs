@@ -68,13 +68,13 @@ impl Case {
             timings: Vec::new(),
             harvests: Mutex::default(),
         };
-        for peer in peers.iter().chain(further) {
+        let needed = peers.iter().map(|peer| (peer, true));
+        for (peer, is_needed) in needed.chain(further.iter().map(|peer| (peer, false))) {
             let code = peer.name();
-            let Some(recorded) = reference.code_on(code, &case.scene) else {
-                if further.iter().any(|further| further.name() == code) {
-                    continue;
-                }
-                return Err(QualifyError::NotRecorded { code: code.into(), scene: name.into() });
+            let recorded = match reference.code_on(code, &case.scene) {
+                Some(recorded) => recorded,
+                None if is_needed => return Err(QualifyError::NotRecorded { code: code.into(), scene: name.into() }),
+                None => continue,
             };
             let is_other = on_record && fingerprint_on_record(name, code) != Some(recorded.fingerprint());
             case.recorded.push(match is_other && recorded.discarded.is_none() {
