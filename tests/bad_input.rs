@@ -332,7 +332,7 @@ fn a_peer_that_is_missing() {
     };
     let (code, message) = compare(true);
     assert_eq!(code, 5);
-    assert!(message.contains("YADE is not installed") && message.contains("install-peers"), "{message}");
+    assert!(message.contains("MAKADAM_YADE names /nowhere/yade, which is no program"), "{message}");
     // The small scene has no recorded references either.
     let (code, message) = compare(false);
     assert_eq!(code, 5);

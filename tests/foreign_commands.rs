@@ -3,6 +3,7 @@
 use crate::support::makadam;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Exit code, standard output and standard error.
 fn outcome(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
@@ -209,4 +210,42 @@ fn scenes_are_written_for_other_codes() {
     assert!(code == 2 && errors.contains("name another code"), "{code}: {errors}");
     let (code, _, errors) = outcome(folder.path(), &["export", "packing-100"]);
     assert!(code == 2 && errors.contains("--format"), "{code}: {errors}");
+}
+
+#[test]
+fn what_an_exported_deck_leaves_is_measured_as_compare_measures_it() {
+    for (code, variable) in [("liggghts", "MAKADAM_LIGGGHTS"), ("lammps", "MAKADAM_LAMMPS")] {
+        let program = std::env::var(variable).unwrap_or(if code == "lammps" { "lmp".into() } else { code.into() });
+        if Command::new(&program).arg("-help").output().is_err() {
+            eprintln!("skipped: {program} is not installed (scripts/install-peers)");
+            continue;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let deck = folder.path().join("deck");
+        assert_eq!(outcome(folder.path(), &["export", "packing-100", "--for", code, "-o", "deck"]).0, 0);
+        assert!(Command::new(&program).args(["-in", "deck.in"]).current_dir(&deck).output().unwrap().status.success());
+        let text = std::fs::read_to_string(deck.join("deck.in")).unwrap();
+        let step = text.lines().find_map(|line| line.strip_prefix("timestep ")).unwrap();
+        let mut command = vec!["measure", "deck/grains.dump", "--scene", "packing-100", "--time-step", step, "--json"];
+        let contacts = |name: &str| name.starts_with("wall") && name.ends_with(".dump") || name == "pairs.dump";
+        let files: Vec<String> = std::fs::read_dir(&deck)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| contacts(name))
+            .map(|name| format!("deck/{name}"))
+            .collect();
+        command.push("--contacts");
+        command.extend(files.iter().map(String::as_str));
+        let (exit, text, errors) = outcome(folder.path(), &command);
+        assert_eq!(exit, 0, "{errors}");
+        let measured: Value = serde_json::from_str(&text).unwrap();
+        let codes = format!("makadam,{code}");
+        let live = ["compare", "packing-100", "--codes", &codes, "--live", "--seeds", "1", "--json"];
+        let compared: Value = serde_json::from_str(&outcome(folder.path(), &live).1).unwrap();
+        let row = compared["rows"].as_array().unwrap().last().unwrap();
+        assert_eq!(row["code"].as_str().unwrap().to_lowercase(), code);
+        let measured = measured["measurements"].as_array().unwrap();
+        let force = measured.iter().find(|one| one["observable"] == row["observable"]).unwrap();
+        assert_eq!(force["value"], row["mean"], "{code}");
+    }
 }

@@ -2,6 +2,7 @@
 
 use makadam::scene::populate;
 use makadam::snapshot::Partner;
+use makadam_validation::import::{Column, column_of};
 use makadam_validation::peers::lammps::read_frames;
 use makadam_validation::peers::{Code, CodeError, Job, Lammps, Purpose};
 use makadam_validation::plan::Scene;
@@ -130,6 +131,34 @@ fn walls_are_regions_of_one_surface_each() {
     let lift = deck.lines().find(|line| line.starts_with("region surface6 ")).unwrap();
     assert!(lift.contains("side out units box move v_x3 v_y3 v_z3"), "{lift}");
     assert!(deck.contains("variable z3 equal (1.00000000000000002e-3)*sin("), "{deck}");
+    // Surfaces 4, 5 and 6 are the walls 1, 2 and 3 of the scene.
+    assert!(deck.contains("variable met3 atom 0\nvariable met4 atom 1\nvariable met5 atom 2\n"), "{deck}");
+}
+
+/// The names under which a dump writes its columns.
+fn names(deck: &str, dump: &str) -> Vec<String> {
+    let asked = deck.lines().find(|line| line.starts_with(&format!("dump_modify {dump} "))).unwrap();
+    let mut words = asked.split(' ');
+    let mut names = Vec::new();
+    while words.by_ref().any(|word| word == "colname") {
+        names.push(words.nth(1).unwrap().into());
+    }
+    names
+}
+
+#[test]
+fn measure_knows_the_columns_of_the_dumps() {
+    let floor = wall("floor", "kind = 'plane', point = [0, 0, -0.1], normal = [0, 0, 1]", FIXED);
+    let deck = deck(&scene(&material("soft", 1e7, 0.5, ""), &(floor + &grain("soft", 0.0)))).unwrap();
+    let of = |dump: &str| -> Vec<Column> {
+        names(&deck, dump).iter().map(|name| column_of(name).unwrap_or_else(|| panic!("{name}"))).collect()
+    };
+    let three = |of: fn(usize) -> Column| [0, 1, 2].map(of);
+    let forces = [three(Column::NormalOnFirst), three(Column::TangentialOnFirst)].concat();
+    assert_eq!(of("pairs"), [&[Column::First, Column::Second], &forces[..]].concat());
+    let felt = [three(Column::Force), three(Column::Point)].concat();
+    assert_eq!(of("wall0"), [&[Column::First], &felt[..], &[Column::Wall]].concat());
+    assert_eq!((of("pairs"), of("wall0")), (of("pairslast"), of("wall0last")));
 }
 
 #[test]
@@ -174,7 +203,7 @@ fn contacts_have_the_force_on_the_partner_and_the_point_in_the_overlap() {
     let rows = |file: &Path| match file.to_str().unwrap() {
         "grains.dump" => "2 0.0098 0 0 0 0 0 0 0 0\n1 0 0 0 0 0 0 0 0 0\n",
         "pairs.dump" => "2 1 3 0 0 0 0.5 0\n",
-        "wall0.dump" => "1 0.25 0 2 0 0 -0.0049\n",
+        "wall0.dump" => "1 0.25 0 2 0 0 -0.0049 0\n",
         other => panic!("{other}"),
     };
     let open = |file: &Path| {

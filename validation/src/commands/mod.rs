@@ -36,7 +36,7 @@ pub use failure::{Failure, OUTSIDE_TOLERANCE};
 use crate::compare::Share;
 use crate::execution::Execution;
 use crate::output::cache_folder;
-use crate::peers::{Code, CodeName, codes_of};
+use crate::peers::{Code, CodeName, absent, codes_of};
 use crate::plan::Scene;
 use crate::prepared::{Start, is_ready, start};
 use crate::qualify::usual_codes;
@@ -225,10 +225,7 @@ fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
     let codes = codes_of(names);
     match codes.iter().find(|code| code.version().is_none()) {
         None => Ok(codes),
-        Some(missing) => Err(Failure::MissingCode(format!(
-            "{} is not installed; run scripts/install-peers, or leave it out with --codes",
-            missing.name()
-        ))),
+        Some(missing) => Err(Failure::MissingCode(format!("{}, or leave it out with --codes", absent(missing.name())))),
     }
 }
 

@@ -152,16 +152,12 @@ impl Assembly<'_> {
             return Err(missing("second (the second grain) or wall"));
         }
         let point = places.vector(Column::Point).or(places.vector(Column::Position));
-        let forces =
-            match (places.vector(Column::Force), places.find(Column::NormalForce), places.vector(Column::Tangential)) {
-                (Some(force), ..) => Forces::OnFirst(force),
-                (None, Some(normal), Some(tangential)) => Forces::Split(normal, tangential),
-                _ => {
-                    return Err(missing(
-                        "fx, fy, fz (force on the first grain), or normal_force and tangential_force_x, _y, _z",
-                    ));
-                }
-            };
+        let forces = Forces::of(&places).ok_or_else(|| {
+            missing(
+                "fx, fy, fz (force on the first grain), or normal_force and tangential_force_x, _y, _z, \
+                 or fnx, fny, fnz and ftx, fty, ftz (its parts on the first grain)",
+            )
+        })?;
         let normal = places.vector(Column::Normal);
         let period = self.scene.domain.period();
         for (row, numbers_of_row) in table.rows().enumerate() {
@@ -212,11 +208,10 @@ impl Assembly<'_> {
                 return Err(fault(format!("grain {} and {what} {problem}", numbers_of_row[first])));
             }
             let Some(towards) = given.unwrap_or(towards).try_normalize(0.0) else { continue };
+            let whole = |force| contact_from_force(a.id, partner, point.into(), towards, force);
             match forces {
-                Forces::OnFirst(force) => {
-                    let force = vector(numbers_of_row, force);
-                    found.add(contact_from_force(a.id, partner, point.into(), towards, force))
-                }
+                Forces::OnFirst(force) => found.add(whole(vector(numbers_of_row, force))),
+                Forces::Parts(parts) => found.add(whole(parts.map(|part| vector(numbers_of_row, part)).iter().sum())),
                 Forces::Split(normal_force, tangential) => found.add(Some(Contact {
                     first: a.id,
                     second: partner,
@@ -280,8 +275,21 @@ impl Found {
 enum Forces {
     /// The whole force on the first grain.
     OnFirst([usize; 3]),
+    /// Normal and tangential force on the first grain.
+    Parts([[usize; 3]; 2]),
     /// The normal force, and the tangential force on the partner.
     Split(usize, [usize; 3]),
+}
+
+impl Forces {
+    /// Where a table has them, if it has them in one of these ways.
+    fn of(places: &Places<'_>) -> Option<Forces> {
+        let whole = || Some(Forces::OnFirst(places.vector(Column::Force)?));
+        let split = || Some(Forces::Split(places.find(Column::NormalForce)?, places.vector(Column::Tangential)?));
+        let part = |of| places.vector(of);
+        let parts = || Some(Forces::Parts([part(Column::NormalOnFirst)?, part(Column::TangentialOnFirst)?]));
+        whole().or_else(split).or_else(parts)
+    }
 }
 
 /// The contact point and the way from the first grain to the second, or to a wall; none where a wall's point is not known.

@@ -33,6 +33,10 @@ pub enum Column {
     NormalForce,
     /// A component of the tangential force on the partner, N.
     Tangential(usize),
+    /// A component of the normal force on the first grain, N.
+    NormalOnFirst(usize),
+    /// A component of the tangential force on the first grain, N.
+    TangentialOnFirst(usize),
     /// Simulated time, s.
     Time,
 }
@@ -66,7 +70,7 @@ const PLAIN: [(&str, Column); 21] = [
 type OfComponent = fn(usize) -> Column;
 
 /// Names of vectors, in small letters: the axis follows, as `x`, `_x`, `_0` or `[0]`.
-const VECTORS: [(&str, OfComponent); 20] = [
+const VECTORS: [(&str, OfComponent); 22] = [
     ("", Column::Position),
     ("position", Column::Position),
     ("points", Column::Position),
@@ -87,6 +91,8 @@ const VECTORS: [(&str, OfComponent); 20] = [
     ("n", Column::Normal),
     ("normal", Column::Normal),
     ("tangential_force", Column::Tangential),
+    ("fn", Column::NormalOnFirst),
+    ("ft", Column::TangentialOnFirst),
 ];
 
 /// What a column means; none where the name says nothing of that kind.
@@ -173,6 +179,8 @@ mod tests {
         same(&["radius", "r", "radii"], Column::Radius);
         same(&["id1", "first"], Column::First);
         same(&["fx", "force_x"], Column::Force(0));
+        same(&["fny", "fn_y"], Column::NormalOnFirst(1));
+        same(&["ftz"], Column::TangentialOnFirst(2));
         for nothing in ["type", "xs", "mass", "id3", "fn2", "", "c_pairs[4]", "_"] {
             assert_eq!(column_of(nothing), None, "{nothing}");
         }

@@ -24,6 +24,7 @@ pub use external::{DescriptionError, External};
 pub use lammps::Lammps;
 pub use liggghts::Liggghts;
 pub use makadam::{Makadam, starting_grains};
+pub(crate) use process::absent;
 pub use yade::Yade;
 
 use crate::plan::Scene;
@@ -106,7 +107,7 @@ pub trait Code: Sync {
 #[derive(Debug, thiserror::Error)]
 pub enum CodeError {
     /// It is not on this machine.
-    #[error("{code} is not installed; run scripts/install-peers, or leave out --live to use the recorded references")]
+    #[error("{}, or leave out --live to use the recorded references", absent(code))]
     Missing {
         /// The code.
         code: &'static str,

@@ -37,9 +37,9 @@ impl Program {
         Program { path: path.into(), version: OnceLock::new() }
     }
 
-    /// The program that an environment variable names, else the one on PATH.
-    pub fn from_environment(variable: &str, name: &str) -> Program {
-        Program::new(std::env::var_os(variable).unwrap_or_else(|| name.into()))
+    /// A code's program: the one that its environment variable names, else the one of this name on PATH.
+    pub fn from_environment(code: &str, name: &str) -> Program {
+        Program::new(std::env::var_os(variable_of(code)).unwrap_or_else(|| name.into()))
     }
 
     /// Its name or path.
@@ -54,6 +54,23 @@ impl Program {
             Some(shown(version_in(&words).unwrap_or("unknown"), false).into_owned())
         };
         self.version.get_or_init(ask).clone()
+    }
+}
+
+/// The environment variable that names a code's program.
+fn variable_of(code: &str) -> String {
+    format!("MAKADAM_{code}")
+}
+
+/// Why a code's program is not there, and what to do.
+pub(crate) fn absent(code: &str) -> String {
+    let variable = variable_of(code);
+    match std::env::var_os(&variable) {
+        None => format!("{code} is not installed; run scripts/install-peers"),
+        Some(path) => {
+            let path = Path::new(&path).display();
+            format!("{code} does not run: {variable} names {path}, which is no program; correct it, or unset it")
+        }
     }
 }
 

@@ -44,7 +44,7 @@ pub struct Yade {
 
 impl Default for Yade {
     fn default() -> Self {
-        Self { program: Program::from_environment("MAKADAM_YADE", "yade") }
+        Self { program: Program::from_environment(NAME, "yade") }
     }
 }
 

@@ -111,6 +111,19 @@ def drive_walls():
             O.bodies[id].state.vel = drive["axis"] * drive["rate"]
 
 
+def stiffen_rolling_springs():
+    """Makes each rolling spring as stiff as the contact's tangential spring times the effective radius squared."""
+    for contact in O.interactions:
+        if contact.isReal:
+            first, second = contact.geom.refR1, contact.geom.refR2
+            at_wall = contact.id1 >= grain_count or contact.id2 >= grain_count
+            effective = min(first, second) if at_wall else first * second / (first + second)
+            contact.phys.kr = contact.phys.ks * effective * effective
+
+
+# Steps between two looks at the rolling springs; a look takes about as long as a step.
+LOOK = 10
+
 O.engines = (
     [
         ForceResetter(),
@@ -139,6 +152,7 @@ O.engines = (
     ]
     + [engine for engine, _, _, _ in motions]
     + ([PyRunner(command="drive_walls()", iterPeriod=1)] if drives else [])
+    + ([PyRunner(command="stiffen_rolling_springs()", iterPeriod=LOOK)] if job["rolling"] else [])
     # YADE's hidden damping is 0.2 unless told otherwise.
     + [NewtonIntegrator(damping=0.0, gravity=Vector3(*job["gravity"]))]
 )

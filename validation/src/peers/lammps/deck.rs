@@ -14,10 +14,14 @@ use std::fmt::Write;
 pub(super) const GRAIN_COLUMNS: usize = 10;
 
 /// Columns of the dump of contacts between grains: two ids, normal and tangential force on the first grain.
-pub(super) const PAIR_COLUMNS: usize = 8;
+pub(super) const PAIR_COLUMNS: usize = PAIR_NAMES.len();
 
-/// Columns of the dump of contacts with a surface: id, force on the grain, point on the surface.
-pub(super) const WALL_COLUMNS: usize = 7;
+/// Columns of the dump of contacts with a surface: id, force on the grain, point on the surface, number of the wall.
+pub(super) const WALL_COLUMNS: usize = WALL_NAMES.len();
+
+/// What the columns of contacts are called in the dumps, in the words that `makadam measure` knows.
+const PAIR_NAMES: [&str; 8] = ["id1", "id2", "fnx", "fny", "fnz", "ftx", "fty", "ftz"];
+const WALL_NAMES: [&str; 8] = ["id1", "fx", "fy", "fz", "px", "py", "pz", "wall"];
 
 /// What the tangential spring remembers: a force, as in YADE. With a displacement, which LIGGGHTS keeps, a contact that slides keeps what
 /// damping leaves of the cap, and falls short of the cap while it unloads: in `packing` friction mobilisation is then 0.368 ± 0.002 where
@@ -25,8 +29,8 @@ pub(super) const WALL_COLUMNS: usize = 7;
 const TANGENTIAL: &str = "mindlin/force";
 
 /// Overlap, over the radius, at which the spring against rolling is as stiff as the tangential spring times the effective radius squared:
-/// here the stiffness is a constant. Where rolling goes on the cap alone counts.
-const ROLLING_OVERLAP: f64 = 0.01;
+/// here the stiffness is a constant. Mean overlaps are 0.0025 in `heap-rolling` and 0.0055 in `drum-rolling`.
+const ROLLING_OVERLAP: f64 = 0.004;
 
 /// Lines of progress in the log.
 const REPORTS: u64 = 100;
@@ -112,7 +116,8 @@ fn deck(
     text += "compute pairs all pair/local fx fy fz p1 p2 p3 cutoff radius\n";
     let _ = writeln!(text, "thermo_style custom step atoms ke\nthermo {}", (plan.steps / REPORTS).max(1));
     text += "thermo_modify flush yes lost error norm no\n";
-    dumps(&mut text, plan, if purpose == Purpose::Measuring { meetings.len() } else { 0 });
+    let met: Vec<usize> = meetings.iter().map(|meeting| surfaces[meeting.surface].wall).collect();
+    dumps(&mut text, plan, if purpose == Purpose::Measuring { &met } else { &[] });
     // One run: where one ends and another begins, walls would have no velocity for a step.
     let _ = writeln!(text, "run {}", plan.steps);
     Ok(text)
@@ -175,26 +180,58 @@ fn shear_softness(material: &Material) -> f64 {
 }
 
 /// The dumps, at the plan's frames: with a variable that gives the step of the next one, and once more at the end.
-fn dumps(text: &mut String, plan: &Plan, meetings: usize) {
+/// `met` is the wall that each fix is of.
+fn dumps(text: &mut String, plan: &Plan, met: &[usize]) {
     let Plan { steps, fine, coarse, fine_from, .. } = plan;
     let _ = match fine_from < steps {
         true => writeln!(text, "variable next equal stride2(0,{steps},{coarse},{fine_from},{steps},{fine})"),
         false => writeln!(text, "variable next equal stride(0,{steps},{coarse})"),
     };
+    let listed = |name: &str, count: usize| (1..=count).map(|at| format!("{name}[{at}]")).collect::<Vec<_>>();
+    let grains = "id x y z vx vy vz omegax omegay omegaz".split(' ').map(String::from).collect();
+    let pairs = [listed("c_ids", 2), listed("c_pairs", 6)].concat();
     let mut tables = vec![
-        ("grains".to_string(), "all custom", " id x y z vx vy vz omegax omegay omegaz".to_string(), None),
-        ("pairs".into(), "all local", " c_ids[*] c_pairs[*]".into(), None),
+        Table { name: "grains".into(), style: "custom", columns: grains, names: &[], touches: None },
+        Table { name: "pairs".into(), style: "local", columns: pairs, names: &PAIR_NAMES, touches: None },
     ];
-    for number in 0..meetings {
-        let column = |at: usize| format!(" f_wall{number}[{at}]");
-        let columns = (2..=7).map(column).collect::<String>();
-        tables.push((format!("wall{number}"), "all custom", format!(" id{columns}"), Some(column(1))));
+    for (number, wall) in met.iter().enumerate() {
+        let _ = writeln!(text, "variable met{number} atom {wall}");
+        // First stands whether the grain touches.
+        let felt = listed(&format!("f_wall{number}"), 7);
+        let columns = [&["id".into()], &felt[1..], &[format!("v_met{number}")]].concat();
+        let (name, touches) = (format!("wall{number}"), Some(felt[0].clone()));
+        tables.push(Table { name, style: "custom", columns, names: &WALL_NAMES, touches });
     }
-    for (name, style, columns, touches) in tables {
-        let only = touches.map_or(String::new(), |touches| format!(" thresh{touches} > 0.5"));
-        let _ = writeln!(text, "dump {name} {style} {steps} {name}.dump{columns}");
-        let _ = writeln!(text, "dump_modify {name} append yes every v_next first yes format float %.12g{only}");
-        let _ = writeln!(text, "dump {name}last {style} {steps} {name}.dump{columns}");
-        let _ = writeln!(text, "dump_modify {name}last append yes format float %.12g{only}");
+    for table in &tables {
+        table.write(text, *steps);
+    }
+}
+
+/// What one pair of dumps writes to a file.
+struct Table {
+    name: String,
+    style: &'static str,
+    columns: Vec<String>,
+    /// Names of the columns in the file, where they are not LAMMPS's own.
+    names: &'static [&'static str],
+    /// Number of a grain that is above zero where the grain is listed.
+    touches: Option<String>,
+}
+
+impl Table {
+    fn write(&self, text: &mut String, steps: u64) {
+        let Table { name, style, columns, names, touches } = self;
+        let mut how = String::from("format float %.12g");
+        for (column, name) in columns.iter().zip(*names) {
+            let _ = write!(how, " colname {column} {name}");
+        }
+        if let Some(touches) = touches {
+            let _ = write!(how, " thresh {touches} > 0.5");
+        }
+        let columns = columns.join(" ");
+        for (dump, often) in [(name.clone(), " every v_next first yes"), (format!("{name}last"), "")] {
+            let _ = writeln!(text, "dump {dump} all {style} {steps} {name}.dump {columns}");
+            let _ = writeln!(text, "dump_modify {dump} append yes{often} {how}");
+        }
     }
 }

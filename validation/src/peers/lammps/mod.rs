@@ -34,7 +34,7 @@ pub struct Lammps {
 
 impl Default for Lammps {
     fn default() -> Self {
-        Self { program: Program::from_environment("MAKADAM_LAMMPS", "lmp") }
+        Self { program: Program::from_environment(NAME, "lmp") }
     }
 }
 

@@ -36,7 +36,7 @@ pub struct Liggghts {
 
 impl Default for Liggghts {
     fn default() -> Self {
-        Self { program: Program::from_environment("MAKADAM_LIGGGHTS", "liggghts") }
+        Self { program: Program::from_environment(NAME, "liggghts") }
     }
 }
 
