@@ -329,8 +329,8 @@ pub fn lammps_dumps() -> Vec<Vec<u8>> {
     let grains = grain_rows();
     let pairs = "1 2 -0.5 0.1 0 0.1 0.2 0\n3 2 0.25 0 0 0 0 0\n";
     let mut named =
-        vec![("grains.dump", grains.as_str()), ("pairs.dump", pairs), ("wall0.dump", "4 0.5 0 0.1 0 0.05 0\n")];
-    named.push(("wall1.dump", "4 0 0.5 0 0 -0.03 0\n5 0 0 0 0 0 0\n"));
+        vec![("grains.dump", grains.as_str()), ("pairs.dump", pairs), ("wall0.dump", "4 0.5 0 0.1 0 0.05 0 0\n")];
+    named.push(("wall1.dump", "4 0 0.5 0 0 -0.03 0 1\n5 0 0 0 0 0 0 1\n"));
     named.extend(["wall2.dump", "wall3.dump", "wall4.dump", "wall5.dump", "wall6.dump"].map(|name| (name, "")));
     dumps(&named)
 }
