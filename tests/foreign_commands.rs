@@ -214,8 +214,8 @@ fn scenes_are_written_for_other_codes() {
 
 #[test]
 fn what_an_exported_deck_leaves_is_measured_as_compare_measures_it() {
-    for (code, variable) in [("liggghts", "MAKADAM_LIGGGHTS"), ("lammps", "MAKADAM_LAMMPS")] {
-        let program = std::env::var(variable).unwrap_or(if code == "lammps" { "lmp".into() } else { code.into() });
+    for (code, program) in [("liggghts", "liggghts"), ("lammps", "lmp")] {
+        let program = std::env::var(format!("MAKADAM_{}", code.to_uppercase())).unwrap_or(program.into());
         if Command::new(&program).arg("-help").output().is_err() {
             eprintln!("skipped: {program} is not installed (scripts/install-peers)");
             continue;

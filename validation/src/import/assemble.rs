@@ -286,8 +286,10 @@ impl Forces {
     fn of(places: &Places<'_>) -> Option<Forces> {
         let whole = || Some(Forces::OnFirst(places.vector(Column::Force)?));
         let split = || Some(Forces::Split(places.find(Column::NormalForce)?, places.vector(Column::Tangential)?));
-        let part = |of| places.vector(of);
-        let parts = || Some(Forces::Parts([part(Column::NormalOnFirst)?, part(Column::TangentialOnFirst)?]));
+        let parts = || {
+            let normal = places.vector(Column::NormalOnFirst)?;
+            Some(Forces::Parts([normal, places.vector(Column::TangentialOnFirst)?]))
+        };
         whole().or_else(split).or_else(parts)
     }
 }

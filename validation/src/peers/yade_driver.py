@@ -111,7 +111,7 @@ def drive_walls():
             O.bodies[id].state.vel = drive["axis"] * drive["rate"]
 
 
-def stiffen_rolling_springs():
+def set_rolling_stiffness():
     """Makes each rolling spring as stiff as the contact's tangential spring times the effective radius squared."""
     for contact in O.interactions:
         if contact.isReal:
@@ -121,8 +121,8 @@ def stiffen_rolling_springs():
             contact.phys.kr = contact.phys.ks * effective * effective
 
 
-# Steps between two looks at the rolling springs; a look takes about as long as a step.
-LOOK = 10
+# Steps between two settings of the rolling stiffness; one takes about as long as a step.
+ROLLING_INTERVAL = 10
 
 O.engines = (
     [
@@ -152,7 +152,7 @@ O.engines = (
     ]
     + [engine for engine, _, _, _ in motions]
     + ([PyRunner(command="drive_walls()", iterPeriod=1)] if drives else [])
-    + ([PyRunner(command="stiffen_rolling_springs()", iterPeriod=LOOK)] if job["rolling"] else [])
+    + ([PyRunner(command="set_rolling_stiffness()", iterPeriod=ROLLING_INTERVAL)] if job["rolling"] else [])
     # YADE's hidden damping is 0.2 unless told otherwise.
     + [NewtonIntegrator(damping=0.0, gravity=Vector3(*job["gravity"]))]
 )

@@ -116,8 +116,8 @@ fn deck(
     text += "compute pairs all pair/local fx fy fz p1 p2 p3 cutoff radius\n";
     let _ = writeln!(text, "thermo_style custom step atoms ke\nthermo {}", (plan.steps / REPORTS).max(1));
     text += "thermo_modify flush yes lost error norm no\n";
-    let met: Vec<usize> = meetings.iter().map(|meeting| surfaces[meeting.surface].wall).collect();
-    dumps(&mut text, plan, if purpose == Purpose::Measuring { &met } else { &[] });
+    let walls: Vec<usize> = meetings.iter().map(|meeting| surfaces[meeting.surface].wall).collect();
+    dumps(&mut text, plan, if purpose == Purpose::Measuring { &walls } else { &[] });
     // One run: where one ends and another begins, walls would have no velocity for a step.
     let _ = writeln!(text, "run {}", plan.steps);
     Ok(text)
@@ -180,8 +180,8 @@ fn shear_softness(material: &Material) -> f64 {
 }
 
 /// The dumps, at the plan's frames: with a variable that gives the step of the next one, and once more at the end.
-/// `met` is the wall that each fix is of.
-fn dumps(text: &mut String, plan: &Plan, met: &[usize]) {
+/// `walls` are the numbers of the walls whose surfaces grains meet, one for each meeting.
+fn dumps(text: &mut String, plan: &Plan, walls: &[usize]) {
     let Plan { steps, fine, coarse, fine_from, .. } = plan;
     let _ = match fine_from < steps {
         true => writeln!(text, "variable next equal stride2(0,{steps},{coarse},{fine_from},{steps},{fine})"),
@@ -190,37 +190,37 @@ fn dumps(text: &mut String, plan: &Plan, met: &[usize]) {
     let listed = |name: &str, count: usize| (1..=count).map(|at| format!("{name}[{at}]")).collect::<Vec<_>>();
     let grains = "id x y z vx vy vz omegax omegay omegaz".split(' ').map(String::from).collect();
     let pairs = [listed("c_ids", 2), listed("c_pairs", 6)].concat();
-    let mut tables = vec![
-        Table { name: "grains".into(), style: "custom", columns: grains, names: &[], touches: None },
-        Table { name: "pairs".into(), style: "local", columns: pairs, names: &PAIR_NAMES, touches: None },
+    let mut dumps = vec![
+        Dump { name: "grains".into(), style: "custom", columns: grains, names: &[], touches: None },
+        Dump { name: "pairs".into(), style: "local", columns: pairs, names: &PAIR_NAMES, touches: None },
     ];
-    for (number, wall) in met.iter().enumerate() {
+    for (number, wall) in walls.iter().enumerate() {
         let _ = writeln!(text, "variable met{number} atom {wall}");
         // First stands whether the grain touches.
         let felt = listed(&format!("f_wall{number}"), 7);
         let columns = [&["id".into()], &felt[1..], &[format!("v_met{number}")]].concat();
         let (name, touches) = (format!("wall{number}"), Some(felt[0].clone()));
-        tables.push(Table { name, style: "custom", columns, names: &WALL_NAMES, touches });
+        dumps.push(Dump { name, style: "custom", columns, names: &WALL_NAMES, touches });
     }
-    for table in &tables {
-        table.write(text, *steps);
+    for dump in &dumps {
+        dump.write(text, *steps);
     }
 }
 
-/// What one pair of dumps writes to a file.
-struct Table {
+/// A file: two dumps write it, one at the plan's frames and one at the end.
+struct Dump {
     name: String,
     style: &'static str,
     columns: Vec<String>,
     /// Names of the columns in the file, where they are not LAMMPS's own.
     names: &'static [&'static str],
-    /// Number of a grain that is above zero where the grain is listed.
+    /// What is 1 of a grain that touches, else 0, where those that touch alone are listed.
     touches: Option<String>,
 }
 
-impl Table {
+impl Dump {
     fn write(&self, text: &mut String, steps: u64) {
-        let Table { name, style, columns, names, touches } = self;
+        let Dump { name, style, columns, names, touches } = self;
         let mut how = String::from("format float %.12g");
         for (column, name) in columns.iter().zip(*names) {
             let _ = write!(how, " colname {column} {name}");
