@@ -116,30 +116,37 @@ fn an_interruption_is_told_and_leaves_an_earlier_report() {
         fs::write(folder.join("code.toml"), described(fault, OUT)).unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_makadam"));
         command.arg("judge").args(SCENE).args(["--code", "code.toml", "--against", "makadam", "--seeds", "2"]);
-        command.args(["--output", output]).env("XDG_CACHE_HOME", folder.join("cache")).current_dir(folder);
+        command
+            .args(["--output", output, "--threads", "1"])
+            .env("XDG_CACHE_HOME", folder.join("cache"))
+            .current_dir(folder);
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     };
-    let interrupted = |output: &str| {
+    let runs = folder.join("cache/makadam/runs");
+    // The words of an interruption while a seed runs, and how many folders of runs are left.
+    let interrupted = |fault: &str, seed: &str, output: &str| {
         let _ = fs::remove_dir_all(folder.join("cache"));
-        let mut child = judge("slow", output);
-        let runs = folder.join("cache/makadam/runs");
+        let mut child = judge(fault, output);
         let started = |entry: fs::DirEntry| {
-            entry.path().join("grains.csv").is_file() && entry.path().join("frames.csv").is_file()
+            entry.file_name().to_string_lossy().contains(&format!("faulty-s{seed}-"))
+                && ["grains.csv", "frames.csv"].iter().all(|name| entry.path().join(name).is_file())
         };
         let is_started = || fs::read_dir(&runs).is_ok_and(|entries| entries.flatten().any(started));
         wait_for(&mut child, "a code that was started", is_started);
         signal(&child, "-TERM");
         let ended = child.wait_with_output().unwrap();
         assert_eq!(ended.status.code(), Some(1));
-        String::from_utf8_lossy(&ended.stderr).into_owned()
+        (String::from_utf8_lossy(&ended.stderr).into_owned(), fs::read_dir(&runs).unwrap().count())
     };
     assert!(judge("none", "out").wait_with_output().unwrap().status.success());
     let page = |output: &str| fs::read_to_string(folder.join(output).join("report.html")).unwrap();
     let whole = page("out");
-    let said = interrupted("out");
+    let (said, left) = interrupted("slow", "1", "out");
     assert!(said.contains("interrupted; results so far: not stored, the earlier report stays in out"), "{said}");
-    assert_eq!(page("out"), whole);
-    let said = interrupted("new");
+    assert_eq!((page("out"), left), (whole, 0));
+    // It is told before what failed by itself, whose folder alone stays for a look.
+    let (said, left) = interrupted("first-fails", "2", "new");
     assert!(said.contains("interrupted; results so far: new/report.html"), "{said}");
-    assert!(page("new").contains("Faulty, seed 1: Faulty was interrupted"));
+    assert!(page("new").contains("Faulty, seed 2: Faulty was interrupted"));
+    assert_eq!(left, 1);
 }

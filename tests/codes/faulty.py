@@ -15,7 +15,9 @@ def frame(at, rows, name="out"):
     leave(f"{name}_{round(at * 1000)}.csv", ["id", "x", "y", "z", "radius"], rows)
 
 
-if fault == "slow":
+if fault == "first-fails" and seed == "1":
+    sys.exit(3)
+if fault in ("slow", "first-fails"):
     time.sleep(60)
 if fault == "same-run":
     same = random.Random(1)

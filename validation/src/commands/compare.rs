@@ -78,7 +78,7 @@ pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Conso
         true => json(&document(wanted.command, comparison, &verdict, &qualification.provenance)),
         false => format!("{}\n{}", report::comparison_table(comparison, console.colour()), verdict.sentence),
     };
-    let interrupted = matches!(failure, Some(CodeError::Interrupted { .. }));
+    let interrupted = failure.as_ref().is_some_and(CodeError::is_interruption);
     // What was cut short does not replace a report of what was not.
     let stays = wanted.output.filter(|folder| interrupted && report::is_in(folder));
     // Neither is lost if the other cannot be written.

@@ -48,7 +48,7 @@ pub struct Recorded {
     pub whole: bool,
     /// What is recorded now, a line a code and observable.
     pub lines: Vec<String>,
-    /// The first failure; what ended well was taken in.
+    /// That the user asked to stop, else the first failure of a run, else why runs were not taken in; what ended well was.
     pub failure: Option<RecordError>,
 }
 
@@ -94,11 +94,11 @@ impl Recorder<'_> {
             plans.iter().map(|(code, missing)| (code.as_ref(), self.runs(missing))).collect();
         let simulated: Vec<_> = jobs.par_iter().map(|(code, runs)| runs.simulate(*code)).collect();
         let mut recorded = Recorded { folder, changed: false, whole: true, lines: Vec::new(), failure: None };
+        let mut failed = None;
         for ((code, missing), simulated) in plans.iter().zip(simulated) {
             let code = code.name();
-            let (new, failed) = self.split(code, simulated);
-            let complete = failed.is_none();
-            recorded.failure = recorded.failure.or(failed);
+            let complete = simulated.failures.is_empty();
+            let new = self.split(code, simulated, &mut failed);
             match self.take_in(&mut reference, new, missing, complete, &hash) {
                 Ok(taken) => recorded.changed |= taken,
                 Err(problem) => {
@@ -108,6 +108,7 @@ impl Recorder<'_> {
             }
             recorded.whole &= self.describe(&reference, code, &mut recorded.lines);
         }
+        recorded.failure = failed.map(RecordError::Code).or(recorded.failure);
         // Nothing new leaves the files alone, down to their dates.
         if recorded.changed {
             if let Some(aside) = aside {
@@ -184,14 +185,13 @@ impl Recorder<'_> {
         }
     }
 
-    /// The runs that ended well; the first failure of the others, all of which are said.
-    fn split(&self, code: &str, simulated: Simulated) -> (CodeRuns, Option<RecordError>) {
-        let mut failure = None;
+    /// The runs that ended well; the failures of the others are said, and count for what is told of all.
+    fn split(&self, code: &str, simulated: Simulated, failed: &mut Option<CodeError>) -> CodeRuns {
         for (seed, error) in simulated.failures {
             (self.warn)(&format!("{code}, seed {seed}: {error}"));
-            failure = failure.or(Some(error.into()));
+            *failed = Some(CodeError::told(failed.take(), error));
         }
-        (CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests), failure)
+        CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests)
     }
 
     /// Puts new runs beside the recorded ones or in their place; whether anything changed, or why the references stay.

@@ -102,7 +102,7 @@ impl Runs<'_> {
     /// Runs the code on one seed of `scene`, whose stiffness is already scaled.
     ///
     /// # Errors
-    /// [`CodeError`]; what the code wrote is kept then.
+    /// [`CodeError`]; what the code wrote is kept then, unless the user asked to stop.
     pub fn one(&self, code: &dyn Code, scene: &Scene, seed: u64) -> Result<Harvest, CodeError> {
         let name = self.file_stem(code, seed);
         let work_folder =
@@ -143,7 +143,11 @@ impl Runs<'_> {
             return Err(CodeError::Interrupted { code: code.name() });
         }
         let progress = (self.announce)(&format!("{} {} seed {seed}{again}", scene.name, code.name()));
-        let recording = code.simulate(&job(&*progress))?;
+        let ended = code.simulate(&job(&*progress));
+        if ended.as_ref().is_err_and(CodeError::is_interruption) {
+            let _ = std::fs::remove_dir_all(&work_folder);
+        }
+        let recording = ended?;
         if let Some(file) = &kept {
             recording.save(file)?;
         }

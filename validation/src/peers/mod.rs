@@ -216,6 +216,21 @@ pub enum CodeError {
     },
 }
 
+impl CodeError {
+    /// Whether the user asked to stop.
+    pub fn is_interruption(&self) -> bool {
+        matches!(self, CodeError::Interrupted { .. })
+    }
+
+    /// What is told of several runs: that the user asked to stop, else the first failure.
+    pub fn told(earlier: Option<CodeError>, error: CodeError) -> CodeError {
+        match earlier {
+            Some(earlier) if !error.is_interruption() => earlier,
+            _ => error,
+        }
+    }
+}
+
 /// What to do about a file that the system refused.
 fn remedy(source: &std::io::Error) -> &'static str {
     match source.kind() {

@@ -60,7 +60,7 @@ pub fn usual_codes(scene: &Scene, scene_file: &Path, live: bool) -> Vec<CodeName
 pub struct Judged {
     /// What the report is made from.
     pub qualification: Qualification,
-    /// The first run that failed; tests that lack its values are not made.
+    /// That the user asked to stop, else the first failure of a run; tests that lack its values are not made.
     pub failure: Option<CodeError>,
 }
 
@@ -141,7 +141,7 @@ impl OneScene<'_> {
             for (seed, error) in simulated.failures {
                 failed.push(seed);
                 notes.push(format!("{code}, seed {seed}: {error}"));
-                failure = failure.or(Some(error));
+                failure = Some(CodeError::told(failure, error));
             }
             notes.extend(noticed(code, &simulated.harvests));
             measured.push(CodeRuns { failed, ..CodeRuns::live(code, side_by_side, simulated.harvests) });
