@@ -94,21 +94,21 @@ impl Recorder<'_> {
             plans.iter().map(|(code, missing)| (code.as_ref(), self.runs(missing))).collect();
         let simulated: Vec<_> = jobs.par_iter().map(|(code, runs)| runs.simulate(*code)).collect();
         let mut recorded = Recorded { folder, changed: false, whole: true, lines: Vec::new(), failure: None };
-        let mut failed = None;
+        let mut failures = Vec::new();
         for ((code, missing), simulated) in plans.iter().zip(simulated) {
             let code = code.name();
-            let complete = simulated.failures.is_empty();
-            let new = self.split(code, simulated, &mut failed);
-            match self.take_in(&mut reference, new, missing, complete, &hash) {
+            let (new, failed) = self.split(code, simulated);
+            match self.take_in(&mut reference, new, missing, failed.is_empty(), &hash) {
                 Ok(taken) => recorded.changed |= taken,
                 Err(problem) => {
                     (self.warn)(&format!("{code}: its references stay as they were: {problem}"));
                     recorded.failure = recorded.failure.or(Some(problem));
                 }
             }
+            failures.extend(failed);
             recorded.whole &= self.describe(&reference, code, &mut recorded.lines);
         }
-        recorded.failure = failed.map(RecordError::Code).or(recorded.failure);
+        recorded.failure = CodeError::foremost(failures).map(RecordError::Code).or(recorded.failure);
         // Nothing new leaves the files alone, down to their dates.
         if recorded.changed {
             if let Some(aside) = aside {
@@ -185,13 +185,14 @@ impl Recorder<'_> {
         }
     }
 
-    /// The runs that ended well; the failures of the others are said, and count for what is told of all.
-    fn split(&self, code: &str, simulated: Simulated, failed: &mut Option<CodeError>) -> CodeRuns {
-        for (seed, error) in simulated.failures {
+    /// The runs that ended well, and the failures of the others, all of which are said.
+    fn split(&self, code: &str, simulated: Simulated) -> (CodeRuns, Vec<CodeError>) {
+        let said = |(seed, error): (u64, CodeError)| {
             (self.warn)(&format!("{code}, seed {seed}: {error}"));
-            *failed = Some(CodeError::told(failed.take(), error));
-        }
-        CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests)
+            error
+        };
+        let failures = simulated.failures.into_iter().map(said).collect();
+        (CodeRuns::live(code, rayon::current_num_threads(), simulated.harvests), failures)
     }
 
     /// Puts new runs beside the recorded ones or in their place; whether anything changed, or why the references stay.

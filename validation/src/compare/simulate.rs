@@ -144,6 +144,7 @@ impl Runs<'_> {
         }
         let progress = (self.announce)(&format!("{} {} seed {seed}{again}", scene.name, code.name()));
         let ended = code.simulate(&job(&*progress));
+        // What was cut short tells nothing; what failed by itself does.
         if ended.as_ref().is_err_and(CodeError::is_interruption) {
             let _ = std::fs::remove_dir_all(&work_folder);
         }

@@ -222,12 +222,10 @@ impl CodeError {
         matches!(self, CodeError::Interrupted { .. })
     }
 
-    /// What is told of several runs: that the user asked to stop, else the first failure.
-    pub fn told(earlier: Option<CodeError>, error: CodeError) -> CodeError {
-        match earlier {
-            Some(earlier) if !error.is_interruption() => earlier,
-            _ => error,
-        }
+    /// The one of several failures that is told: that the user asked to stop, else the first.
+    pub fn foremost(mut failures: Vec<CodeError>) -> Option<CodeError> {
+        let place = failures.iter().position(CodeError::is_interruption).unwrap_or(0);
+        (place < failures.len()).then(|| failures.swap_remove(place))
     }
 }
 

@@ -134,18 +134,19 @@ impl OneScene<'_> {
         }
         let simulated: Vec<_> = live.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
         let side_by_side = rayon::current_num_threads().min(live.len() * runs.seeds.len());
-        let (mut measured, mut failure) = (Vec::new(), None);
+        let (mut measured, mut failures) = (Vec::new(), Vec::new());
         for (code, simulated) in simulated {
             let simulated = without_same_runs(self.judged, code, scene, simulated);
             let mut failed = Vec::new();
             for (seed, error) in simulated.failures {
                 failed.push(seed);
                 notes.push(format!("{code}, seed {seed}: {error}"));
-                failure = Some(CodeError::told(failure, error));
+                failures.push(error);
             }
             notes.extend(noticed(code, &simulated.harvests));
             measured.push(CodeRuns { failed, ..CodeRuns::live(code, side_by_side, simulated.harvests) });
         }
+        let failure = CodeError::foremost(failures);
         if let Some(error @ CodeError::Scene(_)) = failure {
             return Err(error.into());
         }
