@@ -1,7 +1,7 @@
 //! Tests on record: one that is not made, or made with less, is no pass, and the verdict names it.
 
 use crate::support::sample;
-use makadam_validation::compare::physics_hash;
+use makadam_validation::compare::{Row, physics_hash};
 use makadam_validation::report::{Qualification, Standing, StudyOutcome, StudyTestOnRecord, TestOnRecord};
 use makadam_validation::statistics::Outcome;
 
@@ -30,6 +30,12 @@ fn sound() -> (Qualification, TestOnRecord) {
 fn is_lost(qualification: &Qualification, test: &TestOnRecord, words: &str) {
     let verdict = qualification.verdict();
     assert_eq!((verdict.standing, verdict.not_measured), (Standing::NotMeasured, 1));
+    // It counts once, made or not.
+    let comparison = &qualification.comparisons[0];
+    let is_test = |row: &&Row| row.code == comparison.judged && row.reference_code.is_some() && row.outcome.is_some();
+    let made = comparison.rows.iter().filter(is_test).count();
+    let wanting = qualification.on_record.iter().filter(|test| test.observable == "packing_factor").count();
+    assert_eq!(verdict.tests(), made + wanting);
     let said = format!(" A test on record {words}: {test}.");
     assert!(verdict.sentence.ends_with(&said), "{}", verdict.sentence);
 }

@@ -385,8 +385,8 @@ fn what_was_not_measured_is_said_everywhere_and_does_not_pass() {
     assert_eq!((verdict.standing, verdict.agree, verdict.not_measured), (Standing::NotMeasured, 6, 2));
     assert_eq!(
         verdict.sentence,
-        "Not measured: of 8 tests of 1 scene against LIGGGHTS and YADE, 6 agree, none disagrees, and 2 could not be made, for want \
-         of values."
+        "Not measured: of 8 tests of 1 scene against LIGGGHTS and YADE, 6 agree, none disagrees, and 2 could not be made as \
+         asked for."
     );
     let folder = tempfile::tempdir().expect("a temporary folder");
     let paths = write(&qualification, folder.path()).expect("a report");
@@ -404,7 +404,7 @@ fn what_was_not_measured_is_said_everywhere_and_does_not_pass() {
     qualification.comparisons[0].rows[3].outcome = Some(Outcome::Disagree);
     let verdict = qualification.verdict();
     assert_eq!(verdict.standing, Standing::Disagree);
-    assert!(verdict.sentence.contains("2 tests of what was asked for could not be made"), "{}", verdict.sentence);
+    assert!(verdict.sentence.contains("2 tests could not be made as asked for"), "{}", verdict.sentence);
 
     // Nothing at all, or a live value that could not be checked.
     let verdict = all(Outcome::NotMeasured).verdict();

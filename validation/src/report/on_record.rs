@@ -3,6 +3,7 @@
 use super::qualification::Qualification;
 use super::studies::StudyTestOnRecord;
 use crate::compare::{Comparison, Row, physics_hash};
+use crate::draw::numbers::plural;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -41,8 +42,20 @@ pub struct Lost {
 
 impl fmt::Display for TestOnRecord {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{} of {} against {}", self.observable, self.scene, self.reference_code)
+        out.write_str(&name(&self.observable, &self.scene, &self.reference_code))
     }
+}
+
+impl Lost {
+    /// Whether a row is what was made of the test.
+    pub(super) fn is_of(&self, row: &Row) -> bool {
+        row.reference_code.as_ref().is_some_and(|reference| self.test == name(&row.observable, &row.scene, reference))
+    }
+}
+
+/// A test of equivalence in words.
+fn name(observable: &str, scene: &str, reference_code: &str) -> String {
+    format!("{observable} of {scene} against {reference_code}")
 }
 
 impl Qualification {
@@ -74,12 +87,13 @@ impl Qualification {
         let (judged, reference) = (row.seeds, of_reference.unwrap_or(0));
         if judged < test.judged_seeds {
             let (code, least) = (&comparison.judged, test.judged_seeds);
-            return Some(format!("was made with {judged} seeds of {code}, not with the {least} on record"));
+            let made = plural(judged, "seed");
+            return Some(format!("was made with {made} of {code}, not with the {least} on record"));
         }
         let fewest = judged.min(reference);
         (fewest < test.seeds).then(|| {
             let code = if judged == fewest { &comparison.judged } else { &test.reference_code };
-            format!("was made with {fewest} seeds of {code}, not with the {} on record", test.seeds)
+            format!("was made with {} of {code}, not with the {} on record", plural(fewest, "seed"), test.seeds)
         })
     }
 

@@ -75,7 +75,8 @@ pub struct Verdict {
     pub disagree: usize,
     /// That too few seeds, or references at odds with each other, leave open.
     pub undecided: usize,
-    /// That were asked for and could not be made: a code lacks a value of the observable in some or all of its seeds.
+    /// That were asked for and could not be made so: a code lacks a value of the observable in some or all of its seeds, or the test was made
+    /// with less than is on record, or not at all.
     #[serde(default)]
     pub not_measured: usize,
     /// Undecided tests in whose observable the references differ from each other by more than the margin: more seeds would not decide.
@@ -146,6 +147,8 @@ impl Qualification {
             studies: self.studies.iter().map(StudySection::count).collect(),
             sentence: String::new(),
         };
+        let lost = self.lost();
+        let mut lost_with_row = 0;
         let mut references: Vec<&str> = Vec::new();
         let mut scenes = 0;
         for comparison in &self.comparisons {
@@ -154,7 +157,10 @@ impl Qualification {
             let judged = comparison.rows.iter().any(|row| row.code == comparison.judged);
             for row in comparison.rows.iter().filter(|row| row.code == comparison.judged || !judged) {
                 let Some(outcome) = row.outcome else { continue };
-                if outcome == Outcome::NotMeasured {
+                let wanting = if judged { lost.iter().filter(|lost| lost.is_of(row)).count() } else { 0 };
+                lost_with_row += wanting;
+                // A disagreement goes before what the test lacks.
+                if outcome == Outcome::NotMeasured || (wanting > 0 && outcome != Outcome::Disagree) {
                     verdict.not_measured += 1;
                     tested = true;
                     continue;
@@ -177,8 +183,7 @@ impl Qualification {
             }
             scenes += usize::from(tested);
         }
-        let lost = self.lost();
-        verdict.not_measured += lost.len();
+        verdict.not_measured += lost.len() - lost_with_row;
         let of_studies = |names: fn(&StudyCount) -> usize| verdict.studies.iter().map(names).sum::<usize>();
         let failed = of_studies(|study| study.failed.len());
         let lacks = verdict.not_measured
@@ -226,20 +231,20 @@ fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize)
     let tests = verdict.agree + verdict.disagree + verdict.undecided + verdict.not_measured;
     let lacking = match verdict.not_measured {
         0 => String::new(),
-        count => format!(" {} of what was asked for could not be made.", plural(count, "test")),
+        count => format!(" {} could not be made as asked for.", plural(count, "test")),
     };
     let names = join(references);
     let over = format!("{} of {}", plural(tests, "test"), plural(scenes, "scene"));
     let mut text = match (verdict.agree, verdict.disagree, verdict.undecided) {
         (0, 0, 0) if verdict.not_measured > 0 => {
-            format!("Not measured: none of {over} could be made, for want of values.")
+            format!("Not measured: none of {over} could be made as asked for.")
         }
         (0, 0, 0) if verdict.unchecked + verdict.failed_runs == 0 => {
             return "No verdict: no observable was tested against a margin and a reference code.".into();
         }
         (0, 0, 0) => "No observable was tested against a margin and a reference code.".into(),
         (agree, 0, 0) if verdict.not_measured > 0 => format!(
-            "Not measured: of {over} against {names}, {agree} agree, none disagrees, and {} could not be made, for want of values.",
+            "Not measured: of {over} against {names}, {agree} agree, none disagrees, and {} could not be made as asked for.",
             verdict.not_measured,
         ),
         (1, 0, 0) => format!("{judged} agrees with {names} in the one test that was made."),
