@@ -2,8 +2,9 @@
 
 use crate::support::sample;
 use makadam_validation::compare::{Row, physics_hash};
-use makadam_validation::report::{Qualification, Standing, StudyOutcome, StudyTestOnRecord, TestOnRecord};
+use makadam_validation::report::{Qualification, Standing, StudyOutcome, StudyTestOnRecord, TestOnRecord, write};
 use makadam_validation::statistics::Outcome;
+use std::fs;
 
 /// A drum in which every test agrees, and one of its tests as a record of it.
 fn sound() -> (Qualification, TestOnRecord) {
@@ -38,6 +39,11 @@ fn is_lost(qualification: &Qualification, test: &TestOnRecord, words: &str) {
     assert_eq!(verdict.tests(), made + wanting);
     let said = format!(" A test on record {words}: {test}.");
     assert!(verdict.sentence.ends_with(&said), "{}", verdict.sentence);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(qualification, folder.path()).expect("a report");
+    let junit = fs::read_to_string(folder.path().join("junit.xml")).expect("the tests");
+    assert!(junit.contains(&format!("tests=\"{}\" failures=\"0\" errors=\"1\"", verdict.tests())), "{junit}");
+    assert!(junit.contains(&format!("it {words}")), "{junit}");
 }
 
 #[test]

@@ -60,7 +60,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     publish(&study, || convergence::table(&study), &folder, arguments.output.json, console)?;
     if arguments.record {
         let processor = &study.provenance.build.processor;
-        let folder = record_folder("convergence", &file, processor, Some(execution.instruction_set));
+        let folder = record_folder("convergence", &file, processor, Some(execution.instruction_set), None);
         study.write_tables(&folder)?;
         console.note(&format!("table: {}", folder.display()));
     }

@@ -44,7 +44,8 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
     let folder = arguments.output.folder_of("scaling", &scene);
     publish(&study, || scaling::table(&study), &folder, arguments.output.json, console)?;
     if arguments.record {
-        let folder = record_folder("scaling", &file, &study.provenance.build.processor, study.widest());
+        let folder =
+            record_folder("scaling", &file, &study.provenance.build.processor, study.widest(), Some(study.cores));
         study.write_tables(&folder)?;
         console.note(&format!("tables: {}", folder.display()));
     }

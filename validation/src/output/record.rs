@@ -5,8 +5,15 @@ use makadam::lanes::InstructionSet;
 use std::path::{Path, PathBuf};
 
 /// Folder of a scene's recorded tables of one kind, such as "scaling": a folder of that name beside a `scene.toml`,
-/// `NAME-scaling` beside any other file, and in it a folder named after the processor and an instruction set.
-pub fn record_folder(kind: &str, scene_file: &Path, processor: &str, set: Option<InstructionSet>) -> PathBuf {
+/// `NAME-scaling` beside any other file, and in it a folder named after the processor, an instruction set and, for tables that depend
+/// on it, the number of cores.
+pub fn record_folder(
+    kind: &str,
+    scene_file: &Path,
+    processor: &str,
+    set: Option<InstructionSet>,
+    cores: Option<usize>,
+) -> PathBuf {
     let folder = match scene_file.file_stem().and_then(|stem| stem.to_str()) {
         Some("scene") | None => scene_file.with_file_name(kind),
         Some(stem) => scene_file.with_file_name(format!("{stem}-{kind}")),
@@ -16,7 +23,8 @@ pub fn record_folder(kind: &str, scene_file: &Path, processor: &str, set: Option
     // Brackets and spaces leave rows of dashes.
     let parts: Vec<&str> = processor.split('-').filter(|part| !part.is_empty()).collect();
     let set = set.map_or("", InstructionSet::name);
-    folder.join(format!("{}-{set}", parts.join("-")))
+    let cores = cores.map_or(String::new(), |cores| format!("-{cores}-cores"));
+    folder.join(format!("{}-{set}{cores}", parts.join("-")))
 }
 
 #[cfg(test)]
@@ -25,11 +33,12 @@ mod tests {
 
     #[test]
     fn folders_are_named_after_the_processor_in_plain_words() {
-        let folder = |file: &str, processor: &str| {
-            record_folder("scaling", Path::new(file), processor, Some(InstructionSet::Avx512))
+        let folder = |file: &str, processor: &str, cores: Option<usize>| {
+            record_folder("scaling", Path::new(file), processor, Some(InstructionSet::Avx512), cores)
         };
-        assert_eq!(folder("drum/scene.toml", "AMD EPYC"), Path::new("drum/scaling/amd-epyc-avx512"));
+        assert_eq!(folder("drum/scene.toml", "AMD EPYC", None), Path::new("drum/scaling/amd-epyc-avx512"));
         let xeon = "Intel(R) Xeon(R) Processor";
-        assert_eq!(folder("drum/fast.toml", xeon), Path::new("drum/fast-scaling/intel-xeon-processor-avx512"));
+        let of_sixteen = Path::new("drum/fast-scaling/intel-xeon-processor-avx512-16-cores");
+        assert_eq!(folder("drum/fast.toml", xeon, Some(16)), of_sixteen);
     }
 }

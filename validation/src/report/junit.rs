@@ -8,15 +8,22 @@ use crate::compare::{Comparison, Row};
 use crate::statistics::Outcome;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
-/// One suite a scene and a study, one case a test; known exceptions are skipped, undecided tests and those that were not made are errors, not skipped.
+/// One suite a scene and a study, one case a test; known exceptions are skipped, undecided tests and those that were not made, or with less
+/// than is on record, are errors, not skipped.
 pub(super) fn document(qualification: &Qualification) -> Result<String, quick_junit::SerializeError> {
     let mut report = Report::new(qualification.title.as_str());
+    let mut lost = qualification.lost();
     for comparison in &qualification.comparisons {
         let mut suite = TestSuite::new(comparison.scene.name.as_str());
         for row in comparison.rows.iter().filter(|row| row.code == comparison.judged) {
             let (Some(reference), Some(outcome)) = (&row.reference_code, row.outcome) else { continue };
             let name = format!("{} against {reference}", row.observable);
-            let mut case = TestCase::new(name, status(comparison, row, outcome));
+            let made = match take(&mut lost, |lost| lost.is_of(row)) {
+                // A disagreement goes before what the test lacks.
+                Some(what) if outcome != Outcome::Disagree => failed(NonSuccessKind::Error, &format!("it {what}")),
+                _ => status(comparison, row, outcome),
+            };
+            let mut case = TestCase::new(name, made);
             case.set_classname(format!("{}.{}", qualification.tier, comparison.scene.name));
             suite.add_test_case(case);
         }
@@ -27,30 +34,28 @@ pub(super) fn document(qualification: &Qualification) -> Result<String, quick_ju
         for test in &study.tests {
             let said = format!("{}: {}; right: {}", test.outcome.words(), test.measured, test.right);
             let said = test.remark.as_deref().unwrap_or(&said);
-            let mut case = TestCase::new(
-                test.name.as_str(),
-                match test.outcome {
-                    StudyOutcome::Passed => TestCaseStatus::success(),
-                    StudyOutcome::Failed => failed(NonSuccessKind::Failure, said),
-                    StudyOutcome::NotMeasured => failed(NonSuccessKind::Error, said),
-                    StudyOutcome::KnownException => {
-                        let mut status = TestCaseStatus::skipped();
-                        status.set_message(format!("known exception: {said}"));
-                        status
-                    }
-                },
-            );
+            let made = match (test.outcome, take(&mut lost, |lost| lost.is_of_study(&study.name, test))) {
+                (StudyOutcome::Failed, _) => failed(NonSuccessKind::Failure, said),
+                (_, Some(what)) => failed(NonSuccessKind::Error, &format!("it {what}")),
+                (StudyOutcome::Passed, None) => TestCaseStatus::success(),
+                (StudyOutcome::NotMeasured, None) => failed(NonSuccessKind::Error, said),
+                (StudyOutcome::KnownException, None) => {
+                    let mut status = TestCaseStatus::skipped();
+                    status.set_message(format!("known exception: {said}"));
+                    status
+                }
+            };
+            let mut case = TestCase::new(test.name.as_str(), made);
             case.set_classname(format!("{}.{}", qualification.tier, study.name));
             suite.add_test_case(case);
         }
         report.add_test_suite(suite);
     }
-    let lost = qualification.lost();
     if !lost.is_empty() {
         let mut suite = TestSuite::new("tests on record");
         for Lost { test, what } in lost {
             let message = format!("it {what}");
-            suite.add_test_case(TestCase::new(test, failed(NonSuccessKind::Error, &message)));
+            suite.add_test_case(TestCase::new(test.to_string(), failed(NonSuccessKind::Error, &message)));
         }
         report.add_test_suite(suite);
     }
@@ -65,6 +70,11 @@ pub(super) fn document(qualification: &Qualification) -> Result<String, quick_ju
         report.add_test_suite(suite);
     }
     report.to_string()
+}
+
+/// Takes out what a test lacks that was made; what is left in the list was not made.
+fn take(lost: &mut Vec<Lost>, is_of: impl Fn(&Lost) -> bool) -> Option<String> {
+    lost.extract_if(.., |lost| is_of(lost)).last().map(|Lost { what, .. }| what)
 }
 
 fn failed(kind: NonSuccessKind, message: &str) -> TestCaseStatus {

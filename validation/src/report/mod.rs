@@ -36,7 +36,7 @@ mod words;
 mod write;
 
 pub use against::Changes;
-pub use on_record::{Lost, TestOnRecord};
+pub use on_record::{AnyTestOnRecord, Lost, TestOnRecord};
 pub use place::{is_in, may_hold_comparison};
 pub use qualification::{Qualification, Standing, Verdict};
 pub use schema::schema;

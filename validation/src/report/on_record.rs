@@ -1,7 +1,7 @@
 //! Tests that a qualification must make whatever the scenes say, and how little of each may be left.
 
 use super::qualification::Qualification;
-use super::studies::StudyTestOnRecord;
+use super::studies::{StudyTest, StudyTestOnRecord};
 use crate::compare::{Comparison, Row, physics_hash};
 use crate::draw::numbers::plural;
 use schemars::JsonSchema;
@@ -31,41 +31,70 @@ pub struct TestOnRecord {
     pub scene_hash: Option<String>,
 }
 
+/// A test on record of either kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnyTestOnRecord {
+    /// Of equivalence.
+    Equivalence(TestOnRecord),
+    /// Of a study.
+    Study(StudyTestOnRecord),
+}
+
 /// A test on record that was not made, or with less than is on record.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Lost {
     /// The test.
-    pub test: String,
+    pub test: AnyTestOnRecord,
     /// What became of it, in words that follow its name.
     pub what: String,
 }
 
+impl TestOnRecord {
+    /// Whether a row is what was made of it.
+    fn is_made_in(&self, row: &Row) -> bool {
+        (&row.scene, &row.observable, row.reference_code.as_ref())
+            == (&self.scene, &self.observable, Some(&self.reference_code))
+    }
+}
+
 impl fmt::Display for TestOnRecord {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&name(&self.observable, &self.scene, &self.reference_code))
+        write!(out, "{} of {} against {}", self.observable, self.scene, self.reference_code)
+    }
+}
+
+impl fmt::Display for AnyTestOnRecord {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            AnyTestOnRecord::Equivalence(test) => test.fmt(out),
+            AnyTestOnRecord::Study(test) => write!(out, "{} ({})", test.test, test.study),
+        }
     }
 }
 
 impl Lost {
     /// Whether a row is what was made of the test.
     pub(super) fn is_of(&self, row: &Row) -> bool {
-        row.reference_code.as_ref().is_some_and(|reference| self.test == name(&row.observable, &row.scene, reference))
+        matches!(&self.test, AnyTestOnRecord::Equivalence(test) if test.is_made_in(row))
     }
-}
 
-/// A test of equivalence in words.
-fn name(observable: &str, scene: &str, reference_code: &str) -> String {
-    format!("{observable} of {scene} against {reference_code}")
+    /// Whether a test of a study is what was made of the test.
+    pub(super) fn is_of_study(&self, study: &str, made: &StudyTest) -> bool {
+        matches!(&self.test, AnyTestOnRecord::Study(test) if test.study == study && test.test == made.name)
+    }
 }
 
 impl Qualification {
     /// Tests on record that were not made as they stand there.
     pub fn lost(&self) -> Vec<Lost> {
-        let lost = |test: &TestOnRecord| Some(Lost { test: test.to_string(), what: self.lacks(test)? });
+        let lost = |test: &TestOnRecord| {
+            let what = self.lacks(test)?;
+            Some(Lost { test: AnyTestOnRecord::Equivalence(test.clone()), what })
+        };
         let of_study = |on_record: &StudyTestOnRecord| {
             let study = self.studies.iter().find(|study| study.name == on_record.study);
             let what = study.map_or(Some("was not made".into()), |study| study.lacks(on_record))?;
-            Some(Lost { test: format!("{} ({})", on_record.test, on_record.study), what })
+            Some(Lost { test: AnyTestOnRecord::Study(on_record.clone()), what })
         };
         let of_studies = self.studies_on_record.iter().filter_map(of_study);
         self.on_record.iter().filter_map(lost).chain(of_studies).collect()
@@ -100,11 +129,7 @@ impl Qualification {
     /// The row of a test with its comparison and its margin.
     fn made(&self, test: &TestOnRecord) -> Option<(&Comparison, &Row, f64)> {
         self.comparisons.iter().find_map(|comparison| {
-            let is = |row: &&Row| {
-                row.code == comparison.judged
-                    && (&row.scene, &row.observable, row.reference_code.as_ref())
-                        == (&test.scene, &test.observable, Some(&test.reference_code))
-            };
+            let is = |row: &&Row| row.code == comparison.judged && test.is_made_in(row);
             let row = comparison.rows.iter().find(is)?;
             Some((comparison, row, row.margin?))
         })

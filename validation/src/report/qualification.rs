@@ -213,14 +213,14 @@ impl Qualification {
 
 /// Tests on record that were not made as they stand there, in sentences: one for all of which the same became.
 fn told(lost: &[Lost]) -> String {
-    let mut fates: Vec<(&str, Vec<&str>)> = Vec::new();
+    let mut fates: Vec<(&str, Vec<String>)> = Vec::new();
     for Lost { test, what } in lost {
         match fates.iter_mut().find(|(fate, _)| fate == what) {
-            Some((_, tests)) => tests.push(test),
-            None => fates.push((what, vec![test])),
+            Some((_, tests)) => tests.push(test.to_string()),
+            None => fates.push((what, vec![test.to_string()])),
         }
     }
-    let sentence = |(fate, tests): (&str, Vec<&str>)| match tests.as_slice() {
+    let sentence = |(fate, tests): (&str, Vec<String>)| match tests.as_slice() {
         [test] => format!(" A test on record {fate}: {test}."),
         tests => format!(" Each of {} tests on record {fate}: {}.", tests.len(), tests.join(", ")),
     };

@@ -34,7 +34,7 @@ pub struct ScalingArguments {
     /// cores is measured, and more cores are assumed to bring more memory.
     #[arg(long, value_parser = positive)]
     pub memory_bandwidth: Option<f64>,
-    /// Write the tables also next to the scene, in a folder named after processor and instruction set.
+    /// Write the tables also next to the scene, in a folder named after processor, instruction set and number of cores.
     #[arg(long)]
     pub record: bool,
     /// Where the results go.
