@@ -18,3 +18,25 @@ fn each_fault_has_its_place_in_the_sources() {
         }
     }
 }
+
+/// What came of each fault is on record, and none went unseen.
+#[test]
+fn each_fault_was_seen() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests");
+    let read = |name: &str| fs::read_to_string(root.join(name)).expect("a table");
+    for (faults, key, table, named, seen) in [
+        ("mutations.toml", "mutation", "mutations.csv", 1, 3),
+        ("broken-builds.toml", "broken", "broken-builds.csv", 0, 1),
+    ] {
+        let faults: BTreeMap<String, Vec<BTreeMap<String, String>>> = toml::from_str(&read(faults)).expect("faults");
+        let on_record = read(table);
+        let mut lines = csv::Reader::from_reader(on_record.as_bytes());
+        let rows: Vec<csv::StringRecord> = lines.records().collect::<Result<_, _>>().expect("rows");
+        let rows = rows.iter().filter(|row| row[named] != *"no fault");
+        let rows: Vec<(&str, &str)> = rows.map(|row| (&row[named], &row[seen])).collect();
+        let names: Vec<&str> = rows.iter().map(|row| row.0).collect();
+        let expected: Vec<&str> = faults[key].iter().map(|fault| fault["what"].as_str()).collect();
+        assert_eq!(names, expected, "{table}");
+        assert!(rows.iter().all(|row| !row.1.is_empty() && row.1 != "0"), "{table}");
+    }
+}

@@ -202,6 +202,9 @@ fn a_study_says_what_is_replayed() {
         let svg = std::fs::read_to_string(folder.path().join(format!("{name}.svg"))).unwrap();
         roxmltree::Document::parse(&svg).unwrap();
     }
+    let machine = std::fs::read_to_string(folder.path().join("machine.csv")).unwrap();
+    assert_eq!(machine.lines().count(), 2, "{machine}");
+    assert!(machine.lines().nth(1).unwrap().starts_with(&format!("{},", study.cores)), "{machine}");
     let replayed = std::fs::read_to_string(folder.path().join("replayed.csv")).unwrap();
     assert!(
         replayed.starts_with("source,machine,instruction_set,scheduler,workers,portion,step_seconds"),

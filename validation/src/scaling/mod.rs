@@ -29,6 +29,6 @@ pub use hardware::{Bandwidth, cache_bytes, clock};
 pub use machine::{MOST_WORKERS, Machine, worker_counts};
 pub use measure::{Measurement, Plan, Times, Timing, Traces, WARM_UP};
 pub use replay::{Replayed, Traffic, replay};
-pub use rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
+pub use rows::{Check, MachineRow, MeasuredRow, ReplayedRow, TaskRow};
 pub use study::{Setting, Study};
 pub use terminal::table;

@@ -21,6 +21,7 @@ impl Document for Study {
 
     fn tables(&self) -> Result<Vec<File>, DocumentError> {
         Ok(vec![
+            table("machine", &[self.machine()])?,
             table("measured", &self.measured)?,
             table("replayed", &self.replayed)?,
             table("checks", &self.checks)?,

@@ -87,6 +87,27 @@ pub struct Check {
     pub own_tasks_deviation_percent: f64,
 }
 
+/// What the machine and the scene bring to every configuration.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MachineRow {
+    /// Cores that the process may use.
+    pub cores: usize,
+    /// Size of the last-level cache as the system tells it, bytes.
+    pub cache_bytes: u64,
+    /// Memory bandwidth to one thread, bytes/s.
+    pub bandwidth_one_thread: f64,
+    /// Memory bandwidth to a thread on each core, bytes/s.
+    pub bandwidth_all_threads: f64,
+    /// Grains.
+    pub particles: usize,
+    /// Contacts, mean over the timed steps.
+    pub contacts: f64,
+    /// Memory that the simulation itself holds, bytes.
+    pub simulation_bytes: usize,
+    /// Memory traffic of a contact sweep that finds nothing in a cache, bytes; absent without contacts.
+    pub bytes_per_contact_sweep: Option<f64>,
+}
+
 /// Durations of the tasks of one kind of region, in seconds, over the traced steps.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TaskRow {

@@ -5,7 +5,7 @@ use super::hardware::{Bandwidth, cache_bytes, clock};
 use super::machine::{MOST_WORKERS, Machine};
 use super::measure::{Measurement, Plan, Timing, Traces, WARM_UP};
 use super::predict::{checks, curves};
-use super::rows::{Check, MeasuredRow, ReplayedRow, TaskRow};
+use super::rows::{Check, MachineRow, MeasuredRow, ReplayedRow, TaskRow};
 use super::tasks::{mean, task_rows};
 use crate::execution::{MeasureError, cores};
 use crate::output::JSON_VERSION;
@@ -170,6 +170,20 @@ impl Study {
     /// The widest instruction set that was measured.
     pub fn widest(&self) -> Option<InstructionSet> {
         self.measured.last().map(|row| row.instruction_set)
+    }
+
+    /// What the machine and the scene bring to every configuration.
+    pub fn machine(&self) -> MachineRow {
+        MachineRow {
+            cores: self.cores,
+            cache_bytes: self.machines.first().map_or(0, |here| here.cache_bytes),
+            bandwidth_one_thread: self.bandwidth.one_thread,
+            bandwidth_all_threads: self.bandwidth.all_threads,
+            particles: self.particles,
+            contacts: self.contacts,
+            simulation_bytes: self.simulation_bytes,
+            bytes_per_contact_sweep: self.bytes_per_contact_sweep,
+        }
     }
 }
 
