@@ -243,7 +243,7 @@ pub fn outside_domain(frame: &Snapshot, scene: &Scene) -> Option<String> {
 pub(crate) const SAME_SIZE: f64 = 1e-3;
 
 /// No place, speed, size or force comes near it, in SI units.
-const LARGEST: f64 = 1e12;
+pub(crate) const LARGEST: f64 = 1e12;
 
 /// Grains are numbered without holes, contacts are between them, and every number is one.
 fn check_frame(frame: &Snapshot) -> Result<(), String> {

@@ -19,6 +19,7 @@ pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<Exi
     let one_scene = OneScene {
         scene: &scene,
         scene_file: &file,
+        changes: &arguments.source.changes,
         codes: all,
         judged,
         live: arguments.runs.live,

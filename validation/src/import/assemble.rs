@@ -1,9 +1,10 @@
 //! From tables to a recording: times, grains by number, contacts with their partners, and what all of them lack.
 
 use super::columns::{Column, Places};
+use super::completeness::{Completeness, Named};
 use super::frame_table::{FrameTable, ImportError};
 use super::numbers::{Numbers, numbers};
-use super::plausible::{apart, image, is_same};
+use super::plausible::{apart, askew, image, is_same};
 use super::timing::Given;
 use super::{Tables, contact_from_force, measurable, merge_wall_contacts};
 use crate::plan::Scene;
@@ -12,7 +13,7 @@ use makadam::effects::period::Period;
 use makadam::scene::{Domain, populate};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What is known of frames beside their files.
@@ -77,13 +78,16 @@ impl Assembly<'_> {
                 lacks.push(content);
             }
         }
-        self.count(&grains, &mut notes);
+        self.count(&grains, &mut notes)?;
+        let measured = self.measured(&grains);
+        let mut completeness = Completeness::default();
         let mut frames = Vec::with_capacity(grains.len());
         for (place, (time, table)) in grains.iter().enumerate() {
             let particles = particles(table, &numbers, radii.as_deref(), &self.scene.domain)?;
             let mut found = Found::default();
-            for of_frame in std::mem::take(&mut contacts[place]) {
-                self.add_contacts(of_frame, &particles, &numbers, &mut found)?;
+            let of_frame = std::mem::take(&mut contacts[place]);
+            for table in &of_frame {
+                self.add_contacts(table, &particles, &numbers, &mut found)?;
             }
             let snapshot = Snapshot {
                 time: *time,
@@ -91,8 +95,19 @@ impl Assembly<'_> {
                 contacts: merge_wall_contacts(found.contacts),
                 ..Snapshot::default()
             };
-            frames.push(measurable(snapshot).map_err(|problem| table.fault(0, problem))?);
+            let snapshot = measurable(snapshot).map_err(|problem| table.fault(0, problem))?;
+            if measured[place] && !of_frame.is_empty() {
+                completeness.look(self.scene, &snapshot, &found.named);
+            }
+            frames.push(snapshot);
         }
+        for (content, problem) in completeness.lacking(self.scene, !lacks.contains(&Content::WallContacts)) {
+            notes.push(problem);
+            if !lacks.contains(&content) {
+                lacks.push(content);
+            }
+        }
+        notes.extend(standing(frames.iter().zip(&measured).filter(|(_, measured)| **measured).map(|(frame, _)| frame)));
         let simulated_seconds = frames.last().map_or(0.0, |frame| frame.time);
         let recording = Recording {
             scene: self.scene.name.clone(),
@@ -175,7 +190,7 @@ impl Assembly<'_> {
             let (partner, other) = match (named(second), named(wall)) {
                 (Some(place), None) => {
                     let other = grain(place)?;
-                    found.meet(a.id, other.id).map_err(|how| {
+                    found.named.meet(a.id, other.id).map_err(|how| {
                         fault(format!("grains {} and {} {how}", numbers_of_row[first], numbers_of_row[place]))
                     })?;
                     (Partner::Grain(other.id), Some(other))
@@ -188,6 +203,7 @@ impl Assembly<'_> {
                             self.scene.wall.len()
                         )));
                     }
+                    found.named.walls.insert((a.id, number as u32));
                     (Partner::Wall(number as u32), None)
                 }
                 _ => {
@@ -207,7 +223,23 @@ impl Assembly<'_> {
                 };
                 return Err(fault(format!("grain {} and {what} {problem}", numbers_of_row[first])));
             }
-            let Some(towards) = given.unwrap_or(towards).try_normalize(0.0) else { continue };
+            let given = given.filter(|normal| *normal != Vector3::zeros());
+            if let Some(angle) = given.and_then(|normal| askew(&normal, &towards, a.radius)) {
+                return Err(fault(format!(
+                    "the normal of grain {} is {angle:.0} degrees off the way to its partner; normals lead from the first grain to its \
+                     partner, and may be left out",
+                    numbers_of_row[first]
+                )));
+            }
+            let Some(towards) = given.unwrap_or(towards).try_normalize(0.0) else {
+                if !forces.bear(numbers_of_row) {
+                    continue;
+                }
+                return Err(fault(format!(
+                    "grain {} touches its partner in its own centre, which leaves the direction open; give normals nx, ny, nz",
+                    numbers_of_row[first]
+                )));
+            };
             let whole = |force| contact_from_force(a.id, partner, point.into(), towards, force);
             match forces {
                 Forces::OnFirst(force) => found.add(whole(vector(numbers_of_row, force))),
@@ -231,8 +263,8 @@ impl Assembly<'_> {
 #[derive(Default)]
 struct Found {
     contacts: Vec<Contact>,
-    /// Grains that touch, the smaller number first: spheres touch once, and a contact that is listed twice would count twice.
-    pairs: BTreeSet<(u32, u32)>,
+    /// What touches: two spheres touch once, and a contact that is listed twice would count twice.
+    named: Named,
     /// Places of the contacts of a grain with a wall.
     walls: BTreeMap<(u32, u32), Vec<usize>>,
 }
@@ -253,20 +285,6 @@ impl Found {
         }
         self.contacts.push(contact);
         Ok(())
-    }
-
-    /// Takes note that two grains touch.
-    ///
-    /// # Errors
-    /// What is wrong with it, in words that follow their names.
-    fn meet(&mut self, one: u32, other: u32) -> Result<(), &'static str> {
-        if one == other {
-            return Err("of a contact are one");
-        }
-        match self.pairs.insert((one.min(other), one.max(other))) {
-            true => Ok(()),
-            false => Err("touch twice in this frame; list each contact once"),
-        }
     }
 }
 
@@ -292,6 +310,16 @@ impl Forces {
         };
         whole().or_else(split).or_else(parts)
     }
+
+    /// Whether a row has a force.
+    fn bear(self, row: &[f64]) -> bool {
+        let is_one = |place: usize| row[place] != 0.0;
+        match self {
+            Forces::OnFirst(force) => force.into_iter().any(is_one),
+            Forces::Parts(parts) => parts.into_iter().flatten().any(is_one),
+            Forces::Split(normal, tangential) => is_one(normal) || tangential.into_iter().any(is_one),
+        }
+    }
 }
 
 /// The contact point and the way from the first grain to the second, or to a wall; none where a wall's point is not known.
@@ -308,6 +336,19 @@ fn geometry(
     let towards = period.arm(&centre, &second.position.into());
     let between = centre + towards * (first.radius / (first.radius + second.radius));
     Some((point.unwrap_or(between), towards))
+}
+
+/// That measured frames are the same as the one before, to the last bit, if some are.
+fn standing<'f>(frames: impl Iterator<Item = &'f Snapshot>) -> Option<String> {
+    let frames: Vec<&Snapshot> = frames.filter(|frame| !frame.particles.is_empty()).collect();
+    let same = frames.windows(2).filter(|pair| pair[0].particles == pair[1].particles).count();
+    (same > 0).then(|| {
+        format!(
+            "{same} of {} measured frames are the same as the one before, to the last bit: their grains stand still, or the frame was written \
+             again",
+            frames.len()
+        )
+    })
 }
 
 fn vector(row: &[f64], [x, y, z]: [usize; 3]) -> Vector3<f64> {

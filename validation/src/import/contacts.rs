@@ -1,5 +1,6 @@
 //! From a code's contact list to the one that is measured.
 
+use crate::recording::LARGEST;
 use makadam::snapshot::{Contact, Partner, Snapshot};
 use nalgebra::Vector3;
 
@@ -51,11 +52,11 @@ fn sum(a: &Contact, b: &Contact) -> Contact {
     }
 }
 
-/// The frame, if its contacts are finite numbers: huge ones pass as numbers in a file, and overflow in products.
+/// The frame, if its contacts are numbers that forces can be: huge ones pass as numbers in a file, and overflow in products.
 pub(crate) fn measurable(frame: Snapshot) -> Result<Snapshot, String> {
     let finite = |contact: &Contact| {
         let vectors = [contact.normal, contact.tangential_force, contact.point];
-        contact.normal_force.is_finite() && vectors.iter().flatten().all(|component| component.is_finite())
+        contact.normal_force.abs() < LARGEST && vectors.iter().flatten().all(|component| component.abs() < LARGEST)
     };
     match frame.contacts.iter().find(|contact| !finite(contact)) {
         None => Ok(frame),

@@ -8,6 +8,7 @@
 
 mod assemble;
 mod columns;
+mod completeness;
 mod contact_series;
 mod contacts;
 mod dump;
@@ -177,22 +178,31 @@ fn number_in(path: &Path) -> Option<u64> {
     stem[start..end].parse().ok()
 }
 
-/// A name that two columns have, and that means something.
-fn named_twice(columns: &[String]) -> Option<&str> {
-    let names: Vec<String> = columns.iter().map(|name| name.trim().to_lowercase()).collect();
-    let is_second = |place: &usize| names[..*place].contains(&names[*place]) && column_of(&names[*place]).is_some();
-    (0..names.len()).find(is_second).map(|place| &*columns[place])
+/// Two columns that tell the same, the second of which would be passed over.
+fn told_twice(columns: &[String]) -> Option<[&str; 2]> {
+    let meaning = |name: &String| match column_of(name)? {
+        Column::Diameter => Some(Column::Radius),
+        other => Some(other),
+    };
+    let meanings: Vec<Option<Column>> = columns.iter().map(meaning).collect();
+    (0..columns.len()).find_map(|place| {
+        let first = meanings[..place].iter().position(|known| known.is_some() && *known == meanings[place])?;
+        Some([&*columns[first], &*columns[place]])
+    })
 }
 
 /// The same frames with other names of the columns, if there are some.
 ///
 /// # Errors
-/// [`ImportError`] where the files have more or fewer columns, or two of one name that means something: the second would be passed over.
+/// [`ImportError`] where the files have more or fewer columns, or two that tell the same: the second would be passed over.
 fn renamed(frames: Vec<FrameTable>, columns: &[String]) -> Result<Vec<FrameTable>, ImportError> {
-    let each_once = |frame: FrameTable| match named_twice(&frame.columns) {
+    let each_once = |frame: FrameTable| match told_twice(&frame.columns) {
         None => Ok(frame),
-        Some(name) => {
-            let problem = format!("two columns are named {name}; name each once, those that are not wanted with _");
+        Some([one, other]) => {
+            let is_one_name = one.trim().eq_ignore_ascii_case(other.trim());
+            let named =
+                if is_one_name { format!("are named {other}") } else { format!("tell the same, {one} and {other}") };
+            let problem = format!("two columns {named}; name each once, those that are not wanted with _");
             Err(ImportError::new(&frame.file, frame.line.saturating_sub(1).max(1), problem))
         }
     };

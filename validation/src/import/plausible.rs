@@ -21,6 +21,16 @@ pub(super) fn apart(first: &Particle, second: Option<&Particle>, towards: &Vecto
     })
 }
 
+/// Angle between a contact's normal and the way to its partner from which on they contradict each other, degrees.
+const ASKEW: f64 = 10.0;
+
+/// By how much a given normal is off the way to the partner (m), degrees, where it contradicts it; the way tells nothing where it is short
+/// against the radius (m).
+pub(super) fn askew(normal: &Vector3<f64>, towards: &Vector3<f64>, radius: f64) -> Option<f64> {
+    let angle = normal.angle(towards).to_degrees();
+    (towards.norm() > 0.1 * radius && angle > ASKEW).then_some(angle)
+}
+
 /// The image of a place that lies in the domain, as far as it is periodic; the place itself where it lies inside.
 pub(super) fn image(domain: &Domain, place: Vector3<f64>) -> Vector3<f64> {
     let low = Vector3::from(domain.min);

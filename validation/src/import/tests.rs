@@ -7,6 +7,7 @@ use makadam::Simulation;
 use makadam::snapshot::{Contact, Partner, Snapshot};
 use std::fmt::Write;
 
+mod complete_contacts;
 mod contact_series;
 mod counted_frames;
 mod same_grains;
@@ -364,6 +365,13 @@ fn a_column_that_is_named_twice_is_refused() {
         assert!(error.contains("a.csv: line 1: two columns are named X"), "{error}");
     }
     assert!(added("id,x,y,z,r\n1,0,0,0,1\n", &["id", "x", "y", "z", "x"])[0].contains("two columns are named x"));
+    let names = ["id", "x", "y", "z", "vx", "velocity_x", "radius", "diameter"];
+    let errors = [&names[..6], &[names[0], names[1], names[2], names[3], names[6], names[7]]].map(|names| {
+        let row = vec!["1"; names.len()].join(",");
+        added(&format!("{}\n{row}\n", names.join(",")), &[])[0].clone()
+    });
+    assert!(errors[0].contains("two columns tell the same, vx and velocity_x"), "{}", errors[0]);
+    assert!(errors[1].contains("two columns tell the same, radius and diameter"), "{}", errors[1]);
     assert!(added("time,t,x\n1,0,0\n", &[])[0].contains("a.csv: line 1: two columns tell the time"));
     // Named anew, each once; what means nothing may be there twice.
     assert_eq!(added(twice, &["id", "x", "y", "z", "r", "_"]), ["", ""]);

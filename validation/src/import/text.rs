@@ -3,7 +3,7 @@
 use super::frame_table::{FrameTable, ImportError};
 use std::path::Path;
 
-/// Frames of a table with names in its first row. Rows whose times differ are frames of their own.
+/// Frames of a table with names in its first row. Rows whose times differ are frames of their own, or else those whose steps differ.
 ///
 /// # Errors
 /// [`ImportError`] with the line.
@@ -32,7 +32,7 @@ pub(super) fn csv(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportEr
         lines.push(line);
     }
     let table = FrameTable { file: file.into(), line: 2, time: None, step: None, columns, values };
-    Ok(by_time(table, &lines))
+    by_frame(table, &lines)
 }
 
 /// Whether a column tells the time of its rows.
@@ -40,22 +40,39 @@ fn is_time(name: &str) -> bool {
     ["time", "t"].contains(&name.to_lowercase().as_str())
 }
 
-/// One frame a value of the column of times, in the order in which they first come; the whole table, if it has no such column.
-fn by_time(table: FrameTable, lines: &[usize]) -> Vec<FrameTable> {
-    let Some(place) = table.columns.iter().position(|name| is_time(name)) else {
-        return vec![table];
+/// Whether a column tells the step of its rows.
+fn is_step(name: &str) -> bool {
+    ["step", "timestep"].contains(&name.to_lowercase().as_str())
+}
+
+/// One frame a value of the column of times, or else of that of steps, in the order in which they first come; the whole table, if it has
+/// neither column.
+fn by_frame(table: FrameTable, lines: &[usize]) -> Result<Vec<FrameTable>, ImportError> {
+    let place = |is: fn(&str) -> bool| table.columns.iter().position(|name| is(name));
+    let (of_times, of_steps) = (place(is_time), place(is_step));
+    let Some(place) = of_times.or(of_steps) else {
+        return Ok(vec![table]);
     };
-    let mut frames: Vec<FrameTable> = Vec::new();
+    let mut frames: Vec<(f64, FrameTable)> = Vec::new();
     for (row, line) in table.rows().zip(lines) {
-        let time = row[place];
-        let known = frames.iter().rposition(|frame| frame.time == Some(time));
+        let own = row[place];
+        let known = frames.iter().rposition(|(known, _)| *known == own);
         let known = known.unwrap_or_else(|| {
-            frames.push(FrameTable { time: Some(time), line: *line, values: Vec::new(), ..table.clone() });
+            frames.push((own, FrameTable { line: *line, values: Vec::new(), ..table.clone() }));
             frames.len() - 1
         });
-        frames[known].values.extend(row);
+        frames[known].1.values.extend(row);
     }
-    frames
+    let told = |(own, frame): (f64, FrameTable)| {
+        if of_times.is_some() {
+            return Ok(FrameTable { time: Some(own), ..frame });
+        }
+        match (0.0..1e15).contains(&own) && own.fract() == 0.0 {
+            true => Ok(FrameTable { step: Some(own as u64), ..frame }),
+            false => Err(frame.fault(0, format!("{own} is no number of a step"))),
+        }
+    };
+    frames.into_iter().map(told).collect()
 }
 
 /// What YADE writes in columns; the first line names the format.

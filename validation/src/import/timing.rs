@@ -84,7 +84,10 @@ impl Assembly<'_> {
     }
 
     /// Notes frames that have no grains, and others than those of the scene.
-    pub(super) fn count(&self, grains: &[(f64, &FrameTable)], notes: &mut Vec<String>) {
+    ///
+    /// # Errors
+    /// [`ImportError`] where a frame has more grains than the scene.
+    pub(super) fn count(&self, grains: &[(f64, &FrameTable)], notes: &mut Vec<String>) -> Result<(), ImportError> {
         let counts: Vec<usize> = grains.iter().map(|(_, table)| table.rows().count()).collect();
         let filled = || counts.iter().filter(|count| **count > 0);
         let empty = counts.len() - filled().count();
@@ -93,16 +96,25 @@ impl Assembly<'_> {
         }
         let (fewest, most) = (filled().min().copied().unwrap_or(0), filled().max().copied().unwrap_or(0));
         let wanted = self.scene.grain_count();
+        if let Some((_, table)) = grains.iter().find(|(_, table)| table.rows().count() > wanted) {
+            let problem = format!(
+                "a frame has {} grains, and the scene has {wanted}; leave one frame at each time, in files of its own or told apart by a \
+                 column time or step",
+                table.rows().count()
+            );
+            return Err(table.fault(0, problem));
+        }
         if (fewest, most) != (wanted, wanted) {
             let found = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
             notes.push(format!(
                 "the frames have {found} grains, and the scene has {wanted}: those that are there are measured"
             ));
         }
+        Ok(())
     }
 
     /// Which of the frames are measured.
-    fn measured(&self, grains: &[(f64, &FrameTable)]) -> Vec<bool> {
+    pub(super) fn measured(&self, grains: &[(f64, &FrameTable)]) -> Vec<bool> {
         let last = grains.iter().rposition(|(_, table)| table.rows().next().is_some());
         let is_measured = |(place, (time, _)): (usize, &(f64, &FrameTable))| match self.scene.measure.from {
             Some(_) => self.scene.measure.covers(*time),

@@ -1,7 +1,7 @@
 //! One scene in several codes, judged.
 
 use super::record::on_record;
-use super::same_runs::without_same_runs;
+use super::same_runs::{copied, without_same_runs};
 use super::tier::Tier;
 use crate::compare::{
     Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison, noticed, physics_hash,
@@ -10,6 +10,7 @@ use crate::peers::{Code, CodeError, CodeName, Purpose};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::report::{Qualification, TestOnRecord};
+use crate::scenes::Change;
 use rayon::prelude::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -20,6 +21,8 @@ pub struct OneScene<'a> {
     pub scene: &'a Scene,
     /// Its file.
     pub scene_file: &'a Path,
+    /// What was changed in the scene of the file, which the report tells.
+    pub changes: &'a [Change],
     /// The codes, the judged one first.
     pub codes: Vec<Box<dyn Code>>,
     /// Name of the code that is judged, which is always run.
@@ -116,7 +119,8 @@ impl OneScene<'_> {
             recordings: None,
             announce: self.announce,
         };
-        let (mut notes, mut recorded) = (Vec::new(), Vec::new());
+        let changed = |change: &Change| format!("the scene is not as its file has it, but with {change} (--set)");
+        let (mut notes, mut recorded) = (self.changes.iter().map(changed).collect::<Vec<_>>(), Vec::new());
         let mut live: Vec<Box<dyn Code>> = Vec::new();
         for code in self.codes {
             if ["Makadam", self.judged].contains(&code.name()) || self.live {
@@ -134,6 +138,10 @@ impl OneScene<'_> {
         }
         let simulated: Vec<_> = live.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
         let side_by_side = rayon::current_num_threads().min(live.len() * runs.seeds.len());
+        if self.judged != "Makadam" {
+            let of = |name: &str| simulated.iter().find(|(code, _)| *code == name).map(|(_, runs)| &runs.harvests[..]);
+            notes.extend(of(self.judged).zip(of("Makadam")).and_then(|(own, other)| copied(self.judged, own, other)));
+        }
         let (mut measured, mut failures) = (Vec::new(), Vec::new());
         for (code, simulated) in simulated {
             let simulated = without_same_runs(self.judged, code, scene, simulated);

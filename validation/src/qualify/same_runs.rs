@@ -3,7 +3,8 @@
 use crate::compare::{Harvest, Simulated};
 use crate::peers::CodeError;
 use crate::plan::Scene;
-use makadam::scene::populate;
+use makadam::scene::{Grain, populate};
+use makadam::snapshot::Particle;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
@@ -16,8 +17,8 @@ pub(super) fn without_same_runs(judged: &str, code: &'static str, scene: &Scene,
     let Simulated { harvests, mut failures } = simulated;
     let mut kept: Vec<Harvest> = Vec::new();
     for harvest in harvests {
-        let same = kept.iter().find(|known| is_same(known, &harvest)).map(|known| known.run.seed);
-        match same.filter(|known| depends_on_seed(scene, [*known, harvest.run.seed])) {
+        let same = kept.iter().find(|known| is_given_twice(scene, [known, &harvest])).map(|known| known.run.seed);
+        match same {
             Some(known) => {
                 failures.push((harvest.run.seed, CodeError::SameRun { code, seeds: [known, harvest.run.seed] }));
             }
@@ -25,6 +26,30 @@ pub(super) fn without_same_runs(judged: &str, code: &'static str, scene: &Scene,
         }
     }
     Simulated { harvests: kept, failures }
+}
+
+/// Distance over the smallest radius within which grains of two codes are at one place only if one code has taken them from the other.
+const COPIED: f64 = 1e-6;
+
+/// So few grains may well come to the same places in two codes.
+const FEWEST_COPIED: usize = 10;
+
+/// That a judged code ends with Makadam's grains where Makadam has them, with some seeds.
+pub(super) fn copied(judged: &str, runs: &[Harvest], makadam: &[Harvest]) -> Option<String> {
+    let is_copy = |run: &&Harvest| {
+        let of_seed = makadam.iter().find(|other| other.run.seed == run.run.seed);
+        let [own, other] = [Some(*run), of_seed].map(|harvest| harvest.map_or_else(Vec::new, grains));
+        let radius = own.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+        own.len().min(other.len()) >= FEWEST_COPIED
+            && share_at_one_place(&[places(&own), places(&other)], COPIED * radius) > 0.5
+    };
+    let seeds: Vec<String> = runs.iter().filter(is_copy).map(|run| run.run.seed.to_string()).collect();
+    (!seeds.is_empty()).then(|| {
+        format!(
+            "{judged} ends where Makadam does, to a millionth of a radius, with seed {}: it agrees with itself",
+            seeds.join(", ")
+        )
+    })
 }
 
 /// Seeds of Makadam that are one and the same run, each with the earlier one: all that was measured of both is the same to the last bit.
@@ -44,6 +69,48 @@ pub(super) fn twins(harvests: &[Harvest]) -> Vec<[u64; 2]> {
     twins
 }
 
+/// Distance over the smallest radius within which two grains count as at one place: of different seeds hardly any two are so near each
+/// other, neither on the lattice of the start, where places vary by more, nor after impacts.
+const AT_ONE_PLACE: f64 = 1e-3;
+
+/// Whether two runs are one that is given for both seeds, though these start otherwise: the same to the last bit, or with most grains of one
+/// at places of the other where hardly any were at the start.
+fn is_given_twice(scene: &Scene, [one, other]: [&Harvest; 2]) -> bool {
+    let ends = [one, other].map(grains);
+    let radius = ends[0].iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let share = |places: [Vec<[f64; 3]>; 2]| share_at_one_place(&places, AT_ONE_PLACE * radius);
+    let (same, near) = (is_same(one, other), share(ends.map(|grains| places(&grains))) > 0.5);
+    if !same && !near {
+        return false;
+    }
+    let [Ok(start), Ok(other_start)] = [one, other].map(|harvest| populate(scene, harvest.run.seed)) else {
+        return false;
+    };
+    let of = |grains: &[Grain]| grains.iter().map(|grain| grain.position).collect::<Vec<_>>();
+    start != other_start && (same || share([of(&start), of(&other_start)]) < 0.1)
+}
+
+fn grains(harvest: &Harvest) -> Vec<Particle> {
+    harvest.final_state.iter().flat_map(|state| &state.particles).copied().collect()
+}
+
+fn places(grains: &[Particle]) -> Vec<[f64; 3]> {
+    grains.iter().map(|grain| grain.position).collect()
+}
+
+/// Share of the first places that have one of the others within a distance, m.
+fn share_at_one_place([some, others]: &[Vec<[f64; 3]>; 2], within: f64) -> f64 {
+    let mut sorted = others.clone();
+    sorted.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    let has_one = |place: &&[f64; 3]| {
+        let from = sorted.partition_point(|other| other[0] < place[0] - within);
+        let near = sorted[from..].iter().take_while(|other| other[0] <= place[0] + within);
+        near.into_iter()
+            .any(|other| (0..3).map(|axis| (other[axis] - place[axis]).powi(2)).sum::<f64>() <= within.powi(2))
+    };
+    some.iter().filter(has_one).count() as f64 / some.len().max(1) as f64
+}
+
 /// Whether two runs are one to the last bit: by where the grains are at the end, in whatever order. Measurements alone do not tell:
 /// radii that a code does not leave are those of each seed, and some numbers are the same in any run, such as that of the grains that
 /// have left a silo.
@@ -58,20 +125,12 @@ fn is_same(one: &Harvest, other: &Harvest) -> bool {
     !found.is_empty() && found == places(other)
 }
 
-/// Whether the grains start otherwise with one seed than with the other: from other places, or with other radii, motions or materials.
-fn depends_on_seed(scene: &Scene, seeds: [u64; 2]) -> bool {
-    let [one, other] = seeds.map(|seed| populate(scene, seed).ok());
-    let (Some(one), Some(other)) = (one, other) else { return false };
-    one != other
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::compare::FinalState;
     use crate::observables::{ForcePool, Measurement};
     use crate::scenes::{find, load};
-    use makadam::snapshot::Particle;
 
     fn harvest(seed: u64, heights: [f64; 2]) -> Harvest {
         let grain = |(id, height): (u32, f64)| Particle {
@@ -101,8 +160,8 @@ mod tests {
     fn a_run_that_is_given_for_two_seeds_counts_once() {
         let scene = load(&find("packing-100", &[]).unwrap()).unwrap();
         let near = f64::from_bits(0.2_f64.to_bits() + 1);
-        // The second is the first, the fourth too with its grains in another order; the third differs in the last bit.
-        let heights = [[0.1, 0.2], [0.1, 0.2], [0.1, near], [0.2, 0.1]];
+        // The second is the first, the fourth too with its grains in another order, and the fifth but for the last bit; the third is another one.
+        let heights = [[0.1, 0.2], [0.1, 0.2], [0.15, 0.25], [0.2, 0.1], [0.1, near]];
         let runs = || Simulated {
             harvests: (1..).zip(heights).map(|(seed, heights)| harvest(seed, heights)).collect(),
             failures: Vec::new(),
@@ -111,13 +170,33 @@ mod tests {
         let left = without_same_runs("Own", "Own", &scene, runs());
         assert_eq!(seeds(&left), [1, 3]);
         let failed: Vec<u64> = left.failures.iter().map(|(seed, _)| *seed).collect();
-        assert_eq!(failed, [2, 4]);
+        assert_eq!(failed, [2, 4, 5]);
         assert!(left.failures[1].1.to_string().contains("seeds 1 and 4 are one and the same run"));
         // Of codes that are not judged nothing is said, nor where each seed starts alike.
-        assert_eq!(seeds(&without_same_runs("Own", "YADE", &scene, runs())).len(), 4);
+        assert_eq!(seeds(&without_same_runs("Own", "YADE", &scene, runs())).len(), 5);
         let mut listed = scene.clone();
         listed.population.clear();
-        assert_eq!(seeds(&without_same_runs("Own", "Own", &listed, runs())).len(), 4);
+        assert_eq!(seeds(&without_same_runs("Own", "Own", &listed, runs())).len(), 5);
+    }
+
+    #[test]
+    fn a_code_that_ends_where_makadam_does_is_noted() {
+        let many = |seed: u64, shift: f64| {
+            let mut harvest = harvest(seed, [0.1, 0.2]);
+            let one = grains(&harvest)[0];
+            let at = |place: u32| Particle { id: place, position: [0.0, 0.0, 0.01 * f64::from(place) + shift], ..one };
+            harvest.final_state.as_mut().unwrap().particles = (0..20).map(at).collect();
+            harvest
+        };
+        let makadam = [many(1, 0.0), many(2, 0.003)];
+        assert_eq!(copied("Own", &[many(1, 0.001), many(2, 0.001)], &makadam), None);
+        let said = copied("Own", &[many(1, 1e-12), many(2, 0.001)], &makadam).expect("a note");
+        assert!(said.contains("with seed 1:"), "{said}");
+        assert_eq!(
+            copied("Own", &[harvest(1, [0.1, 0.2])], &[harvest(1, [0.1, 0.2])]),
+            None,
+            "two grains tell nothing"
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Arguments of the commands that take frames of any code.
 
 use super::shared::{CodeRunArguments, SourceArguments};
-use super::values::seconds;
+use super::values::positive;
 use crate::peers::CodeName;
 use crate::scenes::Change;
 use clap::Args;
@@ -29,10 +29,10 @@ pub struct MeasureArguments {
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub contact_columns: Vec<String>,
     /// Time step (s) of frames or files that are numbered by steps.
-    #[arg(long, value_parser = seconds)]
+    #[arg(long, value_parser = positive)]
     pub time_step: Option<f64>,
     /// Time (s) between frames that tell neither time nor step; the first is at 0, and files follow the numbers in their names.
-    #[arg(long, value_parser = seconds, conflicts_with = "time_step")]
+    #[arg(long, value_parser = positive, conflicts_with = "time_step")]
     pub interval: Option<f64>,
     /// Seed of the initial positions: of the grains whose radii are taken where files have none; if absent, the scene's.
     #[arg(long)]

@@ -196,13 +196,10 @@ pub fn physics_hash(scene: &Scene) -> String {
 struct MeasurementLine {
     code: String,
     seed: u64,
-    // What stands in `runs.csv` too has to be readable here as well.
-    #[serde(rename = "version")]
-    _version: String,
-    #[serde(rename = "time_step")]
-    _time_step: f64,
-    #[serde(rename = "rayleigh_fraction")]
-    _rayleigh_fraction: Option<f64>,
+    // What stands in `runs.csv` too has to be the same here.
+    version: String,
+    time_step: f64,
+    rayleigh_fraction: Option<f64>,
     observable: String,
     unit: String,
     value: f64,

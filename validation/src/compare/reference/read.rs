@@ -5,6 +5,7 @@ use super::{
     final_state_file,
 };
 use crate::observables::Measurement;
+use crate::observables::catalogue::{Definition, definitions};
 use crate::output::cells::as_meant;
 use crate::plan::Scene;
 use crate::scenes;
@@ -106,9 +107,24 @@ impl Reference {
                 let problem = format!("{} seed {} has no line in runs.csv", line.code, line.seed);
                 return Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
             };
+            let refused = |problem: String| Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
+            let of_run = format!("{} seed {}", line.code, line.seed);
             if run.value(&line.observable).is_some() {
-                let problem = format!("{} seed {} has a second value of {}", line.code, line.seed, line.observable);
-                return Err(ReferenceError::Line { file: file.to_path_buf(), line: at, problem });
+                return refused(format!("{of_run} has a second value of {}", line.observable));
+            }
+            let in_runs = (&run.version, run.time_step, run.rayleigh_fraction);
+            if (&line.version, line.time_step, line.rayleigh_fraction) != in_runs {
+                return refused(format!(
+                    "{of_run} has another version, time step or share of the Rayleigh step than in runs.csv"
+                ));
+            }
+            let definition = definitions().find(|(_, definition)| definition.name == line.observable);
+            if let Some((_, Definition { unit, .. })) =
+                definition.filter(|(_, definition)| definition.unit.split(" or ").all(|unit| unit != line.unit))
+            {
+                let words = |unit: &str| if unit.is_empty() { "no unit".into() } else { format!("the unit {unit}") };
+                let (own, right) = (words(&line.unit), words(unit));
+                return refused(format!("{} of {of_run} has {own}, and is told with {right}", line.observable));
             }
             run.measurements.push(Measurement {
                 observable: line.observable,
@@ -170,6 +186,11 @@ impl Reference {
 /// not, and what is wrong with it.
 fn all_alike(runs: &[(u64, MeasuredRun)]) -> Result<(), (u64, String)> {
     for (place, (line, run)) in runs.iter().enumerate() {
+        let above_zero = run.time_step > 0.0 && run.rayleigh_fraction.is_none_or(|fraction| fraction > 0.0);
+        if !above_zero || run.wall_seconds < 0.0 || run.simulated_seconds < 0.0 {
+            let (code, seed) = (&run.code, run.seed);
+            return Err((*line, format!("seed {seed} of {code} has a step or a time below zero")));
+        }
         let before = runs[..place].iter().map(|(_, before)| before);
         for before in before.filter(|before| before.code == run.code) {
             let differs = [

@@ -16,7 +16,7 @@ fn two_kinds(number: &dyn Fn(usize) -> i64, rows: &dyn Fn(usize, usize) -> usize
         for place in 0..100 {
             let grain = rows(frame, place);
             let radius = if grain < 50 { low } else { 0.02 };
-            let _ = writeln!(text, "{},{},0,0,{grain},{radius}", 0.3 + 0.1 * frame as f64, number(grain));
+            let _ = writeln!(text, "{},{},0,{frame},{grain},{radius}", 0.3 + 0.1 * frame as f64, number(grain));
         }
     }
     assembled(&scene, &tables(&[("a.csv", text)], &[]).unwrap())

@@ -1,0 +1,146 @@
+//! Whether the contacts that are told are all that there are: spheres that overlap touch.
+
+use crate::observables::close_pairs;
+use crate::plan::Scene;
+use crate::recording::Content;
+use makadam::snapshot::{Particle, Snapshot};
+use makadam::wall::PlacedWalls;
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Overlap, over the mean one of the pairs that are told, from which on two spheres must be in a list of contacts: positions are a step
+/// younger than contacts, and few digits hide what is shallower.
+const DEEP: f64 = 0.25;
+
+/// The same over the radius.
+const LEAST_DEPTH: f64 = 1e-4;
+
+/// Share of the pairs that overlap of which a whole list may lack no more.
+const PAIRS_UNTOLD: f64 = 0.02;
+
+/// The same of the grains that lie in a wall: a wall made of triangles is not quite where the scene has it.
+const AT_WALL_UNTOLD: f64 = 0.2;
+
+/// So few grains in a wall tell nothing.
+const FEW: usize = 5;
+
+/// What overlaps, and how much of it no list tells.
+#[derive(Default)]
+struct Count {
+    all: usize,
+    untold: usize,
+    example: Option<String>,
+}
+
+impl Count {
+    fn add(&mut self, is_told: bool, what: impl FnOnce() -> String) {
+        self.all += 1;
+        if !is_told {
+            self.untold += 1;
+            self.example.get_or_insert_with(what);
+        }
+    }
+}
+
+/// What is told of the contacts of some frames, against where their grains are.
+#[derive(Default)]
+pub(super) struct Completeness {
+    pairs: Count,
+    walls: BTreeMap<usize, Count>,
+}
+
+/// Contacts that a frame's lists name, whatever their forces.
+#[derive(Default)]
+pub(super) struct Named {
+    /// Two grains, the smaller number first.
+    pub pairs: BTreeSet<(u32, u32)>,
+    /// A grain and a wall.
+    pub walls: BTreeSet<(u32, u32)>,
+}
+
+impl Named {
+    /// Takes note that two grains touch.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words that follow their names.
+    pub fn meet(&mut self, one: u32, other: u32) -> Result<(), &'static str> {
+        if one == other {
+            return Err("of a contact are one");
+        }
+        match self.pairs.insert((one.min(other), one.max(other))) {
+            true => Ok(()),
+            false => Err("touch twice in this frame; list each contact once"),
+        }
+    }
+}
+
+impl Completeness {
+    /// Looks at a frame.
+    pub fn look(&mut self, scene: &Scene, frame: &Snapshot, named: &Named) {
+        let grains = &frame.particles;
+        let overlaps: Vec<(f64, (u32, u32))> = close_pairs(grains, 0.0)
+            .into_iter()
+            .map(|pair| (-pair.gap, (grains[pair.first].id, grains[pair.second].id)))
+            .map(|(overlap, (one, other))| (overlap, (one.min(other), one.max(other))))
+            .collect();
+        let told = || overlaps.iter().filter(|(_, pair)| named.pairs.contains(pair)).map(|(overlap, _)| overlap);
+        let mean = told().sum::<f64>() / told().count().max(1) as f64;
+        let radius = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+        let deep = (DEEP * mean).max(LEAST_DEPTH * radius);
+        for (overlap, pair) in overlaps.iter().filter(|(overlap, _)| *overlap > deep) {
+            self.pairs.add(named.pairs.contains(pair), || {
+                format!("grains {} and {} by {overlap:.3e} m at {} s", pair.0, pair.1, frame.time)
+            });
+        }
+        // Where a driven wall is, files do not tell.
+        let is_known = |wall: usize| !scene.wall[wall].motion.is_driven();
+        let placed = PlacedWalls::at(&scene.wall, &scene.domain, frame.time, &[]);
+        let mut at_walls: BTreeMap<(usize, u32), f64> = BTreeMap::new();
+        for (wall, face) in placed.faces().filter(|(wall, _)| is_known(*wall)) {
+            for Particle { id, radius, position, .. } in grains {
+                let overlap = radius - face.distance(&Vector3::from(*position));
+                // Behind a wall is not in it.
+                if overlap > deep && overlap < *radius {
+                    let of_wall = at_walls.entry((wall, *id)).or_insert(overlap);
+                    *of_wall = of_wall.max(overlap);
+                }
+            }
+        }
+        for ((wall, id), overlap) in at_walls {
+            let is_named = named.walls.contains(&(id, wall as u32));
+            let what = || format!("grain {id} by {overlap:.3e} m at {} s", frame.time);
+            self.walls.entry(wall).or_default().add(is_named, what);
+        }
+    }
+
+    /// What the lists lack, in sentences.
+    pub fn lacking(&self, scene: &Scene, of_walls: bool) -> Vec<(Content, String)> {
+        let mut lacking = Vec::new();
+        let share = |count: &Count| count.untold as f64 / count.all.max(1) as f64;
+        let Count { all, untold, example } = &self.pairs;
+        if share(&self.pairs) > PAIRS_UNTOLD {
+            let example = example.as_deref().unwrap_or_default();
+            lacking.push((
+                Content::Contacts,
+                format!(
+                    "of {all} pairs of grains that overlap in the measured frames {untold} are in no list of contacts, such as {example}: \
+                     nothing is measured of contacts between grains; leave all of them"
+                ),
+            ));
+        }
+        let walls =
+            self.walls.iter().filter(|(_, count)| of_walls && count.all >= FEW && share(count) > AT_WALL_UNTOLD);
+        for (wall, count) in walls {
+            let Count { all, untold, example } = count;
+            let (name, example) = (&scene.wall[*wall].name, example.as_deref().unwrap_or_default());
+            lacking.push((
+                Content::WallContacts,
+                format!(
+                    "of {all} grains that lie in the wall {wall} ({name}) in the measured frames {untold} have no contact with it in a list, \
+                     such as {example}: nothing is measured of contacts with walls; leave all of them"
+                ),
+            ));
+        }
+        lacking
+    }
+}

@@ -1,0 +1,104 @@
+//! A list of contacts that lacks some is not measured as if it were whole, and what contradicts the places of grains is refused.
+
+use super::*;
+
+/// What is made of frames with contacts of which some are left out, and of the text of the rest changed.
+fn told(keep: &dyn Fn(usize, &Contact) -> bool, change: &dyn Fn(String) -> String) -> Result<Imported, ImportError> {
+    let (scene, frames) = packing();
+    let kept = |frame: &Snapshot| Snapshot {
+        contacts: (0..).zip(&frame.contacts).filter(|(place, one)| keep(*place, one)).map(|(_, one)| *one).collect(),
+        ..frame.clone()
+    };
+    let text = |head: &str, frames: &[Snapshot], rows: Rows| {
+        let mut text = format!("time {head}\n");
+        frames.iter().for_each(|frame| rows(frame, &|to| _ = write!(to, "{:e} ", frame.time), &mut text));
+        text.replace(' ', ",")
+    };
+    let grains = text(GRAINS, &frames, &grain_rows);
+    let contacts = text(CONTACTS, &frames.iter().map(kept).collect::<Vec<_>>(), &contact_rows);
+    assembled(&scene, &tables(&[("grains.csv", grains)], &[("contacts.csv", change(contacts))])?)
+}
+
+fn lacks(keep: &dyn Fn(usize, &Contact) -> bool) -> (Vec<Content>, Vec<String>) {
+    let Imported { recording, notes } = told(keep, &|text| text).unwrap();
+    (recording.lacks, notes)
+}
+
+#[test]
+fn a_list_that_lacks_contacts_is_not_measured_as_whole() {
+    let (whole, notes) = lacks(&|_, _| true);
+    assert_eq!((&whole[..], notes.len()), (&[Content::DrivenWalls][..], 0), "{notes:?}");
+    // Contacts that bear nothing need not be told.
+    assert_eq!(lacks(&|_, contact| contact.force_on_partner().norm() > 0.0), (whole.clone(), vec![]));
+    let (some, notes) = lacks(&|place, contact| !contact.second.is_grain() || place % 10 > 0);
+    assert_eq!(some, [Content::DrivenWalls, Content::Contacts]);
+    assert!(notes.len() == 1 && notes[0].contains("are in no list of contacts, such as grains "), "{notes:?}");
+    let (none, notes) = lacks(&|_, contact| !contact.second.is_grain());
+    assert_eq!(none, [Content::DrivenWalls, Content::Contacts], "{notes:?}");
+    let floor = packing().1.last().unwrap().contacts.iter().find_map(|contact| match contact.second {
+        Partner::Wall(wall) => Some(wall),
+        Partner::Grain(_) => None,
+    });
+    let (no_floor, notes) = lacks(&|_, contact| contact.second != Partner::Wall(floor.unwrap()));
+    assert_eq!(no_floor, [Content::DrivenWalls, Content::WallContacts]);
+    assert!(notes.len() == 1 && notes[0].contains("have no contact with it in a list"), "{notes:?}");
+}
+
+#[test]
+fn normals_that_contradict_the_places_of_grains_are_refused() {
+    let reversed = |text: String| {
+        let turned = |(line, row): (usize, &str)| {
+            let mut cells: Vec<String> = row.split(',').map(String::from).collect();
+            if line > 0 {
+                let places = cells.len() - 3..cells.len();
+                cells[places].iter_mut().for_each(|cell| *cell = (-cell.parse::<f64>().unwrap()).to_string());
+            }
+            cells.join(",")
+        };
+        text.lines().enumerate().map(turned).collect::<Vec<_>>().join("\n") + "\n"
+    };
+    let error = told(&|_, _| true, &reversed).unwrap_err().to_string();
+    assert!(error.contains("contacts.csv: line ") && error.contains("is 180 degrees off the way"), "{error}");
+    let (scene, _) = packing();
+    let grains = ("g.csv", "id,x,y,z,r\n1,0,0,0,1\n".to_string());
+    let wall = |force: f64| ("c.csv", format!("first,wall,fx,fy,fz,px,py,pz\n1,0,0,0,{force},0,0,0\n"));
+    let error =
+        assembled(&scene, &tables(std::slice::from_ref(&grains), &[wall(1.0)]).unwrap()).unwrap_err().to_string();
+    assert!(error.contains("c.csv: line 2: grain 1 touches its partner in its own centre"), "{error}");
+    assert!(assembled(&scene, &tables(&[grains], &[wall(0.0)]).unwrap()).is_ok());
+}
+
+#[test]
+fn frames_are_told_apart_by_steps_and_are_no_larger_than_the_scene() {
+    let (scene, _) = packing();
+    let rows = |step: usize| (0..100).map(|grain| format!("{step},{grain},0,0,{grain},0.005\n")).collect::<String>();
+    let text = |head: &str| format!("{head},id,x,y,z,r\n{}{}", rows(1000), rows(1500));
+    let frames = |head: &str| assembled(&scene, &tables(&[("a.csv", text(head))], &[]).unwrap());
+    let times: Vec<f64> = frames("step").unwrap().recording.frames.iter().map(|frame| frame.time).collect();
+    assert_eq!(times, [1000.0, 1500.0].map(|step| step * (INTERVAL / 100.0)));
+    let error = frames("_").unwrap_err().to_string();
+    assert!(
+        error.contains("two grains of a frame have one number") || error.contains("a frame has 200 grains"),
+        "{error}"
+    );
+    let rows: String = (0..101).map(|grain| format!("{grain},0,0,{grain},0.005\n")).collect();
+    let error = assembled(&scene, &tables(&[("a.csv", format!("id,x,y,z,r\n{rows}"))], &[]).unwrap()).unwrap_err();
+    assert!(error.to_string().contains("a frame has 101 grains, and the scene has 100"), "{error}");
+}
+
+#[test]
+fn frames_that_stand_still_are_noted_and_huge_forces_refused() {
+    let (scene, frames) = packing();
+    let mut text = format!("time {GRAINS}\n");
+    for place in [12, 12, 14] {
+        let time = 0.2 + 0.01 * text.lines().count() as f64;
+        grain_rows(&frames[place], &|to| _ = write!(to, "{time:e} "), &mut text);
+    }
+    let imported = assembled(&scene, &tables(&[("a.csv", text.replace(' ', ","))], &[]).unwrap()).unwrap();
+    let said = "1 of 3 measured frames are the same as the one before";
+    assert!(imported.notes.iter().any(|note| note.contains(said)), "{:?}", imported.notes);
+    let files = [("c.csv", "first,second,fx,fy,fz\n1,2,0,0,-1e200\n".to_string())];
+    let grains = [("g.csv", "id,x,y,z,r\n1,0,0,0,1\n2,0,0,1.9,1\n".to_string())];
+    let error = assembled(&scene, &tables(&grains, &files).unwrap()).unwrap_err().to_string();
+    assert!(error.contains("beyond all numbers"), "{error}");
+}
