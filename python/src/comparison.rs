@@ -74,6 +74,7 @@ pub fn compare<'py>(
         OneScene {
             scene: &scene.plan,
             scene_file: &scene.file,
+            changes: &[],
             codes,
             judged: "Makadam",
             live,

@@ -36,13 +36,25 @@ struct QualifyDocument<'a> {
     provenance: &'a BTreeMap<String, String>,
 }
 
+/// An earlier report, which has to be of Makadam.
+fn of_makadam(file: &Path) -> Result<Qualification, Failure> {
+    let earlier = report::read(file).map_err(Failure::Usage)?;
+    match earlier.comparisons.iter().find(|comparison| comparison.judged != "Makadam") {
+        None => Ok(earlier),
+        Some(Comparison { judged, .. }) => Err(Failure::Usage(format!(
+            "{} is a report on {judged}, and Makadam is judged here; give one of 'makadam qualify'",
+            file.display()
+        ))),
+    }
+}
+
 /// Judges the reference scenes.
 pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result<ExitCode, Failure> {
     arguments.side_by_side.apply()?;
     let folder = arguments.output.folder("qualification");
     // Minutes of work are not begun for a report that cannot be written.
     crate::output::create_folder(&folder)?;
-    let earlier = arguments.against.as_ref().map(|file| report::read(file).map_err(Failure::Usage)).transpose()?;
+    let earlier = arguments.against.as_deref().map(of_makadam).transpose()?;
     let announce = announce(console);
     let settings = Settings {
         roots: scenes::roots(),

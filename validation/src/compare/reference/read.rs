@@ -8,6 +8,7 @@ use crate::observables::Measurement;
 use crate::observables::catalogue::{Definition, definitions};
 use crate::output::cells::as_meant;
 use crate::plan::Scene;
+use crate::recording::LARGEST;
 use crate::scenes;
 use makadam::snapshot::Particle;
 use serde::de::DeserializeOwned;
@@ -111,6 +112,9 @@ impl Reference {
             let of_run = format!("{} seed {}", line.code, line.seed);
             if run.value(&line.observable).is_some() {
                 return refused(format!("{of_run} has a second value of {}", line.observable));
+            }
+            if line.value.is_nan() || line.value.abs() >= LARGEST {
+                return refused(format!("{} of {of_run} is {}, which nothing measures", line.observable, line.value));
             }
             let in_runs = (&run.version, run.time_step, run.rayleigh_fraction);
             if (&line.version, line.time_step, line.rayleigh_fraction) != in_runs {
