@@ -21,8 +21,9 @@ pub(super) fn apart(first: &Particle, second: Option<&Particle>, towards: &Vecto
     })
 }
 
-/// Angle between a contact's normal and the way to its partner from which on they contradict each other, degrees.
-const ASKEW: f64 = 10.0;
+/// Angle between a contact's normal and the way to its partner from which on they contradict each other, degrees: contacts are told of
+/// positions up to a step ago, and fast grains turn about each other in a long one.
+const ASKEW: f64 = 60.0;
 
 /// By how much a given normal is off the way to the partner (m), degrees, where it contradicts it; the way tells nothing where it is short
 /// against the radius (m).
