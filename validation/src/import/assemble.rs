@@ -203,7 +203,6 @@ impl Assembly<'_> {
                             self.scene.wall.len()
                         )));
                     }
-                    found.named.walls.insert((a.id, number as u32));
                     (Partner::Wall(number as u32), None)
                 }
                 _ => {
@@ -241,6 +240,9 @@ impl Assembly<'_> {
                 )));
             };
             let whole = |force| contact_from_force(a.id, partner, point.into(), towards, force);
+            if let Partner::Wall(wall) = partner {
+                found.named.walls.entry((a.id, wall)).or_default().push(towards);
+            }
             match forces {
                 Forces::OnFirst(force) => found.add(whole(vector(numbers_of_row, force))),
                 Forces::Parts(parts) => found.add(whole(parts.map(|part| vector(numbers_of_row, part)).iter().sum())),

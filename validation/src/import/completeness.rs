@@ -21,6 +21,9 @@ const PAIRS_UNTOLD: f64 = 0.02;
 /// The same of the grains that lie in a wall: a wall made of triangles is not quite where the scene has it.
 const AT_WALL_UNTOLD: f64 = 0.2;
 
+/// Angle between a contact and the way to the nearest point of a face within which it is one with that face, degrees.
+const SAME_FACE: f64 = 30.0;
+
 /// So few grains in a wall tell nothing.
 const FEW: usize = 5;
 
@@ -46,7 +49,8 @@ impl Count {
 #[derive(Default)]
 pub(super) struct Completeness {
     pairs: Count,
-    walls: BTreeMap<usize, Count>,
+    /// Of each wall, and of each of its faces: one face may be what is missing.
+    walls: BTreeMap<(usize, Option<usize>), Count>,
 }
 
 /// Contacts that a frame's lists name, whatever their forces.
@@ -54,8 +58,8 @@ pub(super) struct Completeness {
 pub(super) struct Named {
     /// Two grains, the smaller number first.
     pub pairs: BTreeSet<(u32, u32)>,
-    /// A grain and a wall.
-    pub walls: BTreeSet<(u32, u32)>,
+    /// Ways from a grain to a wall.
+    pub walls: BTreeMap<(u32, u32), Vec<Vector3<f64>>>,
 }
 
 impl Named {
@@ -95,21 +99,20 @@ impl Completeness {
         // Where a driven wall is, files do not tell.
         let is_known = |wall: usize| !scene.wall[wall].motion.is_driven();
         let placed = PlacedWalls::at(&scene.wall, &scene.domain, frame.time, &[]);
-        let mut at_walls: BTreeMap<(usize, u32), f64> = BTreeMap::new();
-        for (wall, face) in placed.faces().filter(|(wall, _)| is_known(*wall)) {
+        for (number, (wall, face)) in placed.faces().enumerate().filter(|(_, (wall, _))| is_known(*wall)) {
             for Particle { id, radius, position, .. } in grains {
-                let overlap = radius - face.distance(&Vector3::from(*position));
-                // Behind a wall is not in it.
-                if overlap > deep && overlap < *radius {
-                    let of_wall = at_walls.entry((wall, *id)).or_insert(overlap);
-                    *of_wall = of_wall.max(overlap);
+                let (distance, normal) = face.nearest(&Vector3::from(*position), Vector3::zeros);
+                // A wall that has swallowed half a grain is not where the scene has it.
+                let overlap = radius - distance;
+                if overlap > deep && overlap < 0.5 * radius {
+                    let named = named.walls.get(&(*id, wall as u32)).into_iter().flatten();
+                    let is_named = named.into_iter().any(|towards| towards.angle(&normal).to_degrees() < SAME_FACE);
+                    let what = || format!("grain {id} by {overlap:.3e} m at {} s", frame.time);
+                    for part in [None, Some(number)] {
+                        self.walls.entry((wall, part)).or_default().add(is_named, what);
+                    }
                 }
             }
-        }
-        for ((wall, id), overlap) in at_walls {
-            let is_named = named.walls.contains(&(id, wall as u32));
-            let what = || format!("grain {id} by {overlap:.3e} m at {} s", frame.time);
-            self.walls.entry(wall).or_default().add(is_named, what);
         }
     }
 
@@ -130,13 +133,15 @@ impl Completeness {
         }
         let walls =
             self.walls.iter().filter(|(_, count)| of_walls && count.all >= FEW && share(count) > AT_WALL_UNTOLD);
-        for (wall, count) in walls {
+        let mut told: BTreeSet<usize> = BTreeSet::new();
+        for ((wall, part), count) in walls.filter(|((wall, _), _)| told.insert(*wall)) {
             let Count { all, untold, example } = count;
             let (name, example) = (&scene.wall[*wall].name, example.as_deref().unwrap_or_default());
+            let with = if part.is_some() { "one face of the wall" } else { "the wall" };
             lacking.push((
                 Content::WallContacts,
                 format!(
-                    "of {all} grains that lie in the wall {wall} ({name}) in the measured frames {untold} have no contact with it in a list, \
+                    "of {all} overlaps of grains with {with} {wall} ({name}) in the measured frames {untold} are in no list of contacts, \
                      such as {example}: nothing is measured of contacts with walls; leave all of them"
                 ),
             ));
