@@ -87,6 +87,11 @@ pub(super) fn yade(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportE
         let at = number_before + 1;
         if let Some(comment) = line.trim_start().strip_prefix('#') {
             if let Some(format) = comment.trim().strip_prefix("format ") {
+                if !values.is_empty() {
+                    let problem =
+                        "a second line #format; leave one frame in a file, or one run's frames in files of their own";
+                    return Err(ImportError::new(file, at, problem));
+                }
                 columns = format.trim().split('_').map(String::from).collect();
             } else if columns.last().is_some_and(|last| last == "attrs") {
                 // The last line of the comment names what the format calls attributes.

@@ -84,6 +84,13 @@ fn frames_are_told_apart_by_steps_and_are_no_larger_than_the_scene() {
 }
 
 #[test]
+fn a_file_of_yade_has_one_format() {
+    let text = "#format x_y_z_r\n0 0 0 0.005\n#format r_x_y_z\n0.005 1 0 0\n";
+    let error = tables(&[("a.txt", text.into())], &[]).unwrap_err().to_string();
+    assert!(error.contains("a.txt: line 3: a second line #format"), "{error}");
+}
+
+#[test]
 fn frames_that_stand_still_are_noted_and_huge_forces_refused() {
     let (scene, frames) = packing();
     let mut text = format!("time {GRAINS}\n");
