@@ -56,7 +56,11 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
         time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
         announce: &announce(console),
     };
-    tell(one_scene, &Wanted { command: "compare", json: *json, output: output.as_deref() }, console)
+    tell(
+        one_scene,
+        &Wanted { command: "compare", json: *json, output: output.as_deref(), needs_verdict: false },
+        console,
+    )
 }
 
 /// How a judgement is told.
@@ -67,6 +71,8 @@ pub(super) struct Wanted<'a> {
     pub json: bool,
     /// Folder of the report, if one is written.
     pub output: Option<&'a Path>,
+    /// Whether a comparison in which nothing is tested is no success.
+    pub needs_verdict: bool,
 }
 
 /// Judges and tells.
@@ -99,8 +105,7 @@ pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Conso
         })),
         (Some(failure), _) => Err(failure.into()),
         (None, Standing::Agree) => Ok(ExitCode::SUCCESS),
-        // Observables without a margin are compared, and tested by nobody: who asks for a verdict has none.
-        (None, Standing::NothingCompared) if wanted.command != "judge" => Ok(ExitCode::SUCCESS),
+        (None, Standing::NothingCompared) if !wanted.needs_verdict => Ok(ExitCode::SUCCESS),
         (None, _) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
     }
 }

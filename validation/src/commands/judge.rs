@@ -30,7 +30,12 @@ pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<Exi
     };
     tell(
         one_scene,
-        &Wanted { command: "judge", json: arguments.runs.json, output: arguments.runs.output.as_deref() },
+        &Wanted {
+            command: "judge",
+            json: arguments.runs.json,
+            output: arguments.runs.output.as_deref(),
+            needs_verdict: true,
+        },
         console,
     )
 }

@@ -4,7 +4,7 @@ use super::columns::{Column, Places};
 use super::completeness::{Completeness, Named};
 use super::frame_table::{FrameTable, ImportError};
 use super::numbers::{Numbers, numbers};
-use super::plausible::{apart, askew, image, is_same};
+use super::plausible::{apart, askew, image, is_same, standing};
 use super::timing::Given;
 use super::{Tables, contact_from_force, measurable, merge_wall_contacts};
 use crate::plan::Scene;
@@ -97,11 +97,11 @@ impl Assembly<'_> {
             };
             let snapshot = measurable(snapshot).map_err(|problem| table.fault(0, problem))?;
             if measured[place] && !of_frame.is_empty() {
-                completeness.look(self.scene, &snapshot, &found.named);
+                completeness.look(self.scene, &snapshot, &found.named, !lacks.contains(&Content::WallContacts));
             }
             frames.push(snapshot);
         }
-        for (content, problem) in completeness.lacking(self.scene, !lacks.contains(&Content::WallContacts)) {
+        for (content, problem) in completeness.lacking(self.scene) {
             notes.push(problem);
             if !lacks.contains(&content) {
                 lacks.push(content);
@@ -338,19 +338,6 @@ fn geometry(
     let towards = period.arm(&centre, &second.position.into());
     let between = centre + towards * (first.radius / (first.radius + second.radius));
     Some((point.unwrap_or(between), towards))
-}
-
-/// That measured frames are the same as the one before, to the last bit, if some are.
-fn standing<'f>(frames: impl Iterator<Item = &'f Snapshot>) -> Option<String> {
-    let frames: Vec<&Snapshot> = frames.filter(|frame| !frame.particles.is_empty()).collect();
-    let same = frames.windows(2).filter(|pair| pair[0].particles == pair[1].particles).count();
-    (same > 0).then(|| {
-        format!(
-            "{same} of {} measured frames are the same as the one before, to the last bit: their grains stand still, or the frame was written \
-             again",
-            frames.len()
-        )
-    })
 }
 
 fn vector(row: &[f64], [x, y, z]: [usize; 3]) -> Vector3<f64> {

@@ -22,7 +22,7 @@ const PAIRS_UNTOLD: f64 = 0.02;
 const AT_WALL_UNTOLD: f64 = 0.2;
 
 /// Angle between a contact and the way to the nearest point of a face within which it is one with that face, degrees.
-const SAME_FACE: f64 = 30.0;
+const TOWARDS_FACE: f64 = 30.0;
 
 /// So few grains in a wall tell nothing.
 const FEW: usize = 5;
@@ -79,8 +79,16 @@ impl Named {
 }
 
 impl Completeness {
-    /// Looks at a frame.
-    pub fn look(&mut self, scene: &Scene, frame: &Snapshot, named: &Named) {
+    /// Looks at a frame; at its walls only where its lists tell of some.
+    pub fn look(&mut self, scene: &Scene, frame: &Snapshot, named: &Named, of_walls: bool) {
+        let deep = self.look_at_pairs(frame, named);
+        if of_walls {
+            self.look_at_walls(scene, frame, named, deep);
+        }
+    }
+
+    /// Looks at the pairs of a frame; gives the overlap from which on grains touch, m.
+    fn look_at_pairs(&mut self, frame: &Snapshot, named: &Named) -> f64 {
         let grains = &frame.particles;
         let overlaps: Vec<(f64, (u32, u32))> = close_pairs(grains, 0.0)
             .into_iter()
@@ -96,17 +104,21 @@ impl Completeness {
                 format!("grains {} and {} by {overlap:.3e} m at {} s", pair.0, pair.1, frame.time)
             });
         }
+        deep
+    }
+
+    fn look_at_walls(&mut self, scene: &Scene, frame: &Snapshot, named: &Named, deep: f64) {
         // Where a driven wall is, files do not tell.
         let is_known = |wall: usize| !scene.wall[wall].motion.is_driven();
         let placed = PlacedWalls::at(&scene.wall, &scene.domain, frame.time, &[]);
         for (number, (wall, face)) in placed.faces().enumerate().filter(|(_, (wall, _))| is_known(*wall)) {
-            for Particle { id, radius, position, .. } in grains {
+            for Particle { id, radius, position, .. } in &frame.particles {
                 let (distance, normal) = face.nearest(&Vector3::from(*position), Vector3::zeros);
                 // A wall that has swallowed half a grain is not where the scene has it.
                 let overlap = radius - distance;
                 if overlap > deep && overlap < 0.5 * radius {
                     let named = named.walls.get(&(*id, wall as u32)).into_iter().flatten();
-                    let is_named = named.into_iter().any(|towards| towards.angle(&normal).to_degrees() < SAME_FACE);
+                    let is_named = named.into_iter().any(|towards| towards.angle(&normal).to_degrees() < TOWARDS_FACE);
                     let what = || format!("grain {id} by {overlap:.3e} m at {} s", frame.time);
                     for part in [None, Some(number)] {
                         self.walls.entry((wall, part)).or_default().add(is_named, what);
@@ -117,7 +129,7 @@ impl Completeness {
     }
 
     /// What the lists lack, in sentences.
-    pub fn lacking(&self, scene: &Scene, of_walls: bool) -> Vec<(Content, String)> {
+    pub fn lacking(&self, scene: &Scene) -> Vec<(Content, String)> {
         let mut lacking = Vec::new();
         let share = |count: &Count| count.untold as f64 / count.all.max(1) as f64;
         let Count { all, untold, example } = &self.pairs;
@@ -131,8 +143,7 @@ impl Completeness {
                 ),
             ));
         }
-        let walls =
-            self.walls.iter().filter(|(_, count)| of_walls && count.all >= FEW && share(count) > AT_WALL_UNTOLD);
+        let walls = self.walls.iter().filter(|(_, count)| count.all >= FEW && share(count) > AT_WALL_UNTOLD);
         let mut told: BTreeSet<usize> = BTreeSet::new();
         for ((wall, part), count) in walls.filter(|((wall, _), _)| told.insert(*wall)) {
             let Count { all, untold, example } = count;

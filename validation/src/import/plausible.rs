@@ -54,6 +54,19 @@ pub(crate) fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapsho
     notes
 }
 
+/// That measured frames are the same as the one before, to the last bit, if some are.
+pub(super) fn standing<'f>(frames: impl Iterator<Item = &'f Snapshot>) -> Option<String> {
+    let frames: Vec<&Snapshot> = frames.filter(|frame| !frame.particles.is_empty()).collect();
+    let same = frames.windows(2).filter(|pair| pair[0].particles == pair[1].particles).count();
+    (same > 0).then(|| {
+        format!(
+            "{same} of {} measured frames are the same as the one before, to the last bit: their grains stand still, or the frame was written \
+             again",
+            frames.len()
+        )
+    })
+}
+
 /// Whether two contacts with a wall are one that is told twice: at one point, with one force.
 pub(super) fn is_same(one: &Contact, other: &Contact) -> bool {
     matches!(one.second, Partner::Wall(_))

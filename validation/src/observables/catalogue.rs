@@ -18,10 +18,14 @@ pub fn definitions() -> impl Iterator<Item = (&'static str, &'static Definition)
     GROUPS.iter().flat_map(|(_, group, quantities)| quantities.iter().map(|quantity| (*group, quantity)))
 }
 
+/// A quantity by its name; `None` if nothing measures it.
+pub fn definition(quantity: &str) -> Option<&'static Definition> {
+    definitions().map(|(_, definition)| definition).find(|definition| definition.name == quantity)
+}
+
 /// What a quantity needs of frames and these lack, if anything.
 pub fn missing(quantity: &str, lacks: &[Content]) -> Option<Content> {
-    let (_, definition) = definitions().find(|(_, definition)| definition.name == quantity)?;
-    definition.needs.iter().find(|need| lacks.contains(need)).copied()
+    definition(quantity)?.needs.iter().find(|need| lacks.contains(need)).copied()
 }
 
 /// The page of all quantities, in Markdown.

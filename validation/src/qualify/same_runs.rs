@@ -46,7 +46,7 @@ pub(super) fn copied(judged: &str, runs: &[Harvest], makadam: &[Harvest]) -> Opt
     let seeds: Vec<String> = runs.iter().filter(is_copy).map(|run| run.run.seed.to_string()).collect();
     (!seeds.is_empty()).then(|| {
         format!(
-            "{judged} ends where Makadam does, to a millionth of a radius, with seed {}: it agrees with itself",
+            "{judged} ends where Makadam does, to a millionth of a radius, with seed {}: its agreement with Makadam proves nothing",
             seeds.join(", ")
         )
     })
@@ -116,8 +116,7 @@ fn share_at_one_place([some, others]: &[Vec<[f64; 3]>; 2], within: f64) -> f64 {
 /// have left a silo.
 fn is_same(one: &Harvest, other: &Harvest) -> bool {
     let places = |harvest: &Harvest| -> Vec<[u64; 3]> {
-        let all = harvest.final_state.iter().flat_map(|state| &state.particles);
-        let mut places: Vec<[u64; 3]> = all.map(|particle| particle.position.map(f64::to_bits)).collect();
+        let mut places: Vec<_> = places(&grains(harvest)).into_iter().map(|place| place.map(f64::to_bits)).collect();
         places.sort_unstable();
         places
     };

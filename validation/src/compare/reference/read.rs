@@ -5,7 +5,7 @@ use super::{
     final_state_file,
 };
 use crate::observables::Measurement;
-use crate::observables::catalogue::{Definition, definitions};
+use crate::observables::catalogue::{Definition, definition};
 use crate::output::cells::as_meant;
 use crate::plan::Scene;
 use crate::recording::LARGEST;
@@ -122,10 +122,8 @@ impl Reference {
                     "{of_run} has another version, time step or share of the Rayleigh step than in runs.csv"
                 ));
             }
-            let definition = definitions().find(|(_, definition)| definition.name == line.observable);
-            if let Some((_, Definition { unit, .. })) =
-                definition.filter(|(_, definition)| definition.unit.split(" or ").all(|unit| unit != line.unit))
-            {
+            let is_other = |known: &&Definition| known.unit.split(" or ").all(|unit| unit != line.unit);
+            if let Some(Definition { unit, .. }) = definition(&line.observable).filter(is_other) {
                 let words = |unit: &str| if unit.is_empty() { "no unit".into() } else { format!("the unit {unit}") };
                 let (own, right) = (words(&line.unit), words(unit));
                 return refused(format!("{} of {of_run} has {own}, and is told with {right}", line.observable));
