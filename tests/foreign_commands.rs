@@ -44,6 +44,15 @@ fn a_run_is_measured_from_its_frames_as_it_measured_itself() {
     }
     let (code, text, _) = outcome(folder.path(), &["measure", "out", "--scene", "packing-100"]);
     assert!(code == 0 && text.contains("kinetic_energy") && text.contains("1 of 13 frames"), "{code}: {text}");
+    // By another scene, or by what it has become, it is measured with a note.
+    let heavy = ["--set", "material.grain.density=5000"];
+    for (scene, more, words) in [
+        ("packing-high-friction", &heavy[..0], "out is a run of packing-100, and is measured by packing-high-friction"),
+        ("packing-100", &heavy[..], "out is a run of packing-100 with other walls, materials, grains or effects"),
+    ] {
+        let errors = outcome(folder.path(), &[&["measure", "out", "--scene", scene], more].concat()).2;
+        assert!(errors.contains(words), "{errors}");
+    }
 }
 
 #[test]

@@ -90,6 +90,12 @@ fn what_was_assumed_of_frames_stands_beside_the_verdict() {
         notes.iter().any(|note| note.starts_with("Faulty, seed 2: radii are those of the scene's grains")),
         "{notes:?}"
     );
+    assert_eq!(found["codes"][0]["code"], "Faulty");
+    assert!(
+        found["codes"][0]["time_step"].is_null(),
+        "by what frames are numbered is no step of the code: {}",
+        found["codes"]
+    );
     // Contacts of one frame of two are no contacts that could be measured.
     let more = format!("{OUT}\ncontacts = [\"contacts.csv\"]");
     let compared = "compare=[{observable=\"gini\", margin=1.0}]";
@@ -97,6 +103,12 @@ fn what_was_assumed_of_frames_stands_beside_the_verdict() {
     let (other, text, errors) = judged(&described("some-contacts", &more), &asked);
     assert_eq!((code, other), (0, 4), "{text}{errors}");
     assert!(text.contains("Faulty, all 2 seeds: contacts.csv has no rows at 0.1 s"), "{text}");
+}
+
+#[test]
+fn a_step_of_codes_that_are_not_run_is_refused() {
+    let (code, _, errors) = judged(&described("no-radii", OUT), &["--seeds", "2", "--rayleigh-fraction", "0.5"]);
+    assert!(code == 2 && errors.contains("--rayleigh-fraction is of runs"), "{code}: {errors}");
 }
 
 #[test]

@@ -5,9 +5,9 @@
 
 use approx::assert_relative_eq;
 use makadam::scene::Stop;
-use makadam_validation::compare::{Harvest, MeasuredRun, Reference, physics_hash};
+use makadam_validation::compare::{Harvest, MeasuredRun, Reference};
 use makadam_validation::peers::{Code, Job, Makadam, Purpose};
-use makadam_validation::plan::Scene;
+use makadam_validation::plan::{Scene, physics_hash};
 use makadam_validation::qualify::{Tier, on_record};
 use makadam_validation::report::TestOnRecord;
 use std::f64::consts::PI;

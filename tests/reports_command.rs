@@ -39,6 +39,15 @@ fn reports_are_listed_newest_first_with_what_changed() {
     rows.retain(|row| row["reference_code"] != "LIGGGHTS" || row["code"] != "Makadam");
     rows[0]["outcome"] = "disagree".into();
     keep(folder.path(), "later/two", "2126-02-01T10:00:00Z", &changed);
+    let mut wider = report.clone();
+    for row in wider["qualification"]["comparisons"][0]["rows"].as_array_mut().unwrap() {
+        row["margin"] = row["margin"].as_f64().map(|margin| 2.0 * margin).into();
+    }
+    wider["qualification"]["tier"] = "release".into();
+    keep(folder.path(), "wider", "2126-02-03T10:00:00Z", &wider);
+    let mut before_it = report.clone();
+    before_it["qualification"]["tier"] = "release".into();
+    keep(folder.path(), "narrower", "2126-02-02T10:00:00Z", &before_it);
     let mut other = report.clone();
     other["qualification"]["tier"] = "quick".into();
     keep(folder.path(), "other #1", "2126-03-01T10:00:00Z", &other);
@@ -62,6 +71,7 @@ fn reports_are_listed_newest_first_with_what_changed() {
         "the first of its kind",
         "the same",
         "1 lost, 1 changed",
+        "2 under other conditions",
         "agree before, disagree now",
     ] {
         assert!(page.contains(part), "no {part}");
@@ -77,12 +87,12 @@ fn reports_are_listed_newest_first_with_what_changed() {
     let document: Value = serde_json::from_str(&text).unwrap();
     assert_eq!((code, &document["version"], &document["command"]), (0, &json!(1), &json!("reports")));
     let reports = document["reports"].as_array().unwrap();
-    assert_eq!(reports.len(), 4);
-    assert_eq!(reports[1]["standing"], "disagree");
-    assert_eq!(reports[1]["against"]["file"], "later/one/report.json");
-    assert_eq!(reports[1]["against"]["changes"]["lost"].as_array().unwrap().len(), 1);
-    assert_eq!((&reports[3]["against"], &reports[3]["page"]), (&Value::Null, &json!("first/report.html")));
-    assert!(reports[3]["wall_seconds"].as_f64().unwrap() > 0.0 && reports[3]["processor"].is_string());
+    assert_eq!(reports.len(), 6);
+    assert_eq!(reports[3]["standing"], "disagree");
+    assert_eq!(reports[3]["against"]["file"], "later/one/report.json");
+    assert_eq!(reports[3]["against"]["changes"]["lost"].as_array().unwrap().len(), 1);
+    assert_eq!((&reports[5]["against"], &reports[5]["page"]), (&Value::Null, &json!("first/report.html")));
+    assert!(reports[5]["wall_seconds"].as_f64().unwrap() > 0.0 && reports[5]["processor"].is_string());
 }
 
 #[test]

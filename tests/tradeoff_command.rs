@@ -214,7 +214,7 @@ fn an_interruption_leaves_a_table_of_what_there_is() {
 #[test]
 fn no_setting_within_the_bounds_is_told_by_the_exit_code() {
     let folder = tempfile::tempdir().unwrap();
-    let output = tradeoff(folder.path(), "out").args(["--bound", "coordination_number=1e-12"]).output().unwrap();
+    let output = tradeoff(folder.path(), "out").args(["--bound", "mean_overlap=1e-15"]).output().unwrap();
     assert_eq!(output.status.code(), Some(4));
     // Only the reference keeps such a bound.
     assert_eq!(document(&output)["fastest"][0]["setting"], "0.25 ms × 20 sweeps");
@@ -257,6 +257,7 @@ fn bad_arguments_and_missing_codes_are_told() {
     for (arguments, code, words) in [
         (&["--bound", "coordination_number"][..], 2, "packing_fraction=0.002"),
         (&["--bound", "coordination_number=0"], 2, "above 0"),
+        (&["--bound", "gini=0.1", "--bound", "gini=0.2"], 2, "two bounds on one observable"),
         (&["--codes", "makadam,yade"], 5, "--codes"),
     ] {
         let output = run(arguments);

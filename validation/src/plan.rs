@@ -4,8 +4,10 @@
 //! `output` and `compare`; here these are read, and written again with the rest, in the order that hashes of recorded results are taken in.
 
 mod output;
+mod physics;
 
 pub use output::{GrainField, Output};
+pub use physics::{physics_hash, setup_hash};
 
 use makadam::scene::{
     Accuracy, Beforehand, Checked, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material, Motion,

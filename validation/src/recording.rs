@@ -21,7 +21,7 @@ pub struct Recording {
     pub version: String,
     /// Seed of the initial positions.
     pub seed: u64,
-    /// Time step, s.
+    /// Time step, s; 0 where the code does not tell.
     pub time_step: f64,
     /// Time step over the Rayleigh step; absent for codes that are not bound by it.
     pub rayleigh_fraction: Option<f64>,
@@ -165,8 +165,12 @@ impl Recording {
             return Err(format!("{} bytes too many", rest.len()));
         }
         let fraction = recording.rayleigh_fraction.unwrap_or(1.0);
-        let numbers = [recording.time_step, fraction, recording.stiffness_factor, recording.simulated_seconds];
-        if !numbers.iter().all(|number| number.is_finite() && *number > 0.0) || !recording.wall_seconds.is_finite() {
+        let numbers = [fraction, recording.stiffness_factor, recording.simulated_seconds];
+        let is_step = (0.0..f64::INFINITY).contains(&recording.time_step);
+        if !is_step
+            || !numbers.iter().all(|number| number.is_finite() && *number > 0.0)
+            || !recording.wall_seconds.is_finite()
+        {
             return Err("a time or factor is not a positive number".into());
         }
         for (number, frame) in recording.frames.iter().enumerate() {

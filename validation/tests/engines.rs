@@ -1,9 +1,9 @@
 //! Records of engines: written and read back, joined with a campaign, refused where they are damaged or do not fit.
 
-use makadam_validation::compare::{MeasuredRun, physics_hash};
+use makadam_validation::compare::MeasuredRun;
 use makadam_validation::observables::Measurement;
 use makadam_validation::peers::{Code, Makadam};
-use makadam_validation::plan::Scene;
+use makadam_validation::plan::{Scene, physics_hash};
 use makadam_validation::provenance::Build;
 use makadam_validation::tradeoff::{
     Bound, Configuration, EngineOrigin, EngineRecord, EngineRuns, KeptRun, Knobs, Outcome, Plan, Scope, Study, Terms,

@@ -1,7 +1,8 @@
 //! Tests on record: one that is not made, or made with less, is no pass, and the verdict names it.
 
 use crate::support::sample;
-use makadam_validation::compare::{Row, physics_hash};
+use makadam_validation::compare::Row;
+use makadam_validation::plan::physics_hash;
 use makadam_validation::report::{Qualification, Standing, StudyOutcome, StudyTestOnRecord, TestOnRecord, write};
 use makadam_validation::statistics::Outcome;
 use std::fs;

@@ -86,3 +86,31 @@ fn a_badge_tells_live_runs_that_failed_from_tests_that_were_not_made() {
     lacking.comparisons[0].rows[0].outcome = Some(Outcome::NotMeasured);
     assert!(badge(&lacking).contains("agree, others not measured"));
 }
+
+#[test]
+fn a_difference_without_a_margin_that_was_not_made_is_told_and_no_test() {
+    let mut lacking = sound();
+    let row = &mut lacking.comparisons[0].rows[0];
+    (row.margin, row.outcome, row.missing) = (None, Some(Outcome::NotMeasured), Some("Makadam has no value".into()));
+    let verdict = lacking.verdict();
+    assert_eq!((verdict.standing, verdict.agree, verdict.tests()), (Standing::NotMeasured, 7, 7));
+    assert_eq!((verdict.not_measured, verdict.differences_not_measured), (0, 1));
+    assert!(verdict.sentence.starts_with("Makadam agrees with "), "{}", verdict.sentence);
+    let said = " 1 difference without a margin could not be made for want of values.";
+    assert!(verdict.sentence.ends_with(said), "{}", verdict.sentence);
+    // With nothing else, no test was made.
+    lacking.comparisons[0].rows.truncate(1);
+    let verdict = lacking.verdict();
+    assert_eq!((verdict.standing, verdict.tests()), (Standing::NotMeasured, 0));
+    assert!(verdict.sentence.starts_with("No observable was tested against a margin"), "{}", verdict.sentence);
+}
+
+#[test]
+fn a_report_without_a_test_has_a_case_that_says_so() {
+    let mut nothing = sound();
+    nothing.comparisons[0].rows.clear();
+    let folder = tempfile::tempdir().unwrap();
+    write(&nothing, folder.path()).unwrap();
+    let junit = fs::read_to_string(folder.path().join("junit.xml")).unwrap();
+    assert!(junit.contains("tests=\"1\"") && junit.contains("<skipped message=\"no observable was tested"), "{junit}");
+}

@@ -1,7 +1,7 @@
 //! One document, two readers: what a scene says of measuring is checked, and hashes of scenes are those of recorded results.
 
-use makadam_validation::compare::physics_hash;
 use makadam_validation::plan::Scene;
+use makadam_validation::plan::physics_hash;
 use makadam_validation::scenes;
 
 /// Reference scenes with the hash of what other codes are given of them, by which recorded results are known.

@@ -39,11 +39,8 @@ pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result
 }
 
 fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
-    let CodeRunArguments { json, output, live, rayleigh_fraction, .. } = &arguments.runs;
-    if rayleigh_fraction.is_some() && !live {
-        let problem = "--rayleigh-fraction is of runs, and recorded numbers have their own: add --live or --record";
-        return Err(Failure::Usage(problem.into()));
-    }
+    let CodeRunArguments { json, output, live, .. } = &arguments.runs;
+    arguments.runs.check()?;
     let one_scene = OneScene {
         scene,
         scene_file: file,

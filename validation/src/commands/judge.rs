@@ -11,6 +11,7 @@ use std::time::Duration;
 /// Runs the code and says whether it agrees with the others.
 pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<ExitCode, Failure> {
     arguments.runs.side_by_side.apply()?;
+    arguments.runs.check()?;
     let external = External::load(&arguments.code).map_err(|error| Failure::Usage(error.to_string()))?;
     let (file, scene) = arguments.source.load()?;
     let judged = external.name();

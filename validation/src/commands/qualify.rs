@@ -53,6 +53,7 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     arguments.side_by_side.apply()?;
     let folder = arguments.output.folder("qualification");
     // Minutes of work are not begun for a report that cannot be written.
+    report::may_hold_qualification(&folder).map_err(Failure::Usage)?;
     crate::output::create_folder(&folder)?;
     let earlier = arguments.against.as_deref().map(of_makadam).transpose()?;
     let announce = announce(console);

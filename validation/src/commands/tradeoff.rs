@@ -91,7 +91,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     }
 }
 
-/// Refuses scenes that measure nothing, or not what is bounded.
+/// Refuses scenes that measure nothing, or not what is bounded, and two bounds on one observable.
 fn refuse_unmeasured(scene: &Scene, bounds: &[BoundArgument]) -> Result<(), Failure> {
     if scene.measure.observables.is_empty() {
         return Err(Failure::Usage(format!(
@@ -99,7 +99,10 @@ fn refuse_unmeasured(scene: &Scene, bounds: &[BoundArgument]) -> Result<(), Fail
             scene.name
         )));
     }
-    for BoundArgument { observable, .. } in bounds {
+    for (place, BoundArgument { observable, .. }) in bounds.iter().enumerate() {
+        if bounds[..place].iter().any(|earlier| earlier.observable == *observable) {
+            return Err(Failure::Usage(format!("--bound {observable}: two bounds on one observable; give one")));
+        }
         if let Some((group, words)) = group_of(observable)
             && !scene.measure.observables.contains(&group)
         {

@@ -91,7 +91,7 @@ impl CodeRuns {
             version: first.version.clone(),
             source: self.source,
             seeds: self.runs.iter().map(|run| run.seed).collect(),
-            time_step: first.time_step,
+            time_step: first.known_time_step(),
             rayleigh_fraction: first.rayleigh_fraction,
             wall_seconds_per_simulated_second: middle,
             timing: self.timing,

@@ -102,8 +102,8 @@ pub struct CodeSummary {
     pub source: Source,
     /// Seeds that were run.
     pub seeds: Vec<u64>,
-    /// Time step, s.
-    pub time_step: f64,
+    /// Time step, s; absent where the code does not tell.
+    pub time_step: Option<f64>,
     /// Time step over the Rayleigh step, for explicit codes.
     pub rayleigh_fraction: Option<f64>,
     /// Median over runs of the time of the stepping over simulated time, one core: processor time, or wall time of runs that do not tell it.

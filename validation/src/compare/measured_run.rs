@@ -21,7 +21,7 @@ pub struct MeasuredRun {
     /// The law of its contacts ([`Code::contact_law`](crate::peers::Code::contact_law)).
     #[serde(default = "earlier_law")]
     pub contact_law: String,
-    /// Time step, s.
+    /// Time step, s; 0 where the code does not tell.
     pub time_step: f64,
     /// Time step over the Rayleigh step, for explicit codes.
     pub rayleigh_fraction: Option<f64>,
@@ -37,7 +37,7 @@ pub struct MeasuredRun {
     pub processor: String,
     /// When it ended, ISO 8601.
     pub date: String,
-    /// Hash of the scene that was run ([`physics_hash`](super::physics_hash)); empty until the run is recorded.
+    /// Hash of the scene that was run ([`physics_hash`](crate::plan::physics_hash)); empty until the run is recorded.
     pub scene_hash: String,
     /// What was measured; a line of `runs.csv` does not say it.
     #[serde(default)]
@@ -53,6 +53,11 @@ impl MeasuredRun {
     /// Value of an observable, if it was measured.
     pub fn value(&self, observable: &str) -> Option<f64> {
         self.measurements.iter().find(|measurement| measurement.observable == observable).map(|found| found.value)
+    }
+
+    /// Time step, s, if the code tells it.
+    pub fn known_time_step(&self) -> Option<f64> {
+        Some(self.time_step).filter(|step| *step > 0.0)
     }
 
     /// Time of the stepping over simulated time: processor time, or wall time where nothing else is known.

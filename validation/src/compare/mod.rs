@@ -16,7 +16,7 @@ pub use kept::{KeptError, KeptRuns};
 pub use measured_run::{Harvest, MeasuredRun};
 pub use noticed::noticed;
 pub use record::{FEW_SEEDS, RecordError, Recorded, Recorder};
-pub use reference::{MergeError, Missing, Reference, ReferenceError, Wanted, physics_hash};
+pub use reference::{MergeError, Missing, Reference, ReferenceError, Wanted};
 pub use rows::{LiveCheck, comparison, live_checks};
 pub(crate) use simulate::LIVE_FRACTION;
 pub use simulate::{Announce, Runs, Share, Simulated, Timed};

@@ -1,11 +1,9 @@
 //! Recording: what is missing in a scene's references is measured or run, and taken in.
 
-use super::{
-    Announce, CodeRuns, MergeError, Missing, Reference, ReferenceError, Runs, Simulated, Wanted, physics_hash,
-};
+use super::{Announce, CodeRuns, MergeError, Missing, Reference, ReferenceError, Runs, Simulated, Wanted};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError, Purpose};
-use crate::plan::Scene;
+use crate::plan::{Scene, physics_hash};
 use crate::statistics::Ensemble;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! Runs of one code over several seeds, side by side, measured as they end.
 
-use super::{CodeSummary, Harvest, Source, Timing, physics_hash};
+use super::{CodeSummary, Harvest, Source, Timing};
 use crate::output::{file_stem, run_folder};
 use crate::peers::{Code, CodeError, Job, Purpose};
-use crate::plan::Scene;
+use crate::plan::{Scene, physics_hash};
 use crate::provenance::utc;
 use crate::recording::{Recording, RecordingError};
 use makadam::checkpoint::checksum;
@@ -177,7 +177,7 @@ impl Runs<'_> {
             version: run.version.clone(),
             source: Source::Live,
             seeds: vec![seed],
-            time_step: run.time_step,
+            time_step: run.known_time_step(),
             rayleigh_fraction: run.rayleigh_fraction,
             wall_seconds_per_simulated_second: run.pace(),
             // Without processor time there is no time that other codes' can be divided by.

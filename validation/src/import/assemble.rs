@@ -4,7 +4,7 @@ use super::columns::{Column, Places};
 use super::completeness::{Completeness, Named};
 use super::frame_table::{FrameTable, ImportError};
 use super::numbers::{Numbers, numbers};
-use super::plausible::{apart, askew, image, is_same, standing};
+use super::plausible::{apart, askew, beside, image, is_same, of_other_scene, standing};
 use super::timing::Given;
 use super::{Tables, contact_from_force, measurable, merge_wall_contacts};
 use crate::plan::Scene;
@@ -48,6 +48,7 @@ impl Assembly<'_> {
     /// [`ImportError`] with file and line.
     pub fn assemble(&self, tables: &Tables) -> Result<Imported, ImportError> {
         let mut notes = tables.notes.clone();
+        notes.extend(tables.runs.iter().filter_map(|run| of_other_scene(run, self.scene)));
         let grains = self.timed(&tables.grains, &mut notes)?;
         let Some((_, first)) = grains.first() else {
             return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
@@ -80,7 +81,7 @@ impl Assembly<'_> {
         }
         self.count(&grains, &mut notes)?;
         let measured = self.measured(&grains);
-        let mut completeness = Completeness::default();
+        let mut completeness = Completeness::new(!lacks.contains(&Content::Velocities));
         let mut frames = Vec::with_capacity(grains.len());
         for (place, (time, table)) in grains.iter().enumerate() {
             let particles = particles(table, &numbers, radii.as_deref(), &self.scene.domain)?;
@@ -101,6 +102,7 @@ impl Assembly<'_> {
             }
             frames.push(snapshot);
         }
+        notes.extend(completeness.unseen());
         for (content, problem) in completeness.lacking(self.scene) {
             notes.push(problem);
             if !lacks.contains(&content) {
@@ -114,7 +116,8 @@ impl Assembly<'_> {
             code: self.code.into(),
             version: self.version.into(),
             seed: self.seed,
-            time_step: self.time_step.unwrap_or(self.scene.measure.interval),
+            // Frames tell no step of the code; that by which they are numbered need not be it.
+            time_step: 0.0,
             rayleigh_fraction: None,
             stiffness_factor: 1.0,
             threads: 1,
@@ -221,6 +224,14 @@ impl Assembly<'_> {
                     Partner::Wall(_) => format!("wall {}", own(wall)),
                 };
                 return Err(fault(format!("grain {} and {what} {problem}", numbers_of_row[first])));
+            }
+            if let Some(off) = other.and_then(|other| beside(a, other, &point, period)) {
+                return Err(fault(format!(
+                    "the point of grain {} and grain {} lies {off:.3e} m from the grains; give points px, py, pz, or leave them out; columns \
+                     without names are taken for id force contactPoint",
+                    numbers_of_row[first],
+                    numbers_of_row[second.unwrap_or(first)]
+                )));
             }
             let given = given.filter(|normal| *normal != Vector3::zeros());
             if let Some(angle) = given.and_then(|normal| askew(&normal, &towards, a.radius)) {

@@ -8,15 +8,25 @@ use makadam::wall::PlacedWalls;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Overlap, over the mean one of the pairs that are told, from which on two spheres must be in a list of contacts: positions are a step
-/// younger than contacts, and few digits hide what is shallower.
+/// Overlap, over the mean one of the pairs that are told, from which on two spheres should be in a list of contacts: positions are a step
+/// younger than contacts.
 const DEEP: f64 = 0.25;
 
-/// The same over the radius.
+/// The same over the radius, where so many of the pairs that are told lie apart that few digits hide what is shallower.
 const LEAST_DEPTH: f64 = 1e-4;
 
-/// Share of the pairs that overlap of which a whole list may lack no more.
-const PAIRS_UNTOLD: f64 = 0.02;
+/// Share of the pairs that are told which overlap, from which on places are exact enough for any overlap.
+const EXACT: f64 = 0.9;
+
+/// Share of the pairs that overlap deeply of which a whole list may lack no more.
+const DEEP_UNTOLD: f64 = 0.02;
+
+/// The same of all pairs that overlap, where velocities tell those that part: these may bear nothing.
+const ANY_UNTOLD: f64 = 0.05;
+
+/// So many times its chance deviation must what is untold exceed the pairs that are told and lie apart: what moved since the contacts were
+/// told makes as many of both.
+const BEYOND_CHANCE: f64 = 2.0;
 
 /// The same of the grains that lie in a wall: a wall made of triangles is not quite where the scene has it.
 const AT_WALL_UNTOLD: f64 = 0.2;
@@ -48,7 +58,14 @@ impl Count {
 /// What is told of the contacts of some frames, against where their grains are.
 #[derive(Default)]
 pub(super) struct Completeness {
-    pairs: Count,
+    has_velocities: bool,
+    /// Pairs of grains that overlap deeply.
+    deep: Count,
+    /// All that overlap.
+    any: Count,
+    /// Pairs that are told, and those of them that lie apart.
+    told: usize,
+    apart: usize,
     /// Of each wall, and of each of its faces: one face may be what is missing.
     walls: BTreeMap<(usize, Option<usize>), Count>,
 }
@@ -79,30 +96,49 @@ impl Named {
 }
 
 impl Completeness {
+    /// Of frames with velocities, or without.
+    pub fn new(has_velocities: bool) -> Completeness {
+        Completeness { has_velocities, ..Completeness::default() }
+    }
+
     /// Looks at a frame; at its walls only where its lists tell of some.
     pub fn look(&mut self, scene: &Scene, frame: &Snapshot, named: &Named, of_walls: bool) {
-        let deep = self.look_at_pairs(frame, named);
+        let deep = self.look_at_pairs(scene, frame, named);
         if of_walls {
             self.look_at_walls(scene, frame, named, deep);
         }
     }
 
     /// Looks at the pairs of a frame; gives the overlap from which on grains touch, m.
-    fn look_at_pairs(&mut self, frame: &Snapshot, named: &Named) -> f64 {
+    fn look_at_pairs(&mut self, scene: &Scene, frame: &Snapshot, named: &Named) -> f64 {
         let grains = &frame.particles;
-        let overlaps: Vec<(f64, (u32, u32))> = close_pairs(grains, 0.0)
+        let gravity = Vector3::from(scene.gravity).norm();
+        let close = close_pairs(grains, 0.0);
+        let overlaps: Vec<(f64, (u32, u32), bool)> = close
             .into_iter()
-            .map(|pair| (-pair.gap, (grains[pair.first].id, grains[pair.second].id)))
-            .map(|(overlap, (one, other))| (overlap, (one.min(other), one.max(other))))
+            .map(|pair| {
+                let (one, other, overlap) = (&grains[pair.first], &grains[pair.second], -pair.gap);
+                let ids = (one.id.min(other.id), one.id.max(other.id));
+                (overlap, ids, self.has_velocities && part(one, other) > (2.0 * gravity * overlap).sqrt())
+            })
             .collect();
-        let told = || overlaps.iter().filter(|(_, pair)| named.pairs.contains(pair)).map(|(overlap, _)| overlap);
-        let mean = told().sum::<f64>() / told().count().max(1) as f64;
+        let (told, touching) = (named.pairs.len(), overlaps.iter().filter(|(_, ids, _)| named.pairs.contains(ids)));
+        let (touching, sum) = touching.fold((0, 0.0), |(count, sum), (overlap, ..)| (count + 1, sum + overlap));
+        self.told += told;
+        self.apart += told - touching;
         let radius = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
-        let deep = (DEEP * mean).max(LEAST_DEPTH * radius);
-        for (overlap, pair) in overlaps.iter().filter(|(overlap, _)| *overlap > deep) {
-            self.pairs.add(named.pairs.contains(pair), || {
-                format!("grains {} and {} by {overlap:.3e} m at {} s", pair.0, pair.1, frame.time)
-            });
+        let least = if touching as f64 >= EXACT * told as f64 { 0.0 } else { LEAST_DEPTH * radius };
+        let deep = (DEEP * sum / touching.max(1) as f64).max(least);
+        for (overlap, ids, parts) in overlaps.iter().filter(|(overlap, ..)| *overlap > least) {
+            let is_told = named.pairs.contains(ids);
+            if *parts && !is_told {
+                continue;
+            }
+            let what = || format!("grains {} and {} by {overlap:.3e} m at {} s", ids.0, ids.1, frame.time);
+            self.any.add(is_told, what);
+            if *overlap > deep {
+                self.deep.add(is_told, what);
+            }
         }
         deep
     }
@@ -132,8 +168,14 @@ impl Completeness {
     pub fn lacking(&self, scene: &Scene) -> Vec<(Content, String)> {
         let mut lacking = Vec::new();
         let share = |count: &Count| count.untold as f64 / count.all.max(1) as f64;
-        let Count { all, untold, example } = &self.pairs;
-        if share(&self.pairs) > PAIRS_UNTOLD {
+        let is_short = |count: &Count, most: f64| {
+            let (untold, apart) = (count.untold as f64, self.apart as f64);
+            untold - apart > (most * count.all as f64).max(BEYOND_CHANCE * (untold + apart).sqrt())
+        };
+        let pairs = [(&self.deep, DEEP_UNTOLD), (&self.any, ANY_UNTOLD)];
+        let rules = if self.has_velocities { 2 } else { 1 };
+        if let Some((count, _)) = pairs.into_iter().take(rules).find(|(count, most)| is_short(count, *most)) {
+            let Count { all, untold, example } = count;
             let example = example.as_deref().unwrap_or_default();
             lacking.push((
                 Content::Contacts,
@@ -159,4 +201,23 @@ impl Completeness {
         }
         lacking
     }
+
+    /// What cannot be told of the lists, in a sentence.
+    pub fn unseen(&self) -> Option<String> {
+        let (told, apart) = (self.told, self.apart);
+        (told > 0 && self.any.all == 0).then(|| {
+            format!(
+                "whether the lists have all contacts cannot be seen: {apart} of the {told} pairs of grains in them lie apart, and none overlap \
+                 by more than {LEAST_DEPTH:.0e} radii; write places with more digits, and contacts of the same time"
+            )
+        })
+    }
+}
+
+/// The speed at which two grains part, m/s; negative where they approach. Those that part faster than by a fall through their overlap are
+/// no contact that has to bear.
+fn part(one: &Particle, other: &Particle) -> f64 {
+    let [towards, relative] = [(other.position, one.position), (other.velocity, one.velocity)]
+        .map(|(of_other, of_one)| Vector3::from(of_other) - Vector3::from(of_one));
+    towards.try_normalize(0.0).map_or(0.0, |towards| relative.dot(&towards))
 }

@@ -1,13 +1,22 @@
 //! What the frames of a scene cannot have: grains outside of it, contacts of grains that are apart.
 
 use crate::plan::Scene;
+use crate::plan::setup_hash;
 use crate::recording::{grains_belong_to, outside_domain};
+use makadam::effects::period::Period;
 use makadam::scene::Domain;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
+use std::path::PathBuf;
 
 /// Gap over the smaller radius beyond which no law of contacts acts. Contacts are told of positions up to a step ago.
 const APART: f64 = 1.0;
+
+/// Tangential over normal force below which there is none: digits of forces and places leave some.
+const FRICTIONLESS: f64 = 1e-6;
+
+/// So few contacts of a frame may all be without a tangential force.
+const FEW_CONTACTS: usize = 20;
 
 /// What is wrong with a contact of grains, or of a grain and a wall, that are apart, in words that follow their names.
 pub(super) fn apart(first: &Particle, second: Option<&Particle>, towards: &Vector3<f64>) -> Option<String> {
@@ -18,6 +27,31 @@ pub(super) fn apart(first: &Particle, second: Option<&Particle>, towards: &Vecto
     let gap = towards.norm() - reach;
     (gap > APART * smaller).then(|| {
         format!("are {gap:.3e} m apart, and do not touch; see to it that contacts count grains as the frames do, and are of their time")
+    })
+}
+
+/// By how much the point of two grains (m) lies outside of the first or the second, m, where it lies farther than contacts can.
+pub(super) fn beside(first: &Particle, second: &Particle, point: &Vector3<f64>, period: Period) -> Option<f64> {
+    let outside = |grain: &Particle| period.arm(&grain.position.into(), point).norm() - grain.radius;
+    let off = outside(first).max(outside(second));
+    (off > APART * first.radius.min(second.radius)).then_some(off)
+}
+
+/// That frames are of a run of another scene than they are measured by, in a sentence, if they are. `run`: folder, name of the scene, hash of
+/// its physics.
+pub(super) fn of_other_scene(run: &(PathBuf, String, Option<String>), scene: &Scene) -> Option<String> {
+    let (folder, name, hash) = run;
+    let is_other = match hash {
+        Some(hash) => *hash != setup_hash(scene),
+        None => *name != scene.name,
+    };
+    is_other.then(|| match *name == scene.name {
+        true => format!(
+            "{} is a run of {name} with other walls, materials, grains or effects than those given here; give the scene that was run, with the \
+             same changes (--set)",
+            folder.display()
+        ),
+        false => format!("{} is a run of {name}, and is measured by {}", folder.display(), scene.name),
     })
 }
 
@@ -49,6 +83,17 @@ pub(crate) fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapsho
     if contacts().next().is_some() && !contacts().any(|contact| contact.normal_force > 0.0) {
         notes.push(
             "no contact pushes its grains apart: forces are to be those on the first grain, and normals lead away from it".into(),
+        );
+    }
+    let has_friction = scene.material.values().any(|material| material.friction > 0.0);
+    let drags = |contact: &Contact| {
+        let tangential = Vector3::from(contact.tangential_force).norm();
+        tangential > FRICTIONLESS * contact.normal_force.abs()
+    };
+    let has_many = filled().any(|frame| frame.contacts.len() > FEW_CONTACTS);
+    if has_friction && has_many && !contacts().any(drags) {
+        notes.push(
+            "no contact has a tangential force, and the scene has friction: forces are to be whole ones, not their normal parts".into(),
         );
     }
     notes

@@ -128,17 +128,24 @@ pub(super) fn yade(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportE
     Ok(vec![FrameTable { file: file.into(), line: first.max(1), time: None, step: None, columns, values }])
 }
 
-/// A legacy VTK file in ASCII, as YADE's `VTKExporter` writes it: points, and numbers of points.
+/// A legacy VTK file in ASCII, as YADE's `VTKExporter` and LIGGGHTS's `dump custom/vtk` write it: points, and numbers of points.
 ///
 /// # Errors
 /// [`ImportError`] with the line.
 pub(super) fn legacy_vtk(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportError> {
     let text = String::from_utf8_lossy(bytes);
+    // What stands between METADATA and an empty line describes the array before.
+    let mut describes = false;
+    let is_data = |(_, text): &(usize, &str)| {
+        describes = if text.trim() == "METADATA" { true } else { describes && !text.trim().is_empty() };
+        !describes
+    };
     let mut words = text
         .lines()
         .enumerate()
         // Before the third line there are words of whoever wrote it.
         .skip(2)
+        .filter(is_data)
         .flat_map(|(line, text)| text.split_ascii_whitespace().map(move |word| (line + 1, word)))
         .peekable();
     let fault = |line: usize, problem: &str| ImportError::new(file, line, problem);
@@ -151,10 +158,32 @@ pub(super) fn legacy_vtk(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, I
     }
     let mut count = 0;
     let mut arrays: Vec<(Vec<String>, Vec<f64>)> = Vec::new();
-    let (mut first, mut of_points) = (1, true);
+    let (mut first, mut of_points) = (1, false);
+    // Arrays of a field that are still to come.
+    let mut in_field = 0;
     while let Some((line, word)) = words.next() {
         let mut next = |what: &str| words.next().ok_or_else(|| fault(line, &format!("{what} belongs behind {word}")));
         let (name, components) = match word {
+            name if in_field > 0 => {
+                in_field -= 1;
+                let mut number = |what: &str| {
+                    let (line, word) = next(what)?;
+                    word.parse::<usize>().map_err(|_| fault(line, &format!("'{word}' is no {what}")))
+                };
+                let (components, tuples) = (number("number of components")?, number("number of rows")?);
+                let kind = next("a type of numbers")?.1;
+                if !of_points {
+                    (0..components.saturating_mul(tuples)).try_for_each(|_| words.next().map(|_| ())).unwrap_or(());
+                    continue;
+                }
+                if kind == "string" || tuples != count || components == 0 {
+                    let problem = format!(
+                        "{name} has {tuples} rows of {kind}, and there are {count} points; leave numbers, one row a point"
+                    );
+                    return Err(fault(line, &problem));
+                }
+                (name.to_string(), components)
+            }
             "POINTS" => {
                 count =
                     next("a number of points")?.1.parse::<usize>().map_err(|_| fault(line, "no number of points"))?;
@@ -164,6 +193,12 @@ pub(super) fn legacy_vtk(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, I
             }
             "POINT_DATA" | "CELL_DATA" => {
                 of_points = word == "POINT_DATA";
+                continue;
+            }
+            "FIELD" => {
+                next("a name")?;
+                let (line, word) = next("a number of arrays")?;
+                in_field = word.parse().map_err(|_| fault(line, "no number of arrays"))?;
                 continue;
             }
             "SCALARS" => {
@@ -188,7 +223,7 @@ pub(super) fn legacy_vtk(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, I
             }
             _ => continue,
         };
-        if !of_points {
+        if !of_points && name != "points" {
             continue;
         }
         let wanted = count.checked_mul(components).filter(|wanted| *wanted <= bytes.len());

@@ -33,6 +33,8 @@ pub struct RunSummary {
     pub continued_at: Vec<u64>,
     /// Hash of positions, velocities and spins at the end, 16 hexadecimal digits.
     pub state_hash: String,
+    /// Hash of the physics of the scene, 16 hexadecimal digits: what is measured, the duration and the solver's settings are left out.
+    pub setup_hash: String,
     /// Steps taken.
     pub steps: u64,
     /// Time step, s.

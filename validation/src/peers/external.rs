@@ -9,7 +9,7 @@ use super::process::{Run, locate};
 use super::run_folder::{RunFolder, check_pattern};
 use super::stl::stl;
 use super::{Code, CodeError, CodeName, Job, starting_grains};
-use crate::import::{Assembly, ImportError, Imported, Tables};
+use crate::import::{Assembly, ImportError, Imported, Tables, unlike};
 use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
@@ -151,9 +151,10 @@ impl External {
             time_step: *time_step,
             interval: *interval,
         };
-        let Imported { recording, notes } = assembly.assemble(&tables).map_err(refused)?;
+        let Imported { recording, mut notes } = assembly.assemble(&tables).map_err(refused)?;
         self.check_times(job, &recording)?;
         self.check_grains(job, grains, &recording)?;
+        notes.extend(unlike(job.scene, measured_frames(job.scene, &recording).into_iter()));
         Ok(Recording {
             notes,
             rayleigh_fraction: None,

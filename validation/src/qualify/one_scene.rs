@@ -3,11 +3,9 @@
 use super::record::on_record;
 use super::same_runs::{copied, without_same_runs};
 use super::tier::Tier;
-use crate::compare::{
-    Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison, noticed, physics_hash,
-};
+use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison, noticed};
 use crate::peers::{Code, CodeError, CodeName, Purpose};
-use crate::plan::Scene;
+use crate::plan::{Scene, physics_hash};
 use crate::provenance::account;
 use crate::report::{Qualification, TestOnRecord};
 use crate::scenes::Change;

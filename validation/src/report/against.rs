@@ -2,9 +2,10 @@
 
 use super::qualification::Qualification;
 use super::studies::{StudySection, StudyTest};
-use crate::compare::{Comparison, Row, physics_hash};
+use crate::compare::{Comparison, Row};
 use crate::draw::names;
 use crate::draw::numbers::{significant, two_digits};
+use crate::plan::physics_hash;
 use serde::Serialize;
 
 /// Standard errors of a difference beyond which a number has moved: by chance about once in 300 tests of many seeds, and once in 100 of eight.

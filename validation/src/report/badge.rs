@@ -11,7 +11,8 @@ const LETTER: usize = 7;
 pub(super) fn svg(qualification: &Qualification) -> String {
     let verdict = qualification.verdict();
     let (agree, tests) = (verdict.passed(), verdict.tests());
-    let untold = verdict.not_measured + verdict.studies.iter().map(|study| study.not_measured.len()).sum::<usize>();
+    let of_studies = verdict.studies.iter().map(|study| study.not_measured.len()).sum::<usize>();
+    let untold = verdict.not_measured + verdict.differences_not_measured + of_studies;
     let (word, colour) = match verdict.standing {
         Standing::Agree => ("agree", "#2a7a2f"),
         Standing::Disagree => ("agree", "#b3261e"),

@@ -37,7 +37,7 @@ mod write;
 
 pub use against::Changes;
 pub use on_record::{AnyTestOnRecord, Lost, TestOnRecord};
-pub use place::{is_in, may_hold_comparison};
+pub use place::{is_in, may_hold_comparison, may_hold_qualification};
 pub use qualification::{Qualification, Standing, Verdict};
 pub use schema::schema;
 pub use speed::speed_sentence;

@@ -2,8 +2,9 @@
 
 use super::qualification::Qualification;
 use super::studies::{StudyTest, StudyTestOnRecord};
-use crate::compare::{Comparison, Row, physics_hash};
+use crate::compare::{Comparison, Row};
 use crate::draw::numbers::plural;
+use crate::plan::physics_hash;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -38,21 +38,39 @@ struct Tier {
 /// # Errors
 /// What it would replace, in words.
 pub fn may_hold_comparison(folder: &Path) -> Result<(), String> {
+    match held(folder)? {
+        Some(tier) if tier != COMPARISON => Err(format!(
+            "{} holds the report of a qualification (tier {tier}), which that of one scene does not replace; give another folder \
+             with --output",
+            folder.display()
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Whether the report of a qualification may be written into a folder: there is none, or an earlier one of Makadam.
+///
+/// # Errors
+/// What it would replace, in words.
+pub fn may_hold_qualification(folder: &Path) -> Result<(), String> {
+    held(folder).map(|_| ())
+}
+
+/// The tier of the report in a folder, if there is one.
+///
+/// # Errors
+/// A file that has the name of one of a report and is of none, in words.
+fn held(folder: &Path) -> Result<Option<String>, String> {
     let there = |name: &&str| folder.join(name).symlink_metadata().is_ok();
-    let Some(first) = NAMES.into_iter().find(there) else { return Ok(()) };
+    let Some(first) = NAMES.into_iter().find(there) else { return Ok(None) };
     let foreign = |name: &str| {
         let file = folder.join(name);
         Err(format!("{} is of no report of Makadam; move it, or give another folder with --output", file.display()))
     };
     match tier(&folder.join(NAMES[0])) {
         None => foreign(first),
-        Some(tier) if tier != COMPARISON => Err(format!(
-            "{} holds the report of a qualification (tier {tier}), which that of one scene does not replace; give another folder \
-             with --output",
-            folder.display()
-        )),
         Some(_) if there(&NAMES[1]) && !is_page(&folder.join(NAMES[1])) => foreign(NAMES[1]),
-        Some(_) => Ok(()),
+        held => Ok(held),
     }
 }
 
@@ -105,5 +123,19 @@ mod tests {
         refused("report.html is of no report");
         put("report.html", include_str!("page.html"));
         may_hold_comparison(folder).unwrap();
+    }
+
+    #[test]
+    fn a_qualification_replaces_reports_of_makadam_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        let put = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+        may_hold_qualification(folder).unwrap();
+        put("report.html", "<p>mine");
+        assert!(may_hold_qualification(folder).unwrap_err().contains("report.html is of no report"));
+        put("report.json", "{\"version\": 1, \"qualification\": {\"tier\": \"quick\", \"title\": \"\"}}");
+        assert!(may_hold_qualification(folder).unwrap_err().contains("report.html is of no report"));
+        put("report.html", include_str!("page.html"));
+        may_hold_qualification(folder).unwrap();
     }
 }

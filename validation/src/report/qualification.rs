@@ -79,6 +79,9 @@ pub struct Verdict {
     /// with less than is on record, or not at all.
     #[serde(default)]
     pub not_measured: usize,
+    /// Differences without a margin, which are no tests, that were asked for and could not be made for want of values.
+    #[serde(default)]
+    pub differences_not_measured: usize,
     /// Undecided tests in whose observable the references differ from each other by more than the margin: more seeds would not decide.
     pub floor_above_margin: usize,
     /// Live runs of reference codes outside the spread of their recorded runs.
@@ -140,6 +143,7 @@ impl Qualification {
             disagree: 0,
             undecided: 0,
             not_measured: 0,
+            differences_not_measured: 0,
             floor_above_margin: 0,
             outside_spread: self.outside_spread.len(),
             unchecked: self.unchecked.len(),
@@ -159,6 +163,10 @@ impl Qualification {
                 let Some(outcome) = row.outcome else { continue };
                 let wanting = if judged { lost.iter().filter(|lost| lost.is_of(row)).count() } else { 0 };
                 lost_with_row += wanting;
+                if outcome == Outcome::NotMeasured && row.margin.is_none() && wanting == 0 {
+                    verdict.differences_not_measured += 1;
+                    continue;
+                }
                 // A disagreement goes before what the test lacks.
                 if outcome == Outcome::NotMeasured || (wanting > 0 && outcome != Outcome::Disagree) {
                     verdict.not_measured += 1;
@@ -187,6 +195,7 @@ impl Qualification {
         let of_studies = |names: fn(&StudyCount) -> usize| verdict.studies.iter().map(names).sum::<usize>();
         let failed = of_studies(|study| study.failed.len());
         let lacks = verdict.not_measured
+            + verdict.differences_not_measured
             + verdict.unchecked
             + verdict.failed_runs
             + of_studies(|study| study.not_measured.len())
@@ -239,7 +248,7 @@ fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize)
         (0, 0, 0) if verdict.not_measured > 0 => {
             format!("Not measured: none of {over} could be made as asked for.")
         }
-        (0, 0, 0) if verdict.unchecked + verdict.failed_runs == 0 => {
+        (0, 0, 0) if verdict.differences_not_measured + verdict.unchecked + verdict.failed_runs == 0 => {
             return "No verdict: no observable was tested against a margin and a reference code.".into();
         }
         (0, 0, 0) => "No observable was tested against a margin and a reference code.".into(),
@@ -263,6 +272,12 @@ fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize)
             if undecided > 0 { format!(" and {undecided} {} undecided", is(undecided)) } else { String::new() },
         ),
     };
+    if verdict.differences_not_measured > 0 {
+        text += &format!(
+            " {} without a margin could not be made for want of values.",
+            plural(verdict.differences_not_measured, "difference"),
+        );
+    }
     if verdict.outside_spread > 0 {
         text += &format!(
             " {} of a reference code {} outside the spread of its recorded runs.",

@@ -139,7 +139,8 @@ pub(super) fn table(comparisons: &[Comparison]) -> Option<Table> {
 
 /// The time step of a code, and what share of the Rayleigh step it is.
 fn setting(code: &CodeSummary) -> String {
-    let step = format!("step {} s", compact(code.time_step));
+    let Some(step) = code.time_step else { return String::new() };
+    let step = format!("step {} s", compact(step));
     match code.rayleigh_fraction {
         Some(fraction) => format!("{step}, {}% of the Rayleigh step", compact(100.0 * fraction)),
         None => step,

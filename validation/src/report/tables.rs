@@ -188,7 +188,7 @@ pub(super) fn runs(comparison: &Comparison) -> Option<Table> {
             &run.version,
             words::source(run.source),
             seeds(&run.seeds),
-            format!("{} s", compact(run.time_step)),
+            run.time_step.map(|step| format!("{} s", compact(step))),
             run.rayleigh_fraction.map(|fraction| format!("{}%", compact(100.0 * fraction))),
             speed::time(run),
             from.collect::<Vec<_>>().join("; "),

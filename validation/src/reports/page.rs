@@ -83,6 +83,7 @@ fn changes(entry: &Entry, place: usize) -> Cell {
         (changes.lost.len(), "lost"),
         (changes.gained.len(), "new"),
         (changes.outcomes.len(), "changed"),
+        (changes.conditions.len(), "under other conditions"),
         (changes.moved.len(), "moved"),
     ];
     let kinds: Vec<String> =

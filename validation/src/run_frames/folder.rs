@@ -89,6 +89,7 @@ pub struct RunFrames {
     contacts: Vec<(f64, PathBuf)>,
     walls: Vec<(f64, PathBuf)>,
     alarms: Option<String>,
+    setup_hash: Option<String>,
 }
 
 impl RunFrames {
@@ -116,8 +117,8 @@ impl RunFrames {
             };
             return Err(RunFolderError::NoFrames { folder: folder.display().to_string(), problem: problem.into() });
         }
-        let Told { scene, time_step, alarms } = told(&folder);
-        Ok(RunFrames { scene, time_step, folder, grains, contacts, walls, alarms })
+        let Told { scene, time_step, alarms, setup_hash } = told(&folder);
+        Ok(RunFrames { scene, time_step, folder, grains, contacts, walls, alarms, setup_hash })
     }
 
     /// The folder.
@@ -128,6 +129,11 @@ impl RunFrames {
     /// Name of the scene, as far as it is known.
     pub fn scene(&self) -> &str {
         &self.scene
+    }
+
+    /// Hash of the physics of the scene ([`setup_hash`](crate::plan::setup_hash)), if the run tells it.
+    pub fn setup_hash(&self) -> Option<&str> {
+        self.setup_hash.as_deref()
     }
 
     /// What watchdogs noticed on the way that makes the numbers of the run doubtful or worthless, as far as it is known.
@@ -245,11 +251,12 @@ fn is_below(name: &str) -> bool {
     Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)))
 }
 
-/// What `run.json` says of a run: the name of its scene, its time step (s), and why it is not sound.
+/// What `run.json` says of a run: the name of its scene, its time step (s), why it is not sound, and the hash of its physics.
 struct Told {
     scene: String,
     time_step: Option<f64>,
     alarms: Option<String>,
+    setup_hash: Option<String>,
 }
 
 fn told(folder: &Path) -> Told {
@@ -269,5 +276,6 @@ fn told(folder: &Path) -> Told {
         scene: name.unwrap_or_else(of_folder),
         time_step: summary["time_step"].as_f64().filter(|step| *step > 0.0),
         alarms,
+        setup_hash: summary["setup_hash"].as_str().map(String::from),
     }
 }

@@ -3,10 +3,10 @@
 use super::configuration::{Configuration, Knobs};
 use super::engines::{EngineError, EngineOrigin, EngineRecord};
 use super::kept::KeptRun;
-use crate::compare::{Runs, Share, physics_hash};
+use crate::compare::{Runs, Share};
 use crate::output::WriteError;
 use crate::peers::{Code, CodeError, CoreClock, Purpose};
-use crate::plan::Scene;
+use crate::plan::{Scene, physics_hash};
 use crate::provenance::{Build, utc};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};

@@ -65,7 +65,7 @@ fn code(place: usize, source: Source, wall: f64) -> CodeSummary {
         version: ["0.1.0", "3.8.0", "2023.02a"][place].into(),
         source,
         seeds: vec![1, 2, 3, 4, 5],
-        time_step: [5e-4, 1.62e-5, 1.62e-5][place],
+        time_step: Some([5e-4, 1.62e-5, 1.62e-5][place]),
         rayleigh_fraction: [None, Some(0.2), Some(0.2)][place],
         wall_seconds_per_simulated_second: wall,
         timing: match source {

@@ -126,4 +126,15 @@ impl CodeRunArguments {
     pub fn rayleigh_fraction(&self) -> f64 {
         self.rayleigh_fraction.unwrap_or(0.1)
     }
+
+    /// Refuses a time step of codes that are not run.
+    pub fn check(&self) -> Result<(), Failure> {
+        match self.rayleigh_fraction {
+            Some(_) if !self.live => Err(Failure::Usage(
+                "--rayleigh-fraction is of runs, and recorded numbers have their own: add --live or --record (of 'makadam compare')"
+                    .into(),
+            )),
+            _ => Ok(()),
+        }
+    }
 }

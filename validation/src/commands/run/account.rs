@@ -3,6 +3,7 @@
 use super::plan::Plan;
 use super::progress::Progress;
 use crate::output::{AlarmSummary, JSON_VERSION, PhaseTimes, RunSummary, SolveSummary};
+use crate::plan::setup_hash;
 use crate::provenance::peak_bytes;
 use makadam::Simulation;
 use std::collections::BTreeMap;
@@ -48,6 +49,7 @@ impl<'a> Account<'a> {
             findings: self.plan.findings.clone(),
             continued_at: progress.continued_at.clone(),
             state_hash: format!("{:016x}", simulation.state_hash()),
+            setup_hash: setup_hash(self.plan.scene),
             steps: progress.steps,
             time_step: simulation.time_step(),
             simulated_seconds: simulation.time() - progress.started,

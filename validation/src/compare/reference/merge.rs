@@ -93,7 +93,7 @@ fn exchange<T>(list: &mut Vec<T>, is_old: impl Fn(&T) -> bool, new: impl IntoIte
 mod tests {
     use super::super::tests::sample;
     use super::*;
-    use crate::compare::physics_hash;
+    use crate::plan::physics_hash;
 
     /// The recorded runs of YADE with other seeds, for adding to a reference or for starting one.
     fn with_seeds(seeds: [u64; 2]) -> (Reference, CodeRuns, String) {

@@ -11,7 +11,7 @@ pub struct Wanted<'a> {
     pub version: Option<&'a str>,
     /// The law of its contacts.
     pub contact_law: &'a str,
-    /// Hash of the scene as it is now ([`physics_hash`](super::physics_hash)).
+    /// Hash of the scene as it is now ([`physics_hash`](crate::plan::physics_hash)).
     pub scene_hash: &'a str,
     /// Time step over the Rayleigh step.
     pub rayleigh_fraction: f64,
@@ -68,7 +68,7 @@ fn percent(fraction: f64) -> String {
 mod tests {
     use super::super::tests::sample;
     use super::*;
-    use crate::compare::physics_hash;
+    use crate::plan::physics_hash;
 
     /// What is missing where a piece of what is wanted is changed; two seeds are recorded, three are wanted.
     fn missing(change: impl Fn(&mut Wanted<'_>)) -> Missing {

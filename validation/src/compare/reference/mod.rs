@@ -22,9 +22,8 @@ pub use read::ReferenceError;
 
 use super::{CodeRuns, FinalState, MeasuredRun, Source, Timing};
 use crate::observables::{ForceDistribution, Series};
-use crate::plan::Scene;
+use crate::plan::{Scene, physics_hash};
 use crate::scenes;
-use makadam::checkpoint::checksum;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -173,22 +172,6 @@ fn processors(runs: &[&MeasuredRun]) -> String {
         }
     }
     names.join(", ")
-}
-
-/// Hash of what every code is given of a scene and of the times at which it is measured, 16
-/// hexadecimal digits. Names, Makadam's own settings and output, and margins are left out: they may
-/// change without a new recording.
-pub fn physics_hash(scene: &Scene) -> String {
-    let mut physics = serde_json::to_value(scene).expect("a checked scene holds finite numbers");
-    if let Some(table) = physics.as_object_mut() {
-        for key in ["name", "description", "seed", "solver", "accuracy", "watch", "output", "compare"] {
-            table.remove(key);
-        }
-        if let Some(measure) = table.get_mut("measure").and_then(|measure| measure.as_object_mut()) {
-            measure.remove("observables");
-        }
-    }
-    format!("{:016x}", checksum(physics.to_string().as_bytes()))
 }
 
 /// A line of `measurements.csv`.

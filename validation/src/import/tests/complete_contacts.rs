@@ -35,10 +35,54 @@ fn a_list_that_lacks_contacts_is_not_measured_as_whole() {
     assert!(notes.len() == 1 && notes[0].contains("are in no list of contacts, such as grains "), "{notes:?}");
     let (none, notes) = lacks(&|_, contact| !contact.second.is_grain());
     assert_eq!(none, [Content::DrivenWalls, Content::Contacts], "{notes:?}");
+    // Weak contacts count, too.
+    let (whole_frames, mut mean) = (packing().1, 0.0);
+    let pairs = || whole_frames.iter().flat_map(|frame| &frame.contacts).filter(|contact| contact.second.is_grain());
+    pairs().for_each(|contact| mean += contact.normal_force / pairs().count() as f64);
+    let (no_weak, notes) = lacks(&|_, contact| !contact.second.is_grain() || contact.normal_force > 0.2 * mean);
+    assert_eq!(no_weak, [Content::DrivenWalls, Content::Contacts], "{notes:?}");
     // The floor and the sides are one wall.
     let (no_floor, notes) = lacks(&|_, contact| contact.second.is_grain() || contact.normal[2].abs() < 0.9);
     assert_eq!(no_floor, [Content::DrivenWalls, Content::WallContacts]);
     assert!(notes.len() == 1 && notes[0].contains("overlaps of grains with one face of the wall 0 ("), "{notes:?}");
+}
+
+/// A row of 24 grains of radius 1 m, each of which overlaps the next one by as much, and the contacts of those that are kept.
+fn row(overlap: f64, digits: usize, keep: fn(usize) -> bool) -> Imported {
+    let place = |grain: usize| (2.0 - overlap) * grain as f64;
+    let grains: String = (0..24).map(|grain| format!("{grain},0,0,{:.digits$e},1\n", place(grain))).collect();
+    let contacts: String =
+        (0..23).filter(|grain| keep(*grain)).map(|grain| format!("{grain},{},0,1,-1\n", grain + 1)).collect();
+    let files = [("g.csv", format!("id,x,y,z,r\n{grains}"))];
+    let contacts = [("c.csv", format!("first,second,fx,fy,fz\n{contacts}"))];
+    assembled(&packing().0, &tables(&files, &contacts).unwrap()).unwrap()
+}
+
+#[test]
+fn stiff_grains_overlap_by_little_and_their_lists_are_looked_at_all_the_same() {
+    let lacks = |imported: &Imported| imported.recording.lacks.contains(&Content::Contacts);
+    let says = |imported: &Imported, words: &str| imported.notes.iter().any(|note| note.contains(words));
+    let whole = row(1e-6, 15, |_| true);
+    assert!(!lacks(&whole) && !says(&whole, "contacts"), "{:?}", whole.notes);
+    let half = row(1e-6, 15, |grain| grain % 2 == 0);
+    assert!(lacks(&half) && says(&half, "of 23 pairs of grains that overlap in the measured"), "{:?}", half.notes);
+    // With digits that hide the overlaps nothing can be told, which is said.
+    let hidden = row(1e-9, 4, |grain| grain % 2 == 0);
+    assert!(
+        !lacks(&hidden) && says(&hidden, "whether the lists have all contacts cannot be seen"),
+        "{:?}",
+        hidden.notes
+    );
+}
+
+#[test]
+fn points_beside_the_grains_are_refused() {
+    let (scene, _) = packing();
+    let grains = [("g.csv", "id,x,y,z,r\n1,0,0,0,1\n2,0,0,1.9,1\n".to_string())];
+    let point = |z: f64| [("c.csv", format!("first,second,fx,fy,fz,px,py,pz\n1,2,0,0,-1,0,0,{z}\n"))];
+    assert!(assembled(&scene, &tables(&grains, &point(0.95)).unwrap()).is_ok());
+    let error = assembled(&scene, &tables(&grains, &point(-1.5)).unwrap()).unwrap_err().to_string();
+    assert!(error.contains("c.csv: line 2: the point of grain 1 and grain 2 lies 2.4"), "{error}");
 }
 
 #[test]

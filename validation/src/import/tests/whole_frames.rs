@@ -116,6 +116,36 @@ fn a_vtk_file_of_several_pieces_is_refused() {
 }
 
 #[test]
+fn fields_of_legacy_vtk_files_are_columns() {
+    let file = |arrays: &str| {
+        let text = format!(
+            "# vtk DataFile Version 5.1\nLIGGGHTS\nASCII\nDATASET POLYDATA\nFIELD FieldData 1\nTIME 1 1 double\n0.5\nPOINTS 2 float\n\
+             1 2 3 4 5 6\nMETADATA\nINFORMATION 2\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 17\n\nVERTICES 3 2\nOFFSETS \
+             vtktypeint64\n0 1 2\nPOINT_DATA 2\n{arrays}"
+        );
+        parse(Path::new("a.vtk"), text.into_bytes())
+    };
+    let two = "FIELD FieldData 2\nradius 1 2 double\n0.5 0.25\nMETADATA\nINFORMATION 0\n\nv 3 2 float\n1 2 3 4 5 6\n";
+    let frames = file(two).unwrap();
+    let rows: Vec<&[f64]> = frames[0].rows().collect();
+    assert_eq!(rows, [[1.0, 2.0, 3.0, 0.5, 1.0, 2.0, 3.0], [4.0, 5.0, 6.0, 0.25, 4.0, 5.0, 6.0]]);
+    let columns: Vec<Option<Column>> = frames[0].columns.iter().map(|name| column_of(name)).collect();
+    let axes = |of: fn(usize) -> Column| (0..3).map(move |axis| Some(of(axis)));
+    let wanted: Vec<_> = axes(Column::Position).chain([Some(Column::Radius)]).chain(axes(Column::Velocity)).collect();
+    assert_eq!(columns, wanted);
+    for (arrays, words) in [
+        ("FIELD FieldData 1\nname 1 2 string\na\nb\n", "name has 2 rows of string"),
+        ("FIELD FieldData 1\nradius 1 3 double\n1 2 3\n", "radius has 3 rows of double, and there are 2 points"),
+        ("FIELD FieldData many\n", "no number of arrays"),
+        ("FIELD FieldData 1\nradius one 2 double\n1 2\n", "'one' is no number of components"),
+        ("FIELD FieldData 1\nradius 1 2 double\n1\n", "radius ends before its last number"),
+    ] {
+        let error = file(arrays).unwrap_err().to_string();
+        assert!(error.contains(words), "{words}: {error}");
+    }
+}
+
+#[test]
 fn grains_and_forces_that_a_scene_cannot_have_are_noted() {
     let (scene, mut frames) = packing();
     assert!(unlike(&scene, frames.iter()).is_empty());
@@ -123,6 +153,11 @@ fn grains_and_forces_that_a_scene_cannot_have_are_noted() {
     last.contacts.iter_mut().for_each(|contact| contact.normal_force = -contact.normal_force.abs());
     let reversed = unlike(&scene, std::iter::once(&*last));
     assert!(reversed.len() == 1 && reversed[0].contains("no contact pushes"), "{reversed:?}");
+    for contact in &mut last.contacts {
+        (contact.normal_force, contact.tangential_force) = (-contact.normal_force, [0.0; 3]);
+    }
+    let normal = unlike(&scene, std::iter::once(&*last));
+    assert!(normal.len() == 1 && normal[0].contains("no contact has a tangential force"), "{normal:?}");
     last.particles[7].radius *= 2.0;
     let notes = unlike(&scene, std::iter::once(&*last));
     assert!(notes[0].contains("grain 7 has a radius of"), "{notes:?}");
