@@ -24,9 +24,6 @@ pub(super) fn export(arguments: &ExportArguments, console: &Console) -> Result<E
 /// Writes what a code runs the scene from.
 fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) -> Result<ExitCode, Failure> {
     let (file, scene) = load(&arguments.what, &arguments.changes)?;
-    if code == CodeName::Makadam {
-        return Err(Failure::Usage("Makadam runs scenes as they are; name another code".into()));
-    }
     let code = code.code();
     let name = format!("{}-{}", file_stem(&scene.name), code.name().to_lowercase());
     let folder = arguments.output.clone().unwrap_or_else(|| PathBuf::from(name));

@@ -193,6 +193,10 @@ pub(super) fn legacy_vtk(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, I
             }
             "POINT_DATA" | "CELL_DATA" => {
                 of_points = word == "POINT_DATA";
+                let told = next("a number")?.1;
+                if of_points && told.parse() != Ok(count) {
+                    return Err(fault(line, &format!("data of {told} points, and there are {count}")));
+                }
                 continue;
             }
             "FIELD" => {

@@ -4,6 +4,7 @@ use super::values::{positive, rayleigh_fraction};
 use crate::peers::CodeName;
 use crate::pictures::{Cut, Style, View};
 use crate::scenes::Change;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -128,6 +129,12 @@ pub enum ExportFormat {
     Gsd,
 }
 
+/// The codes that read another input than a scene.
+fn another_code() -> impl TypedValueParser<Value = CodeName> {
+    let others = CodeName::value_variants().iter().filter(|name| **name != CodeName::Makadam);
+    PossibleValuesParser::new(others.filter_map(ValueEnum::to_possible_value)).try_map(|name| CodeName::of(&name))
+}
+
 /// Arguments of `makadam export`.
 #[derive(Debug, Args)]
 pub struct ExportArguments {
@@ -138,7 +145,7 @@ pub struct ExportArguments {
     #[arg(long, value_enum, required_unless_present = "code")]
     pub format: Option<ExportFormat>,
     /// Code for which a scene is written: deck or driver, grains, meshes of walls.
-    #[arg(long = "for", id = "code", value_enum, value_name = "CODE", conflicts_with = "format")]
+    #[arg(long = "for", id = "code", value_parser = another_code(), value_name = "CODE", conflicts_with = "format")]
     pub code: Option<CodeName>,
     /// With --for, replace a value of the scene; can be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "code")]

@@ -133,6 +133,8 @@ fn fields_of_legacy_vtk_files_are_columns() {
     let axes = |of: fn(usize) -> Column| (0..3).map(move |axis| Some(of(axis)));
     let wanted: Vec<_> = axes(Column::Position).chain([Some(Column::Radius)]).chain(axes(Column::Velocity)).collect();
     assert_eq!(columns, wanted);
+    let error = file("POINT_DATA 3\n").unwrap_err().to_string();
+    assert!(error.contains("data of 3 points, and there are 2"), "{error}");
     for (arrays, words) in [
         ("FIELD FieldData 1\nname 1 2 string\na\nb\n", "name has 2 rows of string"),
         ("FIELD FieldData 1\nradius 1 3 double\n1 2 3\n", "radius has 3 rows of double, and there are 2 points"),
