@@ -28,7 +28,7 @@ const ANY_UNTOLD: f64 = 0.05;
 /// told makes as many of both.
 const BEYOND_CHANCE: f64 = 2.0;
 
-/// The same of the grains that lie in a wall: a wall made of triangles is not quite where the scene has it.
+/// Share of the grains that lie in a wall of which a whole list may lack no more: a wall made of triangles is not quite where the scene has it.
 const AT_WALL_UNTOLD: f64 = 0.2;
 
 /// Angle between a contact and the way to the nearest point of a face within which it is one with that face, degrees.
@@ -113,13 +113,13 @@ impl Completeness {
     fn look_at_pairs(&mut self, scene: &Scene, frame: &Snapshot, named: &Named) -> f64 {
         let grains = &frame.particles;
         let gravity = Vector3::from(scene.gravity).norm();
-        let close = close_pairs(grains, 0.0);
-        let overlaps: Vec<(f64, (u32, u32), bool)> = close
+        // Grains that part faster than by a fall through their overlap need not bear anything.
+        let overlaps: Vec<(f64, (u32, u32), bool)> = close_pairs(grains, 0.0)
             .into_iter()
             .map(|pair| {
                 let (one, other, overlap) = (&grains[pair.first], &grains[pair.second], -pair.gap);
                 let ids = (one.id.min(other.id), one.id.max(other.id));
-                (overlap, ids, self.has_velocities && part(one, other) > (2.0 * gravity * overlap).sqrt())
+                (overlap, ids, self.has_velocities && parting_speed(one, other) > (2.0 * gravity * overlap).sqrt())
             })
             .collect();
         let (told, touching) = (named.pairs.len(), overlaps.iter().filter(|(_, ids, _)| named.pairs.contains(ids)));
@@ -172,9 +172,8 @@ impl Completeness {
             let (untold, apart) = (count.untold as f64, self.apart as f64);
             untold - apart > (most * count.all as f64).max(BEYOND_CHANCE * (untold + apart).sqrt())
         };
-        let pairs = [(&self.deep, DEEP_UNTOLD), (&self.any, ANY_UNTOLD)];
-        let rules = if self.has_velocities { 2 } else { 1 };
-        if let Some((count, _)) = pairs.into_iter().take(rules).find(|(count, most)| is_short(count, *most)) {
+        let rules = [Some((&self.deep, DEEP_UNTOLD)), self.has_velocities.then_some((&self.any, ANY_UNTOLD))];
+        if let Some((count, _)) = rules.into_iter().flatten().find(|(count, most)| is_short(count, *most)) {
             let Count { all, untold, example } = count;
             let example = example.as_deref().unwrap_or_default();
             lacking.push((
@@ -214,9 +213,8 @@ impl Completeness {
     }
 }
 
-/// The speed at which two grains part, m/s; negative where they approach. Those that part faster than by a fall through their overlap are
-/// no contact that has to bear.
-fn part(one: &Particle, other: &Particle) -> f64 {
+/// The speed at which two grains part along the line of their centres, m/s; negative where they approach.
+fn parting_speed(one: &Particle, other: &Particle) -> f64 {
     let [towards, relative] = [(other.position, one.position), (other.velocity, one.velocity)]
         .map(|(of_other, of_one)| Vector3::from(of_other) - Vector3::from(of_one));
     towards.try_normalize(0.0).map_or(0.0, |towards| relative.dot(&towards))

@@ -49,8 +49,8 @@ pub struct Tables {
     pub contacts: Vec<FrameTable>,
     /// What a reader must know of the runs that they are from, in sentences.
     pub notes: Vec<String>,
-    /// Runs of Makadam that they are from: folder, name of the scene, and hash of its physics as far as it is known.
-    pub runs: Vec<(PathBuf, String, Option<String>)>,
+    /// Runs of Makadam that they are from.
+    pub runs: Vec<RunFrames>,
     /// Files of grains and of contacts that were added: where they really lie, and as what they were given.
     pub files: [BTreeMap<PathBuf, PathBuf>; 2],
 }
@@ -79,7 +79,7 @@ impl Tables {
         self.grains.extend(timed(run.files("grains"))?);
         self.contacts.extend(timed(run.files("contacts"))?);
         self.notes.extend(run.alarms().map(String::from));
-        self.runs.push((path.into(), run.scene().into(), run.setup_hash().map(String::from)));
+        self.runs.push(run);
         Ok(())
     }
 

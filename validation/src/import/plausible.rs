@@ -1,13 +1,12 @@
 //! What the frames of a scene cannot have: grains outside of it, contacts of grains that are apart.
 
-use crate::plan::Scene;
-use crate::plan::setup_hash;
+use crate::plan::{Scene, setup_hash};
 use crate::recording::{grains_belong_to, outside_domain};
+use crate::run_frames::RunFrames;
 use makadam::effects::period::Period;
 use makadam::scene::Domain;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
-use std::path::PathBuf;
 
 /// Gap over the smaller radius beyond which no law of contacts acts. Contacts are told of positions up to a step ago.
 const APART: f64 = 1.0;
@@ -37,15 +36,14 @@ pub(super) fn beside(first: &Particle, second: &Particle, point: &Vector3<f64>, 
     (off > APART * first.radius.min(second.radius)).then_some(off)
 }
 
-/// That frames are of a run of another scene than they are measured by, in a sentence, if they are. `run`: folder, name of the scene, hash of
-/// its physics.
-pub(super) fn of_other_scene(run: &(PathBuf, String, Option<String>), scene: &Scene) -> Option<String> {
-    let (folder, name, hash) = run;
-    let is_other = match hash {
-        Some(hash) => *hash != setup_hash(scene),
-        None => *name != scene.name,
+/// That a run is of another scene than it is measured by, in a sentence, if it is.
+pub(super) fn of_other_scene(run: &RunFrames, scene: &Scene) -> Option<String> {
+    let (folder, name) = (run.folder(), run.scene());
+    let is_other = match run.setup_hash() {
+        Some(hash) => hash != setup_hash(scene),
+        None => name != scene.name,
     };
-    is_other.then(|| match *name == scene.name {
+    is_other.then(|| match name == scene.name {
         true => format!(
             "{} is a run of {name} with other walls, materials, grains or effects than those given here; give the scene that was run, with the \
              same changes (--set)",

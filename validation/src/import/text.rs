@@ -173,7 +173,7 @@ pub(super) fn legacy_vtk(file: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, I
                 let (components, tuples) = (number("number of components")?, number("number of rows")?);
                 let kind = next("a type of numbers")?.1;
                 if !of_points {
-                    (0..components.saturating_mul(tuples)).try_for_each(|_| words.next().map(|_| ())).unwrap_or(());
+                    words.by_ref().take(components.saturating_mul(tuples)).for_each(drop);
                     continue;
                 }
                 if kind == "string" || tuples != count || components == 0 {
