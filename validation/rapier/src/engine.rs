@@ -6,7 +6,7 @@
 //! `g / (2 pi f)^2` under the weight of its own mass, whatever the size of the grains.
 
 use makadam::effects::catalogue::{
-    CHANGING_GRAVITY, COHESION, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, ROLLING, TWISTING,
+    COMPLIANCE, Effect, FRICTION, GRAVITY, RESTITUTION, SIZE_SPREAD, SPIN, TANGENTIAL_SPRING, VISCOSITY,
 };
 use makadam::scene::{Grain, Motion, Shape};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
@@ -23,9 +23,10 @@ pub const NAME: &str = "Rapier";
 /// Thickness of a wall over the largest radius: no grain of a dense flow crosses that in a step.
 const WALL_THICKNESS: f64 = 10.0;
 
-/// Effects that it has not, or that are left out of the comparison.
-const LACKS: [&Effect; 7] =
-    [&CHANGING_GRAVITY, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &COHESION, &ROLLING, &TWISTING];
+/// Effects that a scene may have; a scene with any other effect is refused. Its contacts are springs of one frequency, in place of the scene's compliance, viscosity and tangential
+/// spring.
+const HAS: [&Effect; 8] =
+    [&GRAVITY, &SIZE_SPREAD, &COMPLIANCE, &VISCOSITY, &RESTITUTION, &FRICTION, &TANGENTIAL_SPRING, &SPIN];
 
 /// What is varied.
 #[derive(Clone, Debug, PartialEq)]
@@ -193,7 +194,7 @@ fn vector([x, y, z]: [f64; 3]) -> Vector {
 /// The scene in Rapier's terms.
 fn build(scene: &Scene, grains: &[Grain], settings: &Settings) -> Result<PhysicsWorld, CodeError> {
     let refuse = |reason: String| Err(CodeError::Unsupported { code: NAME, reason });
-    refuse_effects(NAME, &LACKS, scene, grains)?;
+    refuse_effects(NAME, &HAS, scene, grains)?;
     if !scene.pair.is_empty() {
         return refuse("it has rules for pairs of materials".into());
     }

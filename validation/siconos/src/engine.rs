@@ -6,7 +6,7 @@
 //! are rigid, its restitution is Newton's, its contacts are found by Bullet.
 
 use makadam::effects::catalogue::{
-    CHANGING_GRAVITY, COHESION, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, ROLLING, TWISTING,
+    COMPLIANCE, Effect, FRICTION, GRAVITY, RESTITUTION, SIZE_SPREAD, SPIN, TANGENTIAL_SPRING, VISCOSITY,
 };
 use makadam::scene::{Grain, Motion, Shape, populate};
 use makadam_validation::peers::yade::{read_frames, read_result};
@@ -29,9 +29,9 @@ const ASSERTIONS_OFF: &str = include_str!("assertions_off.c");
 /// Iterations at which a solve is given up.
 const MOST_ITERATIONS: u32 = 10_000;
 
-/// Effects that it has not, or that are left out of the comparison.
-const LACKS: [&Effect; 7] =
-    [&CHANGING_GRAVITY, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &COHESION, &ROLLING, &TWISTING];
+/// Effects that a scene may have; a scene with any other effect is refused. Its contacts are rigid, in place of the scene's compliance, viscosity and tangential spring.
+const HAS: [&Effect; 8] =
+    [&GRAVITY, &SIZE_SPREAD, &COMPLIANCE, &VISCOSITY, &RESTITUTION, &FRICTION, &TANGENTIAL_SPRING, &SPIN];
 
 /// What is varied.
 #[derive(Clone, Debug, PartialEq)]
@@ -261,7 +261,7 @@ fn refuse<T>(reason: String) -> Result<T, CodeError> {
 
 /// Friction and restitution, which are the same at all contacts: one law is given to Siconos.
 fn coefficients(scene: &Scene, grains: &[Grain]) -> Result<(f64, f64), CodeError> {
-    refuse_effects(NAME, &LACKS, scene, grains)?;
+    refuse_effects(NAME, &HAS, scene, grains)?;
     if scene.prepare.is_some() {
         return refuse("it starts from a prepared state".into());
     }

@@ -29,8 +29,8 @@ pub use yade::Yade;
 
 use crate::plan::Scene;
 use crate::recording::Recording;
-use ::makadam::effects::Effect;
 use ::makadam::effects::catalogue::Trigger;
+use ::makadam::effects::{CATALOGUE, Effect};
 use ::makadam::scene::{Grain, Shape};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -86,6 +86,10 @@ pub trait Code: Sync {
     }
     /// What it is told otherwise where it is timed, as the end of a sentence; `None` where it is told the same.
     fn timing_input(&self) -> Option<&'static str> {
+        None
+    }
+    /// Seeds of the runs that exist, where the code is not run; `None` where it runs any seed.
+    fn seeds(&self) -> Option<Vec<u64>> {
         None
     }
     /// Writes the files from which it runs the scene into the job's folder, and returns the command that runs it there.
@@ -247,13 +251,14 @@ fn write_files(folder: &Path, files: impl IntoIterator<Item = (impl AsRef<Path>,
     Ok(())
 }
 
-/// Refuses a scene that calls for an effect that a code lacks, as far as grains and walls that are there have it.
+/// Refuses a scene with an effect that is not among those that a code has, as far as grains and walls that are there have it. An effect
+/// that a code does not list is refused, so that no input leaves one out.
 ///
 /// # Errors
 /// [`CodeError::Unsupported`] with the first effect, in the catalogue's order, and what calls for it.
 pub fn refuse_effects(
     code: &'static str,
-    lacks: &[&'static Effect],
+    has: &[&'static Effect],
     scene: &Scene,
     grains: &[Grain],
 ) -> Result<(), CodeError> {
@@ -262,7 +267,8 @@ pub fn refuse_effects(
         Trigger::Contacts { acts, .. } => palette.pairs().any(|(_, _, pair)| acts(&pair)),
         Trigger::Scene(_) => true,
     };
-    for effect in lacks.iter().filter(|effect| here(effect)) {
+    let is_listed = |effect: &Effect| has.iter().any(|one| one.name == effect.name);
+    for effect in CATALOGUE.iter().filter(|effect| !is_listed(effect) && here(effect)) {
         if let Ok(call) = effect.called_by(scene) {
             return Err(CodeError::Unsupported { code, reason: format!("it has no {}: {}", effect.name, call.why) });
         }
@@ -270,15 +276,15 @@ pub fn refuse_effects(
     Ok(())
 }
 
-/// The grains that a soft peer starts from, or what it cannot do with the scene; `lacks` are the effects that it has not.
-fn supported_start(code: &'static str, lacks: &[&'static Effect], job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
-    makadam::starting_grains_if(job, |grains| refuse_unsupported(code, lacks, job.scene, grains))
+/// The grains that a soft peer starts from, or what it cannot do with the scene; `has` are the effects that it has.
+fn supported_start(code: &'static str, has: &[&'static Effect], job: &Job<'_>) -> Result<Vec<Grain>, CodeError> {
+    makadam::starting_grains_if(job, |grains| refuse_unsupported(code, has, job.scene, grains))
 }
 
 /// What no soft peer can do with a scene, told before it is started.
 fn refuse_unsupported(
     code: &'static str,
-    lacks: &[&'static Effect],
+    has: &[&'static Effect],
     scene: &Scene,
     grains: &[Grain],
 ) -> Result<(), CodeError> {
@@ -292,5 +298,72 @@ fn refuse_unsupported(
     if scene.wall.iter().any(|wall| matches!(wall.shape, Shape::Spheres { .. })) {
         return refuse("a wall is made of spheres");
     }
-    refuse_effects(code, lacks, scene, grains)
+    refuse_effects(code, has, scene, grains)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::{find, load};
+
+    /// Effects that each reference code is refused for.
+    const REFUSED: [(&str, &[&Effect], &[&str]); 3] = [
+        (
+            "YADE",
+            &yade::HAS,
+            &["changing gravity", "periodic axes", "falling restitution", "kinetic friction", "twisting resistance"],
+        ),
+        (
+            "LIGGGHTS",
+            &liggghts::HAS,
+            &[
+                "changing gravity",
+                "driven walls",
+                "periodic axes",
+                "falling restitution",
+                "kinetic friction",
+                "cohesion",
+                "twisting resistance",
+            ],
+        ),
+        (
+            "LAMMPS",
+            &lammps::HAS,
+            &[
+                "changing gravity",
+                "driven walls",
+                "periodic axes",
+                "falling restitution",
+                "kinetic friction",
+                "cohesion",
+                "twisting resistance",
+            ],
+        ),
+    ];
+
+    #[test]
+    fn every_effect_is_had_or_refused() {
+        for (code, has, refused) in REFUSED {
+            for effect in CATALOGUE {
+                let listed = has.iter().filter(|one| one.name == effect.name).count();
+                let refused = refused.iter().filter(|name| **name == effect.name).count();
+                assert_eq!(listed + refused, 1, "{code}: {} stands in one list", effect.name);
+            }
+            assert_eq!(has.len() + refused.len(), CATALOGUE.len(), "{code} lists an effect that is none");
+        }
+    }
+
+    #[test]
+    fn an_unlisted_effect_is_refused() {
+        let scene = load(&find("packing-100", &[]).unwrap()).unwrap();
+        let grains = ::makadam::scene::populate(&scene, 1).unwrap();
+        let refusal =
+            |has: &[&'static Effect]| refuse_effects("YADE", has, &scene, &grains).err().map(|e| e.to_string());
+        assert_eq!(refusal(&yade::HAS), None);
+        for left_out in yade::HAS.iter().filter(|effect| effect.called_by(&scene).is_ok()) {
+            let has: Vec<_> = yade::HAS.into_iter().filter(|effect| effect.name != left_out.name).collect();
+            let said = refusal(&has).expect(left_out.name);
+            assert!(said.contains(&format!("it has no {}", left_out.name)), "{said}");
+        }
+    }
 }

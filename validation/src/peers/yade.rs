@@ -10,7 +10,8 @@ use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use crate::import::{contact_from_force, measurable, merge_wall_contacts};
 use crate::recording::Recording;
 use makadam::effects::catalogue::{
-    CHANGING_GRAVITY, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
+    COHESION, COMPLIANCE, DRIVEN_WALLS, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN,
+    TANGENTIAL_SPRING, VISCOSITY, WALL_MOTION,
 };
 use makadam::scene::{Cohesion, Grain, Motion};
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
@@ -20,8 +21,21 @@ use std::ffi::OsString;
 use std::path::Path;
 
 const NAME: &str = "YADE";
-/// Effects that it has not, or that are left out of the comparison.
-const LACKS: [&Effect; 5] = [&CHANGING_GRAVITY, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &TWISTING];
+/// Effects that its input expresses; a scene with any other effect is refused.
+pub(super) const HAS: [&Effect; 12] = [
+    &GRAVITY,
+    &WALL_MOTION,
+    &DRIVEN_WALLS,
+    &SIZE_SPREAD,
+    &COMPLIANCE,
+    &VISCOSITY,
+    &RESTITUTION,
+    &FRICTION,
+    &TANGENTIAL_SPRING,
+    &SPIN,
+    &COHESION,
+    &ROLLING,
+];
 const DRIVER: &str = include_str!("yade_driver.py");
 
 /// Reach of YADE's candidate list over the smallest radius; a matter of speed alone. The second one is that at which packing and drum are
@@ -231,7 +245,7 @@ impl Code for Yade {
 /// Writes job and driver into the job's folder: the grains and the steps of the run.
 fn write_input(job: &Job<'_>) -> Result<(Vec<Grain>, Plan), CodeError> {
     let scene = job.scene;
-    let grains = supported_start(NAME, &LACKS, job)?;
+    let grains = supported_start(NAME, &HAS, job)?;
     let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };
     if scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. })) {
         return Err(unsupported("a wall is driven by a torque".into()));

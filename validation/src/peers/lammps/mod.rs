@@ -12,7 +12,8 @@ use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
 use makadam::effects::catalogue::{
-    CHANGING_GRAVITY, COHESION, DRIVEN_WALLS, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
+    COMPLIANCE, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN, TANGENTIAL_SPRING, VISCOSITY,
+    WALL_MOTION,
 };
 use makadam::scene::Grain;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
@@ -23,9 +24,19 @@ use std::path::{Path, PathBuf};
 use surfaces::{Surface, surfaces};
 
 const NAME: &str = "LAMMPS";
-/// Effects that it has not, or that are left out of the comparison.
-const LACKS: [&Effect; 7] =
-    [&CHANGING_GRAVITY, &DRIVEN_WALLS, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &COHESION, &TWISTING];
+/// Effects that its input expresses; a scene with any other effect is refused.
+pub(super) const HAS: [&Effect; 10] = [
+    &GRAVITY,
+    &WALL_MOTION,
+    &SIZE_SPREAD,
+    &COMPLIANCE,
+    &VISCOSITY,
+    &RESTITUTION,
+    &FRICTION,
+    &TANGENTIAL_SPRING,
+    &SPIN,
+    &ROLLING,
+];
 
 /// LAMMPS with its package GRANULAR, an explicit soft-sphere code.
 pub struct Lammps {
@@ -92,7 +103,7 @@ struct Input {
 /// Writes deck and grains into the job's folder.
 fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
     let scene = job.scene;
-    let grains = supported_start(NAME, &LACKS, job)?;
+    let grains = supported_start(NAME, &HAS, job)?;
     let largest_step = job.rayleigh_fraction * scene.rayleigh_step(&grains);
     let plan = Plan::new(scene, largest_step);
     let unsupported = |reason: String| CodeError::Unsupported { code: NAME, reason };

@@ -12,7 +12,8 @@ use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
 use makadam::effects::catalogue::{
-    CHANGING_GRAVITY, COHESION, DRIVEN_WALLS, Effect, FALLING_RESTITUTION, KINETIC_FRICTION, PERIODIC_AXES, TWISTING,
+    COMPLIANCE, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN, TANGENTIAL_SPRING, VISCOSITY,
+    WALL_MOTION,
 };
 use makadam::scene::Grain;
 use makadam::snapshot::{Partner, Snapshot};
@@ -24,10 +25,21 @@ use turn::Turn;
 use walls::Walls;
 
 const NAME: &str = "LIGGGHTS";
-/// Effects that it has not, or that are left out of the comparison: its servo wall has a controller in place of a mass, the pull of
-/// its cohesion goes with the area of the overlap, and its twisting resistance is tied to the rolling one.
-const LACKS: [&Effect; 7] =
-    [&CHANGING_GRAVITY, &DRIVEN_WALLS, &PERIODIC_AXES, &FALLING_RESTITUTION, &KINETIC_FRICTION, &COHESION, &TWISTING];
+/// Effects that its input expresses; a scene with any other effect is refused. Three that LIGGGHTS has differ from the scene's: its servo
+/// wall has a controller in place of a mass, the pull of its cohesion goes with the area of the overlap, and its twisting resistance is tied
+/// to the rolling one.
+pub(super) const HAS: [&Effect; 10] = [
+    &GRAVITY,
+    &WALL_MOTION,
+    &SIZE_SPREAD,
+    &COMPLIANCE,
+    &VISCOSITY,
+    &RESTITUTION,
+    &FRICTION,
+    &TANGENTIAL_SPRING,
+    &SPIN,
+    &ROLLING,
+];
 
 /// LIGGGHTS, an explicit soft-sphere code.
 pub struct Liggghts {
@@ -105,7 +117,7 @@ struct Input {
 
 /// Writes deck, grains and meshes into the job's folder.
 fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
-    let grains = supported_start(NAME, &LACKS, job)?;
+    let grains = supported_start(NAME, &HAS, job)?;
     let plan = Plan::new(job.scene, job.rayleigh_fraction * job.scene.rayleigh_step(&grains));
     let (turn, scene, grains) = match job.purpose {
         Purpose::Measuring => (Turn::default(), job.scene.clone(), grains),
