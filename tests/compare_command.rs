@@ -61,6 +61,29 @@ fn recorded_references_are_used_and_said() {
     assert!(report.contains("Makadam"));
 }
 
+/// Agreement is that of the seeds that the scene has registered: others are exploratory, and so is a change of what is compared.
+#[test]
+fn unregistered_seeds_are_exploratory() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = with_references(folder.path());
+    let compare = |more: &[&str]| {
+        let output = makadam(folder.path()).arg("compare").arg(&scene).args(more).output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let (code, table) = compare(&[]);
+    assert!(code == Some(0) && table.contains("agrees with YADE and LIGGGHTS"), "{table}");
+    let (code, table) = compare(&["--seeds", "4"]);
+    assert!(code == Some(4) && table.contains("exploratory: within the margin"), "{table}");
+    assert!(table.contains("No verdict: of 2 tests of 1 scene") && !table.contains("agrees with"), "{table}");
+    assert!(table.contains("changed registers 3 seeds (measure.seeds), and 4 seeds were run"), "{table}");
+    for change in ["measure.seeds=4", "compare.margin=0.06"] {
+        let (code, table) = compare(&["--set", change]);
+        assert!(code == Some(4) && table.contains("--set has changed that"), "{change}: {table}");
+    }
+    let (code, table) = compare(&["--set", "solver.step=4e-4"]);
+    assert!(code == Some(0) && table.contains("agrees with YADE and LIGGGHTS"), "{table}");
+}
+
 #[test]
 fn an_output_is_refused_before_anything_runs_and_no_verdict_is_lost() {
     let folder = tempfile::tempdir().unwrap();

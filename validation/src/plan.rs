@@ -21,6 +21,9 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
+/// Most seeds of a comparison.
+pub const MOST_SEEDS: u64 = 1000;
+
 /// Most frames of a run.
 const MOST_FRAMES: f64 = 1e6;
 
@@ -167,6 +170,12 @@ impl Scene {
                 return Err(at.fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
             }
         }
+        at.key("seeds").range(self.measure.seeds.unwrap_or(2) as f64, 2.0, MOST_SEEDS as f64, "seeds")?;
+        at.key("rest_energy").range(self.measure.rest_energy.unwrap_or(1.0), 1e-30, 1e6, "J per grain")?;
+        if self.measure.lacks_energy() {
+            let problem = "runs at rest are known by their kinetic energy, and balances are not measured".into();
+            return Err(at.key("rest_energy").fault(problem, "add balances to measure.observables"));
+        }
         let mut compared = HashMap::new();
         for (index, expectation) in self.compare.iter().enumerate() {
             let at = root.key("compare").index(index);
@@ -302,6 +311,12 @@ pub struct Measure {
     pub from: Option<f64>,
     /// What is measured.
     pub observables: Vec<Observable>,
+    /// Number of seeds that a comparison is registered with: runs of seeds 1 to this number alone can end in agreement. If absent, none can.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeds: Option<u64>,
+    /// Largest kinetic energy per grain of a run at rest, J: a comparison leaves out runs with more. If absent, all runs count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rest_energy: Option<f64>,
 }
 
 /// Part of the interval by which a frame may be away from the time at which it is due: times are sums of steps, and steps of other codes
@@ -314,6 +329,11 @@ impl Measure {
         OFF_DUE * self.interval
     }
 
+    /// Whether runs at rest are told from others by an energy that is not measured.
+    fn lacks_energy(&self) -> bool {
+        self.rest_energy.is_some() && !self.observables.contains(&Observable::Balances)
+    }
+
     /// Whether a frame at a time (s) is one of those from `from` on; none is where there is no such time.
     pub fn covers(&self, time: f64) -> bool {
         self.from.is_some_and(|from| time >= from - self.slack())
@@ -322,7 +342,7 @@ impl Measure {
 
 impl Default for Measure {
     fn default() -> Self {
-        Self { interval: 0.05, from: None, observables: Vec::new() }
+        Self { interval: 0.05, from: None, observables: Vec::new(), seeds: None, rest_energy: None }
     }
 }
 

@@ -54,7 +54,7 @@ impl Sketch {
             },
             watch: Watch::default(),
         };
-        let measure = Measure { interval: duration / 50.0, from: Some(0.0), observables: Vec::new() };
+        let measure = Measure { interval: duration / 50.0, from: Some(0.0), ..Measure::default() };
         Sketch(Scene { simulated, prepare: None, measure, output: None, compare: Vec::new() })
     }
 

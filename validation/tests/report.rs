@@ -142,7 +142,7 @@ fn every_row_stands_in_every_file() {
         "packing fraction",
         "0.5846",
         "±0.006",
-        "9 seeds would decide",
+        "register 9 seeds",
         "references differ by more than the margin",
         "static angle of repose (degrees)",
         "AVX-512F",

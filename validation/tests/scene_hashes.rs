@@ -5,7 +5,7 @@ use makadam_validation::plan::physics_hash;
 use makadam_validation::scenes;
 
 /// Reference scenes with the hash of what other codes are given of them, by which recorded results are known.
-const HASHES: [(&str, &str); 17] = [
+const HASHES: [(&str, &str); 18] = [
     ("cohesive-heap", "cd83bba4ba6d56bb"),
     ("drum", "6b1ce0781e5c37d5"),
     ("drum-caps", "f370629e4d422826"),
@@ -15,6 +15,7 @@ const HASHES: [(&str, &str); 17] = [
     ("heap-rolling", "fcf081bd58b7642d"),
     ("oedometer", "6ea3a3f15c6b76c9"),
     ("packing", "d4a0ed254a056927"),
+    ("packing-100", "fc5b3a7b01223ca8"),
     ("packing-20k", "d080f6e7091d0491"),
     ("packing-deep", "d6fb5b9ada57c35d"),
     ("packing-high-friction", "7dae9461a7456f11"),

@@ -7,6 +7,7 @@ mod measured_run;
 mod noticed;
 mod record;
 mod reference;
+mod registered;
 mod rows;
 mod simulate;
 

@@ -18,7 +18,7 @@ pub struct Recorder<'a> {
     pub scene: &'a Scene,
     /// Its file.
     pub scene_file: &'a Path,
-    /// Number of seeds, counted from 1; absent, as many as are recorded, and [`FEW_SEEDS`] at least.
+    /// Number of seeds, counted from 1; absent, those that the scene registers, else as many as are recorded, and [`FEW_SEEDS`] at least.
     pub seeds: Option<u64>,
     /// Time step of explicit codes over the Rayleigh step.
     pub rayleigh_fraction: f64,
@@ -79,7 +79,8 @@ impl Recorder<'_> {
     pub fn record(&self, codes: Vec<Box<dyn Code>>) -> Result<Recorded, RecordError> {
         let folder = Reference::folder(self.scene_file);
         let (mut reference, aside) = self.known(&folder)?;
-        let seeds: Vec<u64> = (1..=self.seeds.unwrap_or_else(|| reference.seeds().max(FEW_SEEDS))).collect();
+        let seeds: Vec<u64> =
+            (1..=self.seeds.or(self.scene.measure.seeds).unwrap_or_else(|| reference.seeds().max(FEW_SEEDS))).collect();
         let hash = physics_hash(self.scene);
         // Said before the hours that the runs may take, so that a fraction mistyped is noticed in time.
         let plan = |code: Box<dyn Code>| {

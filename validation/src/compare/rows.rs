@@ -1,13 +1,17 @@
 //! From runs to rows: means, differences, verdicts, live runs against the recorded spread.
 
 use super::comparison::{MAKADAM, at_odds};
+use super::registered::{Settled, unregistered};
 use super::{CodeRuns, Comparison, MeasuredRun, Row};
 use crate::plan::{Expectation, Scene};
 use crate::statistics::Outcome;
 use crate::statistics::{Ensemble, equivalence, inside_recorded_spread};
 
-/// Puts together what was measured of several codes, Makadam first, which is the one that is judged.
-pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comparison {
+/// Puts together what was measured of several codes, the code under test first. Its agreement counts for the seeds alone that the scene
+/// has registered.
+pub fn comparison(scene: &Scene, codes: &[CodeRuns], mut notes: Vec<String>) -> Comparison {
+    let moving = |code: &CodeRuns| Settled::of(scene, &code.runs).note(&code.code);
+    notes.extend(codes.iter().filter(|code| code.discarded.is_none()).filter_map(moving));
     Comparison {
         scene: scene.clone(),
         judged: MAKADAM.into(),
@@ -24,7 +28,7 @@ pub fn comparison(scene: &Scene, codes: &[CodeRuns], notes: Vec<String>) -> Comp
 /// seed that it was run with has no test: its rows say what is missing.
 fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row> {
     let name = &expectation.observable;
-    let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(code, name)).collect();
+    let asked: Vec<Asked<'_>> = codes.iter().map(|code| Asked::of(scene, code, name)).collect();
     let whole = asked.iter().filter(|asked| asked.missing.is_none()).count();
     let mut rows = Vec::new();
     for (place, one) in asked.iter().enumerate() {
@@ -36,8 +40,29 @@ fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row
             rows.push(one.judged(alone));
         }
     }
+    let is_registered = codes.first().is_some_and(|judged| is_registered(scene, judged));
+    keep_to_registered(&mut rows, is_registered);
     leave_open(&mut rows);
     rows
+}
+
+/// Whether a code was run with the seeds that the scene has registered.
+fn is_registered(scene: &Scene, judged: &CodeRuns) -> bool {
+    let seeds = judged.runs.iter().map(|run| run.seed).chain(judged.failed.iter().copied());
+    unregistered(scene, seeds).is_none()
+}
+
+/// Makes agreement of the judged code exploratory where its seeds are not registered. Where they are, no number of further seeds is named:
+/// runs are not added to until they agree. `rows`: those of one observable, the judged code's first.
+fn keep_to_registered(rows: &mut [Row], is_registered: bool) {
+    let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
+    for row in rows.iter_mut().filter(|row| row.code == judged) {
+        match row.outcome {
+            Some(Outcome::Agree) if !is_registered => row.outcome = Some(Outcome::Exploratory),
+            _ if is_registered => row.seeds_needed = None,
+            _ => {}
+        }
+    }
 }
 
 /// Where the references differ from each other by more than the margin, agreement with one of them proves nothing, and more seeds decide
@@ -46,7 +71,8 @@ fn leave_open(rows: &mut [Row]) {
     let Some(judged) = rows.first().map(|row| row.code.clone()) else { return };
     for place in 0..rows.len() {
         let row = &rows[place];
-        let is_open = matches!(row.outcome, Some(Outcome::Agree | Outcome::Undecided)) && row.code == judged;
+        let is_open = matches!(row.outcome, Some(Outcome::Agree | Outcome::Exploratory | Outcome::Undecided))
+            && row.code == judged;
         if is_open && at_odds(rows, &judged, row) {
             (rows[place].outcome, rows[place].seeds_needed) = (Some(Outcome::Undecided), None);
         }
@@ -63,14 +89,16 @@ struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    /// What the runs of a code have.
-    fn of(code_runs: &'a CodeRuns, observable: &str) -> Asked<'a> {
+    /// What the runs of a code have that are at rest, where the scene asks for that.
+    fn of(scene: &Scene, code_runs: &'a CodeRuns, observable: &str) -> Asked<'a> {
         let CodeRuns { code, runs, failed, discarded, .. } = code_runs;
+        let settled = Settled::of(scene, runs);
         let found = || runs.iter().flat_map(|run| &run.measurements).filter(|found| found.observable == observable);
-        let values: Vec<f64> = runs.iter().filter_map(|run| run.value(observable)).collect();
-        let missing = match (values.len(), runs.len() + failed.len()) {
+        let values: Vec<f64> = settled.at_rest.iter().filter_map(|run| run.value(observable)).collect();
+        let missing = match (values.len(), settled.at_rest.len() + failed.len()) {
             _ if discarded.is_some() => discarded.clone(),
-            (_, 0) => Some(format!("{code} has no runs")),
+            _ if runs.is_empty() && failed.is_empty() => Some(format!("{code} has no runs")),
+            _ if settled.refusal(code).is_some() => settled.refusal(code),
             (found, all) if found == all => None,
             (0, _) => Some(format!("{code} has no value")),
             (found, all) => Some(format!("{code} has a value in {found} of {all} seeds")),
@@ -158,18 +186,23 @@ pub fn live_checks(scene: &Scene, live: &MeasuredRun, recorded: &CodeRuns, confi
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::compare::{Source, Timing};
     use crate::observables::Measurement;
     use std::path::Path;
 
-    fn packing() -> Scene {
+    /// The packing with the margin of its packing fraction that these tests count by, any run at rest, and so many seeds registered.
+    fn packing(seeds: u64) -> Scene {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml");
-        Scene::load(&file).unwrap()
+        let mut scene = Scene::load(&file).unwrap();
+        scene.compare[0].margin = Some(0.006);
+        (scene.measure.seeds, scene.measure.rest_energy) = (Some(seeds), None);
+        scene
     }
 
-    fn code(name: &str, values: &[f64]) -> CodeRuns {
+    /// Runs of a code with these packing fractions.
+    pub fn code(name: &str, values: &[f64]) -> CodeRuns {
         let run = |(index, &value): (usize, &f64)| MeasuredRun {
             code: name.into(),
             version: "1".into(),
@@ -213,7 +246,7 @@ mod tests {
             code("YADE", &[0.584, 0.586, 0.586, 0.585]),
             code("LIGGGHTS", &[0.605, 0.606, 0.607, 0.606]),
         ];
-        let comparison = comparison(&packing_fraction(), &codes, Vec::new());
+        let comparison = comparison(&packing_fraction(4), &codes, Vec::new());
         let pairs: Vec<_> =
             comparison.rows.iter().map(|row| (row.code.as_str(), row.reference_code.as_deref(), row.outcome)).collect();
         assert_eq!(
@@ -235,7 +268,7 @@ mod tests {
         let between = |yade: f64, liggghts: f64| {
             let near = |middle: f64| [middle - 0.0002, middle, middle + 0.0002, middle];
             let codes = [makadam.clone(), code("YADE", &near(yade)), code("LIGGGHTS", &near(liggghts))];
-            let rows = comparison(&packing_fraction(), &codes, Vec::new()).rows;
+            let rows = comparison(&packing_fraction(4), &codes, Vec::new()).rows;
             [rows[0].outcome, rows[1].outcome].map(Option::unwrap)
         };
         // The margin is 0.006.
@@ -247,26 +280,28 @@ mod tests {
     #[test]
     fn one_seed_is_undecided() {
         let codes = [code("Makadam", &[0.585]), code("YADE", &[0.585])];
-        let comparison = comparison(&packing(), &codes, Vec::new());
+        let comparison = comparison(&packing(2), &codes, Vec::new());
         assert_eq!(comparison.rows[0].outcome, Some(Outcome::Undecided));
     }
 
     /// The packing, compared by its packing fraction alone.
-    fn packing_fraction() -> Scene {
-        let mut scene = packing();
+    pub fn packing_fraction(seeds: u64) -> Scene {
+        let mut scene = packing(seeds);
         scene.compare.truncate(1);
         scene
     }
 
+    /// Outcomes where the seeds of the first code are those that are registered.
     fn outcomes(codes: &[CodeRuns]) -> Vec<(String, Option<String>, Option<Outcome>, String)> {
-        let rows = comparison(&packing_fraction(), codes, Vec::new()).rows.into_iter();
+        let seeds = codes[0].runs.len() + codes[0].failed.len();
+        let rows = comparison(&packing_fraction(seeds as u64), codes, Vec::new()).rows.into_iter();
         rows.map(|row| (row.code, row.reference_code, row.outcome, row.missing.unwrap_or_default())).collect()
     }
 
     #[test]
     fn an_expectation_that_nobody_measured_is_a_row_that_says_so() {
         let codes = [code("Makadam", &[0.585, 0.586]), code("YADE", &[0.585, 0.586])];
-        let comparison = comparison(&packing(), &codes, Vec::new());
+        let comparison = comparison(&packing(2), &codes, Vec::new());
         let of =
             |name: &str| comparison.rows.iter().find(|row| row.observable == name && row.code == "Makadam").unwrap();
         for name in ["coordination_number", "share_below_mean", "gini", "wall_force_over_weight"] {
@@ -314,7 +349,7 @@ mod tests {
         let other = CodeRuns { discarded: Some("of another scene".into()), ..code("YADE", &[0.584, 0.586, 0.586]) };
         let rows = outcomes(&[code("Makadam", &[0.585, 0.586]), other.clone()]);
         assert_eq!((rows[0].2, rows[0].3.as_str()), (Some(Outcome::NotMeasured), "of another scene"));
-        let checks = live_checks(&packing(), &code("YADE", &[0.585]).runs[0], &other, 0.99);
+        let checks = live_checks(&packing(2), &code("YADE", &[0.585]).runs[0], &other, 0.99);
         assert!(checks.iter().all(|check| check.inside.is_none()));
     }
 
@@ -324,17 +359,17 @@ mod tests {
         let rows = outcomes(&codes);
         assert_eq!(rows[0].2, Some(Outcome::NotMeasured));
         assert_eq!(rows[0].3, "YADE has no runs");
-        assert_eq!(comparison(&packing(), &codes, Vec::new()).codes.len(), 1);
+        assert_eq!(comparison(&packing(2), &codes, Vec::new()).codes.len(), 1);
     }
 
     #[test]
     fn a_live_run_is_held_against_the_recorded_spread() {
         let recorded = code("YADE", &[0.584, 0.586, 0.586, 0.585]);
-        let inside = live_checks(&packing(), &code("YADE", &[0.587]).runs[0], &recorded, 0.99);
+        let inside = live_checks(&packing(2), &code("YADE", &[0.587]).runs[0], &recorded, 0.99);
         assert_eq!(inside[0].inside, Some(true));
         assert_eq!(inside.len(), 5, "one a margin");
         assert!(inside[1..].iter().all(|check| check.inside.is_none()), "none of these was measured");
-        let outside = live_checks(&packing(), &code("YADE", &[0.62]).runs[0], &recorded, 0.99);
+        let outside = live_checks(&packing(2), &code("YADE", &[0.62]).runs[0], &recorded, 0.99);
         assert_eq!(outside[0].inside, Some(false));
     }
 }

@@ -14,7 +14,7 @@ mod scenes;
 mod studies;
 mod tier;
 
-pub use one_scene::{JudgeError, Judged, OneScene, usual_codes};
+pub use one_scene::{JudgeError, Judged, OneScene, codes_against, usual_codes};
 pub use record::{on_record, studies_on_record};
 pub use tier::{Ablated, Extent, Study, TIERS, Tier};
 

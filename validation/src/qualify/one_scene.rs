@@ -3,9 +3,11 @@
 use super::record::on_record;
 use super::same_runs::{copied, without_same_runs};
 use super::tier::Tier;
-use crate::compare::{Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, comparison, noticed};
+use crate::compare::{
+    Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, Simulated, comparison, noticed,
+};
 use crate::peers::{Code, CodeError, CodeName, Purpose};
-use crate::plan::{Scene, physics_hash};
+use crate::plan::{Expectation, Scene, physics_hash};
 use crate::provenance::account;
 use crate::report::{Qualification, TestOnRecord};
 use crate::scenes::Change;
@@ -27,7 +29,7 @@ pub struct OneScene<'a> {
     pub judged: &'a str,
     /// Whether codes other than Makadam are run, in place of what is recorded of them.
     pub live: bool,
-    /// Number of seeds, counted from 1; absent, as many as are recorded, or [`FEW_SEEDS`].
+    /// Number of seeds, counted from 1; absent, those that the scene registers, else as many as are recorded, or [`FEW_SEEDS`].
     pub seeds: Option<u64>,
     /// Time step of explicit codes over the Rayleigh step.
     pub rayleigh_fraction: f64,
@@ -40,6 +42,16 @@ pub struct OneScene<'a> {
 /// The codes in which a scene is compared where nobody says which: Makadam, and live its referees; else all codes that have left a table
 /// beside the scene, whatever became of it, or are on record for it. Where there are none, the referees, so that their lack is told.
 pub fn usual_codes(scene: &Scene, scene_file: &Path, live: bool) -> Vec<CodeName> {
+    let mut codes = codes_against(scene, scene_file, live);
+    if codes.len() == 1 {
+        codes.extend(CodeName::REFEREES);
+    }
+    codes
+}
+
+/// The codes that one of the user's own is compared with where none are named: Makadam, and live its referees; else all codes that are
+/// recorded on the scene, if any are.
+pub fn codes_against(scene: &Scene, scene_file: &Path, live: bool) -> Vec<CodeName> {
     let hash = physics_hash(scene);
     let is_this = |test: &TestOnRecord| test.scene == scene.name && test.scene_hash.as_ref() == Some(&hash);
     let on_record: Vec<TestOnRecord> = on_record(Tier::Release).into_iter().filter(is_this).collect();
@@ -47,12 +59,11 @@ pub fn usual_codes(scene: &Scene, scene_file: &Path, live: bool) -> Vec<CodeName
         let code = name.code().name();
         Reference::is_left(scene_file, code) || on_record.iter().any(|test| test.reference_code == code)
     };
+    let further = CodeName::REFEREES.into_iter().chain(CodeName::FURTHER_REFEREES);
     let mut codes = vec![CodeName::Makadam];
-    if !live {
-        codes.extend(CodeName::REFEREES.into_iter().chain(CodeName::FURTHER_REFEREES).filter(counts));
-    }
-    if codes.len() == 1 {
-        codes.extend(CodeName::REFEREES);
+    match live {
+        true => codes.extend(CodeName::REFEREES),
+        false => codes.extend(further.filter(counts)),
     }
     codes
 }
@@ -94,23 +105,34 @@ pub enum JudgeError {
 }
 
 impl OneScene<'_> {
+    /// The scene; without registered seeds where its margins, observables or seeds are not those of its file.
+    fn registered(&self) -> Scene {
+        let mut scene = self.scene.clone();
+        if self.changes.iter().any(|change| REGISTERED.iter().any(|table| change.is_of(table))) {
+            scene.measure.seeds = None;
+        }
+        scene
+    }
+
     /// Runs the codes, or takes what is recorded of them, and compares.
     ///
     /// # Errors
     /// [`JudgeError`]; a run that fails is told beside the verdict on the others.
     pub fn judge(self) -> Result<Judged, JudgeError> {
-        let scene = self.scene;
+        let scene = &self.registered();
         if scene.compare.is_empty() {
             return Err(JudgeError::NothingToCompare { scene: scene.name.clone() });
         }
         let clock = Instant::now();
         let reference = Reference::of_scene(self.scene_file)?;
-        let seeds = self.seeds.or_else(|| reference.as_ref().map(Reference::seeds)).unwrap_or(FEW_SEEDS);
+        let usual = self.scene.measure.seeds.or_else(|| reference.as_ref().map(Reference::seeds));
+        let seeds = self.seeds.or(usual).unwrap_or(FEW_SEEDS);
+        let existing = self.codes.iter().find(|code| code.name() == self.judged).and_then(|code| code.seeds());
         let runs = Runs {
             scene,
             scene_file: self.scene_file,
             purpose: Purpose::Measuring,
-            seeds: (1..=seeds).collect(),
+            seeds: existing.unwrap_or_else(|| (1..=seeds).collect()),
             rayleigh_fraction: self.rayleigh_fraction,
             stiffness_factor: 1.0,
             time_limit: self.time_limit,
@@ -119,6 +141,9 @@ impl OneScene<'_> {
         };
         let changed = |change: &Change| format!("the scene is not as its file has it, but with {change} (--set)");
         let (mut notes, mut recorded) = (self.changes.iter().map(changed).collect::<Vec<_>>(), Vec::new());
+        if scene.measure.seeds != self.scene.measure.seeds {
+            notes.push("seeds are registered for what a file measures and compares, and --set has changed that".into());
+        }
         let mut live: Vec<Box<dyn Code>> = Vec::new();
         for code in self.codes {
             if ["Makadam", self.judged].contains(&code.name()) || self.live {
@@ -134,7 +159,19 @@ impl OneScene<'_> {
             notes.extend(Reference::unvouched(self.scene_file, scene));
             notes.extend(unrecorded(reference.as_ref(), scene));
         }
-        let simulated: Vec<_> = live.par_iter().map(|code| (code.name(), runs.simulate(code.as_ref()))).collect();
+        let judged = live.iter().find(|code| code.name() == self.judged && self.judged != "Makadam");
+        let first = judged.map(|code| first_seed(code.as_ref(), &runs)).transpose()?;
+        let simulate = |code: &Box<dyn Code>| match &first {
+            Some(_) if code.name() == self.judged => {
+                (code.name(), Runs { seeds: runs.seeds[1..].to_vec(), ..runs.clone() }.simulate(code.as_ref()))
+            }
+            _ => (code.name(), runs.simulate(code.as_ref())),
+        };
+        let mut simulated: Vec<_> = live.par_iter().map(simulate).collect();
+        if let (Some(first), Some((_, rest))) = (first, simulated.iter_mut().find(|(code, _)| *code == self.judged)) {
+            rest.harvests.splice(0..0, first.harvests);
+            rest.failures.splice(0..0, first.failures);
+        }
         let side_by_side = rayon::current_num_threads().min(live.len() * runs.seeds.len());
         if self.judged != "Makadam" {
             let of = |name: &str| simulated.iter().find(|(code, _)| *code == name).map(|(_, runs)| &runs.harvests[..]);
@@ -157,6 +194,10 @@ impl OneScene<'_> {
             return Err(error.into());
         }
         measured.extend(recorded);
+        let scene = &match self.judged {
+            "Makadam" => scene.clone(),
+            _ => with_all_values(scene, &measured),
+        };
         let qualification = Qualification {
             // Reports of one title are held against each other, so that of a code of somebody's own names it.
             title: match self.judged {
@@ -179,6 +220,38 @@ impl OneScene<'_> {
         Ok(Judged { qualification, failure })
     }
 }
+
+/// Runs the first seed of a code of the user's own, so that frames that cannot be read are told before all seeds have run.
+///
+/// # Errors
+/// [`CodeError::Output`] alone; another failure is one of its seeds.
+fn first_seed(code: &dyn Code, runs: &Runs<'_>) -> Result<Simulated, CodeError> {
+    let first = Runs { seeds: runs.seeds[..1].to_vec(), ..runs.clone() };
+    let mut simulated = first.simulate(code);
+    match simulated.failures.first() {
+        Some((_, CodeError::Output { .. })) => Err(simulated.failures.swap_remove(0).1),
+        _ => Ok(simulated),
+    }
+}
+
+/// The scene with all that each run of each code has a value of, without a margin where it gives none.
+fn with_all_values(scene: &Scene, codes: &[CodeRuns]) -> Scene {
+    let mut scene = scene.clone();
+    let is_whole = |code: &&CodeRuns| code.discarded.is_none() && code.failed.is_empty();
+    let has = |code: &CodeRuns, name: &str| code.runs.iter().all(|run| run.value(name).is_some());
+    let first = codes.first().and_then(|code| code.runs.first());
+    for measured in first.iter().flat_map(|run| &run.measurements) {
+        let name = &measured.observable;
+        let is_compared = scene.compare.iter().any(|expectation| expectation.observable == *name);
+        if !is_compared && codes.iter().filter(is_whole).all(|code| has(code, name)) {
+            scene.compare.push(Expectation { observable: name.clone(), margin: None });
+        }
+    }
+    scene
+}
+
+/// Tables of a scene that a registration holds for.
+const REGISTERED: [&str; 2] = ["measure", "compare"];
 
 /// Which referees have no numbers on a scene that has those of others.
 fn unrecorded(reference: Option<&Reference>, scene: &Scene) -> Option<String> {
@@ -212,7 +285,7 @@ mod tests {
     fn codes_are_those_that_are_recorded_or_on_record() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("scene.toml");
-        let [mut scene, packed] = ["packing-100", "packing"].map(|name| load(&find(name, &[]).unwrap()).unwrap());
+        let [mut scene, packed] = ["landslide", "packing"].map(|name| load(&find(name, &[]).unwrap()).unwrap());
         let usual = |scene: &Scene, live: bool| {
             let names = usual_codes(scene, &file, live);
             names.iter().map(|name| name.code().name()).collect::<Vec<_>>().join(" ")

@@ -58,9 +58,10 @@ impl Case {
             return Err(SceneError::from(SceneFileError::Invalid { file, line: None, problem, remedy }).into());
         }
         let reference = Reference::of_scene(&file)?.unwrap_or_default();
+        let seeds = scene.measure.seeds.unwrap_or_else(|| reference.seeds()).max(fewest_seeds);
         let mut case = Case {
             name,
-            seeds: reference.seeds().max(fewest_seeds),
+            seeds,
             file,
             scene,
             recorded: Vec::new(),
@@ -121,7 +122,10 @@ impl Case {
         let failed = twins.into_iter().map(|[_, twin]| twin).collect();
         let own = CodeRuns { failed, ..CodeRuns::live("Makadam", threads, harvests) };
         let codes: Vec<CodeRuns> = std::iter::once(own).chain(self.recorded).collect();
-        let mut comparison = comparison(&self.scene, &codes, notes);
+        // The table of tiers is what a qualification registers. The scene of the runs stays that of its file, by which they are kept.
+        let mut registered = self.scene;
+        registered.measure.seeds = Some(self.seeds);
+        let mut comparison = comparison(&registered, &codes, notes);
         comparison.codes.extend(self.timings);
         comparison
     }

@@ -145,7 +145,7 @@ const ALL_ABLATIONS: [Ablated; 8] = [
 ];
 
 /// Every scene with margins and recorded references of both peers.
-const REFERENCE_SCENES: [&str; 11] = [
+const REFERENCE_SCENES: [&str; 12] = [
     "packing",
     "packing-low-friction",
     "packing-high-friction",
@@ -157,6 +157,7 @@ const REFERENCE_SCENES: [&str; 11] = [
     "heap",
     "drum-rolling",
     "heap-rolling",
+    "packing-100",
 ];
 
 /// What each tier consists of.

@@ -16,6 +16,7 @@ pub(super) fn svg(qualification: &Qualification) -> String {
     let (word, colour) = match verdict.standing {
         Standing::Agree => ("agree", "#2a7a2f"),
         Standing::Disagree => ("agree", "#b3261e"),
+        Standing::Exploratory => ("agree, of seeds that are not registered", "#8a6100"),
         Standing::Undecided => ("agree, others undecided", "#8a6100"),
         Standing::NotMeasured if untold == 0 => ("agree, live runs failed or unchecked", "#8a6100"),
         Standing::NotMeasured => ("agree, others not measured", "#8a6100"),

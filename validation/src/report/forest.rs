@@ -130,6 +130,6 @@ fn outcome_class(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Agree => "name agree",
         Outcome::Disagree => "name disagree",
-        Outcome::Undecided | Outcome::NotMeasured => "name undecided",
+        Outcome::Undecided | Outcome::Exploratory | Outcome::NotMeasured => "name undecided",
     }
 }

@@ -97,13 +97,13 @@ fn status(comparison: &Comparison, row: &Row, outcome: Outcome) -> TestCaseStatu
         format!("{}: difference {}, margin {}", words::outcome(outcome), number(row.difference), number(row.margin));
     let at_odds = outcome != Outcome::Disagree && comparison.references_at_odds(row);
     match outcome {
-        Outcome::Agree | Outcome::Undecided if at_odds => {
+        Outcome::Agree | Outcome::Exploratory | Outcome::Undecided if at_odds => {
             let why = "the means of the references differ by more than the margin, so that agreement with one of them proves nothing";
             failed(NonSuccessKind::Error, &format!("{said}; {why}"))
         }
         Outcome::Agree => TestCaseStatus::success(),
         Outcome::Disagree => failed(NonSuccessKind::Failure, &said),
-        Outcome::Undecided | Outcome::NotMeasured => {
+        Outcome::Undecided | Outcome::Exploratory | Outcome::NotMeasured => {
             failed(NonSuccessKind::Error, row.missing.as_deref().unwrap_or(&said))
         }
     }

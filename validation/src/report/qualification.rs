@@ -58,6 +58,8 @@ pub enum Standing {
     Disagree,
     /// None failed, at least one is undecided.
     Undecided,
+    /// None failed, and the runs are not those that the scene has registered, so that none counts as agreement.
+    Exploratory,
     /// None failed, and something that was asked for was not measured.
     NotMeasured,
     /// No observable was tested against a margin.
@@ -75,6 +77,9 @@ pub struct Verdict {
     pub disagree: usize,
     /// That too few seeds, or references at odds with each other, leave open.
     pub undecided: usize,
+    /// Whose interval lies inside the margin, of runs that the scene has not registered: they do not count as agreement.
+    #[serde(default)]
+    pub exploratory: usize,
     /// That were asked for and could not be made so: a code lacks a value of the observable in some or all of its seeds, or the test was made
     /// with less than is on record, or not at all.
     #[serde(default)]
@@ -106,6 +111,7 @@ impl Standing {
             Standing::Agree => "Agree",
             Standing::Disagree => "Disagree",
             Standing::Undecided => "Undecided",
+            Standing::Exploratory => "Exploratory",
             Standing::NotMeasured => "Not measured",
             Standing::NothingCompared => "No verdict",
         }
@@ -116,7 +122,9 @@ impl Standing {
         match self {
             Standing::Agree => "agree",
             Standing::Disagree => "disagree",
-            Standing::Undecided | Standing::NotMeasured | Standing::NothingCompared => "undecided",
+            Standing::Undecided | Standing::Exploratory | Standing::NotMeasured | Standing::NothingCompared => {
+                "undecided"
+            }
         }
     }
 }
@@ -130,7 +138,7 @@ impl Verdict {
     /// All tests of equivalence and of studies.
     pub fn tests(&self) -> usize {
         let of_studies = self.studies.iter().map(|study| study.tests).sum::<usize>();
-        self.agree + self.disagree + self.undecided + self.not_measured + of_studies
+        self.agree + self.disagree + self.undecided + self.exploratory + self.not_measured + of_studies
     }
 }
 
@@ -142,6 +150,7 @@ impl Qualification {
             agree: 0,
             disagree: 0,
             undecided: 0,
+            exploratory: 0,
             not_measured: 0,
             differences_not_measured: 0,
             floor_above_margin: 0,
@@ -178,11 +187,14 @@ impl Qualification {
                 match outcome {
                     Outcome::Disagree => verdict.disagree += 1,
                     // Reports of earlier versions have agreement there.
-                    Outcome::Agree | Outcome::Undecided if comparison.references_at_odds(row) => {
+                    Outcome::Agree | Outcome::Exploratory | Outcome::Undecided
+                        if comparison.references_at_odds(row) =>
+                    {
                         verdict.undecided += 1;
                         verdict.floor_above_margin += 1;
                     }
                     Outcome::Agree => verdict.agree += 1,
+                    Outcome::Exploratory => verdict.exploratory += 1,
                     Outcome::Undecided | Outcome::NotMeasured => verdict.undecided += 1,
                 }
                 if !references.contains(&reference) {
@@ -200,18 +212,23 @@ impl Qualification {
             + verdict.failed_runs
             + of_studies(|study| study.not_measured.len())
             > 0;
-        verdict.standing = match (verdict.agree, verdict.disagree, verdict.undecided) {
+        verdict.standing = match (verdict.agree + verdict.exploratory, verdict.disagree, verdict.undecided) {
             _ if failed > 0 => Standing::Disagree,
             (0, 0, 0) if lacks => Standing::NotMeasured,
             (0, 0, 0) => Standing::NothingCompared,
             (_, 0, _) if verdict.outside_spread > 0 => Standing::Disagree,
             (_, 0, _) if lacks => Standing::NotMeasured,
+            (_, 0, _) if verdict.exploratory > 0 => Standing::Exploratory,
             (_, 0, 0) => Standing::Agree,
             (_, 0, _) => Standing::Undecided,
             _ => Standing::Disagree,
         };
         let judged = self.comparisons.first().map_or("", |comparison| &comparison.judged);
         verdict.sentence = sentence(&verdict, judged, &references, scenes);
+        if verdict.exploratory > 0 {
+            let unregistered = self.comparisons.iter().find_map(|comparison| comparison.unregistered());
+            verdict.sentence += &unregistered.map_or(String::new(), |words| format!(" Exploratory: {words}."));
+        }
         for (study, count) in self.studies.iter().zip(&verdict.studies) {
             verdict.sentence += &format!(" {}", count.sentence(&study.title));
         }
@@ -237,7 +254,7 @@ fn told(lost: &[Lost]) -> String {
 }
 
 fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize) -> String {
-    let tests = verdict.agree + verdict.disagree + verdict.undecided + verdict.not_measured;
+    let tests = verdict.agree + verdict.disagree + verdict.undecided + verdict.exploratory + verdict.not_measured;
     let lacking = match verdict.not_measured {
         0 => String::new(),
         count => format!(" {} could not be made as asked for.", plural(count, "test")),
@@ -245,6 +262,13 @@ fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize)
     let names = join(references);
     let over = format!("{} of {}", plural(tests, "test"), plural(scenes, "scene"));
     let mut text = match (verdict.agree, verdict.disagree, verdict.undecided) {
+        (agree, disagree, undecided) if verdict.exploratory > 0 => format!(
+            "No verdict: of {over} against {names}, {} {} within the margins, {disagree} {}, and {undecided} {} undecided.{lacking}",
+            agree + verdict.exploratory,
+            if agree + verdict.exploratory == 1 { "lies" } else { "lie" },
+            if disagree == 1 { "disagrees" } else { "disagree" },
+            is(undecided),
+        ),
         (0, 0, 0) if verdict.not_measured > 0 => {
             format!("Not measured: none of {over} could be made as asked for.")
         }

@@ -173,7 +173,7 @@ impl<'a> Line<'a> {
             .above(row.shown_interval().filter(|_| fully).map(|interval| self.rounding.interval(interval)))
             .outcome(row.outcome.map(|outcome| (words::outcome_class(outcome), words::outcome(outcome))))
             .above(row.missing.clone().filter(|_| fully))
-            .above(needed.map(|seeds| format!("{seeds} seeds would decide")))
+            .above(needed.map(|seeds| format!("register {seeds} seeds")))
     }
 }
 
@@ -240,6 +240,9 @@ pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
         .count();
     if missing > 0 {
         limits.push(format!("{} undecided: too few seeds for the spread.", plural(missing, "test")));
+    }
+    if comparison.rows.iter().any(|row| row.outcome == Some(Outcome::Exploratory)) {
+        limits.extend(comparison.unregistered().map(|words| format!("Exploratory, no agreement: {words}.")));
     }
     let lacking = comparison.rows.iter().filter(|row| row.missing.is_some());
     let mut said: Vec<String> = Vec::new();

@@ -43,11 +43,14 @@ fn cells(row: &Row, at_odds: bool, rounding: Rounding, first: bool, colour: bool
     let mean = row.mean.map_or("–".into(), |mean| rounding.value(mean));
     let interval = row.shown_interval().map(|interval| format!(" {}", rounding.interval(interval))).unwrap_or_default();
     let outcome = match (row.outcome, row.seeds_needed) {
-        (Some(Outcome::Undecided), _) if at_odds => "undecided: the references differ by more".into(),
-        (Some(Outcome::Undecided), Some(seeds)) => format!("undecided, {seeds} seeds would decide"),
+        (Some(Outcome::Undecided | Outcome::Exploratory), _) if at_odds => {
+            "undecided: the references differ by more".into()
+        }
+        (Some(Outcome::Undecided), Some(seeds)) => format!("undecided, register {seeds} seeds"),
         (Some(Outcome::NotMeasured), _) => {
             format!("not measured: {}", row.missing.as_deref().unwrap_or("a value is missing"))
         }
+        (Some(Outcome::Exploratory), _) => "exploratory: within the margin".into(),
         (Some(outcome), _) => words::outcome(outcome).into(),
         (None, _) => String::new(),
     };
@@ -70,6 +73,6 @@ fn code_of(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Agree => "34",
         Outcome::Disagree => "31;1",
-        Outcome::Undecided | Outcome::NotMeasured => "33",
+        Outcome::Undecided | Outcome::Exploratory | Outcome::NotMeasured => "33",
     }
 }

@@ -10,6 +10,7 @@ pub(super) fn outcome(outcome: Outcome) -> &'static str {
         Outcome::Agree => "agree",
         Outcome::Disagree => "disagree",
         Outcome::Undecided => "undecided",
+        Outcome::Exploratory => "exploratory",
         Outcome::NotMeasured => "not measured",
     }
 }
@@ -17,7 +18,7 @@ pub(super) fn outcome(outcome: Outcome) -> &'static str {
 /// Style class of an outcome.
 pub(super) fn outcome_class(outcome: Outcome) -> &'static str {
     match outcome {
-        Outcome::NotMeasured => "undecided",
+        Outcome::NotMeasured | Outcome::Exploratory => "undecided",
         other => self::outcome(other),
     }
 }

@@ -72,6 +72,11 @@ impl Change {
         self.key.join(".")
     }
 
+    /// Whether it changes a value of a table of the scene, such as `compare`.
+    pub fn is_of(&self, table: &str) -> bool {
+        self.key.first().is_some_and(|first| first == table)
+    }
+
     fn refuse(&self, problem: String) -> ChangeError {
         ChangeError { change: self.written.clone(), problem }
     }

@@ -30,6 +30,8 @@ pub enum Outcome {
     Disagree,
     /// The interval straddles the margin: too few seeds to tell.
     Undecided,
+    /// The interval of the difference lies inside the margin, of runs whose number was not registered beforehand: no agreement.
+    Exploratory,
     /// One of the codes has no value of the observable, or one of fewer seeds than it was run with: there is no test.
     NotMeasured,
 }
