@@ -2,23 +2,22 @@
 
 use crate::support::child::{signal, wait_for};
 use crate::support::makadam;
+use makadam::scene::populate;
+use makadam_validation::plan::Scene;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// A packing of a hundred grains, at the beginning of its fall.
-const SCENE: [&str; 9] = [
-    "packing-100",
-    "--set",
-    "duration=0.1",
-    "--set",
-    "measure.observables=[\"packing-fraction\", \"contact-forces\", \"balances\"]",
-    "--set",
-    "compare=[{observable=\"largest_overlap\", margin=1.0}]",
-    "--set",
-    "measure.interval=0.05",
-];
+/// Writes the scene of these tests into a folder: a packing of a hundred grains, at the beginning of its fall, with two seeds registered.
+fn write_scene(folder: &Path) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing-100/scene.toml");
+    let text = fs::read_to_string(file).unwrap().replacen("duration = 0.6", "duration = 0.1", 1);
+    let physics = text.split_once("[measure]").unwrap().0;
+    let measure = "[measure]\ninterval = 0.05\nobservables = [\"packing-fraction\", \"contact-forces\", \"balances\"]\nseeds = 2\n";
+    let compare = "[[compare]]\nobservable = \"largest_overlap\"\nmargin = 1.0\n";
+    fs::write(folder.join("scene.toml"), format!("{physics}{measure}{compare}")).unwrap();
+}
 
 /// The description of `tests/codes/faulty.py` with a fault, and with lines in addition to its own.
 fn described(fault: &str, more: &str) -> String {
@@ -33,8 +32,9 @@ fn described(fault: &str, more: &str) -> String {
 fn judged(description: &str, more: &[&str]) -> (i32, String, String) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("code.toml"), description).unwrap();
+    write_scene(folder.path());
     let mut command = makadam(folder.path());
-    command.arg("judge").args(SCENE).args(["--code", "code.toml", "--against", "makadam"]).args(more);
+    command.args(["judge", "scene.toml", "--code", "code.toml", "--against", "makadam"]).args(more);
     let output = command.output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
@@ -124,10 +124,11 @@ fn one_run_for_several_seeds_is_no_verdict() {
 fn an_interruption_is_told_and_leaves_an_earlier_report() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
+    write_scene(folder);
     let judge = |fault: &str, output: &str| {
         fs::write(folder.join("code.toml"), described(fault, OUT)).unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_makadam"));
-        command.arg("judge").args(SCENE).args(["--code", "code.toml", "--against", "makadam", "--seeds", "2"]);
+        command.args(["judge", "scene.toml", "--code", "code.toml", "--against", "makadam", "--seeds", "2"]);
         command
             .args(["--output", output, "--threads", "1"])
             .env("XDG_CACHE_HOME", folder.join("cache"))
@@ -161,4 +162,138 @@ fn an_interruption_is_told_and_leaves_an_earlier_report() {
     assert!(said.contains("interrupted; results so far: new/report.html"), "{said}");
     assert!(page("new").contains("Faulty, seed 2: Faulty was interrupted"));
     assert_eq!(left, 1);
+}
+
+/// Frames that cannot be read are told after the first seed: the others take as long again.
+#[test]
+fn unreadable_frames_end_the_first_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("code.toml"), described("lost-grain", OUT)).unwrap();
+    write_scene(folder.path());
+    let mut command = makadam(folder.path());
+    command.args([
+        "judge",
+        "scene.toml",
+        "--code",
+        "code.toml",
+        "--against",
+        "makadam",
+        "--seeds",
+        "20",
+        "--threads",
+        "1",
+    ]);
+    let output = command.output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && errors.contains("has 99 grains"), "{errors}");
+    let runs = fs::read_dir(folder.path().join("cache/makadam/runs")).unwrap();
+    let names: Vec<String> = runs.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(matches!(&names[..], [name] if name.contains("faulty-s1-")), "{names:?}");
+}
+
+/// Grains may leave the domain where the scene says so, as those of Makadam do.
+#[test]
+fn escaped_grains_are_judged_where_the_scene_lets_them() {
+    let escaped = ["--seeds", "1", "--set", "watch.on_escape=ignore"];
+    let (code, text, errors) = judged(&described("outside", OUT), &escaped);
+    assert!(code == 4 && text.contains("Faulty") && !text.contains("outside the domain"), "{code}: {text}{errors}");
+    let (code, text, errors) = judged(&described("outside", OUT), &["--seeds", "1", "--set", "watch.on_escape=warn"]);
+    assert!(code == 4 && text.contains("1 of 100 grains lie outside the domain"), "{code}: {text}{errors}");
+}
+
+/// What is measured and has no margin is listed, too.
+#[test]
+fn values_without_a_margin_are_listed() {
+    let (_, text, errors) = judged(&described("none", OUT), &["--seeds", "2", "--json"]);
+    let found: Value = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{errors}"));
+    let row = |name: &str| {
+        let rows = found["rows"].as_array().unwrap();
+        rows.iter().find(|row| row["observable"] == name && row["reference_code"] == "Makadam").cloned()
+    };
+    let listed = row("mean_overlap").expect("a row without a margin");
+    assert!(listed["margin"].is_null() && listed["outcome"].is_null() && listed["difference"].is_number(), "{listed}");
+    assert_eq!(row("largest_overlap").unwrap()["outcome"], "agree");
+    // Positions alone tell no forces.
+    assert!(row("gini").is_none());
+}
+
+/// A code is compared with Makadam where nothing is recorded of others.
+#[test]
+fn without_records_a_code_is_compared_with_makadam() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("code.toml"), described("none", OUT)).unwrap();
+    write_scene(folder.path());
+    let output = makadam(folder.path()).args(["judge", "scene.toml", "--code", "code.toml"]).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text.contains("Faulty agrees with Makadam in the one test"), "{text}");
+}
+
+#[test]
+fn frames_that_exist_are_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_scene(folder);
+    let run = |words: &[&str]| {
+        let output = makadam(folder).args(words).output().unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+    };
+    for seed in ["1", "2", "3"] {
+        let (code, _, errors) = run(&["run", "scene.toml", "--seed", seed, "-o", &format!("own{seed}"), "--quiet"]);
+        assert_eq!(code, 0, "{errors}");
+    }
+    // Runs of Makadam, as seeds that are registered and as others.
+    let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "own[12]/"]);
+    assert!(code == 0 && text.contains("frames agrees with Makadam"), "{code}: {text}{errors}");
+    assert!(text.contains("frames ends where Makadam does"), "{text}");
+    let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "own1", "own3"]);
+    assert!(
+        code == 4 && text.contains("registers seeds 1 to 2 (measure.seeds), and others were run"),
+        "{text}{errors}"
+    );
+    // Tables of another code: all files of a folder, or those of a description, which needs no command.
+    let scene = Scene::load(&folder.join("scene.toml")).unwrap();
+    for seed in [1, 2] {
+        let dropped = folder.join(format!("dropped-{seed}"));
+        fs::create_dir(&dropped).unwrap();
+        let mut table = String::from("time,id,x,y,z,radius\n");
+        for (id, grain) in populate(&scene, seed).unwrap().iter().enumerate() {
+            let [x, y, z] = grain.position;
+            table += &format!("0.1,{id},{x},{y},{z},{}\n", grain.radius);
+        }
+        fs::write(dropped.join("grains.csv"), table).unwrap();
+    }
+    let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "dropped-*/"]);
+    assert!(code == 0 && text.contains("frames agrees with Makadam"), "{code}: {text}{errors}");
+    fs::write(folder.join("code.toml"), "name = \"Mine\"\ngrains = [\"grains.csv\"]\n").unwrap();
+    let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "dropped-*/", "--code", "code.toml"]);
+    assert!(code == 0 && text.contains("Mine agrees with Makadam"), "{code}: {text}{errors}");
+    fs::create_dir(folder.join("unnumbered")).unwrap();
+    fs::create_dir(folder.join("other1")).unwrap();
+    let refused: [(&[&str], i32, &str); 5] = [
+        (&["none*/"], 2, "there is no such folder; give one folder for each seed"),
+        (&["unnumbered"], 2, "the name of a folder ends with the number of its seed"),
+        (&["own1", "other1"], 2, "is of seed 1 too"),
+        (&["other1"], 1, "there is no file *"),
+        (&["own1", "--seeds", "2"], 2, "cannot be used with"),
+    ];
+    for (words, wanted, said) in refused {
+        let (code, _, errors) = run(&[&["judge", "scene.toml", "--frames"], words].concat());
+        assert!(code == wanted && errors.contains(said), "{words:?}: {code}: {errors}");
+    }
+    let (code, _, errors) = run(&["judge", "scene.toml", "--code", "code.toml"]);
+    assert!(code == 2 && errors.contains("command is missing"), "{errors}");
+}
+
+/// The page of a description lists the keys that are read, and an unknown one is refused with them.
+#[test]
+fn keys_of_a_description_are_those_of_the_page() {
+    let (code, _, errors) = judged(&described("none", "grain = 1"), &[]);
+    assert!(code == 2 && errors.contains("unknown field `grain`"), "{errors}");
+    let listed = errors.split("expected one of").nth(1).expect("the keys");
+    let keys: Vec<&str> = listed.split('`').skip(1).step_by(2).collect();
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/own-code.md")).unwrap();
+    let table = page.split("| key | meaning |").nth(1).unwrap().split("\n\n").next().unwrap();
+    let documented: Vec<&str> = table.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next()).collect();
+    assert_eq!(documented, keys);
 }

@@ -26,6 +26,8 @@ if fault == "reversed":
     grains = [[99 - row[0], *row[1:]] for row in grains]
 if fault == "far":
     grains[5][1] += 1e6
+if fault == "outside":
+    grains[5][3] -= 0.5
 if fault == "some-contacts":
     grains[1][1:4] = [grains[0][1] + grains[0][4] + grains[1][4], *grains[0][2:4]]
 for place, at in enumerate(times):

@@ -2,9 +2,9 @@
 
 use super::arguments::JudgeArguments;
 use super::compare::{Wanted, tell};
-use super::{Console, Failure, announce, codes_or_usual};
-use crate::peers::{Code, External};
-use crate::qualify::OneScene;
+use super::{Console, Failure, announce};
+use crate::peers::{Code, External, codes_of};
+use crate::qualify::{OneScene, codes_against};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -12,11 +12,16 @@ use std::time::Duration;
 pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<ExitCode, Failure> {
     arguments.runs.side_by_side.apply()?;
     arguments.runs.check()?;
-    let external = External::load(&arguments.code).map_err(|error| Failure::Usage(error.to_string()))?;
+    let external = match (&arguments.code, &arguments.frames[..]) {
+        (Some(file), []) => External::load(file),
+        (file, folders) => External::of_frames(file.as_deref(), folders),
+    };
+    let external = external.map_err(|error| Failure::Usage(error.to_string()))?;
     let (file, scene) = arguments.source.load()?;
     let judged = external.name();
     let mut all: Vec<Box<dyn Code>> = vec![Box::new(external)];
-    all.extend(codes_or_usual(arguments.against.as_deref(), &scene, &file, arguments.runs.live));
+    let against = arguments.against.clone().unwrap_or_else(|| codes_against(&scene, &file, arguments.runs.live));
+    all.extend(codes_of(&against));
     let one_scene = OneScene {
         scene: &scene,
         scene_file: &file,

@@ -4,7 +4,7 @@ use crate::plan::{Scene, setup_hash};
 use crate::recording::{grains_belong_to, outside_domain};
 use crate::run_frames::RunFrames;
 use makadam::effects::period::Period;
-use makadam::scene::Domain;
+use makadam::scene::{Domain, Reaction};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 
@@ -76,7 +76,8 @@ pub(super) fn image(domain: &Domain, place: Vector3<f64>) -> Vector3<f64> {
 pub(crate) fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapshot> + Clone) -> Vec<String> {
     let filled = || frames.clone().filter(|frame| !frame.particles.is_empty());
     let mut notes: Vec<String> = filled().find_map(|frame| grains_belong_to(frame, scene).err()).into_iter().collect();
-    notes.extend(filled().find_map(|frame| outside_domain(frame, scene)));
+    let is_meant = scene.watch.on_escape == Reaction::Ignore;
+    notes.extend(filled().find_map(|frame| outside_domain(frame, scene)).filter(|_| !is_meant));
     let contacts = || filled().flat_map(|frame| &frame.contacts);
     if contacts().next().is_some() && !contacts().any(|contact| contact.normal_force > 0.0) {
         notes.push(

@@ -4,6 +4,8 @@
 //! code.toml ─> folder with scene.json, grains.csv, frames.csv, wall0.stl ... ─> the command ─> files of frames ─> import ─> Recording
 //! ```
 
+mod frames;
+
 use super::mesh::wall_mesh;
 use super::process::{Run, locate};
 use super::run_folder::{RunFolder, check_pattern};
@@ -14,9 +16,10 @@ use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
 use crate::recording::{Recording, SAME_SIZE, frame_belongs_to, outside_domain};
-use makadam::scene::Grain;
+use makadam::scene::{Grain, Reaction};
 use makadam::snapshot::{Particle, Snapshot};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -30,7 +33,9 @@ struct Description {
     /// Its version.
     #[serde(default = "unknown")]
     version: String,
-    /// Program and arguments; `{seed}`, `{folder}` and `{here}` stand for the seed, the folder in which it runs, and that of this file.
+    /// Program and arguments; `{seed}`, `{folder}` and `{here}` stand for the seed, the folder in which it runs, and that of this file. Not
+    /// needed for frames that exist.
+    #[serde(default)]
     command: Vec<String>,
     /// Files of grains that it leaves, below the folder; `*` stands for any letters of a file's name.
     grains: Vec<String>,
@@ -59,6 +64,8 @@ pub struct External {
     description: Description,
     /// Folder of the file.
     here: PathBuf,
+    /// Folders of frames that exist, by seed; absent where the code is run.
+    folders: Option<BTreeMap<u64, PathBuf>>,
 }
 
 /// Why a description cannot be used.
@@ -78,26 +85,11 @@ impl External {
     /// [`DescriptionError`].
     pub fn load(file: &Path) -> Result<External, DescriptionError> {
         let fault = |problem: String| DescriptionError { file: file.to_path_buf(), problem };
-        let text = std::fs::read_to_string(file).map_err(|error| fault(error.to_string()))?;
-        let mut description: Description = toml::from_str(&text).map_err(|error| {
-            let line = error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
-            fault(format!("line {line}: {}", error.message()))
-        })?;
-        description.name = description.name.trim().to_string();
-        let Description { name, command, grains, .. } = &description;
-        if name.is_empty() || CodeName::of(name).is_ok() {
-            return Err(fault(format!("'{name}' is no name for a code of your own; give another one")));
-        }
-        if command.is_empty() || grains.is_empty() {
-            return Err(fault("command and grains name at least a program and a file".into()));
-        }
-        grains.iter().chain(&description.contacts).try_for_each(|pattern| check_pattern(pattern)).map_err(fault)?;
-        if [description.time_step, description.interval]
-            .into_iter()
-            .flatten()
-            .any(|time| !time.is_finite() || time <= 0.0)
-        {
-            return Err(fault("time-step and interval are times above zero, in seconds".into()));
+        let description = read_description(file)?;
+        if description.command.is_empty() {
+            return Err(fault(
+                "command is missing: give a program and its arguments, or --frames for frames that exist".into(),
+            ));
         }
         let here = folder_of(file).map_err(|error| fault(error.to_string()))?;
         let program = program_of(&description, &here);
@@ -106,13 +98,17 @@ impl External {
                 "there is no program '{program}'; give a name on PATH, or a path, where {{here}} is the folder of this file"
             )));
         }
+        Ok(External::new(description, here, None))
+    }
+
+    fn new(description: Description, here: PathBuf, folders: Option<BTreeMap<u64, PathBuf>>) -> External {
         // Codes are known by names that live as long as the program; one is judged at a time.
         let name = Box::leak(shown(&description.name, false).into_owned().into_boxed_str());
-        Ok(External { name, description, here })
+        External { name, description, here, folders }
     }
 
     /// A word of the command with what stands in braces filled in.
-    fn fill(&self, word: &str, job: &Job<'_>) -> OsString {
+    fn word(&self, word: &str, job: &Job<'_>) -> OsString {
         let text = |path: &Path| path.display().to_string();
         word.replace("{seed}", &job.seed.to_string())
             .replace("{folder}", &text(job.work_folder))
@@ -120,29 +116,50 @@ impl External {
             .into()
     }
 
+    /// Where the frames of a run are.
+    fn place<'p>(&'p self, job: &'p Job<'_>) -> &'p Path {
+        self.folders.as_ref().and_then(|folders| folders.get(&job.seed)).map_or(job.work_folder, PathBuf::as_path)
+    }
+
+    /// The times at which a frame is due, in words that follow "at each time".
+    fn times(&self) -> &'static str {
+        match self.folders {
+            None => "of frames.csv",
+            Some(_) => "that the scene measures (measure.from and interval, and its end)",
+        }
+    }
+
     fn output(&self, file: &Path, line: usize, problem: String) -> CodeError {
         CodeError::Output { code: self.name, file: file.to_path_buf(), line, problem }
     }
 
-    /// The frames that the run has left.
+    /// Adds the files of the description's patterns, which `files` finds, to tables.
+    fn fill(
+        &self,
+        tables: &mut Tables,
+        files: impl Fn(&str) -> Result<Vec<PathBuf>, CodeError>,
+    ) -> Result<(), CodeError> {
+        let Description { grains, contacts, columns, contact_columns, .. } = &self.description;
+        let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
+        for pattern in grains {
+            files(pattern)?.iter().try_for_each(|path| tables.add_grains(path, columns)).map_err(refused)?;
+        }
+        for pattern in contacts {
+            files(pattern)?.iter().try_for_each(|path| tables.add_contacts(path, contact_columns)).map_err(refused)?;
+        }
+        Ok(())
+    }
+
+    /// The frames of a run in tables; `grains` are those that it was started from, where they are known.
     fn recording(
         &self,
         job: &Job<'_>,
-        folder: &RunFolder,
-        grains: &[Grain],
+        tables: &Tables,
+        grains: Option<&[Grain]>,
         wall_seconds: f64,
     ) -> Result<Recording, CodeError> {
-        let files =
-            |pattern: &String| folder.files(pattern).map_err(|problem| self.output(job.work_folder, 1, problem));
-        let Description { columns, contact_columns, time_step, interval, version, .. } = &self.description;
+        let Description { time_step, interval, version, .. } = &self.description;
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
-        let mut tables = Tables::default();
-        for pattern in &self.description.grains {
-            files(pattern)?.iter().try_for_each(|path| tables.add_grains(path, columns)).map_err(refused)?;
-        }
-        for pattern in &self.description.contacts {
-            files(pattern)?.iter().try_for_each(|path| tables.add_contacts(path, contact_columns)).map_err(refused)?;
-        }
         let assembly = Assembly {
             scene: job.scene,
             code: self.name,
@@ -151,7 +168,7 @@ impl External {
             time_step: *time_step,
             interval: *interval,
         };
-        let Imported { recording, mut notes } = assembly.assemble(&tables).map_err(refused)?;
+        let Imported { recording, mut notes } = assembly.assemble(tables).map_err(refused)?;
         self.check_times(job, &recording)?;
         self.check_grains(job, grains, &recording)?;
         notes.extend(unlike(job.scene, measured_frames(job.scene, &recording).into_iter()));
@@ -165,14 +182,18 @@ impl External {
         })
     }
 
-    /// Refuses frames without all grains of the scene: none can leave it. Frames without any grain are not measured.
-    fn check_grains(&self, job: &Job<'_>, grains: &[Grain], recording: &Recording) -> Result<(), CodeError> {
-        let refused = |problem: String| Err(self.output(job.work_folder, 1, problem));
+    /// Refuses frames without all grains of the scene. Frames without any grain are not measured.
+    fn check_grains(&self, job: &Job<'_>, grains: Option<&[Grain]>, recording: &Recording) -> Result<(), CodeError> {
+        let refused = |problem: String| Err(self.output(self.place(job), 1, problem));
+        let (wanted, source) = match grains {
+            Some(grains) => (grains.len(), "grains.csv"),
+            None => (job.scene.grain_count(), "the scene"),
+        };
         for frame in recording.frames.iter().filter(|frame| !frame.particles.is_empty()) {
-            let (found, wanted, time) = (frame.particles.len(), grains.len(), frame.time);
+            let (found, time) = (frame.particles.len(), frame.time);
             if found != wanted {
                 return refused(format!(
-                    "the frame at {time} s has {found} grains, and grains.csv has {wanted}; leave all of them in each frame"
+                    "the frame at {time} s has {found} grains, and {source} has {wanted}; leave all of them in each frame"
                 ));
             }
             // Grains are ranked by their numbers over all frames.
@@ -185,13 +206,15 @@ impl External {
             let is_other = |(particle, grain): &(&Particle, &Grain)| {
                 (particle.radius - grain.radius).abs() > SAME_SIZE * grain.radius
             };
-            if let Some((particle, grain)) = frame.particles.iter().zip(grains).find(is_other) {
+            if let Some((particle, grain)) = frame.particles.iter().zip(grains.unwrap_or_default()).find(is_other) {
                 return refused(format!(
                     "grain {} has a radius of {} m in the frame at {time} s, and of {} m in grains.csv; number grains as there",
                     particle.id, particle.radius, grain.radius
                 ));
             }
-            if let Some(problem) = outside_domain(frame, job.scene) {
+            // A scene may let grains escape: those of Makadam are measured outside, too.
+            let stops = job.scene.watch.on_escape == Reaction::Stop;
+            if let Some(problem) = outside_domain(frame, job.scene).filter(|_| stops) {
                 return refused(problem);
             }
         }
@@ -200,14 +223,15 @@ impl External {
 
     /// Refuses a run of which other frames would be measured than those of frames.csv: a mean over others is another number.
     fn check_times(&self, job: &Job<'_>, recording: &Recording) -> Result<(), CodeError> {
-        let refused = |problem: String| Err(self.output(job.work_folder, 1, problem));
+        let refused = |problem: String| Err(self.output(self.place(job), 1, problem));
         let slack = job.scene.measure.slack();
         let asked = asked(job.scene);
+        let times = self.times();
         let Some(first) = asked.first() else { return Ok(()) };
         let due = recording.frames.iter().filter(|frame| frame.time >= first - slack);
         if let Some(empty) = due.clone().find(|frame| frame.particles.is_empty()) {
             return refused(format!(
-                "the frame at {} s has no grains; leave all of them at each time of frames.csv",
+                "the frame at {} s has no grains; leave all of them at each time {times}",
                 empty.time
             ));
         }
@@ -215,19 +239,19 @@ impl External {
         let is_covered = |frame: &Snapshot| job.scene.measure.from.is_none() || job.scene.measure.covers(frame.time);
         let is_at = |time: f64, frame: &Snapshot| (frame.time - time).abs() <= slack && is_covered(frame);
         if let Some(time) = asked.iter().find(|time| !due.clone().any(|frame| is_at(**time, frame))) {
-            return refused(format!("no frame at {time} s; leave one at each time of frames.csv"));
+            return refused(format!("no frame at {time} s; leave one at each time {times}"));
         }
         let measured = measured_frames(job.scene, recording);
         if let Some(other) = measured.iter().find(|frame| !asked.iter().any(|time| is_at(*time, frame))) {
             return refused(format!(
-                "a frame at {} s would be measured, and is not in frames.csv; leave those that are",
+                "a frame at {} s would be measured, and is not at a time {times}; leave those that are",
                 other.time
             ));
         }
         match (measured.len(), asked.len()) {
             (found, wanted) if found == wanted => Ok(()),
             (found, wanted) => {
-                refused(format!("{found} frames where {wanted} are measured; leave one at each time of frames.csv"))
+                refused(format!("{found} frames where {wanted} are measured; leave one at each time {times}"))
             }
         }
     }
@@ -253,11 +277,19 @@ impl Code for External {
         Some(self.description.version.clone())
     }
 
+    fn seeds(&self) -> Option<Vec<u64>> {
+        self.folders.as_ref().map(|folders| folders.keys().copied().collect())
+    }
+
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
+        if self.folders.is_some() {
+            let tables = self.tables_in(self.place(job))?;
+            return self.recording(job, &tables, None, 0.0);
+        }
         let grains = starting_grains(job)?;
         let folder = RunFolder::fresh(job.work_folder, input(job, &grains))?;
         let program = program_of(&self.description, &self.here);
-        let arguments: Vec<OsString> = self.description.command[1..].iter().map(|word| self.fill(word, job)).collect();
+        let arguments: Vec<OsString> = self.description.command[1..].iter().map(|word| self.word(word, job)).collect();
         let clock = Instant::now();
         Run {
             code: self.name,
@@ -271,7 +303,10 @@ impl Code for External {
         }
         .execute()?;
         let wall_seconds = clock.elapsed().as_secs_f64();
-        let recording = self.recording(job, &folder, &grains, wall_seconds)?;
+        let mut tables = Tables::default();
+        let files = |pattern: &str| folder.files(pattern).map_err(|problem| self.output(job.work_folder, 1, problem));
+        self.fill(&mut tables, files)?;
+        let recording = self.recording(job, &tables, Some(&grains), wall_seconds)?;
         (job.progress)(1.0);
         Ok(recording)
     }
@@ -280,6 +315,32 @@ impl Code for External {
 /// The program, with the folder of the description filled in.
 fn program_of(description: &Description, here: &Path) -> String {
     description.command[0].replace("{here}", &here.display().to_string())
+}
+
+/// Reads and checks the file of a description.
+///
+/// # Errors
+/// [`DescriptionError`].
+fn read_description(file: &Path) -> Result<Description, DescriptionError> {
+    let fault = |problem: String| DescriptionError { file: file.to_path_buf(), problem };
+    let text = std::fs::read_to_string(file).map_err(|error| fault(error.to_string()))?;
+    let mut description: Description = toml::from_str(&text).map_err(|error| {
+        let line = error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
+        fault(format!("line {line}: {}", error.message()))
+    })?;
+    description.name = description.name.trim().to_string();
+    let Description { name, grains, contacts, time_step, interval, .. } = &description;
+    if name.is_empty() || CodeName::of(name).is_ok() {
+        return Err(fault(format!("'{name}' is no name for a code of your own; give another one")));
+    }
+    if grains.is_empty() {
+        return Err(fault("grains names no file; give at least one, such as out/*.csv".into()));
+    }
+    grains.iter().chain(contacts).try_for_each(|pattern| check_pattern(pattern)).map_err(fault)?;
+    if [*time_step, *interval].into_iter().flatten().any(|time| !time.is_finite() || time <= 0.0) {
+        return Err(fault("time-step and interval are times above zero, in seconds".into()));
+    }
+    Ok(description)
 }
 
 /// The folder in which a file lies, from the root.

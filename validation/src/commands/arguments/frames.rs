@@ -51,10 +51,14 @@ pub struct JudgeArguments {
     /// The scene; what it names under [[compare]] is judged.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// TOML file that describes the code: name, version, command, and where it leaves its frames.
-    #[arg(long, value_name = "FILE")]
-    pub code: PathBuf,
-    /// Codes that it is held against, separated by commas; if absent, makadam and those that are recorded on the scene, or with
+    /// TOML file that describes the code: name, version, command, and where it leaves its frames (docs/own-code.md lists the keys).
+    #[arg(long, value_name = "FILE", required_unless_present = "frames")]
+    pub code: Option<PathBuf>,
+    /// Folders of frames that exist, one for each seed, whose number ends the folder's name: 'seed*/'. Nothing is run of the code;
+    /// without --code a folder is that of a run of Makadam, or all its files hold grains.
+    #[arg(long, num_args = 1.., value_name = "FOLDERS", conflicts_with = "seeds")]
+    pub frames: Vec<String>,
+    /// Codes that it is compared with, separated by commas; if absent, makadam and those that are recorded on the scene, or with
     /// --live makadam,yade,liggghts.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub against: Option<Vec<CodeName>>,
