@@ -178,13 +178,13 @@ impl Simulation {
         plain(py, &self.0.lock(py)?.phase_seconds())
     }
 
-    /// Keeps a ledger of energy and momentum from here on.
+    /// Keeps a ledger of energy, momentum and angular momentum from here on.
     fn open_ledger(&self, py: Python<'_>) -> PyResult<()> {
         self.0.lock(py)?.open_ledger();
         Ok(())
     }
 
-    /// The ledger since it was opened, a dict (J and kg m/s); None if it was not.
+    /// The ledger since it was opened, a dict (J, kg m/s and kg m2/s); None if it was not.
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let balance = self.0.lock(py)?.balance();
         balance
@@ -193,6 +193,7 @@ impl Simulation {
                 // The document leaves out what nobody did.
                 dict.call_method1("setdefault", ("outside", balance.outside))?;
                 dict.call_method1("setdefault", ("outside_impulse", balance.outside_impulse.to_vec()))?;
+                dict.call_method1("setdefault", ("outside_angular_impulse", balance.outside_angular_impulse.to_vec()))?;
                 Ok(dict)
             })
             .transpose()

@@ -24,6 +24,8 @@ mod walls;
 pub use contacts::PairsInList;
 pub use states::States;
 
+use crate::Simulation;
+use crate::lanes::{minus, plus};
 use serde::{Deserialize, Serialize};
 
 /// Why an intervention was refused; the simulation stays as it was.
@@ -59,6 +61,9 @@ pub enum InterventionError {
         /// What would be right.
         remedy: &'static str,
     },
+    /// With the grains to insert, those that are there and the walls would not be a scene.
+    #[error("with the grains to insert the scene breaks a rule of scenes: {0}")]
+    Rule(String),
     /// There is no such grain.
     #[error("there is no grain {id} to remove; ids go from 0 to {} without holes", grains.saturating_sub(1))]
     NoGrain {
@@ -111,8 +116,8 @@ pub(crate) struct Interventions {
     pub booked: Booked,
     /// Whether positions and velocities may be written from outside.
     handed_out: bool,
-    /// Energy (J) and momentum (kg m/s) when nobody had written yet; only where a ledger is kept and states were handed out.
-    known: Option<(f64, [f64; 3])>,
+    /// What there was of each when nobody had written yet; only where a ledger is kept and states were handed out.
+    known: Option<Booked>,
 }
 
 impl Interventions {
@@ -139,9 +144,28 @@ impl Interventions {
     }
 }
 
-/// Energy (J) and momentum (kg m/s) that came from outside.
+/// Energy (J), momentum (kg m/s) and angular momentum (kg m2/s) that came from outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Booked {
     pub energy: f64,
     pub impulse: [f64; 3],
+    pub angular_impulse: [f64; 3],
+}
+
+impl Booked {
+    /// What a simulation has of each.
+    fn of(simulation: &Simulation) -> Booked {
+        Booked {
+            energy: simulation.energy_half_a_step_earlier().total(),
+            impulse: simulation.momentum(),
+            angular_impulse: simulation.angular_momentum(),
+        }
+    }
+
+    /// Adds what a change from one state to another has brought.
+    fn add_change(&mut self, before: &Booked, after: &Booked) {
+        self.energy += after.energy - before.energy;
+        self.impulse = plus(self.impulse, minus(after.impulse, before.impulse));
+        self.angular_impulse = plus(self.angular_impulse, minus(after.angular_impulse, before.angular_impulse));
+    }
 }
