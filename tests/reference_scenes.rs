@@ -106,7 +106,7 @@ fn drum_agrees_with_the_recorded_codes() {
 
 #[test]
 fn heap_agrees_with_the_recorded_codes() {
-    regression("heap", 3);
+    regression("heap", 4);
 }
 
 #[test]
