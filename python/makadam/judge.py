@@ -22,7 +22,8 @@ class Comparison:
     rows: list[dict[str, Any]]
     """An observable of a code, and its difference from another, a dict each: ``observable``, ``unit``, ``code``, ``mean`` and
     ``standard_deviation`` over ``seeds``, ``reference_code``, ``difference``, ``interval90``, ``interval_of_verdict``, ``margin``,
-    ``outcome`` (``agree``, ``disagree``, ``undecided``, ``not-measured`` or None), ``missing`` and ``seeds_needed``."""
+    ``outcome`` (``agree``, ``disagree``, ``undecided``, ``exploratory``, ``not-measured`` or None), ``missing`` and
+    ``seeds_needed``."""
     codes: list[dict[str, Any]]
     """How each code was run."""
     notes: list[str]

@@ -98,7 +98,8 @@ impl ThreadArguments {
 /// How the codes of a comparison are run, and what is told of it.
 #[derive(Debug, Args)]
 pub struct CodeRunArguments {
-    /// Number of seeds, counted from 1; if absent, as many as are recorded, or 3.
+    /// Number of seeds, counted from 1; if absent, those that the scene registers (measure.seeds), or as many as are recorded, or 3.
+    /// Seeds that are not registered are exploratory: exit code 4.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
     /// Run the other codes now instead of reading recorded numbers.
