@@ -35,7 +35,6 @@ mod scene_checks;
 mod settings;
 mod slip;
 mod tangential_spring;
-mod turning_walls;
 mod unsafe_code;
 mod vibration;
 mod watch;

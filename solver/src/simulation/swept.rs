@@ -414,8 +414,7 @@ impl Simulation {
         }
         let body = self.world.bodies[place];
         let after = wall_velocity - Vector::from(body.velocity) - Vector::from(body.scaled_spin).cross(&normal);
-        let noted = (normal * sphere.radius, borne, -tangential);
-        self.note_strike(place, met.surface, normal, noted, wall_velocity, [before, after]);
+        self.note_strike(place, met.surface, normal, (borne, -tangential), wall_velocity, [before, after]);
         Some(drive.is_some())
     }
 
@@ -442,18 +441,17 @@ impl Simulation {
         let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);
         // It acts on the centre, so that the spin stays.
         let (along, relative) = (normal.dot(&impulse), [wall_velocity - velocity, wall_velocity - held]);
-        let noted = (Vector::zeros(), along, impulse - normal * along);
-        self.note_strike(place, met.surface, normal, noted, wall_velocity, relative);
+        self.note_strike(place, met.surface, normal, (along, impulse - normal * along), wall_velocity, relative);
     }
 
-    /// Notes an impact that a grain has just had, given the arm at which it acts on the grain (m) and the impulses on the wall, the wall's
-    /// velocity at the contact, and this less that of the grain where it was hit, before the impact and after it.
+    /// Notes an impact that a grain has just had, given the impulses on the wall, the wall's velocity at the contact, and this less that
+    /// of the grain where it was hit, before the impact and after it.
     fn note_strike(
         &mut self,
         place: usize,
         surface: u32,
         normal: Vector,
-        (arm, along, tangential): (Vector, f64, Vector),
+        (along, tangential): (f64, Vector),
         wall_velocity: Vector,
         [before, after]: [Vector; 2],
     ) {
@@ -465,8 +463,6 @@ impl Simulation {
             after: after.into(),
             impulse: (-normal * along - tangential).into(),
             wall_velocity: wall_velocity.into(),
-            centre: self.world.spheres[place].centre.into(),
-            arm: arm.into(),
             shift: [0.0; 3],
         });
         self.swept.strikes.push(Strike { place: place as u32, surface, normal, along, tangential });

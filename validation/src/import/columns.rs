@@ -39,14 +39,10 @@ pub enum Column {
     TangentialOnFirst(usize),
     /// Simulated time, s.
     Time,
-    /// Number of the time step.
-    Step,
-    /// Material or kind of the grain, a number or a name.
-    Kind,
 }
 
 /// Names of single numbers, in small letters.
-const PLAIN: [(&str, Column); 28] = [
+const PLAIN: [(&str, Column); 21] = [
     ("id", Column::Id),
     ("radius", Column::Radius),
     ("r", Column::Radius),
@@ -54,14 +50,7 @@ const PLAIN: [(&str, Column); 28] = [
     ("diameter", Column::Diameter),
     ("d", Column::Diameter),
     ("time", Column::Time),
-    ("step", Column::Step),
-    ("timestep", Column::Step),
-    ("type", Column::Kind),
-    ("material", Column::Kind),
-    ("matid", Column::Kind),
-    ("mat_id", Column::Kind),
-    ("materialid", Column::Kind),
-    ("material_id", Column::Kind),
+    ("t", Column::Time),
     ("first", Column::First),
     ("id1", Column::First),
     ("grain1", Column::First),
@@ -81,7 +70,7 @@ const PLAIN: [(&str, Column); 28] = [
 type OfComponent = fn(usize) -> Column;
 
 /// Names of vectors, in small letters: the axis follows, as `x`, `_x`, `_0` or `[0]`.
-const VECTORS: [(&str, OfComponent); 23] = [
+const VECTORS: [(&str, OfComponent); 22] = [
     ("", Column::Position),
     ("position", Column::Position),
     ("points", Column::Position),
@@ -93,7 +82,6 @@ const VECTORS: [(&str, OfComponent); 23] = [
     ("w", Column::Spin),
     ("spin", Column::Spin),
     ("angular_velocity", Column::Spin),
-    ("angularvelocity", Column::Spin),
     ("angvel", Column::Spin),
     ("angvelvec", Column::Spin),
     ("f", Column::Force),
@@ -168,9 +156,9 @@ impl<'t> Places<'t> {
         self.find(Column::Radius).map(|place| (place, 1.0)).or_else(of_diameter)
     }
 
-    /// Names of all columns, for an error.
+    /// Names of the columns, for an error.
     pub fn names(&self) -> String {
-        self.table.columns.iter().chain(&self.table.unread).map(String::as_str).collect::<Vec<_>>().join(", ")
+        self.table.columns.join(", ")
     }
 }
 
@@ -193,9 +181,7 @@ mod tests {
         same(&["fx", "force_x"], Column::Force(0));
         same(&["fny", "fn_y"], Column::NormalOnFirst(1));
         same(&["ftz"], Column::TangentialOnFirst(2));
-        same(&["type", "material", "matId", "materialId"], Column::Kind);
-        // A temperature, or a time: the name does not say which.
-        for nothing in ["T", "t", "xs", "mass", "id3", "fn2", "", "c_pairs[4]", "_"] {
+        for nothing in ["type", "xs", "mass", "id3", "fn2", "", "c_pairs[4]", "_"] {
             assert_eq!(column_of(nothing), None, "{nothing}");
         }
     }

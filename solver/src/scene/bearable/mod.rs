@@ -8,7 +8,6 @@ mod held;
 mod impact;
 mod memory;
 mod motion;
-mod pace;
 mod ray;
 mod shear;
 mod vain;
@@ -88,7 +87,6 @@ impl Scene {
         warnings.extend(held::fault(self, &grains, &bed));
         warnings.extend(impact::fault(self, &grains, &bed, beforehand));
         warnings.extend(shear::faults(self, &grains));
-        warnings.extend(pace::fault(self, &grains, beforehand));
         warnings
     }
 
