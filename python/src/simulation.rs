@@ -178,13 +178,13 @@ impl Simulation {
         plain(py, &self.0.lock(py)?.phase_seconds())
     }
 
-    /// Keeps a ledger of energy and momentum from here on.
+    /// Keeps a ledger of energy, momentum and angular momentum from here on.
     fn open_ledger(&self, py: Python<'_>) -> PyResult<()> {
         self.0.lock(py)?.open_ledger();
         Ok(())
     }
 
-    /// The ledger since it was opened, a dict (J and kg m/s); None if it was not.
+    /// The ledger since it was opened, a dict (J, kg m/s and kg m2/s); None if it was not.
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let balance = self.0.lock(py)?.balance();
         balance
@@ -193,6 +193,7 @@ impl Simulation {
                 // The document leaves out what nobody did.
                 dict.call_method1("setdefault", ("outside", balance.outside))?;
                 dict.call_method1("setdefault", ("outside_impulse", balance.outside_impulse.to_vec()))?;
+                dict.call_method1("setdefault", ("outside_angular_impulse", balance.outside_angular_impulse.to_vec()))?;
                 Ok(dict)
             })
             .transpose()
@@ -381,15 +382,15 @@ impl Simulation {
             let Ok(measured) = measure_frames(&plan, &frames[..]);
             measured
         });
-        plain(py, &measured.unwrap_or_default().measurements)
+        plain(py, &measured.unwrap_or_default())
     }
 }
 
 impl Simulation {
-    /// The scene as the judge has to see it, with walls that stand where it has them.
+    /// The scene as the judge has to see it: with the grains that there are now, and walls that stand where it thinks.
     fn measured_plan(&self, py: Python<'_>, frames: &[PyRef<'_, Frame>]) -> PyResult<plan::Scene> {
         let simulation = self.0.lock(py)?;
-        let plan = self.0.scene.plan.clone();
+        let mut plan = self.0.scene.plan.clone();
         for (number, wall) in plan.wall.iter().enumerate() {
             // A wall that turns is measured as it stands only where turning leaves it in place, which the scene then says.
             let moved = simulation.moved_by(number as u32).is_some_and(|(shift, angle)| {
@@ -404,8 +405,22 @@ impl Simulation {
                 return Err(exception(py, "JudgeError", &message));
             }
         }
-        // Frames state which grains they have once some came or went.
-        if !simulation.has_other_grains() {
+        if simulation.has_other_grains() {
+            if let Some(frame) = frames.iter().find(|frame| frame.0.particles.len() != simulation.grains())
+                && plan.material.len() > 1
+            {
+                let message = format!(
+                    "the frame at {} s has {} grains and the simulation has {}: which materials they were of is not known; measure \
+                     frames before grains come or go",
+                    frame.0.time,
+                    frame.0.particles.len(),
+                    simulation.grains()
+                );
+                return Err(exception(py, "JudgeError", &message));
+            }
+            plan.grain = simulation.grain_entries(&plan);
+            plan.population.clear();
+        } else {
             check_frames(py, &self.0.scene, frames)?;
         }
         Ok(plan)

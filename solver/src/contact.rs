@@ -8,8 +8,8 @@
 //! ```
 //!
 //! n is the unit normal from the first partner to the second, R* the effective radius; the contact point lies on n from the first
-//! centre. An overlap is a gap below zero. Impulses act at the arms a n and -b n: on the surfaces, not at the contact point, which
-//! for stiff grains makes no difference.
+//! centre. An overlap is a gap below zero. Impulses act at the arms a n and -b n: on the surfaces, not at the contact point. Friction P then
+//! takes `d n x P` from the angular momentum of two grains that overlap by d, which the ledger enters.
 
 use crate::detect::{PairCandidate, WallCandidate};
 use crate::effects::cohesion::Pull;

@@ -51,6 +51,65 @@ fn a_grain_bounces_off_the_back_of_a_disc_as_off_its_front() {
     }
 }
 
+/// A grain over the mouth of something narrower than itself: sunk in by `1 - sqrt(1 - (hole/r)^2)` of its radius it touches the rim all
+/// round.
+fn rests_over(mouth: &str, hole: f64, height: f64) {
+    let (radius, gravity) = (0.005_f64, 9.81);
+    let rest = height + (radius * radius - hole * hole).sqrt();
+    let weight = crate::common::DENSITY * 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * gravity;
+    for friction in [0.0, 0.5] {
+        for [x, y] in [[0.0, 0.0], [0.0003, 0.0], [-0.0005, 0.0008], [1e-9, 2e-9]] {
+            let mut simulation = Setup {
+                body: format!("{mouth}{}", grain(radius, [x, y, rest + 0.002], [0.0; 3])),
+                solver: STEP.into(),
+                friction,
+                wall_friction: friction,
+                restitution: 0.3,
+                ..Setup::default()
+            }
+            .start();
+            crate::common::run_until(&mut simulation, 2.0);
+            for _ in 0..400 {
+                simulation.step();
+                let frame = simulation.snapshot();
+                let grain = frame.particles[0];
+                let speed = grain.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+                assert!(speed < 1e-6, "{speed} m/s from ({x}, {y}) with friction {friction}");
+                let force = |touch: &makadam::snapshot::Contact| {
+                    -touch.normal_force * touch.normal[2] - touch.tangential_force[2]
+                };
+                let borne: f64 = frame.contacts.iter().map(force).sum();
+                assert!((borne / weight - 1.0).abs() < 1e-3, "{} from ({x}, {y})", borne / weight);
+                let [x, y, z] = grain.position;
+                assert!(x.hypot(y) < 1e-4 && (z - rest).abs() < 2e-5, "{:?}, not {rest}", grain.position);
+            }
+        }
+    }
+}
+
+#[test]
+fn grain_rests_on_narrow_hole() {
+    let plate = disc(0.05, "").replace("radius = 0.05", "radius = 0.05, hole = 0.003");
+    rests_over(&plate, 0.003, 0.0);
+}
+
+#[test]
+fn grain_rests_on_narrow_tube() {
+    let tube = "[[wall]]\nname = 'tube'\nmaterial = 'wall'\n\
+                shape = { kind = 'cylinder', base = [0, 0, -0.1], axis = [0, 0, 1], radius = 0.004, length = 0.1 }\n";
+    rests_over(tube, 0.004, 0.0);
+}
+
+#[test]
+fn grain_falls_through_wide_hole() {
+    let plate = disc(0.05, "").replace("radius = 0.05", "radius = 0.05, hole = 0.0051");
+    let body = plate + &grain(0.005, [0.00005, 0.0, 0.02], [0.0; 3]);
+    let mut simulation = Setup { solver: STEP.into(), body, ..Setup::default() }.start();
+    crate::common::run_until(&mut simulation, 0.2);
+    let z = simulation.snapshot().particles[0].position[2];
+    assert!((z - (0.02 - 0.5 * 9.81 * 0.04)).abs() < 1e-3, "{z}");
+}
+
 #[test]
 fn grains_roll_over_the_rim_of_a_disc() {
     // Beside the disc by half a radius: the rim pushes it outwards and holds it up until it has rolled off.

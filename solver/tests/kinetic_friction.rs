@@ -133,6 +133,88 @@ fn spin_counts_as_sliding() {
     }
 }
 
+/// A bed of 100 grains under a lid that presses with 5 N, at a gravity (m/s2): the share of contacts, of those that bear more than a
+/// thousandth of the mean, whose friction is above the kinetic coefficient, over the last tenth of a second.
+fn share_above_kinetic(gravity: f64, sweeps: u32) -> f64 {
+    let (sticking, kinetic) = (0.8, 0.2);
+    let lid = "[[wall]]\nname = 'lid'\nmaterial = 'wall'\nshape = { kind = 'plane', point = [0, 0, 0.1], normal = [0, 0, -1] }\n\
+               motion = { kind = 'force-driven', axis = [0, 0, -1], force = 5.0, mass = 0.05 }\n";
+    let bin = "[[wall]]\nname = 'box'\nmaterial = 'wall'\n\
+               shape = { kind = 'box', min = [-0.02, -0.02, 0], max = [0.02, 0.02, 0.28], open = ['+z'] }\n";
+    let grains = "[[population]]\ncount = 100\nmaterial = 'grain'\nradius = { kind = 'uniform', mean = 0.004, spread = 0.2 }\n\
+                  spacing = 1.02\nregion = { kind = 'box', min = [-0.02, -0.02, 0], max = [0.02, 0.02, 0.1] }\n";
+    let mut scene = Setup {
+        gravity: [0.0, 0.0, -gravity],
+        friction: sticking,
+        wall_friction: sticking,
+        restitution: 0.3,
+        solver: format!("step = 5e-4\nstop = {{ kind = 'sweeps', sweeps = {sweeps} }}"),
+        body: format!("{bin}{lid}{grains}"),
+        ..Setup::default()
+    }
+    .scene();
+    scene.material.values_mut().for_each(|material| material.kinetic_friction = Some(kinetic));
+    let mut simulation = start(&scene);
+    run_until(&mut simulation, 0.7);
+    let mut shares = Vec::new();
+    for _ in 0..10 {
+        let next = simulation.time() + 0.01;
+        run_until(&mut simulation, next);
+        let contacts = simulation.snapshot().contacts;
+        let mean = contacts.iter().map(|one| one.normal_force).sum::<f64>() / contacts.len() as f64;
+        let bearing: Vec<_> = contacts.iter().filter(|one| one.normal_force > 1e-3 * mean).collect();
+        let size = |vector: [f64; 3]| vector.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let above =
+            bearing.iter().filter(|one| size(one.tangential_force) > 1.001 * kinetic * one.normal_force).count();
+        shares.push(above as f64 / bearing.len() as f64);
+    }
+    shares.iter().sum::<f64>() / shares.len() as f64
+}
+
+#[test]
+fn static_friction_holds_without_gravity() {
+    for sweeps in [10, 100] {
+        let shares = [9.81, 0.1, 1e-3, 0.0].map(|gravity| share_above_kinetic(gravity, sweeps));
+        println!("{sweeps} sweeps: {shares:?}");
+        assert!(shares.iter().all(|&share| share > 0.2), "{sweeps} sweeps: {shares:?}");
+    }
+}
+
+#[test]
+fn every_method_tells_sliding_from_sticking() {
+    use makadam::scene::SolverMethod;
+    // Pressed against a wall by a lid without gravity: one pushed with less than mu_s stays, one with more slides with mu_k.
+    for method in SolverMethod::ALL {
+        for (slope, stays) in [(0.4, true), (0.6, false)] {
+            let angle = f64::atan(slope);
+            let setup = Setup {
+                gravity: [G * angle.sin(), 0.0, -G * angle.cos()],
+                wall_friction: STATIC,
+                body: format!(
+                    "{FLOOR}{}",
+                    [-1.0, 1.0].map(|side| grain(RADIUS, [0.0, side * 0.02, RADIUS * (1.0 - 1e-9)], [0.0; 3])).concat()
+                ),
+                ..Setup::default()
+            };
+            let mut scene = setup.scene();
+            scene.solver.method = method;
+            scene.solver.stop = makadam::scene::Stop::Sweeps { sweeps: 100 };
+            // Grains that cannot roll need torques, which most methods lack; so the two are made to slide by their spin.
+            scene.material.values_mut().for_each(|material| material.kinetic_friction = Some(KINETIC));
+            for grain in &mut scene.grain {
+                grain.spin = [0.0, if stays { 0.0 } else { -400.0 }, 0.0];
+            }
+            let mut simulation = start(&scene);
+            run_until(&mut simulation, 0.01);
+            let contacts = simulation.snapshot().contacts;
+            let coefficient = contacts[0].tangential_force[0].abs() / contacts[0].normal_force;
+            let rolling = 2.0 / 7.0 * slope;
+            let expected = if stays { rolling } else { KINETIC };
+            assert_relative_eq!(coefficient, expected, max_relative = 1e-3);
+        }
+    }
+}
+
 #[test]
 fn two_coefficients_that_no_contact_has_leave_no_trace() {
     for name in ["drum", "packing", "heap"] {

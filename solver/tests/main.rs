@@ -35,6 +35,7 @@ mod scene_checks;
 mod settings;
 mod slip;
 mod tangential_spring;
+mod turning_walls;
 mod unsafe_code;
 mod vibration;
 mod watch;

@@ -104,8 +104,8 @@ fn the_reference_sweeps_as_the_lanes_do() {
 #[test]
 fn reference_lanes_and_direct_solution_agree() {
     for (name, start) in simulations() {
-        // A light table on which grains resist rolling: 100,000 sweeps leave 1e-8 m/s.
-        if name == "driven walls with torques" {
+        // A table that turns, on which grains resist rolling: 100,000 sweeps leave 1e-8 m/s.
+        if name.contains("driven walls") && name.contains("torques") {
             continue;
         }
         let problem = start.contact_problem();

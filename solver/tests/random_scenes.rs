@@ -1,5 +1,6 @@
 //! What holds in every scene, in small ones drawn at random. `MAKADAM_RANDOM_SCENES` sets their number for each property.
 
+mod conservation;
 mod contacts;
 mod energy;
 mod images;
@@ -27,9 +28,9 @@ const CONE_ROUNDING: f64 = 1e-12;
 const USUAL: u32 = 48;
 
 /// Checks scenes drawn from a fixed seed; a check returns how often it could say what. Returns the sums.
-fn check<const KINDS: usize>(
-    scenes: impl Strategy<Value = Drawn>,
-    check: impl Fn(&Drawn) -> Result<[u64; KINDS], TestCaseError>,
+fn check<S: std::fmt::Debug, const KINDS: usize>(
+    scenes: impl Strategy<Value = S>,
+    check: impl Fn(&S) -> Result<[u64; KINDS], TestCaseError>,
 ) -> [u64; KINDS] {
     let asked = std::env::var("MAKADAM_RANDOM_SCENES").ok().and_then(|number| number.parse().ok());
     let config = ProptestConfig {
@@ -140,6 +141,21 @@ fn runs_stay_finite_and_in_the_cone() {
 #[test]
 fn grains_among_themselves_keep_their_momentum() {
     check(scenes(30), check_momentum);
+}
+
+#[test]
+fn ledgers_close_with_all_effects() {
+    let counts = check(conservation::with_effects(20), conservation::check_ledger);
+    println!("{counts:?} steps, with contacts");
+    assert!(counts[1] > 1000, "{counts:?}");
+}
+
+#[test]
+fn moving_frames_change_nothing() {
+    let boosted = (conservation::with_effects(12), conservation::boosts());
+    let counts = check(boosted, |(scene, boost)| conservation::check_boost(scene, *boost));
+    println!("{counts:?} steps with contacts, with solves to the end");
+    assert!(counts[1] > 100, "{counts:?}");
 }
 
 #[test]

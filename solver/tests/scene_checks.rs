@@ -54,6 +54,53 @@ fn warnings(scene: &Scene) -> Vec<String> {
     scene.findings(None).iter().map(Finding::to_string).collect()
 }
 
+/// Warnings of motion that no step resolves.
+fn unresolved(scene: &Scene) -> Vec<String> {
+    warnings(scene).into_iter().filter(|told| told.contains("does not resolve")).collect()
+}
+
+#[test]
+fn motion_above_a_diameter_per_step_warns() {
+    let second = "[[grain]]\nmaterial = 'grain'\nradius = 0.004\nposition = [0.0, 0.05, 0.02]\n";
+    let moving = |velocity: f64| {
+        let listed = format!("position = [0.0, 0.0, 0.02]\nvelocity = [{velocity:?}, 0.0, 0.0]\n{second}");
+        parse(&sketch("position = [0.0, 0.0, 0.02]\n", &listed)).unwrap()
+    };
+    assert_eq!(unresolved(&moving(17.9)), Vec::<String>::new(), "8.95 mm in a step, where the radii add up to 9");
+    let told = unresolved(&moving(18.1));
+    assert!(told.len() == 1 && told[0].contains("grains 0 and 1") && told[0].contains("0.009 m"), "{told:?}");
+    assert!(told[0].contains("lower solver.step to 4e-4 s"), "{told:?}");
+    // All at one velocity there is no relative motion.
+    let together = sketch(
+        "[0.0, 0.0, 0.02]\n",
+        &format!("[0.0, 0.0, 0.02]\nvelocity = [40.0, 0, 0]\n{second}velocity = [40.0, 0, 0]\n"),
+    );
+    assert_eq!(unresolved(&parse(&together).unwrap()), Vec::<String>::new());
+    // And a wall.
+    let wall = |speed: f64| {
+        let text =
+            sketch("kind = 'fixed'", &format!("kind = 'translating', velocity = [0.0, 0.0, {speed:?}]")) + second;
+        parse(&text).unwrap()
+    };
+    assert_eq!(unresolved(&wall(15.9)), Vec::<String>::new());
+    let told = unresolved(&wall(16.1));
+    assert!(told.len() == 1 && told[0].contains("wall 'floor'") && told[0].contains("does not resolve"), "{told:?}");
+}
+
+#[test]
+fn accuracy_needs_gravity() {
+    let text =
+        sketch("gravity = [0.0, 0.0, -9.81]", "gravity = [0.0, 0.0, 0.0]").replace("[solver]\nstep = 5e-4\n", "");
+    let text = text.replace("[material.grain]", "[accuracy]\nrelative = 0.01\n[material.grain]");
+    let message = parse(&text).unwrap_err();
+    assert!(
+        message.contains("accuracy") && message.contains("no gravity") && message.contains("solver.step"),
+        "{message}"
+    );
+    let later = text.replace("[accuracy]", "[[gravity_changes]]\ntime = 0.1\ngravity = [0, 0, -9.81]\n[accuracy]");
+    parse(&later).unwrap();
+}
+
 #[test]
 fn what_reading_would_pass_over_is_refused() {
     // Elements beyond the length of an array, wherever it stands.
@@ -361,16 +408,4 @@ fn memory_is_told_before_it_is_asked_for() {
     let told = two_sizes(20.0, "").memory();
     assert!(held < told && told < 20 * held, "{held} {told}");
     assert!(bed(100_000_000) > 100_000_000_000);
-}
-
-#[test]
-fn grains_that_cohere_are_not_told_to_fall() {
-    let text = sketch("", "");
-    let plane = "kind = 'plane', point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0]";
-    let ceiling = "kind = 'plane', point = [0.0, 0.0, 0.025], normal = [0.0, 0.0, -1.0]";
-    let hanging = text.replace(plane, ceiling);
-    let falling = warnings(&parse(&hanging).unwrap());
-    assert!(falling.len() == 1 && falling[0].contains("falls out of the domain"), "{falling:?}");
-    let sticks = hanging.replacen("friction =", "cohesion = { kind = 'constant', force = 0.1 }\nfriction =", 1);
-    assert_eq!(warnings(&parse(&sticks).unwrap()), Vec::<String>::new());
 }

@@ -6,7 +6,6 @@ mod engines;
 mod export;
 mod frames;
 mod geometry;
-mod invariants;
 mod kept_states;
 mod lammps;
 mod measured_bits;

@@ -87,7 +87,7 @@ impl<L: Lanes> LaneMaterial<L> {
     }
 
     /// Friction at the velocity at which the contacts slide, without the spin of the grains: their surfaces move with the cross
-    /// product of `spin` and the normal.
+    /// product of `spin` and the normal. `borne` are the impulses of the last step, along the normal and across it.
     #[inline(always)]
     pub fn while_sliding(
         &mut self,
@@ -96,12 +96,13 @@ impl<L: Lanes> LaneMaterial<L> {
         normal: [L; 3],
         velocity: [L; 3],
         spin: [L; 3],
+        borne: [L; 4],
     ) {
         let StepConstants { slip_speed, .. } = context.constants;
         let kinetic = contacts.property(context, |material| material.kinetic_friction);
         let velocity = minus(velocity, cross(spin, normal));
         let sliding = minus(velocity, times(normal, dot(normal, velocity)));
-        self.friction = while_sliding(self.friction, kinetic, sliding, L::splat(slip_speed));
+        self.friction = while_sliding(self.friction, kinetic, sliding, L::splat(slip_speed), borne);
     }
 }
 

@@ -69,18 +69,18 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 }),
             };
             let velocity = [u, v, w];
+            let remembered = impulses.load_quads(&sources.or(nothing));
             if self.context.effects.falling_restitution() {
                 material.at_speed(self.context, group, dot(normal, velocity));
             }
             if self.context.effects.kinetic_friction() {
                 let spin = self.context.spins_of_pairs(group);
-                material.while_sliding(self.context, group, normal, velocity, spin);
+                material.while_sliding(self.context, group, normal, velocity, spin, remembered);
             }
             if self.context.effects.spring() {
                 material.with_springs(self.context, group);
             }
             let motion = [dot(normal, velocity), inverse_mass];
-            let remembered = impulses.load_quads(&sources.or(nothing));
             write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, &self.context.constants);
         }
     }
@@ -103,7 +103,7 @@ impl Kernel for FillWalls<'_> {
         let falling = world.gravity * constants.scheme.step;
         // Padding lanes are far from everything.
         let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
-        for (group, sources) in self.groups.walls.iter_mut().zip(&self.groups.wall_sources) {
+        for (number, (group, sources)) in self.groups.walls.iter_mut().zip(&self.groups.wall_sources).enumerate() {
             // Faces differ from lane to lane, so their geometry is done one by one.
             let [mut distances, mut normal_x, mut normal_y, mut normal_z, mut radii] = far;
             let [mut wall_velocity, mut wall_before] = [[Eight::default(); 3]; 2];
@@ -114,8 +114,11 @@ impl Kernel for FillWalls<'_> {
                 let sphere = &world.spheres[wall.body as usize];
                 let [u, v, w, _] = world.before[wall.body as usize].0;
                 let (state, step) = ([&sphere.centre, &Vector3::new(u, v, w)], constants.scheme.step);
-                let (distance, normal, is_swept, [velocity, gain]) =
+                let (distance, normal, is_swept, [velocity, gain, drift]) =
                     placed.contact(wall.surface, state, sphere.radius, step, &falling);
+                if let Some(drifts) = self.groups.wall_drifts.get_mut(number) {
+                    (0..3).for_each(|axis| drifts[axis].0[lane] = drift[axis]);
+                }
                 swept |= u8::from(is_swept) << lane;
                 let velocity_before = velocity - gain;
                 distances.0[lane] = distance;
@@ -141,7 +144,8 @@ impl Kernel for FillWalls<'_> {
             }
             if self.context.effects.kinetic_friction() {
                 let spin = self.context.spins_at_walls(group);
-                material.while_sliding(self.context, &OnSurfaces(group, &surfaces), normal, velocity, spin);
+                let contacts = OnSurfaces(group, &surfaces);
+                material.while_sliding(self.context, &contacts, normal, velocity, spin, remembered);
             }
             if self.context.effects.spring() {
                 material.with_springs(self.context, &OnSurfaces(group, &surfaces));

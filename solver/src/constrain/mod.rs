@@ -74,6 +74,8 @@ struct StepContext<'a> {
     effects: EffectSet,
     /// Whether what a step touches is too large for the cache, and fetched ahead.
     fetches: bool,
+    /// Whether some wall turns, so that contacts with it drift.
+    drifts: bool,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,
 }
@@ -137,6 +139,7 @@ impl Constrainer {
                 constants: self.constants,
                 effects: self.effects,
                 fetches: self.fetches,
+                drifts: self.poses.iter().any(Pose::drifts),
                 material: world.table.of_all_grains(),
             };
             let (taken, first, next) = self.taken.stage();
@@ -174,7 +177,8 @@ impl Constrainer {
                         (&world.spheres[body[lane] as usize], world.before[body[lane] as usize].0);
                     let (placed, step) = (world.walls.placed(&self.poses), self.constants.scheme.step);
                     let state = [&sphere.centre, &Vector3::new(u, v, w)];
-                    let (distance, ..) = placed.contact(surface, state, sphere.radius, step, &Vector3::zeros());
+                    let (distance, .., [_, _, drift]) =
+                        placed.contact(surface, state, sphere.radius, step, &Vector3::zeros());
                     let point = sphere.centre + Vector3::from(contacts.normal(lane)) * distance;
                     layout.driven.push(DrivenContact {
                         task: task.number,
@@ -182,6 +186,7 @@ impl Constrainer {
                         lane: lane as u32,
                         drive: drive as u32,
                         jacobian: world.drives[drive].jacobian(&point).into(),
+                        drift: drift.into(),
                     });
                 }
             }
@@ -228,7 +233,7 @@ impl StepContext<'_> {
             next = self.assign_walls(task, true, LaneAssigner::new(taken, next, 0), groups, remembered.walls);
             groups.driven_walls = groups.wall_groups() - prescribed;
         }
-        groups.finish(self.effects);
+        groups.finish(self.effects, self.drifts);
         set.run(FindWaits { groups, effects: self.effects, grains: self.world.grains() as u32 });
         let sources = &*groups.pair_sources;
         with_pairs!(&mut groups.pairs, pairs => match periodic {

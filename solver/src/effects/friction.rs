@@ -4,18 +4,19 @@
 //! unconstrained impulse onto the disc is the exact solution of the one-contact problem: no box, no cone of facets.
 //!
 //! A contact that slides may have a smaller coefficient than one that sticks: Coulomb's `mu_k <= mu_s`. Which of the two it has is
-//! decided when it is set up, once a step,
+//! decided when it is set up, once a step, from the impulses of the last step and the velocity that this has left:
 //!
 //! ```text
-//! mu = mu_k    if |u_t| > g h    with u_t at the start of the step
+//! mu = mu_k    if |u_t| > g h    and    |lambda_t| = mu_k lambda_n    or    |lambda_t| = mu_s lambda_n
 //! mu = mu_s    otherwise
 //! ```
 //!
-//! so that sweeps know one coefficient and a contact takes no more memory. A contact that stuck in the last step has no speed but
-//! what the solve left open, which is measured in g h (g is the largest of the run). So a contact that slides sticks again
-//! once friction has slowed it below g h, and one that begins to slide keeps mu_s until its speed is above g h: at an
-//! acceleration a that takes g/a steps. Both shrink with h, and the law becomes that of two coefficients. A solve that
-//! leaves more than g h open takes sticking contacts for sliding ones.
+//! so that sweeps know one coefficient and a contact takes no more memory. By Coulomb's law friction is at its limit where a contact slides.
+//! A contact whose friction was below its limit has stuck, whatever speed the solve left it; this holds under any load, without gravity too.
+//! A contact at its limit sticks on as long as it is slower than g h (g is the largest of the run). Of a contact that has borne nothing yet,
+//! as in an impact, only the speed is known, and it decides. A contact that begins to slide keeps mu_s until its speed is above g h: at an
+//! acceleration a that takes g/a steps. One that slides sticks again once friction has slowed it below g h. Both shrink with h, and the law
+//! becomes that of two coefficients.
 
 use super::catalogue::{
     Absent, Call, Ceiling, Change, Coefficient, Combination, Effect, SMALLER, Trigger, change_coefficients,
@@ -108,10 +109,27 @@ pub fn slip_speed(gravity: f64, step: f64) -> f64 {
     (gravity * step).max(ROUNDING)
 }
 
-/// Coefficient of a contact that slides with the tangential velocity `sliding` (m/s), or sticks if that is no more than `slip`.
+/// Share of a limit of friction by which an impulse at the limit may differ from it: rounding, in single precision too.
+const AT_THE_LIMIT: f64 = 1e-5;
+
+/// Coefficient of a contact that slides with the tangential velocity `sliding` (m/s), or sticks: if that is no more than `slip`, or if the
+/// friction that it bore in the last step was not at a limit. `borne` is its normal and tangential impulse then, N s.
 #[inline(always)]
-pub fn while_sliding<N: Number>(sticking: N, kinetic: N, sliding: [N; 3], slip: N) -> N {
-    N::select((slip * slip).below(dot(sliding, sliding)), kinetic, sticking)
+pub fn while_sliding<N: Number>(sticking: N, kinetic: N, sliding: [N; 3], slip: N, borne: [N; 4]) -> N {
+    let [normal, x, y, z] = borne;
+    let friction = dot([x, y, z], [x, y, z]);
+    let limit = |coefficient: N, side: f64| {
+        let limit = coefficient * normal * N::splat(1.0 + side * AT_THE_LIMIT);
+        limit * limit
+    };
+    let none = N::zero();
+    let slow = dot(sliding, sliding).at_most(slip * slip);
+    // One that bears no friction is below the kinetic limit as well, but nothing is known of it.
+    let below =
+        N::select(none.below(friction), N::select(friction.below(limit(kinetic, -1.0)), sticking, kinetic), kinetic);
+    let between = N::select(friction.below(limit(sticking, -1.0)), sticking, kinetic);
+    let borne = N::select(limit(kinetic, 1.0).below(friction), between, below);
+    N::select(slow, sticking, borne)
 }
 
 /// Factor by which the impulse (x, y, z) must shrink to lie in a disc of the given radius.

@@ -248,12 +248,12 @@ impl TaskGroups {
         (self.pairs_used, self.walls_used, self.driven_walls) = (0, 0, 0);
         (self.pair_contacts, self.wall_contacts, self.assigned_from) = (0, 0, 0);
         self.pair_waits.clear();
-        self.finish(effects);
+        self.finish(effects, false);
     }
 
     /// Drops the groups that this step does not need, and gives each of the others room for what the scene calls for besides;
-    /// memory stays.
-    pub(crate) fn finish(&mut self, effects: EffectSet) {
+    /// memory stays. `drifts` where some wall turns.
+    pub(crate) fn finish(&mut self, effects: EffectSet, drifts: bool) {
         self.pairs.truncate(self.pairs_used);
         self.pair_sources.truncate(self.pairs_used);
         self.walls.truncate(self.walls_used);
@@ -266,6 +266,10 @@ impl TaskGroups {
         if effects.cohesion() {
             grow(&mut self.pair_pulls, self.pairs_used, self.pairs.capacity());
             grow(&mut self.wall_pulls, self.walls_used, self.walls.capacity());
+        }
+        match drifts {
+            true => grow(&mut self.wall_drifts, self.walls_used, self.walls.capacity()),
+            false => self.wall_drifts.clear(),
         }
     }
 }

@@ -53,6 +53,8 @@ pub struct TaskGroups {
     pub pair_pulls: Vec<Eight>,
     /// The same of the contacts with walls.
     pub wall_pulls: Vec<Eight>,
+    /// Drifts of the contacts with walls, m/s, which their walls' velocities contain; empty where no wall turns.
+    pub wall_drifts: Vec<[Eight; 3]>,
     /// Number of groups at the end of `walls` that are with driven walls: no sweep over lanes relaxes them.
     pub driven_walls: usize,
     /// Whether some grain is pressed so deep into a wall that it may cross it however slow it is.
@@ -96,6 +98,8 @@ pub struct DrivenContact {
     pub drive: u32,
     /// Jacobian of its point of the wall, the point's velocity over the drive's rate: no unit, or m.
     pub jacobian: [f64; 3],
+    /// Drift of the point where the wall turns, m/s: its velocity is the rate times the Jacobian, and this.
+    pub drift: [f64; 3],
 }
 
 impl TaskGroups {
@@ -153,6 +157,7 @@ impl Layout {
                 + task.pair_torques.capacity() * size_of::<TorqueLanes>()
                 + task.wall_torques.capacity() * size_of::<WallTorqueLanes>()
                 + (task.pair_pulls.capacity() + task.wall_pulls.capacity()) * size_of::<Eight>()
+                + task.wall_drifts.capacity() * size_of::<[Eight; 3]>()
         };
         let driven = self.driven.capacity() * size_of::<DrivenContact>();
         self.groups.iter().map(of_task).sum::<usize>() + self.plan.memory_bytes() + driven

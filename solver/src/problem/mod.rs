@@ -108,7 +108,7 @@ pub struct Contact {
     pub tangents: [Vector3<f64>; 2],
     /// Arms from the centres of the first and of the second body to the point of contact, m; zero for a wall.
     pub arms: [Vector3<f64>; 2],
-    /// Velocity of the wall at the point, m/s; zero where there is a second body.
+    /// Velocity of the wall at the point, m/s; where it is a second body, the drift that it has besides, because it turns.
     pub wall_velocity: Vector3<f64>,
     /// Angular velocity of the wall, rad/s; zero where there is a second body.
     pub wall_spin: Vector3<f64>,

@@ -130,6 +130,7 @@ fn contacts(posed: &Simulation) -> Vec<Contact> {
                     // The arm across the axis, whose cross product with the axis is the Jacobian.
                     let axis = world.drives[one.drive as usize].turning();
                     contact.arms[1] = Vector3::from(one.jacobian).cross(&axis);
+                    contact.wall_velocity = one.drift.into();
                 }
                 last.push(contact);
             }

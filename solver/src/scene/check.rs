@@ -233,6 +233,11 @@ fn accuracy(scene: &Scene) -> Checked {
     if accuracy.is_empty() {
         return Err(at.fault("asks for nothing".into(), "give one of angle, packing_fraction, overlap, relative"));
     }
+    if scene.gravity_field().largest() == 0.0 {
+        let problem =
+            "the scene has no gravity, and what accuracy promises is known of grains that settle under gravity";
+        return Err(at.fault(problem.into(), "leave it out, and give solver.step and solver.stop"));
+    }
     let asked = [
         ("angle", accuracy.angle, "degrees"),
         ("packing_fraction", accuracy.packing_fraction, "(no unit)"),

@@ -4,6 +4,7 @@ use super::document_path::{Checked, DocumentPath};
 use super::error::short;
 use super::{Axis, Motion, Scene, Shape, Wall};
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 /// Reaches of a pair of grains that a period must hold, so that no two grains meet twice and boxes at both ends have work of their
 /// own.
@@ -40,13 +41,19 @@ pub(super) fn check(scene: &Scene) -> Checked {
     Ok(())
 }
 
-/// Largest gap across which cohesion pulls, m.
+/// Largest gap across which cohesion pulls, m, between materials that grains and walls have.
 fn range_of_cohesion(scene: &Scene, largest_radius: f64) -> f64 {
-    let rules = scene.pair.iter().filter_map(|rule| rule.cohesion);
-    let ranges = scene.material.values().filter_map(|material| material.cohesion).chain(rules).map(|cohesion| {
-        let softest = scene.material.values().map(|material| material.youngs_modulus).fold(f64::INFINITY, f64::min);
-        cohesion.pull(largest_radius, 0.5 * softest).range
-    });
+    let of_grains = scene.grain.iter().map(|grain| &grain.material);
+    let of_groups = scene.population.iter().map(|population| &population.material);
+    let names: BTreeSet<&String> =
+        of_grains.chain(of_groups).chain(scene.wall.iter().map(|wall| &wall.material)).collect();
+    let used = || names.iter().filter_map(|name| scene.material.get(*name));
+    let rules = scene.pair.iter().filter(|rule| rule.between.iter().all(|name| names.contains(name)));
+    let softest = used().map(|material| material.youngs_modulus).fold(f64::INFINITY, f64::min);
+    let ranges = used()
+        .filter_map(|material| material.cohesion)
+        .chain(rules.filter_map(|rule| rule.cohesion))
+        .map(|cohesion| cohesion.pull(largest_radius, 0.5 * softest).range);
     ranges.fold(0.0, f64::max)
 }
 

@@ -414,7 +414,8 @@ impl Simulation {
         }
         let body = self.world.bodies[place];
         let after = wall_velocity - Vector::from(body.velocity) - Vector::from(body.scaled_spin).cross(&normal);
-        self.note_strike(place, met.surface, normal, (borne, -tangential), wall_velocity, [before, after]);
+        let noted = (normal * sphere.radius, borne, -tangential);
+        self.note_strike(place, met.surface, normal, noted, wall_velocity, [before, after]);
         Some(drive.is_some())
     }
 
@@ -441,17 +442,18 @@ impl Simulation {
         let (normal, impulse) = (met.at.normal, (velocity - held) / body.inverse_mass);
         // It acts on the centre, so that the spin stays.
         let (along, relative) = (normal.dot(&impulse), [wall_velocity - velocity, wall_velocity - held]);
-        self.note_strike(place, met.surface, normal, (along, impulse - normal * along), wall_velocity, relative);
+        let noted = (Vector::zeros(), along, impulse - normal * along);
+        self.note_strike(place, met.surface, normal, noted, wall_velocity, relative);
     }
 
-    /// Notes an impact that a grain has just had, given the impulses on the wall, the wall's velocity at the contact, and this less that
-    /// of the grain where it was hit, before the impact and after it.
+    /// Notes an impact that a grain has just had, given the arm at which it acts on the grain (m) and the impulses on the wall, the wall's
+    /// velocity at the contact, and this less that of the grain where it was hit, before the impact and after it.
     fn note_strike(
         &mut self,
         place: usize,
         surface: u32,
         normal: Vector,
-        (along, tangential): (f64, Vector),
+        (arm, along, tangential): (Vector, f64, Vector),
         wall_velocity: Vector,
         [before, after]: [Vector; 2],
     ) {
@@ -463,6 +465,8 @@ impl Simulation {
             after: after.into(),
             impulse: (-normal * along - tangential).into(),
             wall_velocity: wall_velocity.into(),
+            centre: self.world.spheres[place].centre.into(),
+            arm: arm.into(),
             shift: [0.0; 3],
         });
         self.swept.strikes.push(Strike { place: place as u32, surface, normal, along, tangential });

@@ -59,7 +59,7 @@ fn relax<E: Effects, G: MeasuredLevel>(
     let mut contact = Contact::read(&group.contacts, |eight| eight.0[lane]);
     let along = dot(contact.normal, one.jacobian);
     // Normal impulse, projected onto repulsion.
-    let velocity = contact.velocity_at_wall::<E>(&grain, times(one.jacobian, drive.rate));
+    let velocity = contact.velocity_at_wall::<E>(&grain, one.velocity(drive.rate));
     let operator = grain.inverse_mass + drive.inverse_inertia * along * along + contact.regularisation;
     let violation = contact.bias - dot(contact.normal, velocity) - contact.regularisation * contact.impulse_normal;
     let updated = (contact.impulse_normal + factor * violation / operator).max(0.0);
@@ -72,7 +72,7 @@ fn relax<E: Effects, G: MeasuredLevel>(
     }
     if E::FRICTION {
         // Tangential impulse, projected onto the Coulomb disc, at the velocity that the normal impulse has left.
-        let velocity = contact.velocity_at_wall::<E>(&grain, times(one.jacobian, drive.rate));
+        let velocity = contact.velocity_at_wall::<E>(&grain, one.velocity(drive.rate));
         let tangential = minus(velocity, times(contact.normal, dot(contact.normal, velocity)));
         let across = (dot(one.jacobian, one.jacobian) - along * along).max(0.0);
         let operator = contact.tangential_operator::<E>(grain.inverse_mass) + drive.inverse_inertia * across;
@@ -104,6 +104,14 @@ fn relax<E: Effects, G: MeasuredLevel>(
     residual
 }
 
+impl DrivenContact {
+    /// Velocity of the wall at the contact, m/s, when the drive moves it at a rate, m/s or rad/s.
+    #[inline(always)]
+    pub(crate) fn velocity(&self, rate: f64) -> [f64; 3] {
+        plus(times(self.jacobian, rate), self.drift)
+    }
+}
+
 /// Gives driven walls the impulses that their contacts start from.
 pub(crate) fn start_driven(layout: &Layout, drives: &mut [Drive]) {
     for one in &layout.driven {
@@ -125,7 +133,7 @@ pub(crate) fn tell_driven(layout: &mut Layout, drives: &[Drive]) {
     for one in &*driven {
         let (task, drive) = (&mut groups[one.task as usize], &drives[one.drive as usize]);
         let (number, lane) = (one.group as usize, one.lane as usize);
-        let (velocity, spin) = (times(one.jacobian, drive.rate), drive.turning() * drive.rate);
+        let (velocity, spin) = (one.velocity(drive.rate), drive.turning() * drive.rate);
         for axis in 0..3 {
             task.walls[number].wall_velocity[axis].0[lane] = velocity[axis];
             if let Some(lanes) = task.wall_torques.get_mut(number) {

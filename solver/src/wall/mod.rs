@@ -277,7 +277,7 @@ impl<'a> WallsAt<'a> {
     /// The contact of a grain with the face of a number in a step (s), given its centre (m) and velocity at the start (m/s), its radius
     /// (m) and what gravity adds to its velocity (m/s): the distance from its centre to the face, or to the plane that touches the face
     /// where a grain too fast for the step meets it (m); the unit normal towards it; whether it is a swept contact; and the wall's
-    /// velocity there and what that has gained without a jump, m/s.
+    /// velocity there, what that has gained without a jump, and the drift that it contains where the wall turns, m/s.
     #[inline]
     pub fn contact(
         &self,
@@ -286,7 +286,7 @@ impl<'a> WallsAt<'a> {
         radius: f64,
         step: f64,
         falling: &Vector,
-    ) -> (f64, Vector, bool, [Vector; 2]) {
+    ) -> (f64, Vector, bool, [Vector; 3]) {
         self.ask(number, |face, pose, in_place| {
             let path = pose.long_path(centre, velocity, step, in_place, radius);
             let impact = path.and_then(|path| face.time_of_impact(centre, &path, radius));
@@ -294,8 +294,15 @@ impl<'a> WallsAt<'a> {
                 Some(impact) => (impact.distance, impact.normal),
                 None => face.nearest(centre, || velocity + falling - pose.velocity_at(centre, in_place)),
             };
-            let wall_velocity = pose.velocity_at(&(centre + normal * distance), in_place);
-            (distance, normal, impact.is_some(), [wall_velocity, pose.gain()])
+            let (mean, gain) = (pose.velocity_at(&(centre + normal * distance), in_place), pose.gain());
+            let velocities = match pose.drifts() {
+                true => {
+                    let drift = pose.drift(centre, &normal, in_place);
+                    [mean + drift, gain + drift * 2.0, drift]
+                }
+                false => [mean, gain, Vector::zeros()],
+            };
+            (distance, normal, impact.is_some(), velocities)
         })
     }
 
@@ -387,13 +394,14 @@ impl PlacedFace<'_> {
         self.pose.largest_speed_of(around, radius, self.in_place)
     }
 
-    /// Velocity of the wall at a point, m/s; in a step that of the step.
+    /// Velocity of the wall at a point, m/s; in a step that of the step, without the drift of a wall that turns.
     #[inline]
     pub fn velocity_at(&self, point: &Vector) -> Vector {
         self.pose.velocity_at(point, self.in_place)
     }
 
-    /// What the wall's velocity has gained since the step before without a jump, m/s: no approach of what rests on it.
+    /// What the wall's velocity has gained since the step before without a jump, m/s, besides what comes of drifts: no approach of what
+    /// rests on it.
     pub(crate) fn gain(&self) -> Vector {
         self.pose.gain()
     }

@@ -8,8 +8,19 @@
 //! ```
 //!
 //! with what the scene prescribes for d and phi, or with what a drive has made of them so far. Steps are long against some motions, so
-//! two other velocities go with the same place: the mean one of a step for what vibrates ([`Movement::over`]), and the one that leads
+//! two other velocities go with the same place: the mean one of a step for contacts ([`Movement::over`]), and the one that leads
 //! to where the wall is at the end of the step ([`Movement::through`]).
+//!
+//! Grains move on straight lines in a step, so a grain that sticks to a wall that turns by `theta = omega h` stays at its place on the
+//! wall only if its centre moves along the chord of its arc. With the arm p from the wall's centre to the grain's and `t = omega a x p`,
+//!
+//! ```text
+//! chord of this step    (R(theta) p - p)/h  = s t + b omega a x t      s = sin(theta)/theta    b = h (1 - cos(theta))/theta^2
+//! of the step before    (p - R(-theta) p)/h = s t - b omega a x t
+//! ```
+//!
+//! Their mean `s t` is the velocity at which impulses of the step work, and half their difference, `b omega a x t`, the drift towards the axis
+//! ([`Pose::drift`]). A face that the rotation maps onto itself moves along itself only: the drift's component along its normal is left out.
 
 use super::shape::{Face, Rotation};
 use super::steered::Steered;
@@ -78,6 +89,37 @@ pub(super) enum Displacement {
 pub(super) struct Turning {
     pub(super) spin: Vector,
     pub(super) centre: Vector,
+    /// Length of the chord over that of the arc, and the drift over `omega a x t`, s: s and b above.
+    pub(super) chord: [f64; 2],
+}
+
+impl Turning {
+    /// At a moment: the tangent.
+    pub(super) fn about(centre: Vector, spin: Vector) -> Turning {
+        Turning { spin, centre, chord: [1.0, 0.0] }
+    }
+
+    /// Over a step of length `step` (s): the chord.
+    fn over(self, step: f64) -> Turning {
+        let angle = self.spin.norm() * step;
+        if angle == 0.0 {
+            return self;
+        }
+        let (sine, half) = (libm::sin(angle), libm::sin(0.5 * angle));
+        Turning { chord: [sine / angle, 2.0 * step * half * half / (angle * angle)], ..self }
+    }
+
+    /// Velocity of a point (m) without its drift, m/s.
+    #[inline]
+    fn velocity(&self, point: &Vector) -> Vector {
+        self.spin.cross(&(point - self.centre)) * self.chord[0]
+    }
+
+    /// Drift of a point (m) towards the axis, m/s.
+    #[inline]
+    fn drift(&self, point: &Vector) -> Vector {
+        self.spin.cross(&self.spin.cross(&(point - self.centre))) * self.chord[1]
+    }
 }
 
 impl Movement {
@@ -107,7 +149,7 @@ impl Movement {
     /// The wall at a time (s), with its velocity there; a driven one as it was last put.
     pub fn at(&self, time: f64) -> Pose {
         let zero = Vector::zeros();
-        let rest = Turning { spin: zero, centre: zero };
+        let rest = Turning::about(zero, zero);
         let displacement = Displacement::Nowhere;
         let mut pose =
             Pose { displacement, velocity: zero, gain: zero, turning: rest, in_place: rest, turns: self.turns };
@@ -129,7 +171,7 @@ impl Movement {
                 pose.displacement = self.turned(centre, axis, self.angle(time));
                 if is_active(time, *start, *stop) {
                     let backwards = reverse.is_some_and(|reverse| time >= reverse);
-                    pose.in_place = Turning { spin: axis * if backwards { -*rate } else { *rate }, centre };
+                    pose.in_place = Turning::about(centre, axis * if backwards { -*rate } else { *rate });
                     pose.turning = pose.in_place;
                 }
             }
@@ -147,7 +189,7 @@ impl Movement {
             Motion::TorqueDriven { point, axis, .. } => {
                 let (centre, axis) = (Vector::from(*point), Vector::from(*axis).normalize());
                 pose.displacement = self.turned(centre, axis, self.displacement);
-                pose.in_place = Turning { spin: axis * self.rate, centre };
+                pose.in_place = Turning::about(centre, axis * self.rate);
                 pose.turning = pose.in_place;
             }
         }
@@ -191,9 +233,11 @@ impl Movement {
         }
     }
 
-    /// The wall at the start of a step of length `step` (s), with the velocity that counts in it: where it vibrates, the mean one.
+    /// The wall at the start of a step of length `step` (s), with the velocity that counts in it: where it vibrates, the mean one;
+    /// where it turns, that along the chord.
     pub fn over(&self, time: f64, step: f64) -> Pose {
         let mut pose = self.at(time);
+        (pose.turning, pose.in_place) = (pose.turning.over(step), pose.in_place.over(step));
         if let Some(vibration) = self.motion.vibration().filter(|_| self.steered.is_none()) {
             pose.velocity = vibration.mean_velocity(time, time + step).into();
             if vibration.is_smooth(time - step, time + step) {
@@ -218,7 +262,7 @@ impl Movement {
             Motion::Rotating { point, axis, rate, start, stop, reverse } => {
                 let turned = |time| turning_time(time, *start, *stop, *reverse);
                 let spin = Vector::from(*axis).normalize() * (rate * (turned(time + step) - turned(time)) / step);
-                pose.turning = Turning { spin, centre: Vector::from(*point) };
+                pose.turning = Turning::about(Vector::from(*point), spin);
             }
             Motion::Vibrating { .. } => pose.velocity = self.over(time, step).velocity,
             Motion::ForceDriven { axis, .. } => pose.velocity = Vector::from(*axis).normalize() * rate,
@@ -338,11 +382,24 @@ impl Pose {
         if in_place { &self.in_place } else { &self.turning }
     }
 
-    /// Velocity of the wall at a point (m), m/s; in a step that of the step.
+    /// Velocity of the wall at a point (m), m/s; in a step that of the step, without the drift of what turns.
     #[inline]
     pub(super) fn velocity_at(&self, point: &Vector, in_place: bool) -> Vector {
-        let Turning { spin, centre } = self.turning(in_place);
-        self.velocity + spin.cross(&(point - centre))
+        self.velocity + self.turning(in_place).velocity(point)
+    }
+
+    /// Drift towards the axis, m/s, of a grain with this centre (m) that goes with a face, the normal towards the face given: what takes its
+    /// velocity in a step from the tangent to the chord. Zero where nothing turns.
+    #[inline]
+    pub(super) fn drift(&self, centre: &Vector, normal: &Vector, in_place: bool) -> Vector {
+        let drift = self.turning(in_place).drift(centre);
+        if in_place { drift - normal * normal.dot(&drift) } else { drift }
+    }
+
+    /// Whether a face of the wall may drift in the step.
+    #[inline]
+    pub(crate) fn drifts(&self) -> bool {
+        self.turning.chord[1] != 0.0 || self.in_place.chord[1] != 0.0
     }
 
     /// What the wall's velocity has gained since the step before without a jump, m/s: no approach of what rests on it.
@@ -351,10 +408,11 @@ impl Pose {
         self.gain
     }
 
-    /// Angular velocity, rad/s.
+    /// Angular velocity, rad/s; in a step that of what sticks to the wall.
     #[inline]
     pub(super) fn spin(&self, in_place: bool) -> Vector {
-        self.turning(in_place).spin
+        let Turning { spin, chord, .. } = self.turning(in_place);
+        spin * chord[0]
     }
 
     /// The path of a point (m) that moves at `velocity` (m/s) for a step (s), as seen from a face, m.
@@ -389,7 +447,7 @@ impl Pose {
     /// The path as seen from a face that turns, m.
     #[inline(never)]
     fn path_from_turning(&self, from: &Vector, velocity: &Vector, step: f64) -> Vector {
-        let Turning { spin, centre } = self.turning;
+        let Turning { spin, centre, .. } = self.turning;
         let (end, turn) = (from + (velocity - self.velocity) * step, spin.norm());
         centre + Rotation::new(spin / turn, -turn * step).turn(end - centre) - from
     }
@@ -402,7 +460,7 @@ impl Pose {
 
     /// The velocity that takes a point (m) where the wall takes it within a step (s), m/s.
     pub(super) fn carries(&self, point: &Vector, step: f64, in_place: bool) -> Vector {
-        let Turning { spin, centre } = self.turning;
+        let Turning { spin, centre, .. } = self.turning;
         if !in_place && spin != Vector::zeros() {
             let turn = spin.norm();
             return (centre + Rotation::new(spin / turn, turn * step).turn(point - centre) - point) / step;
@@ -418,7 +476,7 @@ impl Pose {
 
     /// The same of one face.
     pub(super) fn largest_speed_of(&self, around: &Vector, radius: f64, in_place: bool) -> f64 {
-        let Turning { spin, centre } = self.turning;
+        let Turning { spin, centre, .. } = self.turning;
         let turning = if in_place { 0.0 } else { spin.norm() * ((around - centre).norm() + radius) };
         self.velocity.norm() + turning
     }

@@ -8,6 +8,16 @@
 //! cylinder   |across(x + s d - b)| = R -+ level                   from inside, from outside
 //! sphere     |x + s d - c| = R + level
 //! ```
+//!
+//! A grain over a hole, or over the mouth of a tube, that is too narrow for it touches the rim on all sides, where a nearest point is one
+//! only. Three points of the rim stand for the circle: the nearest one, which the disc or the shell gives, and those a third of a turn to
+//! either side of it, each of which is a [`Face::Rim`]. They turn with the grain about the axis, so that no direction is preferred, and their
+//! three normals can bear any force that leads through the hole. On the axis, where the whole circle is equally near, the nearest point lies
+//! in the grain's direction of travel, as for a tube. At the height z over the rim of radius R and beside the axis by e they are at
+//!
+//! ```text
+//! nearest point  sqrt(z^2 + (R - e)^2)        the two others  sqrt(z^2 + R^2 + e^2 + R e)
+//! ```
 
 use crate::effects::period::Period;
 use crate::scene::{Domain, Shape};
@@ -20,6 +30,9 @@ const JOINT: f64 = 1e-9;
 
 /// Largest angle, rad, and share of the extent of a scene, within which two faces are the same surface.
 const SAME: f64 = 1e-6;
+
+/// Sines of a third of a turn to either side, `sqrt(3)/2`.
+const THIRD_OF_A_TURN: [f64; 2] = [0.866_025_403_784_438_6, -0.866_025_403_784_438_6];
 
 /// Where a smooth surface lies, m.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +60,14 @@ pub(crate) enum Face {
         axis: Vector,
         radius: f64,
         ends: [f64; 2],
+    },
+    /// A point of the rim of a hole: the one nearest to the grain's centre, turned about the normal by an angle of this sine, whose cosine
+    /// is -1/2.
+    Rim {
+        centre: Vector,
+        normal: Vector,
+        radius: f64,
+        sine: f64,
     },
     /// A sphere seen from outside, and its images.
     Ball {
@@ -105,20 +126,21 @@ impl Face {
             }
             Shape::Disc { centre, normal, radius, hole } => {
                 let (centre, normal) = (Vector::from(*centre), Vector::from(*normal).normalize());
-                vec![match *hole > 0.0 {
-                    true => Face::Ring { centre, normal, radius: *radius, hole: *hole },
-                    false => Face::Disc { centre, normal, radius: *radius },
-                }]
+                if *hole <= 0.0 {
+                    return vec![Face::Disc { centre, normal, radius: *radius }];
+                }
+                let ring = Face::Ring { centre, normal, radius: *radius, hole: *hole };
+                std::iter::once(ring).chain(Face::rim(centre, normal, *hole)).collect()
             }
-            Shape::Cylinder { base, axis, radius, length } => vec![Face::Shell {
-                base: Vector::from(*base),
-                axis: Vector::from(*axis).normalize(),
-                radius: *radius,
-                ends: match (0..3).any(|along| period.is_periodic(along) && axis[along] != 0.0) {
-                    true => [f64::NEG_INFINITY, f64::INFINITY],
-                    false => [0.0, *length],
-                },
-            }],
+            Shape::Cylinder { base, axis, radius, length } => {
+                let (base, normal) = (Vector::from(*base), Vector::from(*axis).normalize());
+                let shell = |ends| Face::Shell { base, axis: normal, radius: *radius, ends };
+                if (0..3).any(|along| period.is_periodic(along) && axis[along] != 0.0) {
+                    return vec![shell([f64::NEG_INFINITY, f64::INFINITY])];
+                }
+                let rims = [0.0, *length].into_iter().flat_map(|end| Face::rim(base + normal * end, normal, *radius));
+                std::iter::once(shell([0.0, *length])).chain(rims).collect()
+            }
             Shape::Spheres { centres, radius } => (centres.iter())
                 .map(|centre| Face::Ball { centre: Vector::from(*centre), radius: *radius, period })
                 .collect(),
@@ -137,6 +159,11 @@ impl Face {
         }
     }
 
+    /// The points of the rim of a hole that a grain touches besides the nearest one.
+    fn rim(centre: Vector, normal: Vector, radius: f64) -> [Face; 2] {
+        THIRD_OF_A_TURN.map(|sine| Face::Rim { centre, normal, radius, sine })
+    }
+
     /// Corners of a box that holds the face, m, but for its images; absent where a face has no end.
     pub(super) fn bounds(&self) -> Option<[Vector; 2]> {
         let around = |middle: Vector, half: Vector| Some([middle - half, middle + half]);
@@ -144,9 +171,9 @@ impl Face {
         let span = |normal: Vector, radius: f64| normal.map(|along| radius * (1.0 - along * along).max(0.0).sqrt());
         match *self {
             Face::Plane { .. } => None,
-            Face::Disc { centre, normal, radius } | Face::Ring { centre, normal, radius, .. } => {
-                around(centre, span(normal, radius))
-            }
+            Face::Disc { centre, normal, radius }
+            | Face::Ring { centre, normal, radius, .. }
+            | Face::Rim { centre, normal, radius, .. } => around(centre, span(normal, radius)),
             Face::Shell { base, axis, radius, ends: [low, high] } if low.is_finite() && high.is_finite() => {
                 let half = span(axis, radius) + axis.abs() * (0.5 * (high - low));
                 around(base + axis * (0.5 * (low + high)), half)
@@ -162,6 +189,7 @@ impl Face {
             Face::Plane { point, normal } => Face::Plane { point: point + by, normal },
             Face::Disc { centre, normal, radius } => Face::Disc { centre: centre + by, normal, radius },
             Face::Ring { centre, normal, radius, hole } => Face::Ring { centre: centre + by, normal, radius, hole },
+            Face::Rim { centre, normal, radius, sine } => Face::Rim { centre: centre + by, normal, radius, sine },
             Face::Shell { base, axis, radius, ends } => Face::Shell { base: base + by, axis, radius, ends },
             Face::Ball { centre, radius, period } => Face::Ball { centre: centre + by, radius, period },
         }
@@ -178,6 +206,9 @@ impl Face {
             Face::Ring { centre: middle, normal, radius, hole } => {
                 Face::Ring { centre: place(middle), normal: rotation.turn(normal), radius, hole }
             }
+            Face::Rim { centre: middle, normal, radius, sine } => {
+                Face::Rim { centre: place(middle), normal: rotation.turn(normal), radius, sine }
+            }
             Face::Shell { base, axis, radius, ends } => {
                 Face::Shell { base: place(base), axis: rotation.turn(axis), radius, ends }
             }
@@ -191,7 +222,9 @@ impl Face {
         let on_axis = |place: Vector| (place - pivot).cross(&axis).norm() < 1e-12 * (1.0 + (place - pivot).norm());
         match *self {
             Face::Plane { normal, .. } => along(normal),
-            Face::Disc { centre, normal, .. } | Face::Ring { centre, normal, .. } => along(normal) && on_axis(centre),
+            Face::Disc { centre, normal, .. }
+            | Face::Ring { centre, normal, .. }
+            | Face::Rim { centre, normal, .. } => along(normal) && on_axis(centre),
             Face::Shell { base, axis: own, .. } => along(own) && on_axis(base),
             Face::Ball { centre, .. } => on_axis(centre),
         }
@@ -206,7 +239,8 @@ impl Face {
                 aligned(normal, turned) && near(normal * normal.dot(&(place - point)))
             }
             (Face::Disc { centre, normal, .. }, Face::Disc { centre: place, normal: turned, .. })
-            | (Face::Ring { centre, normal, .. }, Face::Ring { centre: place, normal: turned, .. }) => {
+            | (Face::Ring { centre, normal, .. }, Face::Ring { centre: place, normal: turned, .. })
+            | (Face::Rim { centre, normal, .. }, Face::Rim { centre: place, normal: turned, .. }) => {
                 (aligned(normal, turned) || aligned(normal, -turned)) && near(place - centre)
             }
             (Face::Shell { base, axis, ends, .. }, Face::Shell { base: place, axis: turned, .. }) => {
@@ -258,6 +292,14 @@ impl Face {
                 let side = if height >= 0.0 { -normal } else { normal };
                 (gap, if gap > 0.0 { to_ring / gap } else { side })
             }
+            Face::Rim { centre: middle, normal, radius, sine } => {
+                let arm = centre - middle;
+                let across = arm - normal * normal.dot(&arm);
+                let outward = across.try_normalize(0.0).unwrap_or_else(|| perpendicular(normal, travel()));
+                let to_rim = outward * (-0.5 * radius) + normal.cross(&outward) * (sine * radius) - arm;
+                let gap = to_rim.norm();
+                (gap, if gap > 0.0 { to_rim / gap } else { -outward })
+            }
             Face::Shell { base, axis, radius, ends } => {
                 let arm = centre - base;
                 let along = axis.dot(&arm);
@@ -294,6 +336,7 @@ impl Face {
             Face::Ring { centre: middle, normal, radius, hole } => {
                 flat(facing(normal, centre - middle), centre - middle, shift, level, [hole, radius])
             }
+            Face::Rim { .. } => None,
             Face::Shell { base, axis, radius, ends } => {
                 let arm = centre - base;
                 let (across, moved) = (arm - axis * axis.dot(&arm), shift - axis * axis.dot(shift));

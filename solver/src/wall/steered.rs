@@ -137,7 +137,7 @@ impl Steered {
             Some((point, axis)) => {
                 let (centre, axis) = (Vector::from(point), Vector::from(axis));
                 pose.displacement = turned(centre, axis, self.angle);
-                pose.turning = Turning { spin: axis * self.rate, centre };
+                pose.turning = Turning::about(centre, axis * self.rate);
                 pose.in_place = pose.turning;
             }
         }

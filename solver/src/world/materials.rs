@@ -107,9 +107,14 @@ impl MaterialTable {
         &self.with_wall[grain as usize * self.names.len() + wall as usize]
     }
 
-    /// Largest value of a property over all pairs.
-    pub fn largest(&self, property: impl Fn(&ContactMaterial) -> f64) -> f64 {
-        self.between_grains.iter().chain(&self.with_wall).map(property).fold(f64::NEG_INFINITY, f64::max)
+    /// Largest value of a property over the contacts that grains of some materials can have with each other and with walls of some
+    /// materials; -inf where there is none.
+    pub fn largest(&self, grains: &[u8], walls: &[u8], property: impl Fn(&ContactMaterial) -> f64) -> f64 {
+        let of_grain = |&grain: &u8| {
+            let others = grains.iter().map(move |&other| self.between_grains(grain, other));
+            others.chain(walls.iter().map(move |&wall| self.with_wall(grain, wall)))
+        };
+        grains.iter().flat_map(of_grain).map(property).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The effects that some contact calls for.

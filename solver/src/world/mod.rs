@@ -368,7 +368,18 @@ impl World {
     pub fn range_of_cohesion(&self) -> f64 {
         // The range from a work of adhesion grows with the effective radius, which is that of the grain at a wall.
         let (largest, _) = self.largest_and_mean_radius();
-        if largest > 0.0 { self.table.largest(|pair| pair.pull(largest).range).max(0.0) } else { 0.0 }
+        if largest > 0.0 { self.largest(|pair| pair.pull(largest).range).max(0.0) } else { 0.0 }
+    }
+
+    /// Largest value of a property over the contacts that the grains can have: of materials that no grain and no wall has there are none.
+    fn largest(&self, property: impl Fn(&ContactMaterial) -> f64) -> f64 {
+        let mut known = [false; 256];
+        self.materials[..self.grains()].iter().for_each(|&material| known[usize::from(material)] = true);
+        let grains: Vec<u8> = (0..=u8::MAX).filter(|&material| known[usize::from(material)]).collect();
+        let mut walls: Vec<u8> = (0..self.walls.faces() as u32).map(|face| self.walls.material_of(face)).collect();
+        walls.sort_unstable();
+        walls.dedup();
+        self.table.largest(&grains, &walls, property)
     }
 
     /// How far beyond contact a candidate list may reach where axes are periodic, m.
@@ -379,19 +390,21 @@ impl World {
     }
 
     /// A bound on the stiffness, against its inertia, of every contact that the grains can have: two of the smallest grains, at
-    /// touch, made of the stiffest and least damped pair of materials.
+    /// touch, made of the stiffest and least damped pair of materials that meet.
     pub fn stiffest_contact(&self) -> NormalContact<f64> {
         let grains = self.spheres[..self.grains()].iter().zip(&self.bodies);
         let (radius, inverse_mass) = grains.fold((f64::INFINITY, 0.0_f64), |(radius, inverse_mass), (sphere, body)| {
             (radius.min(sphere.radius), inverse_mass.max(body.inverse_mass))
         });
+        // Without grains there is no contact, and nothing to bound.
+        let bound = |largest: f64| if largest.is_finite() { largest } else { 0.0 };
         NormalContact {
             overlap: 0.0,
             velocity: 0.0,
-            effective_modulus: self.table.largest(|pair| pair.effective_modulus),
+            effective_modulus: bound(self.largest(|pair| pair.effective_modulus)),
             effective_radius: if radius.is_finite() { 0.5 * radius } else { 0.0 },
             inverse_mass: 2.0 * inverse_mass,
-            damping_ratio: -self.table.largest(|pair| -pair.damping_ratio),
+            damping_ratio: -bound(self.largest(|pair| -pair.damping_ratio)),
         }
     }
 }

@@ -253,7 +253,13 @@ impl Laws {
             }
         }
         let walls_placed = PlacedWalls::at(&self.scene.wall, &self.scene.domain, before.time, &before.driven_walls);
-        let faces: Vec<_> = walls_placed.faces().map(|(_, face)| face).collect();
+        // The first face of a cylinder is its shell; no grain gets to its rims. In a step that turns it moves along the chord.
+        let (shells, turn) = match self.drawn.container {
+            Container::Cylinder { rate, .. } => (1, rate * h),
+            _ => (usize::MAX, 0.0),
+        };
+        let chord = if turn == 0.0 { 1.0 } else { turn.sin() / turn };
+        let faces: Vec<_> = walls_placed.faces().map(|(_, face)| face).take(shells).collect();
         for (first, grain) in grains.iter().enumerate() {
             let centre = Vector::from(grain.position);
             for face in &faces {
@@ -269,7 +275,7 @@ impl Laws {
                 let fast = velocity(before, first).norm() * h > grain.radius;
                 let (normal, along, tangential) =
                     borne.map_or((own_normal, 0.0, Vector::zeros()), |&(_, normal, along, by)| (normal, along, by));
-                let wall = face.velocity_at(&(centre + normal * gap));
+                let wall = face.velocity_at(&(centre + normal * gap)) * chord;
                 let relative =
                     |snapshot: &Snapshot| wall - velocity(snapshot, first) - surface(snapshot, first, &normal);
                 let (own, inverse_mass) = (relative(before), 1.0 / self.masses[first]);

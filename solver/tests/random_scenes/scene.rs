@@ -84,7 +84,7 @@ fn direction() -> impl Strategy<Value = Vector> {
         .prop_filter_map("a direction", |vector| vector.try_normalize(0.1))
 }
 
-fn components() -> impl Strategy<Value = Vector> {
+pub fn components() -> impl Strategy<Value = Vector> {
     [-1.0..1.0, -1.0..1.0, -1.0..1.0_f64].prop_map(Vector::from)
 }
 

@@ -43,7 +43,12 @@ fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) 
         progress: &|_| {},
     };
     let command = code.write_input(&job)?;
-    console.result(&format!("{}; run it there with: {command}", folder.display()))?;
+    let manifest = folder.join("frames.toml");
+    let after = match manifest.is_file() {
+        true => format!("\nmeasure its frames with: makadam measure {} --scene {}", manifest.display(), arguments.what),
+        false => String::new(),
+    };
+    console.result(&format!("{}; run it there with: {command}{after}", folder.display()))?;
     Ok(ExitCode::SUCCESS)
 }
 

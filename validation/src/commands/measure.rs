@@ -3,14 +3,15 @@
 use super::arguments::{MeasureArguments, load};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
 use crate::draw::numbers::significant;
-use crate::import::{Assembly, Imported, Tables, unlike};
-use crate::observables::{Measurement, Unmeasured, measured_frames, measured_in, unmeasured};
+use crate::import::{Assembly, Imported, Manifest, Stated, StatedColumns, Tables, check_kinds, unlike};
+use crate::observables::{Measurement, Unmeasured, measure as measure_recording, measured_frames, unmeasured};
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
 use crate::recording::Recording;
 use crate::study::{Table, cells};
 use makadam::snapshot::Snapshot;
 use serde::Serialize;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// What `makadam measure --json` prints; its documentation is `validation/docs/json.md`.
@@ -30,21 +31,16 @@ struct MeasureDocument<'a> {
 /// Reads the files and prints the numbers.
 pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (_, scene) = load(&arguments.scene, &arguments.changes)?;
+    let Sources { grains, contacts, stated } = sources(arguments)?;
+    check_kinds(&scene, &stated.kinds).map_err(Failure::Usage)?;
     let mut tables = Tables::default();
-    for path in &arguments.grains {
-        tables.add_grains(path, &arguments.columns)?;
+    for path in &grains {
+        tables.add_grains(path, &stated.columns)?;
     }
-    for path in &arguments.contacts {
-        tables.add_contacts(path, &arguments.contact_columns)?;
+    for path in &contacts {
+        tables.add_contacts(path, &stated.contact_columns)?;
     }
-    let assembly = Assembly {
-        scene: &scene,
-        code: &arguments.name,
-        version: "",
-        seed: arguments.seed.unwrap_or(scene.seed),
-        time_step: arguments.time_step,
-        interval: arguments.interval,
-    };
+    let assembly = Assembly { scene: &scene, code: &arguments.name, version: "", stated: &stated };
     let Imported { recording, mut notes } = assembly.assemble(&tables)?;
     let measured = measured_frames(&scene, &recording);
     notes.extend(unlike(&scene, measured.iter().copied()));
@@ -57,9 +53,8 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
             scene.name
         )));
     }
-    let measured = measured_in(&scene, &recording);
-    let not_measured = unmeasured(&scene, &recording.lacks, &measured);
-    let measurements = measured.measurements;
+    let measurements = measure_recording(&scene, &recording);
+    let not_measured = unmeasured(&scene, &recording.lacks, &measurements);
     let text = match arguments.json {
         true => json(&MeasureDocument {
             version: JSON_VERSION,
@@ -81,6 +76,40 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
         true => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
         false => Ok(ExitCode::SUCCESS),
     }
+}
+
+/// Files of grains and of contacts, and statements about them.
+struct Sources {
+    grains: Vec<PathBuf>,
+    contacts: Vec<PathBuf>,
+    stated: Stated,
+}
+
+/// The files and statements of the command line, and those of a manifest, which the command line completes or replaces.
+fn sources(arguments: &MeasureArguments) -> Result<Sources, Failure> {
+    let is_manifest = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "toml");
+    let (mut grains, mut contacts) = (arguments.grains.clone(), arguments.contacts.clone());
+    let mut stated = Stated::default();
+    if let Some(file) = arguments.grains.iter().find(is_manifest) {
+        if grains.len() > 1 || !contacts.is_empty() {
+            let problem = format!("{} is a manifest, which names all files; give it alone", file.display());
+            return Err(Failure::Usage(problem));
+        }
+        let manifest = Manifest::load(file)?;
+        (grains, contacts, stated) = (manifest.grains()?, manifest.contacts()?, manifest.stated());
+    }
+    let joined = |own: StatedColumns, more: &[StatedColumns]| {
+        StatedColumns::joined([own].into_iter().chain(more.iter().cloned()))
+    };
+    stated.columns = joined(stated.columns, &arguments.columns);
+    stated.contact_columns = joined(stated.contact_columns, &arguments.contact_columns);
+    if arguments.time_step.is_some() || arguments.interval.is_some() {
+        (stated.time_step, stated.interval) = (arguments.time_step, arguments.interval);
+    }
+    stated.first_id = arguments.first_id.or(stated.first_id);
+    stated.seed = arguments.seed.or(stated.seed);
+    stated.kinds.extend(arguments.kinds.iter().cloned());
+    Ok(Sources { grains, contacts, stated })
 }
 
 /// That the frames that are measured are not those of the scene: its end, or all times from `measure.from` to it.

@@ -87,7 +87,7 @@ impl Problem {
             particles: simulation.snapshot().particles.len(),
             contacts: copy.step().contacts,
             residual_unit: unit,
-            residual_unit_name: if scene.gravity == [0.0; 3] { "m/s" } else { "g h" }.into(),
+            residual_unit_name: if scene.gravity_field().largest() == 0.0 { "m/s" } else { "g h" }.into(),
         }
     }
 }

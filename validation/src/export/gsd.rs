@@ -145,7 +145,7 @@ fn write(draft: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<(), Ex
     let refused = |error| ExportError::Write(WriteError::new(draft, error));
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for (_, file) in run.files("grains") {
-        let data = run.read_some(file, &|name| name == "Points")?;
+        let data = run.read_some(file, &|_, name| name == "Points")?;
         let points = data.sections.iter().flat_map(|(_, arrays)| arrays).flat_map(|array| array.values());
         for (number, place) in points.enumerate() {
             low[number % 3] = low[number % 3].min(place);

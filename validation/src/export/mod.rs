@@ -7,6 +7,7 @@ mod gsd;
 mod vtkhdf;
 
 pub use gsd::{absent_from_gsd, write_gsd};
+pub(crate) use vtkhdf::FIRST_ID;
 pub use vtkhdf::{Kind, write_vtkhdf};
 
 use crate::output::WriteError;

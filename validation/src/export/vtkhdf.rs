@@ -15,6 +15,9 @@ use std::path::{Path, PathBuf};
 /// Rows of a chunk.
 const CHUNK: u64 = 16_384;
 
+/// Attribute by which a file states the number of the scene's first grain.
+pub(crate) const FIRST_ID: &str = "MakadamFirstId";
+
 /// Level of zlib behind a shuffle of bytes.
 const LEVEL: u32 = 3;
 
@@ -82,7 +85,7 @@ pub fn write_vtkhdf(path: &Path, run: &RunFrames, kind: Kind, progress: &dyn Fn(
         for (number, (group, array)) in arrays.iter().enumerate() {
             let (mut all, mut rows) = (Vec::new(), 0);
             for (_, frame) in files {
-                let data = run.read_some(frame, &|name| name == array.name)?;
+                let data = run.read_some(frame, &|_, name| name == array.name)?;
                 let found = arrays_of(&data).find(|(of, found)| of == group && found.name == array.name);
                 let found = found.map(|(_, found)| found).filter(|found| found.components == array.components);
                 let found = found.ok_or_else(|| ExportError::Format {
@@ -122,7 +125,7 @@ type Grouped = Vec<(&'static str, Array)>;
 fn survey(run: &RunFrames, files: &[(f64, PathBuf)]) -> Result<(Survey, Grouped), ExportError> {
     let mut survey = Survey::default();
     for (time, file) in files {
-        let data = run.read_some(file, &|_| false)?;
+        let data = run.read_some(file, &|_, _| false)?;
         survey.times.push(*time);
         survey.points.push(data.points as i64);
         survey.cells.push(data.cells as i64);
@@ -131,7 +134,7 @@ fn survey(run: &RunFrames, files: &[(f64, PathBuf)]) -> Result<(Survey, Grouped)
             survey.corners = data.corners as i64;
         }
     }
-    let first = run.read_some(&files[0].1, &|_| true)?;
+    let first = run.read_some(&files[0].1, &|_, _| true)?;
     let arrays =
         arrays_of(&first).map(|(group, array)| (group, Array { bytes: Vec::new(), ..array.clone() })).collect();
     Ok((survey, arrays))
@@ -151,13 +154,9 @@ fn arrays_of(data: &Outline) -> impl Iterator<Item = (&'static str, &Array)> {
 
 /// The bytes of an array as another kind of numbers: coordinates are single or double as a frame needs.
 fn as_kind(array: &Array, kind: Number) -> Vec<u8> {
-    match (array.kind == kind, kind) {
-        (true, _) => array.bytes.clone(),
-        (_, Number::Float32) => array.values().iter().flat_map(|value| (*value as f32).to_le_bytes()).collect(),
-        (_, Number::Float64) => array.values().iter().flat_map(|value| value.to_le_bytes()).collect(),
-        (_, Number::Int32) => array.values().iter().flat_map(|value| (*value as i32).to_le_bytes()).collect(),
-        (_, Number::Int64) => array.values().iter().flat_map(|value| (*value as i64).to_le_bytes()).collect(),
-        (_, Number::UInt8) => array.values().iter().map(|value| *value as u8).collect(),
+    match array.kind == kind {
+        true => array.bytes.clone(),
+        false => array.values().iter().flat_map(|value| kind.bytes(*value)).collect(),
     }
 }
 
@@ -177,6 +176,8 @@ fn skeleton(survey: &Survey, arrays: &[(&'static str, Array)]) -> FileBuilder {
     let mut root = builder.create_group("VTKHDF");
     root.set_attr("Version", AttrValue::I64Array(vec![2, 0]));
     root.set_attr("Type", AttrValue::AsciiString("PolyData".into()));
+    // Grains are numbered as in the scene, from this number on.
+    root.set_attr(FIRST_ID, AttrValue::I64(0));
     root.create_dataset("NumberOfPoints").with_i64_data(&survey.points);
     let groups = ["PointData", "CellData"].map(|name| (name, root.create_group(name)));
     groups.into_iter().for_each(|(_, group)| {
@@ -252,6 +253,11 @@ fn numbers(dataset: &mut DatasetBuilder, bytes: &[u8], kind: Number) {
             .with_f32_data(&bytes.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect::<Vec<_>>()),
         Number::Float64 => dataset
             .with_f64_data(&bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect::<Vec<_>>()),
+        // Runs write no other kinds.
+        _ => {
+            let array = Array { name: String::new(), components: 1, kind, bytes: bytes.to_vec() };
+            dataset.with_f64_data(&array.values())
+        }
     };
 }
 
@@ -267,7 +273,7 @@ fn connectivity(
     for ((_, frame), (points, cells)) in files.iter().zip(survey.points.iter().zip(&survey.cells)) {
         match TOPOLOGIES[survey.topology].1 {
             "Polys" => {
-                let data = run.read_some(frame, &|name| name == "connectivity")?;
+                let data = run.read_some(frame, &|_, name| name == "connectivity")?;
                 let arrays = data.sections.iter().filter(|(section, _)| *section == "Polys");
                 corners
                     .extend(arrays.flat_map(|(_, arrays)| arrays).flat_map(Array::values).map(|corner| corner as i64));

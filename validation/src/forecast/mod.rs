@@ -141,14 +141,15 @@ fn wall_seconds(scene: &Scene, grains: usize, steps: u64) -> f64 {
 
 /// Step and stopping rule, in words.
 pub fn chosen(scene: &Scene) -> String {
-    format!("a step of {:e} s and solves that end at {}", scene.solver.step, stop_of(&scene.solver.stop))
+    format!("a step of {:e} s and solves that end at {}", scene.solver.step, stop_of(scene))
 }
 
-fn stop_of(stop: &Stop) -> String {
-    match stop {
+fn stop_of(scene: &Scene) -> String {
+    match &scene.solver.stop {
         Stop::Sweeps { sweeps } => format!("{sweeps} sweeps"),
         Stop::Residual { tolerance, max_sweeps } => {
-            format!("residual below {tolerance:.1e} g h, at most {max_sweeps} sweeps")
+            let unit = if scene.gravity_field().largest() > 0.0 { "g h" } else { "m/s" };
+            format!("residual below {tolerance:.1e} {unit}, at most {max_sweeps} sweeps")
         }
         Stop::TimeBudget { seconds, max_sweeps } => {
             format!("{seconds} s of wall time, at most {max_sweeps} sweeps: not reproducible")
@@ -183,7 +184,7 @@ fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
     let spring = spring.map(|words| setting("solver.tangential_law", words, why("solver", "tangential_law")));
     let mut settings = vec![
         setting("solver.step", format!("{:e} s", solver.step), by_accuracy("solver", "step")),
-        setting("solver.stop", stop_of(&solver.stop), by_accuracy("solver", "stop")),
+        setting("solver.stop", stop_of(scene), by_accuracy("solver", "stop")),
         setting("solver.method", solver.method.name().into(), why("solver", "method")),
         setting("solver.normal_law", law, why("solver", "normal_law")),
         setting("measure.interval", format!("{} s", scene.measure.interval), why("measure", "interval")),

@@ -2,9 +2,10 @@
 
 use super::columns::{Column, Places};
 use super::completeness::{Completeness, Named};
-use super::frame_table::{FrameTable, ImportError};
-use super::numbers::{Numbers, numbers};
+use super::frame_table::{FrameTable, ImportError, Periods};
+use super::identity::{Group, Numbers, numbers, range};
 use super::plausible::{apart, askew, beside, image, is_same, of_other_scene, standing};
+use super::stated::{Stated, numbered};
 use super::timing::Given;
 use super::{Tables, contact_from_force, measurable, merge_wall_contacts};
 use crate::plan::Scene;
@@ -24,12 +25,8 @@ pub struct Assembly<'a> {
     pub code: &'a str,
     /// Its version.
     pub version: &'a str,
-    /// Seed of the initial positions: radii are those of the scene's grains where files have none.
-    pub seed: u64,
-    /// Time step by which frames are numbered, s.
-    pub time_step: Option<f64>,
-    /// Time between frames that are not numbered, s; the first is at time 0. They follow the numbers in the names of their files.
-    pub interval: Option<f64>,
+    /// Statements that the files do not make.
+    pub stated: &'a Stated,
 }
 
 /// Frames as a recording, and what had to be assumed.
@@ -55,15 +52,13 @@ impl Assembly<'_> {
         };
         let places = Places::of(first);
         position(first, &places)?;
+        grains
+            .iter()
+            .map(|(_, table)| *table)
+            .chain(&tables.contacts)
+            .try_for_each(|table| same_box(table, &self.scene.domain))?;
         let has = |of: fn(usize) -> Column| grains.iter().all(|(_, table)| Places::of(table).vector(of).is_some());
-        let driven: Vec<u32> =
-            (0..).zip(&self.scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(wall, _)| wall).collect();
-        let states_poses =
-            |table: &FrameTable| driven.iter().all(|wall| table.driven_walls.iter().any(|stated| stated.wall == *wall));
-        let mut lacks = Vec::new();
-        if driven.is_empty() || !grains.iter().all(|(_, table)| states_poses(table)) {
-            lacks.push(Content::DrivenWalls);
-        }
+        let mut lacks = vec![Content::DrivenWalls];
         if !has(Column::Velocity) {
             lacks.push(Content::Velocities);
         }
@@ -75,10 +70,12 @@ impl Assembly<'_> {
         } else if !tables.contacts.iter().any(|table| Places::of(table).find(Column::Wall).is_some()) {
             lacks.push(Content::WallContacts);
         }
-        let numbers = numbers(self.scene, &grains, &mut notes)?;
+        // More grains than the scene has are one frame too many, whatever their kinds.
+        self.count(&grains, &mut notes)?;
+        let numbers = numbers(self.scene, self.stated, &grains, &mut notes)?;
         let radii = match places.radius() {
             Some(_) => None,
-            None => Some(self.radii(first, numbers.len(), &mut notes)?),
+            None => Some(self.radii(first, &mut notes)?),
         };
         let Given { tables: mut contacts, unsure } = self.contacts(&tables.contacts, &grains, &mut notes)?;
         for content in unsure {
@@ -86,7 +83,6 @@ impl Assembly<'_> {
                 lacks.push(content);
             }
         }
-        self.count(&grains, &mut notes)?;
         let measured = self.measured(&grains);
         let mut completeness = Completeness::new(!lacks.contains(&Content::Velocities));
         let mut frames = Vec::with_capacity(grains.len());
@@ -101,7 +97,6 @@ impl Assembly<'_> {
                 time: *time,
                 particles,
                 contacts: merge_wall_contacts(found.contacts),
-                driven_walls: table.driven_walls.clone(),
                 ..Snapshot::default()
             };
             let snapshot = measurable(snapshot).map_err(|problem| table.fault(0, problem))?;
@@ -123,7 +118,7 @@ impl Assembly<'_> {
             scene: self.scene.name.clone(),
             code: self.code.into(),
             version: self.version.into(),
-            seed: self.seed,
+            seed: self.stated.seed.unwrap_or(self.scene.seed),
             // Frames tell no step of the code; that by which they are numbered need not be it.
             time_step: 0.0,
             rayleigh_fraction: None,
@@ -140,23 +135,31 @@ impl Assembly<'_> {
         Ok(Imported { recording, notes })
     }
 
-    /// Radii of the scene's grains, m.
-    fn radii(&self, table: &FrameTable, count: usize, notes: &mut Vec<String>) -> Result<Vec<f64>, ImportError> {
+    /// Radii of the scene's grains, m, where a scene has one radius per kind, or the caller states that grains are numbered and were placed as
+    /// the scene numbers and places them.
+    fn radii(&self, table: &FrameTable, notes: &mut Vec<String>) -> Result<Vec<f64>, ImportError> {
         let columns = Places::of(table).names();
         let missing = format!("there is no column radius or diameter among {columns}");
-        let grains = populate(self.scene, self.seed).map_err(|error| table.fault(0, format!("{missing}; {error}")))?;
-        if grains.len() != count {
-            let problem = format!(
-                "{missing}, and the scene has {} grains, not {count}: name a column with --columns",
-                grains.len()
-            );
-            return Err(table.fault(0, problem));
+        let groups = Group::all(self.scene);
+        if groups.iter().all(|group| group.radii.0 == group.radii.1) {
+            let radii: Vec<f64> = groups.iter().flat_map(Group::each_radius).collect();
+            notes.push(format!("radii are those of the scene, {}", range(bounds(&groups))));
+            return Ok(radii);
         }
-        notes.push(format!(
-            "radii are those of the scene's grains with seed {}, in the order of their numbers",
-            self.seed
-        ));
-        Ok(grains.iter().map(|grain| grain.radius).collect())
+        if self.stated.first_id.is_some()
+            && let Some(seed) = self.stated.seed
+        {
+            let grains = populate(self.scene, seed).map_err(|error| table.fault(0, format!("{missing}; {error}")))?;
+            notes
+                .push(format!("radii are those of the scene's grains with seed {seed}, in the order of their numbers"));
+            return Ok(grains.iter().map(|grain| grain.radius).collect());
+        }
+        let problem = format!(
+            "{missing}, and the scene has radii of {}: leave the radii in a column radius, or name it with --columns; where grains are numbered \
+             and were placed as the scene does, add --first-id NUMBER --seed SEED",
+            range(bounds(&groups))
+        );
+        Err(table.fault(0, problem))
     }
 
     fn add_contacts(
@@ -168,8 +171,8 @@ impl Assembly<'_> {
     ) -> Result<(), ImportError> {
         let places = Places::of(table);
         let missing = |what: &str| {
-            table
-                .fault(0, format!("no column {what} among {}; name the columns with --contact-columns", places.names()))
+            let remedy = nameless(table).unwrap_or_else(|| "name the columns with --contact-columns".into());
+            table.fault(0, format!("no column {what} among {}; {remedy}", places.names()))
         };
         let first =
             places.find(Column::First).or(places.find(Column::Id)).ok_or_else(|| missing("first (the first grain)"))?;
@@ -208,13 +211,19 @@ impl Assembly<'_> {
                 }
                 (None, Some(place)) => {
                     let number = numbers_of_row[place];
-                    if number.fract() != 0.0 || number >= self.scene.wall.len() as f64 {
+                    let stated = &self.stated.walls;
+                    let known = if stated.is_empty() { self.scene.wall.len() } else { stated.len() };
+                    if number.fract() != 0.0 || number >= known as f64 {
+                        return Err(fault(format!("there is no wall {number}: the scene has {known}, from 0")));
+                    }
+                    let wall = stated.get(number as usize).copied().unwrap_or(number as u32);
+                    if wall as usize >= self.scene.wall.len() {
                         return Err(fault(format!(
-                            "there is no wall {number}: the scene has {}, from 0",
+                            "walls names wall {wall}, and the scene has {}",
                             self.scene.wall.len()
                         )));
                     }
-                    (Partner::Wall(number as u32), None)
+                    (Partner::Wall(wall), None)
                 }
                 _ => {
                     return Err(fault(
@@ -235,8 +244,7 @@ impl Assembly<'_> {
             }
             if let Some(off) = other.and_then(|other| beside(a, other, &point, period)) {
                 return Err(fault(format!(
-                    "the point of grain {} and grain {} lies {off:.3e} m from the grains; give points px, py, pz, or leave them out; columns \
-                     without names are taken for id force contactPoint",
+                    "the point of grain {} and grain {} lies {off:.3e} m from the grains; give points px, py, pz, or leave them out",
                     numbers_of_row[first],
                     numbers_of_row[second.unwrap_or(first)]
                 )));
@@ -278,6 +286,56 @@ impl Assembly<'_> {
         }
         Ok(())
     }
+}
+
+/// Smallest and largest radius of a scene, m.
+fn bounds(groups: &[Group<'_>]) -> (f64, f64) {
+    groups.iter().fold((f64::INFINITY, 0.0), |(low, high), group| (group.radii.0.min(low), group.radii.1.max(high)))
+}
+
+/// Refuses a file whose periodic box is another one than the scene's: contacts and overlaps across it would be others.
+fn same_box(table: &FrameTable, domain: &Domain) -> Result<(), ImportError> {
+    let Some(Periods { lengths, rounding }) = table.periods else { return Ok(()) };
+    let period = domain.period();
+    let name = |axis: usize| ["x", "y", "z"][axis];
+    for (axis, length) in lengths.into_iter().enumerate() {
+        let own = if period.is_periodic(axis) { domain.max[axis] - domain.min[axis] } else { 0.0 };
+        if (length - own).abs() <= rounding && (length > 0.0) == (own > 0.0) {
+            continue;
+        }
+        let words = |length: f64| match length > 0.0 {
+            true => format!("periodic along {}, with a length of {length} m", name(axis)),
+            false => format!("not periodic along {}", name(axis)),
+        };
+        let problem =
+            format!("its box is {}, and the scene is {}; give the scene that was run", words(length), words(own));
+        return Err(table.fault(0, problem));
+    }
+    Ok(())
+}
+
+/// The option that names columns which a file only numbers, such as `c_pairs[1]`: those of LIGGGHTS's local computes.
+fn nameless(table: &FrameTable) -> Option<String> {
+    let compute = table.unread.iter().find_map(|name| numbered(name))?;
+    let count = table.unread.iter().filter(|name| numbered(name) == Some(compute)).count();
+    let known: &[(&str, &str)] = match count {
+        9 => &[("pair/gran/local id force contactPoint", "first,second,_,fx,fy,fz,px,py,pz")],
+        12 => &[
+            ("pair/gran/local pos id force", "_,_,_,_,_,_,first,second,_,fx,fy,fz"),
+            ("wall/gran/local pos id force", "px,py,pz,_,_,_,wall,_,first,fx,fy,fz"),
+        ],
+        _ => &[],
+    };
+    let option = |(words, names): &(&str, &str)| format!("--contact-columns {compute}:{names} (compute {words})");
+    let options = known.iter().map(option).collect::<Vec<_>>().join(", or ");
+    Some(match known {
+        [] => format!(
+            "state what the {count} columns of {compute} are, in their order: --contact-columns {compute}:first,second,_,fx,fy,fz,..."
+        ),
+        _ => format!(
+            "state what the {count} columns of {compute} are: {options}; the first grain is that which feels the force"
+        ),
+    })
 }
 
 /// The contacts of a frame.
@@ -365,7 +423,7 @@ fn vector(row: &[f64], [x, y, z]: [usize; 3]) -> Vector3<f64> {
 
 /// Where the coordinates stand.
 fn position(table: &FrameTable, places: &Places<'_>) -> Result<[usize; 3], ImportError> {
-    let scaled = table.columns.iter().any(|name| ["xs", "xsu"].contains(&name.as_str()));
+    let scaled = table.unread.iter().any(|name| ["xs", "xsu"].contains(&name.as_str()));
     places.vector(Column::Position).ok_or_else(|| {
         let hint = match scaled {
             true => "coordinates are scaled to the box: dump x y z instead",

@@ -39,10 +39,14 @@ pub enum Column {
     TangentialOnFirst(usize),
     /// Simulated time, s.
     Time,
+    /// Number of the time step.
+    Step,
+    /// Material or kind of the grain, a number or a name.
+    Kind,
 }
 
 /// Names of single numbers, in small letters.
-const PLAIN: [(&str, Column); 21] = [
+const PLAIN: [(&str, Column); 28] = [
     ("id", Column::Id),
     ("radius", Column::Radius),
     ("r", Column::Radius),
@@ -50,7 +54,14 @@ const PLAIN: [(&str, Column); 21] = [
     ("diameter", Column::Diameter),
     ("d", Column::Diameter),
     ("time", Column::Time),
-    ("t", Column::Time),
+    ("step", Column::Step),
+    ("timestep", Column::Step),
+    ("type", Column::Kind),
+    ("material", Column::Kind),
+    ("matid", Column::Kind),
+    ("mat_id", Column::Kind),
+    ("materialid", Column::Kind),
+    ("material_id", Column::Kind),
     ("first", Column::First),
     ("id1", Column::First),
     ("grain1", Column::First),
@@ -70,7 +81,7 @@ const PLAIN: [(&str, Column); 21] = [
 type OfComponent = fn(usize) -> Column;
 
 /// Names of vectors, in small letters: the axis follows, as `x`, `_x`, `_0` or `[0]`.
-const VECTORS: [(&str, OfComponent); 22] = [
+const VECTORS: [(&str, OfComponent); 23] = [
     ("", Column::Position),
     ("position", Column::Position),
     ("points", Column::Position),
@@ -82,6 +93,7 @@ const VECTORS: [(&str, OfComponent); 22] = [
     ("w", Column::Spin),
     ("spin", Column::Spin),
     ("angular_velocity", Column::Spin),
+    ("angularvelocity", Column::Spin),
     ("angvel", Column::Spin),
     ("angvelvec", Column::Spin),
     ("f", Column::Force),
@@ -156,9 +168,9 @@ impl<'t> Places<'t> {
         self.find(Column::Radius).map(|place| (place, 1.0)).or_else(of_diameter)
     }
 
-    /// Names of the columns, for an error.
+    /// Names of all columns, for an error.
     pub fn names(&self) -> String {
-        self.table.columns.join(", ")
+        self.table.columns.iter().chain(&self.table.unread).map(String::as_str).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -181,7 +193,9 @@ mod tests {
         same(&["fx", "force_x"], Column::Force(0));
         same(&["fny", "fn_y"], Column::NormalOnFirst(1));
         same(&["ftz"], Column::TangentialOnFirst(2));
-        for nothing in ["type", "xs", "mass", "id3", "fn2", "", "c_pairs[4]", "_"] {
+        same(&["type", "material", "matId", "materialId"], Column::Kind);
+        // A temperature, or a time: the name does not say which.
+        for nothing in ["T", "t", "xs", "mass", "id3", "fn2", "", "c_pairs[4]", "_"] {
             assert_eq!(column_of(nothing), None, "{nothing}");
         }
     }

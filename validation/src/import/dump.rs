@@ -1,6 +1,10 @@
-//! Dumps of LIGGGHTS and LAMMPS: header lines before each frame, then rows of numbers. Not always valid UTF-8.
+//! Dumps of LIGGGHTS and LAMMPS: header lines before each frame, then rows of cells. Not always valid UTF-8.
 
+use super::columns::column_of;
+use super::frame_table::{FrameTable, ImportError, Periods};
+use super::stated::StatedColumns;
 use std::io::BufRead;
+use std::path::Path;
 
 /// One frame of a dump.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,8 +13,6 @@ pub struct DumpFrame {
     pub step: u64,
     /// Simulated time, s, where the dump tells it (`dump_modify time yes` of LAMMPS).
     pub time: Option<f64>,
-    /// Names of the columns as the dump gives them; computed ones such as `c_pairs[1]` say nothing of what they are.
-    pub names: Vec<String>,
     /// Line of its first row in the file, from 1.
     pub line: usize,
     columns: usize,
@@ -18,11 +20,6 @@ pub struct DumpFrame {
 }
 
 impl DumpFrame {
-    /// The numbers of its rows, one row after the other.
-    pub(super) fn into_values(self) -> Vec<f64> {
-        self.values
-    }
-
     /// Its rows.
     pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
         self.values.chunks_exact(self.columns.max(1))
@@ -43,64 +40,123 @@ pub struct DumpFault {
 /// # Errors
 /// [`DumpFault`] for anything that is not a whole dump of finite numbers.
 pub fn read_dump(reader: impl BufRead, columns: usize) -> Result<Vec<DumpFrame>, DumpFault> {
-    frames_of(reader, Some(columns.max(1)))
-}
-
-/// Reads every frame of a dump, with as many numbers a row as its head has names.
-///
-/// # Errors
-/// As [`read_dump`].
-pub fn read_named_dump(reader: impl BufRead) -> Result<Vec<DumpFrame>, DumpFault> {
-    frames_of(reader, None)
-}
-
-fn frames_of(reader: impl BufRead, columns: Option<usize>) -> Result<Vec<DumpFrame>, DumpFault> {
-    let mut lines = Lines { reader, number: 0, text: String::new(), bytes: Vec::new() };
+    let mut lines = Lines::new(reader);
+    let columns = columns.max(1);
     let mut frames = Vec::new();
-    while lines.advance()? {
-        let mut time = None;
-        while !lines.text.starts_with("ITEM: TIMESTEP") {
-            // LAMMPS can say units and time before.
-            match lines.text.trim_end() {
-                "ITEM: UNITS" => lines.units()?,
-                "ITEM: TIME" => time = Some(lines.number()?),
-                _ => lines.expect("ITEM: TIMESTEP")?,
-            }
-            lines.next()?;
-        }
-        let step = lines.integer()?;
-        lines.next()?;
-        lines.expect("ITEM: NUMBER OF ")?;
-        let count = lines.integer()?;
-        lines.next()?;
-        lines.expect("ITEM: BOX BOUNDS")?;
-        for _ in 0..3 {
-            lines.next()?;
-        }
-        lines.next()?;
-        lines.expect("ITEM: ")?;
-        // "ITEM: ATOMS id x y z" or "ITEM: ENTRIES c_pairs[1] ...".
-        let names: Vec<String> = lines.text.split_ascii_whitespace().skip(2).map(String::from).collect();
-        let columns = columns.unwrap_or(names.len());
+    while let Some(Header { step, time, count, .. }) = lines.header()? {
         let line = lines.number + 1;
         let mut values = Vec::new();
         for _ in 0..count {
             lines.next()?;
             let before = values.len();
             for word in lines.text.split_ascii_whitespace() {
-                match word.parse::<f64>() {
-                    Ok(value) if value.is_finite() => values.push(value),
-                    Ok(_) => return Err(lines.fault(format!("'{word}' is not finite: the run has blown up"))),
-                    Err(_) => return Err(lines.fault(format!("'{word}' is not a number"))),
-                }
+                values.push(super::stated::number(word).map_err(|problem| lines.fault(problem))?);
             }
             if values.len() - before != columns {
                 return Err(lines.fault(format!("{} numbers where {columns} belong", values.len() - before)));
             }
         }
-        frames.push(DumpFrame { step, time, names, line, columns, values });
+        frames.push(DumpFrame { step, time, line, columns, values });
     }
     Ok(frames)
+}
+
+/// Reads every frame of a dump, with as many cells per row as its head has names.
+///
+/// # Errors
+/// [`ImportError`] for anything that is not a whole dump, and for a cell that has a meaning and is not a finite number.
+pub(super) fn read_named_dump(
+    file: &Path,
+    bytes: &[u8],
+    stated: &StatedColumns,
+) -> Result<Vec<FrameTable>, ImportError> {
+    let refused = |fault: DumpFault| ImportError::new(file, fault.line, fault.problem);
+    let mut lines = Lines::new(bytes);
+    let mut frames = Vec::new();
+    while let Some(header) = lines.header().map_err(refused)? {
+        let heads = stated.heads(file, lines.number, of_code(header.names))?;
+        let periods = header.bounds.periods().map_err(refused)?;
+        let first = lines.number + 1;
+        let mut table =
+            FrameTable { line: first, time: header.time, step: Some(header.step), periods, ..heads.table(file) };
+        for _ in 0..header.count {
+            lines.next().map_err(refused)?;
+            let cells: Vec<&str> = lines.text.split_ascii_whitespace().collect();
+            if cells.len() != heads.count() {
+                let problem = format!("{} numbers where {} belong", cells.len(), heads.count());
+                return Err(refused(lines.fault(problem)));
+            }
+            heads.add_row(&mut table, &cells).map_err(|problem| refused(lines.fault(problem)))?;
+        }
+        frames.push(table);
+    }
+    Ok(frames)
+}
+
+/// Names of the columns of a dump, by the rules of its codes. Behind `c_`, `f_` and `v_` stands the name that a deck gives a compute, a fix
+/// or a variable: `v_x` is no velocity. One name stands for one property: what is listed again (`id type type x` in tutorials of LIGGGHTS)
+/// is the same.
+fn of_code(names: Vec<String>) -> Vec<String> {
+    let is_given = |name: &String| ["c_", "f_", "v_"].iter().any(|prefix| name.starts_with(prefix));
+    let name = |place: usize| match &names[place] {
+        name if is_given(name) && column_of(name).is_some() => format!("{name} (of the deck)"),
+        name if names[..place].contains(name) => format!("{name} (again)"),
+        name => name.clone(),
+    };
+    (0..names.len()).map(name).collect()
+}
+
+/// Head of a frame.
+struct Header {
+    step: u64,
+    time: Option<f64>,
+    count: u64,
+    bounds: Bounds,
+    names: Vec<String>,
+}
+
+/// Box of a frame as it stands: the words behind `BOX BOUNDS`, and three rows.
+struct Bounds {
+    line: usize,
+    head: String,
+    rows: [String; 3],
+}
+
+impl Bounds {
+    /// Lengths along the periodic axes, where the head names boundaries.
+    fn periods(&self) -> Result<Option<Periods>, DumpFault> {
+        let words: Vec<&str> = self.head.split_ascii_whitespace().collect();
+        let is_boundary = |word: &&&str| word.len() == 2 && word.bytes().all(|letter| b"pfsm".contains(&letter));
+        let flags: Vec<&str> = words.iter().filter(is_boundary).copied().collect();
+        let fault = |axis: usize, problem: String| DumpFault { line: self.line + 1 + axis, problem };
+        // Bounds, bounds with a tilt, or an edge vector with its part of the origin.
+        let (has_tilts, has_edges) = (words.contains(&"xy"), words.contains(&"abc"));
+        let mut periods = Periods::default();
+        for (axis, row) in self.rows.iter().enumerate() {
+            let numbers: Result<Vec<f64>, _> = row.split_ascii_whitespace().map(super::stated::number).collect();
+            let numbers = numbers.map_err(|problem| fault(axis, problem))?;
+            let (low, high, is_tilted) = match numbers[..] {
+                [low, high] if !has_tilts && !has_edges => (low, high, false),
+                [low, high, tilt] if has_tilts => (low, high, tilt != 0.0),
+                [x, y, z, origin] if has_edges => {
+                    let length = [x, y, z][axis];
+                    (origin, origin + length, x.abs() + y.abs() + z.abs() > length)
+                }
+                _ => return Err(fault(axis, "the bounds of the box belong here".into())),
+            };
+            if is_tilted {
+                let problem =
+                    "the box is tilted, and the domain of a scene has right angles; run the code in such a box";
+                return Err(fault(axis, problem.into()));
+            }
+            if flags.len() == 3 && flags[axis] == "pp" {
+                periods.lengths[axis] = high - low;
+                // LIGGGHTS writes six digits.
+                periods.rounding = periods.rounding.max(1e-5 * low.abs().max(high.abs()));
+            }
+        }
+        Ok((flags.len() == 3).then_some(periods))
+    }
 }
 
 struct Lines<R> {
@@ -111,6 +167,44 @@ struct Lines<R> {
 }
 
 impl<R: BufRead> Lines<R> {
+    fn new(reader: R) -> Lines<R> {
+        Lines { reader, number: 0, text: String::new(), bytes: Vec::new() }
+    }
+
+    /// Reads the head of the next frame; none at the end of the file.
+    fn header(&mut self) -> Result<Option<Header>, DumpFault> {
+        if !self.advance()? {
+            return Ok(None);
+        }
+        let mut time = None;
+        while !self.text.starts_with("ITEM: TIMESTEP") {
+            // LAMMPS can say units and time before.
+            match self.text.trim_end() {
+                "ITEM: UNITS" => self.units()?,
+                "ITEM: TIME" => time = Some(self.real()?),
+                _ => self.expect("ITEM: TIMESTEP")?,
+            }
+            self.next()?;
+        }
+        let step = self.integer()?;
+        self.next()?;
+        self.expect("ITEM: NUMBER OF ")?;
+        let count = self.integer()?;
+        self.next()?;
+        self.expect("ITEM: BOX BOUNDS")?;
+        let (line, head) = (self.number, self.text["ITEM: BOX BOUNDS".len()..].to_string());
+        let mut rows = [const { String::new() }; 3];
+        for row in &mut rows {
+            self.next()?;
+            row.clone_from(&self.text);
+        }
+        self.next()?;
+        self.expect("ITEM: ")?;
+        // "ITEM: ATOMS id x y z" or "ITEM: ENTRIES c_pairs[1] ...".
+        let names = self.text.split_ascii_whitespace().skip(2).map(String::from).collect();
+        Ok(Some(Header { step, time, count, bounds: Bounds { line, head, rows }, names }))
+    }
+
     /// Reads the next line; false at the end of the file.
     fn advance(&mut self) -> Result<bool, DumpFault> {
         self.bytes.clear();
@@ -140,7 +234,7 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    fn number(&mut self) -> Result<f64, DumpFault> {
+    fn real(&mut self) -> Result<f64, DumpFault> {
         self.next()?;
         let number = self.text.trim().parse().ok().filter(|number: &f64| number.is_finite());
         number.ok_or_else(|| self.fault("a number belongs here".into()))

@@ -1,44 +1,49 @@
-//! Frames that any code has left, read by what their files say of themselves.
+//! Frames that any code has left, read by what their files say of themselves and what the caller states.
 //!
 //! ```text
-//! file ─> dump, text, VTK ─> FrameTable: named columns ─> assemble, with the scene ─> Recording, as of a run
+//! file ─> dump, text, VTK ─> FrameTable: columns with a meaning ─> assemble, with the scene and what is stated ─> Recording, as of a run
 //! ```
 //!
-//! What a file does not tell is not made up: the [`Recording`](crate::recording::Recording) says what its frames lack, and what would need that is not measured.
+//! A column is taken by its name, as the file or the caller gives it, never by its place. What neither states is not made up: it is refused
+//! with the option to add, or the [`Recording`](crate::recording::Recording) says that its frames lack it, and what would need it is not
+//! measured.
 
+mod arrays;
 mod assemble;
 mod columns;
 mod completeness;
 mod contact_series;
 mod contacts;
 mod dump;
+mod format;
 mod frame_table;
+mod identity;
+mod legacy_vtk;
+mod manifest;
 mod numbering;
-mod numbers;
 mod plausible;
 mod sequence;
+mod stated;
 mod text;
 mod timing;
 mod vtk;
+mod vtkhdf;
 
 pub use assemble::{Assembly, Imported};
 pub use columns::{Column, column_of};
 pub use contacts::merge_wall_contacts;
 pub(crate) use contacts::{contact_from_force, measurable};
-pub use dump::{DumpFault, DumpFrame, read_dump, read_named_dump};
-pub use frame_table::{FrameTable, ImportError};
+pub use dump::{DumpFault, DumpFrame, read_dump};
+pub use frame_table::{FrameTable, ImportError, Periods};
+pub use identity::check_kinds;
+pub use manifest::Manifest;
 pub(crate) use plausible::unlike;
+pub use stated::{Stated, StatedColumns};
 
-use crate::output::HDF5;
 use crate::run_frames::RunFrames;
+use format::{Format, format_of, unpacked};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Columns of a dump of contacts between grains as LIGGGHTS's `compute pair/gran/local id force contactPoint` has them.
-const PAIR_DUMP: [&str; 9] = ["first", "second", "periodic", "fx", "fy", "fz", "px", "py", "pz"];
-
-/// Columns of a dump of contacts with meshes as LIGGGHTS's `compute wall/gran/local pos id force` has them.
-const WALL_DUMP: [&str; 12] = ["px", "py", "pz", "cx", "cy", "cz", "wall", "triangle", "first", "fx", "fy", "fz"];
 
 /// Grains and contacts as tables, as files hold them.
 #[derive(Clone, Debug, Default)]
@@ -56,15 +61,15 @@ pub struct Tables {
 }
 
 impl Tables {
-    /// Adds the frames of a file of grains, or those of the folder of a run of Makadam, with their contacts. `columns` name the columns
-    /// anew, if given.
+    /// Adds the frames of a file of grains, or those of the folder of a run of Makadam, with their contacts. `columns` name the columns of a
+    /// file, where they are stated.
     ///
     /// # Errors
     /// [`ImportError`] with file and line.
-    pub fn add_grains(&mut self, path: &Path, columns: &[String]) -> Result<(), ImportError> {
+    pub fn add_grains(&mut self, path: &Path, columns: &StatedColumns) -> Result<(), ImportError> {
         once(&mut self.files[0], path)?;
         if !path.is_dir() {
-            self.grains.extend(renamed(read(path)?, columns)?);
+            self.grains.extend(read(path, columns)?);
             return Ok(());
         }
         let fault = |problem: String| ImportError::new(path, 1, problem);
@@ -72,7 +77,9 @@ impl Tables {
         let timed = |files: &[(f64, PathBuf)]| -> Result<Vec<FrameTable>, ImportError> {
             let mut frames = Vec::new();
             for (time, file) in files {
-                frames.extend(read(file)?.into_iter().map(|frame| FrameTable { time: Some(*time), ..frame }));
+                let own = read(file, &StatedColumns::default())?.into_iter();
+                // A run numbers grains as its scene does, from 0.
+                frames.extend(own.map(|frame| FrameTable { time: Some(*time), first_id: Some(0), ..frame }));
             }
             Ok(frames)
         };
@@ -87,9 +94,9 @@ impl Tables {
     ///
     /// # Errors
     /// [`ImportError`] with file and line.
-    pub fn add_contacts(&mut self, path: &Path, columns: &[String]) -> Result<(), ImportError> {
+    pub fn add_contacts(&mut self, path: &Path, columns: &StatedColumns) -> Result<(), ImportError> {
         once(&mut self.files[1], path)?;
-        self.contacts.extend(renamed(read(path)?, columns)?);
+        self.contacts.extend(read(path, columns)?);
         Ok(())
     }
 }
@@ -103,34 +110,39 @@ fn once(known: &mut BTreeMap<PathBuf, PathBuf>, path: &Path) -> Result<(), Impor
 }
 
 /// The frames of a file.
-fn read(path: &Path) -> Result<Vec<FrameTable>, ImportError> {
+fn read(path: &Path, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let bytes = std::fs::read(path).map_err(|error| ImportError::new(path, 1, error.to_string()))?;
-    parse(path, bytes)
+    parse(path, bytes, columns)
 }
 
-/// The frames in the bytes of a file, of whatever format they show themselves to be; any bytes are either frames or an error.
+/// The frames in the bytes of a file, of whatever format they show themselves to be; any bytes are either frames or an error. `columns` name
+/// the columns, where they are stated.
 ///
 /// # Errors
 /// [`ImportError`] with file and line.
-pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Vec<FrameTable>, ImportError> {
-    let begins = |mark: &str| bytes.starts_with(mark.as_bytes());
-    let mut frames = if bytes.is_empty() {
-        return Err(ImportError::new(path, 1, "the file is empty"));
-    } else if begins("ITEM:") {
-        is_whole(path, &bytes)?;
-        dumped(path, &bytes)?
-    } else if bytes.starts_with(&HDF5) {
-        vtk::hdf(path, bytes)?
-    } else if begins("<?xml") || begins("<VTKFile") {
-        vtk::xml(path, &bytes)?
-    } else if begins("# vtk DataFile") {
-        text::legacy_vtk(path, &bytes)?
-    } else if begins("#format ") {
-        is_whole(path, &bytes)?;
-        text::yade(path, &bytes)?
-    } else {
-        is_whole(path, &bytes)?;
-        text::csv(path, &bytes)?
+pub fn parse(path: &Path, bytes: Vec<u8>, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
+    let bytes = unpacked(path, bytes)?;
+    let mut frames = match format_of(path, &bytes)? {
+        Format::Dump => {
+            is_whole(path, &bytes)?;
+            dump::read_named_dump(path, &bytes, columns)?
+        }
+        Format::Hdf => vtkhdf::hdf(path, bytes, columns)?,
+        Format::Xml => vtk::xml(path, &bytes, columns)?,
+        Format::LegacyVtk => {
+            if !legacy_vtk::is_binary(&bytes) {
+                is_whole(path, &bytes)?;
+            }
+            legacy_vtk::legacy_vtk(path, &bytes, columns)?
+        }
+        Format::Yade => {
+            is_whole(path, &bytes)?;
+            text::yade(path, &bytes, columns)?
+        }
+        Format::Csv => {
+            is_whole(path, &bytes)?;
+            text::csv(path, &bytes, columns)?
+        }
     };
     if let [single] = &mut frames[..]
         && single.step.is_none()
@@ -151,34 +163,6 @@ fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), ImportError> {
     Err(ImportError::new(path, line, problem))
 }
 
-fn dumped(path: &Path, bytes: &[u8]) -> Result<Vec<FrameTable>, ImportError> {
-    let frames = read_named_dump(bytes).map_err(|fault| ImportError::new(path, fault.line, fault.problem))?;
-    let table = |frame: DumpFrame| {
-        let (line, time, step) = (frame.line, frame.time, Some(frame.step));
-        let known: Option<&[&str]> = match frame.names.len() {
-            9 => Some(&PAIR_DUMP),
-            12 => Some(&WALL_DUMP),
-            _ => None,
-        };
-        // Local computes have no names of their own: c_pairs[1] and so on.
-        let nameless = frame.names.iter().all(|name| name.contains('['));
-        let columns = match known.filter(|_| nameless) {
-            Some(names) => names.iter().map(ToString::to_string).collect(),
-            None => frame.names.clone(),
-        };
-        FrameTable {
-            file: path.into(),
-            line,
-            time,
-            step,
-            columns,
-            values: frame.into_values(),
-            driven_walls: Vec::new(),
-        }
-    };
-    Ok(frames.into_iter().map(table).collect())
-}
-
 /// The last number in the name of a file, before its extension: codes number their files by time steps.
 fn number_in(path: &Path) -> Option<u64> {
     let stem = path.file_stem()?.to_str()?;
@@ -187,51 +171,6 @@ fn number_in(path: &Path) -> Option<u64> {
         .rfind(|letter: char| !letter.is_ascii_digit())
         .map_or(0, |place| place + stem[place..].chars().next().map_or(1, char::len_utf8));
     stem[start..end].parse().ok()
-}
-
-/// Two columns that tell the same, the second of which would be passed over.
-fn told_twice(columns: &[String]) -> Option<[&str; 2]> {
-    let meaning = |name: &String| match column_of(name)? {
-        Column::Diameter => Some(Column::Radius),
-        other => Some(other),
-    };
-    let meanings: Vec<Option<Column>> = columns.iter().map(meaning).collect();
-    (0..columns.len()).find_map(|place| {
-        let first = meanings[..place].iter().position(|known| known.is_some() && *known == meanings[place])?;
-        Some([&*columns[first], &*columns[place]])
-    })
-}
-
-/// The same frames with other names of the columns, if there are some.
-///
-/// # Errors
-/// [`ImportError`] where the files have more or fewer columns, or two that tell the same: the second would be passed over.
-fn renamed(frames: Vec<FrameTable>, columns: &[String]) -> Result<Vec<FrameTable>, ImportError> {
-    let each_once = |frame: FrameTable| match told_twice(&frame.columns) {
-        None => Ok(frame),
-        Some([one, other]) => {
-            let is_one_name = one.trim().eq_ignore_ascii_case(other.trim());
-            let named =
-                if is_one_name { format!("are named {other}") } else { format!("tell the same, {one} and {other}") };
-            let problem = format!("two columns {named}; name each once, those that are not wanted with _");
-            Err(ImportError::new(&frame.file, frame.line.saturating_sub(1).max(1), problem))
-        }
-    };
-    if columns.is_empty() {
-        return frames.into_iter().map(each_once).collect();
-    }
-    let rename = |frame: FrameTable| match frame.columns.len() == columns.len() {
-        true => each_once(FrameTable { columns: columns.to_vec(), ..frame }),
-        false => {
-            let problem = format!(
-                "its rows have {} numbers, and {} columns are named; name each, those that are not wanted with _",
-                frame.columns.len(),
-                columns.len()
-            );
-            Err(frame.fault(0, problem))
-        }
-    };
-    frames.into_iter().map(rename).collect()
 }
 
 #[cfg(test)]

@@ -95,15 +95,7 @@ mod tests {
     use super::*;
 
     fn tables(files: &[&str]) -> Vec<FrameTable> {
-        let table = |file: &&str| FrameTable {
-            file: file.into(),
-            line: 1,
-            time: None,
-            step: None,
-            columns: Vec::new(),
-            values: Vec::new(),
-            driven_walls: Vec::new(),
-        };
+        let table = |file: &&str| FrameTable { file: file.into(), line: 1, ..FrameTable::default() };
         files.iter().map(table).collect()
     }
 

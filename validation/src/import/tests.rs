@@ -9,8 +9,10 @@ use std::fmt::Write;
 
 mod complete_contacts;
 mod contact_series;
+mod corpus;
 mod counted_frames;
 mod same_grains;
+mod stated_meaning;
 mod whole_frames;
 
 /// Time between frames, s.
@@ -84,16 +86,18 @@ const GRAINS: &str = "id radius x y z vx vy vz wx wy wz";
 const CONTACTS: &str = "first second wall fx fy fz px py pz nx ny nz";
 
 fn assembled(scene: &Scene, tables: &Tables) -> Result<Imported, ImportError> {
-    let assembly =
-        Assembly { scene, code: "frames", version: "", seed: 1, time_step: Some(INTERVAL / 100.0), interval: None };
-    assembly.assemble(tables)
+    stated(scene, tables, &Stated { time_step: Some(INTERVAL / 100.0), ..Stated::default() })
+}
+
+fn stated(scene: &Scene, tables: &Tables, stated: &Stated) -> Result<Imported, ImportError> {
+    Assembly { scene, code: "frames", version: "", stated }.assemble(tables)
 }
 
 fn tables(grains: &[(&str, String)], contacts: &[(&str, String)]) -> Result<Tables, ImportError> {
     let all = |files: &[(&str, String)]| -> Result<Vec<FrameTable>, ImportError> {
         let mut frames = Vec::new();
         for (name, text) in files {
-            frames.extend(parse(Path::new(name), text.clone().into_bytes())?);
+            frames.extend(parse(Path::new(name), text.clone().into_bytes(), &StatedColumns::default())?);
         }
         Ok(frames)
     };
@@ -178,7 +182,16 @@ fn tables_of_any_code_are_measured_as_the_frames_that_they_were_written_from() {
     let grains = dump(&format!("ATOMS {}", GRAINS.replace('w', "omega")), &|frame, to| grain_rows(frame, &|_| {}, to));
     let contacts =
         [("pairs.dump", dump(&names("pairs", 9), &pairs)), ("walls.dump", dump(&names("walls", 12), &walls))];
-    let imported = assembled(&scene, &tables(&[("grains.dump", grains.clone())], &contacts).unwrap()).unwrap();
+    let named = |(name, text): &(&str, String)| {
+        let columns = ["c_pairs:first,second,_,fx,fy,fz,px,py,pz", "c_walls:px,py,pz,_,_,_,wall,_,first,fx,fy,fz"];
+        let columns = StatedColumns::joined(columns.map(|columns| columns.parse().unwrap()));
+        parse(Path::new(name), text.clone().into_bytes(), &columns).unwrap()
+    };
+    let both = Tables {
+        contacts: contacts.iter().flat_map(named).collect(),
+        ..tables(&[("grains.dump", grains.clone())], &[]).unwrap()
+    };
+    let imported = assembled(&scene, &both).unwrap();
     same(&measure(&scene, &imported.recording), &wanted, MOVED_ON);
     // Without contacts, what needs none is the same, and the rest is left out.
     let imported = assembled(&scene, &tables(&[("grains.dump", grains)], &[]).unwrap()).unwrap();
@@ -229,7 +242,7 @@ fn files_of_yade_tell_the_same_grains() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/frames/yade");
     let read = |name: &str| {
         let file = folder.join(name);
-        let mut frames = parse(&file, std::fs::read(&file).unwrap()).unwrap();
+        let mut frames = parse(&file, std::fs::read(&file).unwrap(), &StatedColumns::default()).unwrap();
         assert_eq!(frames.len(), 1, "{name}");
         frames.remove(0)
     };
@@ -270,9 +283,9 @@ fn what_is_wrong_is_told_with_file_line_and_remedy() {
     };
     refused(&[("a.csv", "")], &[], "a.csv: line 1: the file is empty");
     refused(&[("a.csv", "1,2,3,4\n")], &[], "the first row must name the columns");
-    refused(&[("a.csv", "x,y,z,r\n0,0,0,1\n0,0,nan,1\n")], &[], "a.csv: line 3: 'nan' is not finite");
+    refused(&[("a.csv", "x,y,z,r\n0,0,0,1\n0,0,nan,1\n")], &[], "a.csv: line 3: column z: 'nan' is not finite");
     refused(&[("a.csv", "x,y,z,r\n0,0,0,1\n0,0,1\n")], &[], "a.csv: line 3:");
-    refused(&[("a.csv", "x,y,z,r\r\n0,0,0,1\r\n0,0,nan,1\r\n")], &[], "a.csv: line 3: 'nan' is not finite");
+    refused(&[("a.csv", "x,y,z,r\r\n0,0,0,1\r\n0,0,nan,1\r\n")], &[], "a.csv: line 3: column z: 'nan' is not finite");
     refused(&[("a.csv", "x,y,z,r\r\n0,0,0,1\r\n0,0,1\r\n")], &[], "a.csv: line 3:");
     refused(&[("a.csv", "x,y,r\n0,0,1\n")], &[], "no columns x, y, z among x, y, r");
     refused(&[("a.csv", "x,y,z\n0,0,0\n")], &[], "no column radius or diameter");
@@ -312,7 +325,7 @@ fn files_are_numbered_by_the_last_number_of_their_names() {
 fn a_dump_in_other_units_than_si_is_refused_by_their_name() {
     let dump = |units: &str| {
         let frame = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS id x y z\n1 0 0 0\n";
-        parse(Path::new("a.dump"), format!("{units}{frame}").into_bytes())
+        parse(Path::new("a.dump"), format!("{units}{frame}").into_bytes(), &StatedColumns::default())
     };
     let told = dump("ITEM: UNITS\nsi\nITEM: TIME\n0.5\n").unwrap();
     assert_eq!((told.len(), told[0].time), (1, Some(0.5)));
@@ -342,11 +355,11 @@ fn a_file_that_is_given_twice_is_refused() {
     let file = folder.path().join("a.csv");
     std::fs::write(&file, marked(0)).unwrap();
     let mut tables = Tables::default();
-    tables.add_grains(&file, &[]).unwrap();
-    assert!(tables.add_grains(&file, &[]).unwrap_err().to_string().contains("given twice"));
+    tables.add_grains(&file, &StatedColumns::default()).unwrap();
+    assert!(tables.add_grains(&file, &StatedColumns::default()).unwrap_err().to_string().contains("given twice"));
     // Grains and contacts may stand in one file.
-    tables.add_contacts(&file, &[]).unwrap();
-    assert!(tables.add_contacts(&file, &[]).unwrap_err().to_string().contains("given twice"));
+    tables.add_contacts(&file, &StatedColumns::default()).unwrap();
+    assert!(tables.add_contacts(&file, &StatedColumns::default()).unwrap_err().to_string().contains("given twice"));
 }
 
 #[test]
@@ -355,7 +368,7 @@ fn a_column_that_is_named_twice_is_refused() {
     let file = folder.path().join("a.csv");
     let added = |text: &str, columns: &[&str]| {
         std::fs::write(&file, text).unwrap();
-        let columns: Vec<String> = columns.iter().map(ToString::to_string).collect();
+        let columns = StatedColumns::from(columns.iter().map(ToString::to_string).collect::<Vec<_>>());
         [Tables::add_grains, Tables::add_contacts].map(|add| {
             add(&mut Tables::default(), &file, &columns).map_err(|error| error.to_string()).err().unwrap_or_default()
         })
@@ -372,10 +385,12 @@ fn a_column_that_is_named_twice_is_refused() {
     });
     assert!(errors[0].contains("two columns tell the same, vx and velocity_x"), "{}", errors[0]);
     assert!(errors[1].contains("two columns tell the same, radius and diameter"), "{}", errors[1]);
-    assert!(added("time,t,x\n1,0,0\n", &[])[0].contains("a.csv: line 1: two columns tell the time"));
+    assert!(added("time,Time,x\n1,0,0\n", &[])[0].contains("a.csv: line 1: two columns are named Time"));
+    // A temperature, or a time of another clock, has no meaning by its name.
+    assert_eq!(added("time,t,T,x\n1,0,300,0\n", &[]), ["", ""]);
     // Named anew, each once; what means nothing may be there twice.
     assert_eq!(added(twice, &["id", "x", "y", "z", "r", "_"]), ["", ""]);
-    assert_eq!(added("id,x,y,z,r,type,type\n1,0,0,0,1,2,2\n", &[]), ["", ""]);
+    assert_eq!(added("id,x,y,z,r,mass,mass\n1,0,0,0,1,2,2\n", &[]), ["", ""]);
 }
 
 #[test]

@@ -25,14 +25,15 @@ pub(super) struct Given<'t> {
 impl Assembly<'_> {
     /// Time of a frame, s: what it tells itself, that of its step, or that of its place among the others.
     fn time_of(&self, table: &FrameTable, place: usize) -> Option<f64> {
-        let stepped = || Some(table.step? as f64 * self.time_step?);
-        table.time.or_else(stepped).or_else(|| Some(place as f64 * self.interval?))
+        let stepped = || Some(table.step? as f64 * self.stated.time_step?);
+        table.time.or_else(stepped).or_else(|| Some(place as f64 * self.stated.interval?))
     }
 
     /// Whether some of these frames get their times by their place among the others.
     fn counts<'t>(&self, tables: impl IntoIterator<Item = &'t FrameTable>) -> bool {
-        let untold = |table: &FrameTable| table.time.is_none() && (table.step.is_none() || self.time_step.is_none());
-        self.interval.is_some() && tables.into_iter().any(untold)
+        let untold =
+            |table: &FrameTable| table.time.is_none() && (table.step.is_none() || self.stated.time_step.is_none());
+        self.stated.interval.is_some() && tables.into_iter().any(untold)
     }
 
     /// Frames with their times, in the order of time.
@@ -41,7 +42,7 @@ impl Assembly<'_> {
         tables: &'t [FrameTable],
         notes: &mut Vec<String>,
     ) -> Result<Vec<(f64, &'t FrameTable)>, ImportError> {
-        if self.time_step.is_some() {
+        if self.stated.time_step.is_some() {
             steps_rise(tables)?;
         }
         let mut timed = Vec::with_capacity(tables.len());

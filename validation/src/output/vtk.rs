@@ -24,15 +24,25 @@ const PAYS: f64 = 0.85;
 /// Largest number of bytes in a part of a stream that is stored.
 const STORED: usize = 65_535;
 
-/// Kind of the numbers of an array.
+/// Kind of the numbers of an array. Runs write bytes, `Int32`, `Float32` and `Float64`; other codes write all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Bytes.
     UInt8,
+    /// Signed integers of 8 bits.
+    Int8,
+    /// Integers of 16 bits.
+    Int16,
+    /// Unsigned integers of 16 bits.
+    UInt16,
     /// Integers of 32 bits.
     Int32,
-    /// Integers of 64 bits, which other codes write.
+    /// Unsigned integers of 32 bits.
+    UInt32,
+    /// Integers of 64 bits.
     Int64,
+    /// Unsigned integers of 64 bits.
+    UInt64,
     /// Single precision.
     Float32,
     /// Double precision.
@@ -40,25 +50,47 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    pub const ALL: [Kind; 5] = [Kind::UInt8, Kind::Int32, Kind::Int64, Kind::Float32, Kind::Float64];
+    const NAMES: [(Kind, &str, usize); 10] = [
+        (Kind::UInt8, "UInt8", 1),
+        (Kind::Int8, "Int8", 1),
+        (Kind::Int16, "Int16", 2),
+        (Kind::UInt16, "UInt16", 2),
+        (Kind::Int32, "Int32", 4),
+        (Kind::UInt32, "UInt32", 4),
+        (Kind::Int64, "Int64", 8),
+        (Kind::UInt64, "UInt64", 8),
+        (Kind::Float32, "Float32", 4),
+        (Kind::Float64, "Float64", 8),
+    ];
+
+    /// The kind of a name in a file.
+    pub fn of(name: &str) -> Option<Kind> {
+        Kind::NAMES.iter().find(|(_, known, _)| *known == name).map(|(kind, ..)| *kind)
+    }
 
     /// Its name in a file.
     pub fn name(self) -> &'static str {
-        match self {
-            Kind::UInt8 => "UInt8",
-            Kind::Int32 => "Int32",
-            Kind::Int64 => "Int64",
-            Kind::Float32 => "Float32",
-            Kind::Float64 => "Float64",
-        }
+        Kind::NAMES[self as usize].1
     }
 
     /// Bytes of a number.
     pub fn size(self) -> usize {
+        Kind::NAMES[self as usize].2
+    }
+
+    /// The bytes of a number that stands as text.
+    pub fn bytes(self, number: f64) -> Vec<u8> {
         match self {
-            Kind::UInt8 => 1,
-            Kind::Int32 | Kind::Float32 => 4,
-            Kind::Int64 | Kind::Float64 => 8,
+            Kind::UInt8 => (number as u8).to_le_bytes().to_vec(),
+            Kind::Int8 => (number as i8).to_le_bytes().to_vec(),
+            Kind::Int16 => (number as i16).to_le_bytes().to_vec(),
+            Kind::UInt16 => (number as u16).to_le_bytes().to_vec(),
+            Kind::Int32 => (number as i32).to_le_bytes().to_vec(),
+            Kind::UInt32 => (number as u32).to_le_bytes().to_vec(),
+            Kind::Int64 => (number as i64).to_le_bytes().to_vec(),
+            Kind::UInt64 => (number as u64).to_le_bytes().to_vec(),
+            Kind::Float32 => (number as f32).to_le_bytes().to_vec(),
+            Kind::Float64 => number.to_le_bytes().to_vec(),
         }
     }
 }
@@ -116,6 +148,11 @@ impl Array {
         }
         match self.kind {
             Kind::UInt8 => each(&self.bytes, |[byte]: [u8; 1]| f64::from(byte)),
+            Kind::Int8 => each(&self.bytes, |bytes| f64::from(i8::from_le_bytes(bytes))),
+            Kind::Int16 => each(&self.bytes, |bytes| f64::from(i16::from_le_bytes(bytes))),
+            Kind::UInt16 => each(&self.bytes, |bytes| f64::from(u16::from_le_bytes(bytes))),
+            Kind::UInt32 => each(&self.bytes, |bytes| f64::from(u32::from_le_bytes(bytes))),
+            Kind::UInt64 => each(&self.bytes, |bytes| u64::from_le_bytes(bytes) as f64),
             Kind::Int32 => each(&self.bytes, |bytes| f64::from(i32::from_le_bytes(bytes))),
             Kind::Int64 => each(&self.bytes, |bytes| i64::from_le_bytes(bytes) as f64),
             Kind::Float32 => each(&self.bytes, |bytes| f64::from(f32::from_le_bytes(bytes))),

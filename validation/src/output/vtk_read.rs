@@ -1,5 +1,6 @@
 //! Reading VTK's XML files: those that runs write, of today and of earlier versions, and what other codes write as polygonal data or as an
-//! unstructured grid: appended as it is or in base64, in place as base64 or as words, compressed by zlib or not.
+//! unstructured grid: appended as it is or in base64, in place as base64 or as words, compressed by zlib, by LZ4 or not, in either order
+//! of bytes.
 
 use super::vtk::{Array, Cells, Kind, PolyData};
 use base64::Engine;
@@ -21,9 +22,18 @@ struct Source<'a> {
     appended: &'a [u8],
     /// Whether what is appended is text.
     in_base64: bool,
-    compressed: bool,
+    compressor: Option<Compressor>,
     /// Bytes of the integers in front of an array.
     header: usize,
+    /// Whether numbers are in big endian.
+    is_big: bool,
+}
+
+/// Ways to compress blocks.
+#[derive(Clone, Copy, PartialEq)]
+enum Compressor {
+    Zlib,
+    Lz4,
 }
 
 /// The polygonal data in the bytes of a file.
@@ -31,7 +41,7 @@ struct Source<'a> {
 /// # Errors
 /// What is wrong with them.
 pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
-    let Outline { time, points, cells, topology, corners, mut sections } = outline(bytes, &|_| true)?;
+    let Outline { time, points, cells, topology, corners, mut sections, .. } = outline(bytes, &|_, _| true)?;
     let time = time.ok_or("it has no time")?;
     let mut take = |name: &str| match sections.iter().position(|(of, _)| *of == name) {
         None => Vec::new(),
@@ -77,13 +87,17 @@ pub(crate) struct Outline {
     pub corners: usize,
     /// Arrays by their sections.
     pub sections: Vec<(&'static str, Vec<Array>)>,
+    /// Sections, names and components of arrays that were not wanted.
+    pub unread: Vec<(&'static str, String, usize)>,
+    /// Whether the file names the scene of a run of Makadam, which numbers grains as its scene does.
+    pub of_run: bool,
 }
 
-/// Counts, and the arrays whose names are wanted.
+/// Counts, and the arrays whose sections and names are wanted.
 ///
 /// # Errors
 /// What is wrong with the bytes.
-pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Outline, String> {
+pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str, &str) -> bool) -> Result<Outline, String> {
     let (text, appended) = split(bytes)?;
     let document = Document::parse(&text).map_err(|error| format!("it is no XML document: {error}"))?;
     let (root, source) = root(&document, appended)?;
@@ -101,24 +115,43 @@ pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Out
         _ => Err(format!("{name} is no number of points or cells")),
     };
     let points = count("NumberOfPoints")?;
-    let kinds = [("Verts", 1), ("Lines", 2), ("Polys", 3)];
-    let some = |(name, _): &(&str, usize)| count(&format!("NumberOf{name}")).is_ok_and(|cells| cells > 0);
-    let (topology, corners) = kinds.into_iter().find(some).unwrap_or(("Verts", 1));
+    let kinds = [("Verts", 1), ("Lines", 2), ("Polys", 3), ("Strips", 0)];
+    let mut counts = [0; 4];
+    for (cells, (name, _)) in counts.iter_mut().zip(kinds) {
+        *cells = count(&format!("NumberOf{name}"))?;
+    }
+    let first = counts.iter().position(|cells| *cells > 0).unwrap_or(0);
+    let (topology, corners) = kinds[first];
+    // Arrays over cells run over those of all kinds.
     let cells = match root.attribute("type") {
         Some(GRID) => count("NumberOfCells")?,
-        _ => count(&format!("NumberOf{topology}"))?,
+        _ => counts.iter().sum(),
     };
-    let mut sections = Vec::new();
-    for (name, tuples) in [("Points", points), ("PointData", points), ("CellData", cells), ("Polys", corners * cells)] {
-        // Offsets of polygons have another number of tuples, and say nothing of triangles.
-        let is_wanted = |array: &str| wanted(array) && (name != "Polys" || array == "connectivity");
-        sections.push((name, section(&source, piece, name, tuples, &is_wanted)?));
+    let (mut sections, mut unread) = (Vec::new(), Vec::new());
+    let polygons = if topology == "Polys" { corners * cells } else { 0 };
+    for (name, tuples) in [("Points", points), ("PointData", points), ("CellData", cells), ("Polys", polygons)] {
+        let nodes = piece.children().find(|node| node.has_tag_name(name)).into_iter().flat_map(|node| node.children());
+        let mut arrays = Vec::new();
+        for node in nodes.filter(|node| node.has_tag_name("DataArray")) {
+            let own = node.attribute("Name").unwrap_or_default();
+            // Other cells than those of the file have other numbers of tuples, and so have offsets.
+            let is_sized = name != "Polys" || (topology == "Polys" && own == "connectivity");
+            match is_sized && wanted(name, own) {
+                true => arrays.push(array(&source, node, tuples).map_err(|problem| format!("{name}: {problem}"))?),
+                false => {
+                    let components = node.attribute("NumberOfComponents").and_then(|count| count.parse().ok());
+                    unread.push((name, own.to_string(), components.unwrap_or(1)));
+                }
+            }
+        }
+        sections.push((name, arrays));
     }
-    let time = named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
-    let time = time.into_iter().find(|node| node.attribute("Name") == Some("TimeValue"));
+    let fields = || named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
+    let of_run = fields().any(|node| node.has_tag_name("Array") && node.attribute("Name") == Some("scene_name"));
+    let time = fields().find(|node| node.attribute("Name") == Some("TimeValue"));
     let time = time.map(|node| array(&source, node, 1)).transpose()?.and_then(|array| array.values().first().copied());
     let time = time.filter(|time| time.is_finite());
-    Ok(Outline { time, points, cells, topology, corners, sections })
+    Ok(Outline { time, points, cells, topology, corners, sections, unread, of_run })
 }
 
 /// A document, with what is appended to it cut off.
@@ -149,43 +182,29 @@ fn root<'a, 'input>(
     if !matches!(root.attribute("type"), Some("PolyData" | GRID)) {
         return Err("it holds no polygonal data, and no unstructured grid".into());
     }
-    if root.attribute("byte_order") == Some("BigEndian") {
-        return Err("its numbers are in big endian".into());
-    }
-    let compressed = match root.attribute("compressor") {
-        None => false,
-        Some("vtkZLibDataCompressor") => true,
-        Some(other) => return Err(format!("it is compressed by {other}; only zlib is read")),
+    let is_big = match root.attribute("byte_order") {
+        None | Some("LittleEndian") => false,
+        Some("BigEndian") => true,
+        Some(other) => return Err(format!("byte_order is '{other}', neither LittleEndian nor BigEndian")),
+    };
+    let compressor = match root.attribute("compressor") {
+        None => None,
+        Some("vtkZLibDataCompressor") => Some(Compressor::Zlib),
+        Some("vtkLZ4DataCompressor") => Some(Compressor::Lz4),
+        Some(other) => {
+            return Err(format!(
+                "it is compressed by {other}; write it with zlib, LZ4 or none (in ParaView: Compressor Type)"
+            ));
+        }
     };
     let header = if root.attribute("header_type") == Some("UInt64") { 8 } else { 4 };
     let section = document.descendants().find(|node| node.has_tag_name("AppendedData"));
     let in_base64 = section.is_some_and(|node| node.attribute("encoding") == Some("base64"));
-    Ok((root, Source { appended, in_base64, compressed, header }))
+    Ok((root, Source { appended, in_base64, compressor, header, is_big }))
 }
 
 /// Named texts.
 type Texts = Vec<(String, Vec<String>)>;
-
-/// Arrays of numbers of the whole file whose names are wanted.
-///
-/// # Errors
-/// What is wrong with the bytes.
-pub(crate) fn field_arrays(bytes: &[u8], wanted: &[&str]) -> Result<Vec<Array>, String> {
-    let (text, appended) = split(bytes)?;
-    let document = Document::parse(&text).map_err(|error| error.to_string())?;
-    let (root, source) = root(&document, appended)?;
-    let nodes = named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
-    let is_wanted = |node: &Node<'_, '_>| {
-        node.has_tag_name("DataArray") && node.attribute("Name").is_some_and(|name| wanted.contains(&name))
-    };
-    nodes.filter(is_wanted).map(|node| array(&source, node, tuples_of_field(node)?)).collect()
-}
-
-/// Number of tuples of an array of the whole file.
-fn tuples_of_field(node: Node<'_, '_>) -> Result<usize, String> {
-    let tuples = node.attribute("NumberOfTuples").unwrap_or("1").parse::<usize>();
-    tuples.ok().filter(|tuples| *tuples <= i32::MAX as usize).ok_or("a field has no number of tuples".to_string())
-}
 
 /// Arrays and texts of the whole file but for its time.
 fn fields(bytes: &[u8]) -> Result<(Vec<Array>, Texts), String> {
@@ -194,10 +213,15 @@ fn fields(bytes: &[u8]) -> Result<(Vec<Array>, Texts), String> {
     let (root, source) = root(&document, appended)?;
     let (mut arrays, mut texts) = (Vec::new(), Vec::new());
     for node in named(root, "FieldData").into_iter().flat_map(|fields| fields.children()) {
+        let tuples = || {
+            let tuples = node.attribute("NumberOfTuples").unwrap_or("1").parse::<usize>();
+            tuples
+                .ok()
+                .filter(|tuples| *tuples <= i32::MAX as usize)
+                .ok_or("a field has no number of tuples".to_string())
+        };
         match node.tag_name().name() {
-            "DataArray" if node.attribute("Name") != Some("TimeValue") => {
-                arrays.push(array(&source, node, tuples_of_field(node)?)?)
-            }
+            "DataArray" if node.attribute("Name") != Some("TimeValue") => arrays.push(array(&source, node, tuples()?)?),
             "Array" => texts.push((node.attribute("Name").unwrap_or_default().to_string(), strings(node)?)),
             _ => {}
         }
@@ -207,21 +231,6 @@ fn fields(bytes: &[u8]) -> Result<(Vec<Array>, Texts), String> {
 
 fn named<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
     node.descendants().find(|node| node.has_tag_name(name))
-}
-
-fn section(
-    source: &Source<'_>,
-    piece: Node<'_, '_>,
-    name: &str,
-    tuples: usize,
-    wanted: &dyn Fn(&str) -> bool,
-) -> Result<Vec<Array>, String> {
-    let Some(section) = piece.children().find(|node| node.has_tag_name(name)) else { return Ok(Vec::new()) };
-    let arrays = section.children().filter(|node| node.has_tag_name("DataArray"));
-    arrays
-        .filter(|node| wanted(node.attribute("Name").unwrap_or_default()))
-        .map(|node| array(source, node, tuples))
-        .collect()
 }
 
 fn triangles(corners: &Array, points: usize) -> Result<Vec<[u32; 3]>, String> {
@@ -246,8 +255,8 @@ fn array(source: &Source<'_>, node: Node<'_, '_>, tuples: usize) -> Result<Array
     let attribute = |name: &str| node.attribute(name).unwrap_or_default();
     let name = attribute("Name").to_string();
     let wrong = |what: &str| format!("array {name}: {what}");
-    let kind = Kind::ALL.into_iter().find(|kind| kind.name() == attribute("type"));
-    let kind = kind.ok_or_else(|| wrong(&format!("numbers of type '{}' are not those of a run", attribute("type"))))?;
+    let kind = Kind::of(attribute("type"));
+    let kind = kind.ok_or_else(|| wrong(&format!("numbers of type '{}' are not read", attribute("type"))))?;
     let components = node.attribute("NumberOfComponents").unwrap_or("1").parse::<usize>();
     let components = components.ok().filter(|count| (1..=9).contains(count));
     let components = components.ok_or_else(|| wrong("it has no number of components"))?;
@@ -267,21 +276,26 @@ fn array(source: &Source<'_>, node: Node<'_, '_>, tuples: usize) -> Result<Array
             from_base64(source, text.as_bytes(), size).and_then(|bytes| blocks(source, &bytes, size))
         }
         "ascii" => in_words(kind, node.text().unwrap_or_default(), components * tuples),
-        other => Err(format!("its format '{other}' is not that of a run")),
+        other => Err(format!("its format '{other}' is not read")),
     };
-    Ok(Array { bytes: bytes.map_err(|what| wrong(&what))?, name, components, kind })
+    let mut bytes = bytes.map_err(|what| wrong(&what))?;
+    if source.is_big && attribute("format") != "ascii" {
+        bytes.chunks_exact_mut(kind.size()).for_each(<[u8]>::reverse);
+    }
+    Ok(Array { bytes, name, components, kind })
 }
 
 fn cut() -> String {
     "the file ends within it".into()
 }
 
-/// An integer of `header` bytes in front of an array.
-fn header_number(bytes: &[u8], header: usize, place: usize) -> Result<usize, String> {
+/// An integer in front of an array.
+fn header_number(source: &Source<'_>, bytes: &[u8], place: usize) -> Result<usize, String> {
+    let header = source.header;
     let own = bytes.get(header * place..header * (place + 1)).ok_or_else(cut)?;
-    let mut eight = [0; 8];
-    eight[..header].copy_from_slice(own);
-    usize::try_from(u64::from_le_bytes(eight)).map_err(|_| cut())
+    let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
+    let number = if source.is_big { own.iter().fold(0, add) } else { own.iter().rev().fold(0, add) };
+    usize::try_from(number).map_err(|_| cut())
 }
 
 /// The bytes of an array that begins a text in base64. Compressed ones have their header encoded by itself.
@@ -296,8 +310,8 @@ fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>,
     // Nine bytes and twelve letters are whole groups: enough for the first number of a header.
     let begin =
         STANDARD.decode(text.get(..12).ok_or_else(cut)?).map_err(|error| format!("it is no base64: {error}"))?;
-    let count = header_number(&begin, header, 0)?;
-    if !source.compressed {
+    let count = header_number(source, &begin, 0)?;
+    if source.compressor.is_none() {
         return match count == size {
             true => decoded(0, header + size).map(|(bytes, _)| bytes),
             false => Err(format!("it has {count} bytes in place of {size}")),
@@ -309,7 +323,7 @@ fn from_base64(source: &Source<'_>, text: &[u8], size: usize) -> Result<Vec<u8>,
     let (mut bytes, start) = decoded(0, header * (3 + count))?;
     let mut packed = 0_usize;
     for block in 0..count {
-        packed = packed.saturating_add(header_number(&bytes, header, 3 + block)?);
+        packed = packed.saturating_add(header_number(source, &bytes, 3 + block)?);
     }
     bytes.extend(decoded(start, packed)?.0);
     Ok(bytes)
@@ -321,13 +335,7 @@ fn in_words(kind: Kind, text: &str, count: usize) -> Result<Vec<u8>, String> {
     let mut found = 0;
     for word in text.split_ascii_whitespace() {
         let number: f64 = word.parse().map_err(|_| format!("'{word}' is no number"))?;
-        match kind {
-            Kind::UInt8 => bytes.push(number as u8),
-            Kind::Int32 => bytes.extend((number as i32).to_le_bytes()),
-            Kind::Int64 => bytes.extend((number as i64).to_le_bytes()),
-            Kind::Float32 => bytes.extend((number as f32).to_le_bytes()),
-            Kind::Float64 => bytes.extend(number.to_le_bytes()),
-        }
+        bytes.extend(kind.bytes(number));
         found += 1;
     }
     match found == count {
@@ -336,18 +344,18 @@ fn in_words(kind: Kind, text: &str, count: usize) -> Result<Vec<u8>, String> {
     }
 }
 
-/// What an array of `size` bytes is made from: a size and bytes, or blocks of zlib behind the table of their sizes.
+/// What an array of `size` bytes is made from: a size and bytes, or compressed blocks behind the table of their sizes.
 fn blocks(source: &Source<'_>, bytes: &[u8], size: usize) -> Result<Vec<u8>, String> {
     let header = source.header;
-    let number = |place: usize| header_number(bytes, header, place);
+    let number = |place: usize| header_number(source, bytes, place);
     let other = |found: usize| format!("it has {found} bytes in place of {size}");
-    if !source.compressed {
+    let Some(compressor) = source.compressor else {
         let found = number(0)?;
         if found != size {
             return Err(other(found));
         }
         return bytes.get(header..header + size).map(<[u8]>::to_vec).ok_or_else(cut);
-    }
+    };
     let (count, whole, last) = (number(0)?, number(1)?, number(2)?);
     let found = match (count, last) {
         (0, _) => 0,
@@ -368,12 +376,60 @@ fn blocks(source: &Source<'_>, bytes: &[u8], size: usize) -> Result<Vec<u8>, Str
         start += length;
         let wanted = if block + 1 == count && last > 0 { last } else { whole };
         let end = unpacked.len() + wanted;
-        let status = Decompress::new(true).decompress_vec(packed, &mut unpacked, FlushDecompress::Finish);
-        if !matches!(status, Ok(Status::StreamEnd)) || unpacked.len() != end {
+        let is_whole = match compressor {
+            Compressor::Zlib => {
+                let status = Decompress::new(true).decompress_vec(packed, &mut unpacked, FlushDecompress::Finish);
+                matches!(status, Ok(Status::StreamEnd))
+            }
+            Compressor::Lz4 => lz4_block(packed, &mut unpacked, end).is_some(),
+        };
+        if !is_whole || unpacked.len() != end {
             return Err("a block is damaged".into());
         }
     }
     Ok(unpacked)
+}
+
+/// Unpacks a block of LZ4 behind what `unpacked` holds, up to a length of `end`; none where the block is damaged. A block is a row of
+/// sequences: a token with two lengths, literal bytes, and how far back the bytes to copy begin
+/// (<https://github.com/lz4/lz4/blob/dev/doc/lz4_Block_format.md>).
+fn lz4_block(packed: &[u8], unpacked: &mut Vec<u8>, end: usize) -> Option<()> {
+    let start = unpacked.len();
+    let mut bytes = packed.iter().copied();
+    // A length of 15 goes on in further bytes, up to one that is not 255.
+    fn length(first: u8, bytes: &mut impl Iterator<Item = u8>) -> Option<usize> {
+        let mut length = usize::from(first);
+        while first == 15 {
+            let more = bytes.next()?;
+            length += usize::from(more);
+            if more < 255 {
+                break;
+            }
+        }
+        Some(length)
+    }
+    while let Some(token) = bytes.next() {
+        let literals = length(token >> 4, &mut bytes)?;
+        if literals > end - unpacked.len() {
+            return None;
+        }
+        let before = unpacked.len();
+        unpacked.extend(bytes.by_ref().take(literals));
+        if unpacked.len() - before < literals {
+            return None;
+        }
+        // The last sequence ends behind its literals.
+        let Some(low) = bytes.next() else { return Some(()) };
+        let back = usize::from(low) | usize::from(bytes.next()?) << 8;
+        let copied = length(token & 15, &mut bytes)? + 4;
+        if back == 0 || back > unpacked.len() - start || copied > end - unpacked.len() {
+            return None;
+        }
+        for place in unpacked.len() - back..unpacked.len() - back + copied {
+            unpacked.push(unpacked[place]);
+        }
+    }
+    Some(())
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use super::process::{Run, locate};
 use super::run_folder::{RunFolder, check_pattern};
 use super::stl::stl;
 use super::{Code, CodeError, CodeName, Job, starting_grains};
-use crate::import::{Assembly, ImportError, Imported, Tables, unlike};
+use crate::import::{Assembly, ImportError, Imported, Stated, StatedColumns, Tables, unlike};
 use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
@@ -44,10 +44,15 @@ struct Description {
     contacts: Vec<String>,
     /// Names of the columns of grains, in place of those in the files.
     #[serde(default)]
-    columns: Vec<String>,
-    /// Names of the columns of contacts.
+    columns: StatedColumns,
+    /// Names of the columns of contacts: of all files, or of those that number them under one name, such as `c_pairs[1]`.
     #[serde(default)]
-    contact_columns: Vec<String>,
+    contact_columns: StatedColumns,
+    /// Number of the first grain of grains.csv in the files; the others follow as there. 0 if absent, where the code is run.
+    first_id: Option<i64>,
+    /// Material or population of the scene that each value of a column type or material stands for.
+    #[serde(default)]
+    kinds: BTreeMap<String, String>,
     /// Time step by which frames or files are numbered, s.
     time_step: Option<f64>,
     /// Time between frames that tell neither time nor step, s; files follow the numbers in their names.
@@ -158,16 +163,18 @@ impl External {
         grains: Option<&[Grain]>,
         wall_seconds: f64,
     ) -> Result<Recording, CodeError> {
-        let Description { time_step, interval, version, .. } = &self.description;
-        let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
-        let assembly = Assembly {
-            scene: job.scene,
-            code: self.name,
-            version,
-            seed: job.seed,
-            time_step: *time_step,
-            interval: *interval,
+        let stated = Stated {
+            time_step: self.description.time_step,
+            interval: self.description.interval,
+            // What is run is told to number grains as grains.csv does.
+            first_id: self.description.first_id.or(self.folders.is_none().then_some(0)),
+            seed: Some(job.seed),
+            kinds: self.description.kinds.clone(),
+            ..Stated::default()
         };
+        let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
+        let version = &self.description.version;
+        let assembly = Assembly { scene: job.scene, code: self.name, version, stated: &stated };
         let Imported { recording, mut notes } = assembly.assemble(tables).map_err(refused)?;
         self.check_times(job, &recording)?;
         self.check_grains(job, grains, &recording)?;

@@ -200,8 +200,12 @@ impl RunFrames {
         }
     }
 
-    /// Counts of a file, and the arrays whose names are wanted.
-    pub(crate) fn read_some(&self, file: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Outline, RunFolderError> {
+    /// Counts of a file, and the arrays whose sections and names are wanted.
+    pub(crate) fn read_some(
+        &self,
+        file: &Path,
+        wanted: &dyn Fn(&str, &str) -> bool,
+    ) -> Result<Outline, RunFolderError> {
         let bytes = std::fs::read(file).map_err(|error| damaged(file, error.to_string()))?;
         outline_vtk(&bytes, wanted).map_err(|problem| damaged(file, problem))
     }

@@ -3,4 +3,3 @@
 pub mod beds;
 pub mod sample;
 pub mod scaling_sample;
-pub mod turn;

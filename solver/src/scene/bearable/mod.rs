@@ -8,6 +8,7 @@ mod held;
 mod impact;
 mod memory;
 mod motion;
+mod pace;
 mod ray;
 mod shear;
 mod vain;
@@ -87,6 +88,7 @@ impl Scene {
         warnings.extend(held::fault(self, &grains, &bed));
         warnings.extend(impact::fault(self, &grains, &bed, beforehand));
         warnings.extend(shear::faults(self, &grains));
+        warnings.extend(pace::fault(self, &grains, beforehand));
         warnings
     }
 

@@ -9,7 +9,7 @@
 
 use super::{InterventionError, Interventions};
 use crate::Simulation;
-use crate::lanes::{dot, plus, times};
+use crate::lanes::{cross, dot, plus, times};
 use crate::sweep::INVERSE_INERTIA;
 use crate::world::{Body, World};
 
@@ -95,23 +95,28 @@ impl Simulation {
             return;
         }
         let (h, ledger) = (self.settings.step, self.ledger.is_some());
-        let (mut work, mut impulse) = (0.0, [0.0; 3]);
+        let (mut work, mut impulse, mut angular_impulse) = (0.0, [0.0; 3], [0.0; 3]);
         for (place, &id) in self.world.ids.iter().enumerate() {
             let body = &self.world.bodies[place];
             if let Some(force) = self.interventions.forces.get(id as usize) {
                 let [x, y, z, _] = self.world.before[place].0;
                 work += h * dot(*force, times(plus([x, y, z], body.velocity), 0.5));
                 impulse = plus(impulse, times(*force, h));
+                let centre = self.world.spheres[place].centre.into();
+                angular_impulse = plus(angular_impulse, times(cross(centre, *force), h));
             }
             if let Some(torque) = self.interventions.torques.get(id as usize) {
                 let mean = times(plus(self.interventions.spins_before[place], body.scaled_spin), 0.5);
                 work += h * dot(*torque, times(mean, body.inverse_radius));
+                angular_impulse = plus(angular_impulse, times(*torque, h));
             }
         }
         self.interventions.work = work;
         if ledger {
-            self.interventions.booked.energy += work;
-            self.interventions.booked.impulse = plus(self.interventions.booked.impulse, impulse);
+            let booked = &mut self.interventions.booked;
+            booked.energy += work;
+            booked.impulse = plus(booked.impulse, impulse);
+            booked.angular_impulse = plus(booked.angular_impulse, angular_impulse);
         }
         self.interventions.forces.clear();
         self.interventions.torques.clear();

@@ -4,13 +4,13 @@
 //! ids, with the impulses that their contacts bore, at the time that it is: what reading a checkpoint of them would give, bit for bit.
 //! Boxes are cut for the new number of grains, and the next step builds the candidate list anew.
 
-use super::InterventionError;
+use super::{Booked, InterventionError};
 use crate::Simulation;
-use crate::lanes::{minus, plus};
 use crate::scene::{GrainEntry, MOST_GRAINS, Scene};
 use crate::simulation::checkpoint::state::State;
 use crate::wall::WallsAt;
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Least and largest radius, m, as in scenes.
@@ -55,7 +55,8 @@ impl Simulation {
     ///
     /// # Errors
     /// [`InterventionError::Insertion`] if a grain is of no known material, has no sound radius or state, lies outside the domain, or overlaps
-    /// a wall or a grain by more than the scene's `largest_start_overlap` of the smaller radius; [`InterventionError::TooMany`].
+    /// a wall or a grain by more than the scene's `largest_start_overlap` of the smaller radius; [`InterventionError::Rule`] if a scene that
+    /// lists all of the grains is refused ([`Scene::check`]), as where a period is too short for them; [`InterventionError::TooMany`].
     pub fn insert(&mut self, scene: &Scene, grains: &[GrainEntry]) -> Result<Range<u32>, InterventionError> {
         let before = self.world.grains();
         let all = before + grains.len();
@@ -71,6 +72,7 @@ impl Simulation {
                 remedy,
             })?;
         }
+        self.check_rules(scene, grains)?;
         self.check_overlaps(scene, grains)?;
         if !grains.is_empty() {
             let mut state = State::of(self);
@@ -115,7 +117,7 @@ impl Simulation {
 
     /// Goes on with the grains and impulses of a state; `new_ids` tells who is who of the old ones.
     fn begin_anew(&mut self, state: &State, new_ids: &[Option<u32>], grains: usize) {
-        let (energy, momentum) = (self.energy_half_a_step_earlier().total(), self.momentum());
+        let before = Booked::of(self);
         let world = state.populate(self.world.without_grains()).expect("all numbers were checked");
         let mut next = Simulation::of_world(&self.settings, world);
         state.give_impulses(&mut next, 1.0).expect("contacts are those of grains that are there");
@@ -124,10 +126,8 @@ impl Simulation {
         *self = next;
         self.restart_stored_energy();
         if self.ledger.is_some() {
-            let (now, momentum_now) = (self.energy_half_a_step_earlier().total(), self.momentum());
-            self.interventions.booked.energy += now - energy;
-            let given = minus(momentum_now, momentum);
-            self.interventions.booked.impulse = plus(self.interventions.booked.impulse, given);
+            let after = Booked::of(self);
+            self.interventions.booked.add_change(&before, &after);
         }
         self.note_known_energy();
     }
@@ -174,6 +174,24 @@ impl Simulation {
             }
             None => Ok(()),
         }
+    }
+
+    /// Whether a scene may list the grains to insert beside those that are there, of which the largest of each material stands for all.
+    fn check_rules(&self, scene: &Scene, grains: &[GrainEntry]) -> Result<(), InterventionError> {
+        let mut largest: BTreeMap<u8, f64> = BTreeMap::new();
+        for (material, sphere) in self.world.materials[..self.world.grains()].iter().zip(&self.world.spheres) {
+            let known = largest.entry(*material).or_default();
+            *known = known.max(sphere.radius);
+        }
+        let names: Vec<&String> = scene.material.keys().collect();
+        let there = largest.into_iter().filter_map(|(material, radius)| {
+            let [position, velocity, spin] = [[0.0; 3]; 3];
+            let material = names.get(usize::from(material))?.to_string();
+            Some(GrainEntry { material, radius, position, velocity, spin })
+        });
+        let grain = there.chain(grains.iter().cloned()).collect();
+        let all = Scene { grain, population: Vec::new(), ..scene.clone() };
+        all.check().map_err(|error| InterventionError::Rule(error.to_string()))
     }
 
     /// Whether new grains have room beside those that are there and each other.

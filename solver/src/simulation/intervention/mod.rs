@@ -24,6 +24,8 @@ mod walls;
 pub use contacts::PairsInList;
 pub use states::States;
 
+use crate::Simulation;
+use crate::lanes::{minus, plus};
 use serde::{Deserialize, Serialize};
 
 /// Why an intervention was refused; the simulation stays as it was.
@@ -59,6 +61,9 @@ pub enum InterventionError {
         /// What would be right.
         remedy: &'static str,
     },
+    /// With the grains to insert, those that are there and the walls would not be a scene.
+    #[error("with the grains to insert the scene breaks a rule of scenes: {0}")]
+    Rule(String),
     /// There is no such grain.
     #[error("there is no grain {id} to remove; ids go from 0 to {} without holes", grains.saturating_sub(1))]
     NoGrain {
@@ -107,48 +112,15 @@ pub(crate) struct Interventions {
     pub count: u64,
     /// Whether there are, or may be, other grains than the scene has.
     pub other_grains: bool,
-    /// Number of each grain, by id, that no other grain of the run has or had; empty unless `other_grains`.
-    numbers: Vec<u64>,
-    /// Number of the next grain that is inserted; 0 unless `other_grains`.
-    next_number: u64,
     /// What the ledger has under `outside`.
     pub booked: Booked,
     /// Whether positions and velocities may be written from outside.
     handed_out: bool,
-    /// Energy (J) and momentum (kg m/s) when nobody had written yet; only where a ledger is kept and states were handed out.
-    known: Option<(f64, [f64; 3])>,
+    /// What there was of each when nobody had written yet; only where a ledger is kept and states were handed out.
+    known: Option<Booked>,
 }
 
 impl Interventions {
-    /// Numbers of the grains by id, which stay with them; none where no grain was inserted or removed.
-    pub fn numbers(&self) -> &[u64] {
-        &self.numbers
-    }
-
-    /// The numbers and the next one, for a checkpoint.
-    pub fn numbering(&self) -> (Vec<u64>, u64) {
-        (self.numbers.clone(), self.next_number)
-    }
-
-    /// Takes over the numbers of a checkpoint in which grains came or went.
-    pub fn renumber(&mut self, (numbers, next_number): (Vec<u64>, u64)) {
-        (self.other_grains, self.numbers, self.next_number) = (true, numbers, next_number);
-    }
-
-    /// Numbers of the grains once some have come or gone, and the next number: those that stay keep theirs.
-    fn numbers_after(&self, new_ids: &[Option<u32>], grains: usize) -> (Vec<u64>, u64) {
-        let (numbered, mut next) = (self.other_grains, self.next_number);
-        if !numbered {
-            next = new_ids.len() as u64;
-        }
-        let old = |id: usize| if numbered { self.numbers[id] } else { id as u64 };
-        let mut numbers: Vec<u64> =
-            new_ids.iter().enumerate().filter(|(_, new_id)| new_id.is_some()).map(|(id, _)| old(id)).collect();
-        let inserted = (grains - numbers.len()) as u64;
-        numbers.extend(next..next + inserted);
-        (numbers, next + inserted)
-    }
-
     /// The same once grains have come or gone; `new_ids` tells who is who of the old ones.
     fn after(&self, new_ids: &[Option<u32>], grains: usize) -> Interventions {
         let renumbered = |list: &[[f64; 3]]| {
@@ -160,10 +132,7 @@ impl Interventions {
             }
             new
         };
-        let (numbers, next_number) = self.numbers_after(new_ids, grains);
         Interventions {
-            numbers,
-            next_number,
             forces: renumbered(&self.forces),
             torques: renumbered(&self.torques),
             count: self.count + 1,
@@ -175,9 +144,28 @@ impl Interventions {
     }
 }
 
-/// Energy (J) and momentum (kg m/s) that came from outside.
+/// Energy (J), momentum (kg m/s) and angular momentum (kg m2/s) that came from outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Booked {
     pub energy: f64,
     pub impulse: [f64; 3],
+    pub angular_impulse: [f64; 3],
+}
+
+impl Booked {
+    /// What a simulation has of each.
+    fn of(simulation: &Simulation) -> Booked {
+        Booked {
+            energy: simulation.energy_half_a_step_earlier().total(),
+            impulse: simulation.momentum(),
+            angular_impulse: simulation.angular_momentum(),
+        }
+    }
+
+    /// Adds what a change from one state to another has brought.
+    fn add_change(&mut self, before: &Booked, after: &Booked) {
+        self.energy += after.energy - before.energy;
+        self.impulse = plus(self.impulse, minus(after.impulse, before.impulse));
+        self.angular_impulse = plus(self.angular_impulse, minus(after.angular_impulse, before.angular_impulse));
+    }
 }

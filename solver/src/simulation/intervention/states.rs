@@ -1,7 +1,7 @@
 //! Positions, velocities and spins as they lie in memory, to be read and written between steps.
 
+use super::Booked;
 use crate::Simulation;
-use crate::lanes::{minus, plus};
 use crate::world::{Body, Sphere};
 use std::collections::TryReserveError;
 
@@ -122,20 +122,18 @@ impl Simulation {
         }
     }
 
-    /// Energy (J) and momentum (kg m/s) that nobody has changed from outside yet, where it may be.
+    /// Keeps in mind what nobody has changed from outside yet, where it may be.
     pub(crate) fn note_known_energy(&mut self) {
         let watched = self.ledger.is_some() && self.interventions.handed_out;
-        self.interventions.known = watched.then(|| (self.energy_half_a_step_earlier().total(), self.momentum()));
+        self.interventions.known = watched.then(|| Booked::of(self));
     }
 
     /// Enters what was written since.
     fn book_what_was_written(&mut self) {
-        let Some((energy, momentum)) = self.interventions.known else { return };
+        let Some(before) = self.interventions.known else { return };
         self.note_known_energy();
-        if let Some((now, momentum_now)) = self.interventions.known {
-            self.interventions.booked.energy += now - energy;
-            let given = minus(momentum_now, momentum);
-            self.interventions.booked.impulse = plus(self.interventions.booked.impulse, given);
+        if let Some(after) = self.interventions.known {
+            self.interventions.booked.add_change(&before, &after);
         }
         self.restart_stored_energy();
     }

@@ -1,10 +1,14 @@
 //! What a ledger says when it is asked.
 
 use crate::Simulation;
+use crate::lanes::{cross, plus, times};
 use crate::simulation::energy::Energy;
+use crate::sweep::INVERSE_INERTIA;
 use serde::{Deserialize, Serialize};
 
-/// Energy (J) and momentum (kg m/s) since the ledger was opened.
+/// Energy (J), momentum (kg m/s) and angular momentum about the origin (kg m2/s) since the ledger was opened.
+///
+/// Angular momentum is that of the grains where they are, of centres and of spins. With periodic axes it is that of unwrapped coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Balance {
     /// Energy at the start; potential energy half a step earlier, as in `end`.
@@ -57,6 +61,31 @@ pub struct Balance {
     pub outside_impulse: [f64; 3],
     /// Momentum at the end that is not accounted for.
     pub momentum_closure: [f64; 3],
+    /// Angular momentum at the start.
+    #[serde(default)]
+    pub angular_momentum_start: [f64; 3],
+    /// Angular momentum at the end.
+    #[serde(default)]
+    pub angular_momentum_end: [f64; 3],
+    /// Angular impulse of gravity.
+    #[serde(default)]
+    pub gravity_angular_impulse: [f64; 3],
+    /// Angular impulse of the walls.
+    #[serde(default)]
+    pub wall_angular_impulse: [f64; 3],
+    /// Angular momentum from friction between grains, which acts on arms of full radii although centres are closer by the overlap: the
+    /// error of the method, of first order in the overlap.
+    #[serde(default)]
+    pub overlap_angular_impulse: [f64; 3],
+    /// Angular momentum from contacts across a period, whose two impulses act a period apart.
+    #[serde(default, skip_serializing_if = "are_zero")]
+    pub period_angular_impulse: [f64; 3],
+    /// Angular momentum that came with what the caller did.
+    #[serde(default, skip_serializing_if = "are_zero")]
+    pub outside_angular_impulse: [f64; 3],
+    /// Angular momentum at the end that is not accounted for.
+    #[serde(default)]
+    pub angular_momentum_closure: [f64; 3],
 }
 
 /// Nobody did anything from outside: nothing is written of it.
@@ -94,6 +123,17 @@ impl Simulation {
         let bodies = &self.world.bodies[..self.world.grains()];
         let momentum = |axis: usize| bodies.iter().map(|body| body.velocity[axis] / body.inverse_mass).sum();
         [momentum(0), momentum(1), momentum(2)]
+    }
+
+    /// Angular momentum of the grains about the origin, kg m2/s: of their centres, which count where they are and not as images inside the
+    /// domain, and of their spins.
+    pub fn angular_momentum(&self) -> [f64; 3] {
+        let grains = self.world.spheres[..self.world.grains()].iter().zip(&self.world.bodies);
+        grains.fold([0.0; 3], |sum, (sphere, body)| {
+            let orbit = cross(sphere.centre.into(), body.velocity);
+            let own = times(body.scaled_spin, sphere.radius / INVERSE_INERTIA);
+            plus(sum, times(plus(orbit, own), 1.0 / body.inverse_mass))
+        })
     }
 
     /// Energy with the potential energy of grains half a step earlier, at `x - h v/2`: without contacts no step changes it.

@@ -1,4 +1,4 @@
-//! The ledger of energy and momentum: where both come from and where they go.
+//! The ledger of energy, momentum and angular momentum: where they come from and where they go.
 //!
 //! A step changes velocities from v to v' by gravity and by impulses P at contacts. With the mean m = (v + v')/2 of any relative
 //! velocity, the kinetic energy changes by exactly `sum P . m` over contacts plus `h f . m` over bodies, the latter of which is
@@ -24,6 +24,11 @@
 //! - wall paths: a wall did not go on straight along the normal for the whole step: it turned, started, stopped or moved across.
 //!   It is the difference between the overlap with the face as it stands in the end and the one with the face at the start,
 //!   put forward along the normal at the velocity with which it took part in the solve.
+
+//!
+//! A step takes angular momentum about the origin from `sum x x m v + I w` to `sum x' x m v' + I w'`, and since `x' = x + h v'` centres count
+//! where they are at its start. Friction between grains turns each by its full radius, while their centres are only `a + b - d` apart: an
+//! impulse P that the second takes changes the sum by `-d n x P`, which has an entry of its own.
 
 mod balance;
 mod stored;
@@ -52,6 +57,7 @@ use stored::{Expectations, Expected, Stored};
 pub(crate) struct Ledger {
     start: Energy,
     momentum_start: [f64; 3],
+    angular_momentum_start: [f64; 3],
     entries: Entries,
     /// What contacts stored at the end of the last step.
     stored: Stored,
@@ -85,6 +91,15 @@ struct Entries {
     changing_gravity: f64,
     gravity_impulse: [f64; 3],
     wall_impulse: [f64; 3],
+    gravity_angular_impulse: [f64; 3],
+    wall_angular_impulse: [f64; 3],
+    overlap_angular_impulse: [f64; 3],
+    period_angular_impulse: [f64; 3],
+}
+
+/// Adds a vector to a sum.
+fn add(sum: &mut [f64; 3], vector: [f64; 3]) {
+    *sum = plus(*sum, vector);
 }
 
 /// Velocities at a contact before and after the solve, by side: grain, or wall.
@@ -97,9 +112,10 @@ impl Ledger {
     /// Opens a ledger at the present state.
     pub fn open(simulation: &Simulation) -> Ledger {
         let (start, momentum_start) = (simulation.energy_half_a_step_earlier(), simulation.momentum());
+        let angular_momentum_start = simulation.angular_momentum();
         let stored = Stored { elastic: start.elastic, cohesive: start.cohesive };
         let unlisted = simulation.candidates.built_from().is_none();
-        Ledger { start, momentum_start, stored, unlisted, ..Ledger::default() }
+        Ledger { start, momentum_start, angular_momentum_start, stored, unlisted, ..Ledger::default() }
     }
 
     /// What tangential springs took up since the ledger was opened, less what they gave back, J.
@@ -145,10 +161,11 @@ impl Ledger {
     pub fn note(&mut self, simulation: &Simulation, scheme: &NormalScheme) {
         let Simulation { world, candidates, layout, .. } = simulation;
         self.expectations.restart(world, candidates, scheme.step);
-        for body in &world.bodies[..world.grains()] {
-            for axis in 0..3 {
-                self.entries.gravity_impulse[axis] += world.gravity[axis] * scheme.step / body.inverse_mass;
-            }
+        let fall: [f64; 3] = (world.gravity * scheme.step).into();
+        for (sphere, body) in world.spheres[..world.grains()].iter().zip(&world.bodies) {
+            let impulse = times(fall, 1.0 / body.inverse_mass);
+            add(&mut self.entries.gravity_impulse, impulse);
+            add(&mut self.entries.gravity_angular_impulse, cross(sphere.centre.into(), impulse));
         }
         for (_, task) in layout.tasks() {
             self.torques_of_pairs(world, task);
@@ -162,6 +179,7 @@ impl Ledger {
                     let (contact, pull) = world.pair_contact(&candidates.pairs[source]);
                     let contact = NormalContact { velocity: dot(normal, before), ..contact };
                     let borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
+                    self.turn_pair(world, [i, j], &borne);
                     self.expectations.pairs[source] = self.contact(&borne, contact, pull, [before, after], scheme);
                 }
             }
@@ -186,7 +204,10 @@ impl Ledger {
             self.entries.resistance -= dot(one.angular_impulse, minus(one.mean_spin(), self.mean_spin(world, place)));
             // The grain bears the opposite.
             self.entries.walls += one.work();
-            self.entries.wall_impulse = minus(self.entries.wall_impulse, one.impulse());
+            let (impulse, sphere) = (times(one.impulse(), -1.0), &world.spheres[place]);
+            let point = plus(sphere.centre.into(), times(normal, sphere.radius));
+            add(&mut self.entries.wall_impulse, impulse);
+            add(&mut self.entries.wall_angular_impulse, minus(cross(point, impulse), one.angular_impulse));
         });
     }
 
@@ -199,6 +220,18 @@ impl Ledger {
         entries.turning += differences.turning;
         entries.let_go += differences.let_go;
         entries.wall_paths += differences.wall_paths;
+    }
+
+    /// Enters the angular momentum that a pair does not keep: friction acts on arms longer than the centres are apart, and across a period
+    /// the two impulses act elsewhere.
+    fn turn_pair(&mut self, world: &World, [first, second]: [usize; 2], borne: &Borne) {
+        let gap = world.pair_geometry(first, second).gap;
+        add(&mut self.entries.overlap_angular_impulse, times(cross(borne.normal, borne.tangential), gap));
+        if world.period.any() {
+            let apart = world.spheres[second].centre - world.spheres[first].centre - world.arm(first, second);
+            let impulse = plus(times(borne.normal, borne.along), borne.tangential);
+            add(&mut self.entries.period_angular_impulse, cross(apart.into(), impulse));
+        }
     }
 
     /// Mean angular velocity of a grain over the step, rad/s.
@@ -315,9 +348,10 @@ impl Simulation {
 
     /// The balance since the ledger was opened; absent if it was not.
     pub fn balance(&self) -> Option<Balance> {
-        let Ledger { start, momentum_start, entries, .. } = self.ledger.as_ref()?;
+        let Ledger { start, momentum_start, angular_momentum_start, entries, .. } = self.ledger.as_ref()?;
         let outside = self.interventions.booked;
         let (end, momentum_end) = (self.energy_half_a_step_earlier(), self.momentum());
+        let angular_momentum_end = self.angular_momentum();
         let balance = Balance {
             start: *start,
             end,
@@ -345,6 +379,22 @@ impl Simulation {
                     - entries.gravity_impulse[axis]
                     - entries.wall_impulse[axis]
                     - outside.impulse[axis]
+            }),
+            angular_momentum_start: *angular_momentum_start,
+            angular_momentum_end,
+            gravity_angular_impulse: entries.gravity_angular_impulse,
+            wall_angular_impulse: entries.wall_angular_impulse,
+            overlap_angular_impulse: entries.overlap_angular_impulse,
+            period_angular_impulse: entries.period_angular_impulse,
+            outside_angular_impulse: outside.angular_impulse,
+            angular_momentum_closure: std::array::from_fn(|axis| {
+                angular_momentum_end[axis]
+                    - angular_momentum_start[axis]
+                    - entries.gravity_angular_impulse[axis]
+                    - entries.wall_angular_impulse[axis]
+                    - entries.overlap_angular_impulse[axis]
+                    - entries.period_angular_impulse[axis]
+                    - outside.angular_impulse[axis]
             }),
         };
         Some(Balance { closure: end.total() - start.total() - balance.gained() + balance.lost(), ..balance })

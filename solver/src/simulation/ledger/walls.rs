@@ -3,7 +3,7 @@
 use crate::Simulation;
 use crate::detect::WallCandidate;
 use crate::groups::WallGroup;
-use crate::lanes::{dot, minus, plus, times};
+use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use nalgebra::Vector3;
 
 /// A contact with a wall as the last step laid it out and solved it.
@@ -17,7 +17,7 @@ pub(crate) struct WallContact<'a> {
     pub pull: f64,
     /// Angular impulse on the wall, N m s.
     pub angular_impulse: [f64; 3],
-    /// Velocities of the wall at the contact when the step began and in the end, m/s: two only where it is driven.
+    /// Velocities of the wall at the contact when the step began and in the end, m/s: two only where it is driven or turns.
     pub velocities: [[f64; 3]; 2],
     /// Angular velocities of the wall, as above, rad/s.
     pub spins: [[f64; 3]; 2],
@@ -63,6 +63,10 @@ pub(crate) struct WallImpulse {
     pub impulse: [f64; 3],
     /// Velocity of the wall at the contact, m/s.
     pub wall_velocity: [f64; 3],
+    /// Centre of the grain at the start of the step, m.
+    pub centre: [f64; 3],
+    /// Where the impulse acts on the grain, from its centre, m: zero where it does not turn it.
+    pub arm: [f64; 3],
     /// By how much the grain ends the step elsewhere than where its velocity after the impulse takes it from the start of the
     /// step, `x' - x - h v'`, m.
     pub shift: [f64; 3],
@@ -80,15 +84,18 @@ impl Simulation {
                 let (pulls, torques) = (groups.wall_pulls.get(number), groups.wall_torques.get(number));
                 for (lane, source) in sources.occupied() {
                     let after = std::array::from_fn(|axis| group.wall_velocity[axis].0[lane]);
+                    let drift = |lanes: &[Eight; 3]| std::array::from_fn(|axis| lanes[axis].0[lane]);
+                    let drift: [f64; 3] = groups.wall_drifts.get(number).map_or([0.0; 3], drift);
                     let spin = torques.map_or([0.0; 3], |lanes| [0, 1, 2].map(|axis| lanes.wall_spin[axis].0[lane]));
                     let own = driven.next_if(|one| {
                         (one.task, one.group as usize, one.lane as usize) == (task.number, number, lane)
                     });
-                    // A driven wall has another velocity before its impulses.
-                    let (before, spin_before) = own.map_or((after, spin), |one| {
+                    // A driven wall has another velocity before its impulses; one that turns comes along the chord of the step before.
+                    let (before, spin_before) = own.map_or((minus(after, times(drift, 2.0)), spin), |one| {
                         let drive = &world.drives[one.drive as usize];
                         let turning = if torques.is_some() { drive.turning() } else { Vector3::zeros() };
-                        (times(one.jacobian, drive.rate_before), (turning * drive.rate_before).into())
+                        let before = minus(times(one.jacobian, drive.rate_before), one.drift);
+                        (before, (turning * drive.rate_before).into())
                     });
                     visit(&WallContact {
                         source,
@@ -117,7 +124,7 @@ impl Simulation {
     /// Takes account of an impulse that a wall gives a grain once the ledger has noted the solve, and before the grains have moved:
     /// its work, for ledger and watchdogs, and what of it goes to restitution and friction.
     pub(crate) fn book_wall_impulse(&mut self, one: &WallImpulse) {
-        let WallImpulse { mass, normal, before, after, impulse, wall_velocity, shift } = *one;
+        let WallImpulse { mass, normal, before, after, impulse, wall_velocity, centre, arm, shift } = *one;
         let (gravity, h) = (<[f64; 3]>::from(self.world.gravity), self.settings.step);
         let work = dot(impulse, wall_velocity);
         self.work_outside_of_the_solve += work;
@@ -131,6 +138,7 @@ impl Simulation {
         entries.friction += dot(minus(impulse, times(normal, along)), mean);
         entries.stabilisation += mass * dot(gravity, shift);
         entries.wall_impulse = plus(entries.wall_impulse, impulse);
+        entries.wall_angular_impulse = plus(entries.wall_angular_impulse, cross(plus(centre, arm), impulse));
     }
 }
 
@@ -154,10 +162,9 @@ mod tests {
         let (h, body) = (simulation.settings.step, &mut simulation.world.bodies[0]);
         let (old, mass) = (*body, 1.0 / body.inverse_mass);
         body.velocity = plus(body.velocity, times(impulse, body.inverse_mass));
-        let turned = times(crate::lanes::cross(normal, impulse), 2.5 * body.inverse_mass);
+        let turned = times(cross(normal, impulse), 2.5 * body.inverse_mass);
         body.scaled_spin = plus(body.scaled_spin, turned);
-        let relative =
-            |body: &crate::world::Body| minus(wall, plus(body.velocity, crate::lanes::cross(body.scaled_spin, normal)));
+        let relative = |body: &crate::world::Body| minus(wall, plus(body.velocity, cross(body.scaled_spin, normal)));
         let booked = WallImpulse {
             mass,
             normal,
@@ -165,6 +172,8 @@ mod tests {
             after: relative(body),
             impulse,
             wall_velocity: wall,
+            centre: simulation.world.spheres[0].centre.into(),
+            arm: times(normal, simulation.world.spheres[0].radius),
             shift: times(minus(old.velocity, body.velocity), h),
         };
         simulation.book_wall_impulse(&booked);
@@ -172,6 +181,7 @@ mod tests {
         assert!((balance.walls - dot(impulse, wall)).abs() < 1e-15 && balance.restitution > 0.0, "{balance:#?}");
         assert!(balance.closure.abs() < 1e-12 * balance.exchanged(), "{balance:#?}");
         assert!(balance.momentum_closure.iter().all(|open| open.abs() < 1e-15), "{balance:#?}");
+        assert!(balance.angular_momentum_closure.iter().all(|open| open.abs() < 1e-15), "{balance:#?}");
         assert_eq!(simulation.work_of_walls(), balance.walls);
         simulation.step();
         assert!(simulation.balance().unwrap().closure.abs() < 1e-12 * balance.exchanged());

@@ -1,7 +1,8 @@
 //! Arguments of the commands that take frames of any code.
 
 use super::shared::{CodeRunArguments, SourceArguments};
-use super::values::positive;
+use super::values::{kind, positive};
+use crate::import::StatedColumns;
 use crate::peers::CodeName;
 use crate::scenes::Change;
 use clap::Args;
@@ -10,7 +11,8 @@ use std::path::PathBuf;
 /// Arguments of `makadam measure`.
 #[derive(Debug, Args)]
 pub struct MeasureArguments {
-    /// Files of grains: dumps of LIGGGHTS or LAMMPS, VTK or text of YADE, CSV, VTKHDF; or the folder of a run of Makadam.
+    /// Files of grains: dumps of LIGGGHTS or LAMMPS, VTK or text of YADE, CSV, VTKHDF, plain or packed by gzip; or the folder of a run of
+    /// Makadam; or a manifest (.toml) that names the files of a run and states what they do not say.
     #[arg(required = true, value_name = "FILES")]
     pub grains: Vec<PathBuf>,
     /// Scene that was simulated: a file, a name (see `makadam scenes`), or - for standard input.
@@ -23,20 +25,29 @@ pub struct MeasureArguments {
     #[arg(long, num_args = 1.., value_name = "FILES")]
     pub contacts: Vec<PathBuf>,
     /// Names of the columns of grains in place of those in the files, such as id,_,x,y,z,radius; _ for what is not wanted.
-    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
-    pub columns: Vec<String>,
-    /// Names of the columns of contacts, such as first,second,_,fx,fy,fz,px,py,pz.
-    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
-    pub contact_columns: Vec<String>,
+    #[arg(long, value_name = "NAMES")]
+    pub columns: Vec<StatedColumns>,
+    /// Names of the columns of contacts, such as first,second,_,fx,fy,fz,px,py,pz; with a name and a colon before them those of the columns
+    /// that files number under it: c_pairs:first,second,_,fx,fy,fz for c_pairs[1] to c_pairs[6]. Can be given several times.
+    #[arg(long, value_name = "NAMES")]
+    pub contact_columns: Vec<StatedColumns>,
     /// Time step (s) of frames or files that are numbered by steps.
     #[arg(long, value_parser = positive)]
     pub time_step: Option<f64>,
     /// Time (s) between frames that tell neither time nor step; the first is at 0, and files follow the numbers in their names.
     #[arg(long, value_parser = positive, conflicts_with = "time_step")]
     pub interval: Option<f64>,
-    /// Seed of the initial positions: of the grains whose radii are taken where files have none; if absent, the scene's.
+    /// Number in the files of the scene's first grain, where they number grains as the scene does: listed ones first, then each
+    /// population.
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub first_id: Option<i64>,
+    /// Seed by which the grains were placed as the scene places them; with --first-id it states radii that the files lack.
     #[arg(long)]
     pub seed: Option<u64>,
+    /// Material of the scene, or population (population.0), that each value of a column type or material stands for, such as
+    /// 1=glass,2=steel.
+    #[arg(long, value_delimiter = ',', value_name = "VALUE=NAME", value_parser = kind)]
+    pub kinds: Vec<(String, String)>,
     /// Name of the code that left the frames.
     #[arg(long, default_value = "frames")]
     pub name: String,

@@ -120,6 +120,14 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A value of a file, and the name that it stands for.
+pub(super) fn kind(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=').map(|(value, name)| (value.trim(), name.trim())) {
+        Some((value, name)) if !value.is_empty() && !name.is_empty() => Ok((value.into(), name.into())),
+        _ => Err("give VALUE=NAME, such as 1=glass".into()),
+    }
+}
+
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1e9).contains(&value) => Ok(value),

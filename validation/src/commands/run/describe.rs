@@ -119,7 +119,8 @@ fn ledger(balance: &Balance) -> String {
          lost to          friction {:.4e}, restitution {:.4e}, stabilisation {:.4e} J{resistance}{released}\n\
          gained from      walls {:.4e}, overlap at first touch {:.4e}{changes}, normals that turned {:.4e}{paths} J; \
          closure error {:.2e} J\n\
-         momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; closure error {:.2e} kg m/s\n",
+         momentum         gravity gave {:.4e}, walls {:.4e} kg m/s; closure error {:.2e} kg m/s\n\
+         angular momentum gravity gave {:.4e}, walls {:.4e}, overlaps {:.4e} kg m2/s; closure error {:.2e} kg m2/s\n",
         states.join(", "),
         balance.friction,
         balance.restitution,
@@ -131,5 +132,9 @@ fn ledger(balance: &Balance) -> String {
         size(balance.gravity_impulse),
         size(balance.wall_impulse),
         size(balance.momentum_closure),
+        size(balance.gravity_angular_impulse),
+        size(balance.wall_angular_impulse),
+        size(balance.overlap_angular_impulse),
+        size(balance.angular_momentum_closure),
     )
 }

@@ -80,7 +80,7 @@ fn contacts_count_no_more_frames_than_grains() {
         let contacts: Vec<_> = names.iter().map(|name| contact(name)).collect();
         let found = tables(&grains, &contacts).unwrap();
         let interval = Some(INTERVAL);
-        Assembly { scene: &scene, code: "frames", version: "", seed: 1, time_step: None, interval }.assemble(&found)
+        stated(&scene, &found, &Stated { interval, ..Stated::default() })
     };
     assert!(counted(&["c_0.csv", "c_1.csv"]).is_ok());
     let error = counted(&["c_0.csv", "c_1.csv", "c_2.csv"]).unwrap_err().to_string();

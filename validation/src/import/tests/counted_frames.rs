@@ -9,7 +9,7 @@ fn frames_that_are_counted_follow_the_numbers_of_their_files() {
         |name: &str, frame: usize| -> (&'static str, String) { (format!("{name}{frame}.csv").leak(), marked(frame)) };
     let counted = |tables: &Tables| {
         let interval = Some(INTERVAL);
-        Assembly { scene: &scene, code: "frames", version: "", seed: 1, time_step: None, interval }.assemble(tables)
+        stated(&scene, tables, &Stated { interval, ..Stated::default() })
     };
     // As a shell gives them: 1, 10, 11, 2, ...
     let names = |name: &str| {
@@ -52,7 +52,7 @@ fn decimals_in_the_names_of_frames_are_no_numbers_of_their_own() {
     let names = ["f_0.0.csv", "f_0.05.csv", "f_0.1.csv", "f_0.15.csv", "f_0.2.csv"];
     let found = tables(&files_of_frames(&names), &[]).unwrap();
     let given = |time_step: Option<f64>, interval: Option<f64>, found: &Tables| {
-        Assembly { scene: &scene, code: "frames", version: "", seed: 1, time_step, interval }.assemble(found)
+        stated(&scene, found, &Stated { time_step, interval, ..Stated::default() })
     };
     let imported = given(None, Some(0.05), &found).unwrap();
     assert_eq!(heights(&imported), [0.0, 1.0, 2.0, 3.0, 4.0]);
@@ -74,8 +74,7 @@ fn gaps_in_counted_files_are_noted() {
     let noted = |names: &[&'static str]| {
         let found = tables(&files_of_frames(names), &[]).unwrap();
         let interval = Some(INTERVAL);
-        let assembly = Assembly { scene: &scene, code: "frames", version: "", seed: 1, time_step: None, interval };
-        let notes = assembly.assemble(&found).unwrap().notes;
+        let notes = stated(&scene, &found, &Stated { interval, ..Stated::default() }).unwrap().notes;
         notes
             .iter()
             .any(|note| note.starts_with("the numbers in the names of files, from f_0.csv to f_3.csv, are not evenly"))

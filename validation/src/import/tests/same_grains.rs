@@ -29,7 +29,7 @@ fn height(imported: &Imported, id: u32) -> f64 {
 }
 
 #[test]
-fn numbers_from_0_or_1_and_those_whose_radii_fit_are_the_scene_s() {
+fn kinds_of_different_sizes_are_told_apart_by_radius_whatever_their_numbers() {
     let back = |frame: usize, place: usize| if frame == 0 { place } else { 99 - place };
     for number in [&|grain| grain as i64, &|grain| grain as i64 + 1, &|grain| grain as i64 * 3 + 1000]
         as [&dyn Fn(usize) -> i64; 3]
@@ -38,19 +38,13 @@ fn numbers_from_0_or_1_and_those_whose_radii_fit_are_the_scene_s() {
         assert_eq!([0, 49, 50, 99].map(|id| height(&imported, id)), [0.0, 49.0, 50.0, 99.0]);
         assert!(imported.notes.is_empty(), "{:?}", imported.notes);
     }
+    // Counted down: the large ones come first, and are the second population all the same.
+    let imported = two_kinds(&|grain| 99 - grain as i64, &|_, place| place).unwrap();
+    assert_eq!([0, 49, 50, 99].map(|id| height(&imported, id)), [49.0, 0.0, 99.0, 50.0]);
 }
 
 #[test]
-fn kinds_that_numbers_do_not_tell_apart_are_refused() {
-    for number in [&|grain| 99 - grain as i64, &|grain| (grain as i64 + 1) % 100 + 7] as [&dyn Fn(usize) -> i64; 2] {
-        let error = two_kinds(number, &|_, place| place).unwrap_err().to_string();
-        assert!(error.contains("a.csv: line 2") && error.contains("of several kinds"), "{error}");
-        assert!(error.contains("has a radius of") && error.contains("number them from 0"), "{error}");
-    }
-}
-
-#[test]
-fn a_listed_grain_keeps_its_number_where_others_are_missing() {
+fn a_listed_grain_is_told_apart_by_radius_where_others_are_missing() {
     let (mut scene, _) = packing();
     scene.population[0].count = 3;
     scene.grain = vec![
@@ -58,18 +52,21 @@ fn a_listed_grain_keeps_its_number_where_others_are_missing() {
             .unwrap(),
     ];
     let small = scene.population[0].radius.bounds().0;
-    let read = |rows: &[(i64, f64)]| {
+    let read = |rows: &[(i64, f64)], first_id: Option<i64>| {
         let row = |(id, radius): &(i64, f64)| format!("{id},0,0,{id},{radius}\n");
         let text = format!("id,x,y,z,r\n{}", rows.iter().map(row).collect::<String>());
-        assembled(&scene, &tables(&[("a.csv", text)], &[]).unwrap())
+        stated(&scene, &tables(&[("a.csv", text)], &[]).unwrap(), &Stated { first_id, ..Stated::default() })
     };
     let ids =
         |imported: Imported| imported.recording.frames[0].particles.iter().map(|grain| grain.id).collect::<Vec<_>>();
-    assert_eq!(ids(read(&[(1, small), (2, small), (3, small)]).unwrap()), [1, 2, 3], "the listed one has left");
-    assert_eq!(ids(read(&[(1, 0.02), (2, small), (3, small)]).unwrap()), [0, 1, 2], "they are counted from 1");
-    // Numbered behind the others, it would be taken for one of them.
-    let error = read(&[(0, small), (1, small), (2, small), (1000, 0.02)]).unwrap_err().to_string();
-    assert!(error.contains("4 are numbered from 0 to 1000, and grain 0 has a radius of"), "{error}");
+    assert_eq!(ids(read(&[(1, small), (2, small), (3, small)], None).unwrap()), [1, 2, 3], "the listed one has left");
+    assert_eq!(ids(read(&[(1, 0.02), (2, small), (3, small)], None).unwrap()), [0, 1, 2]);
+    assert_eq!(ids(read(&[(0, small), (1, small), (2, small), (1000, 0.02)], None).unwrap()), [0, 1, 2, 3]);
+    // Where numbers are stated to be the scene's, a radius that contradicts them is refused.
+    let error = read(&[(1, small), (2, small)], Some(1)).unwrap_err().to_string();
+    assert!(error.contains("a.csv: line 2: grain 1 has a radius of"), "{error}");
+    let error = read(&[(1, 0.5)], None).unwrap_err().to_string();
+    assert!(error.contains("grain 1 has a radius of 0.5 m, and the scene has no such grain"), "{error}");
 }
 
 #[test]
@@ -81,7 +78,7 @@ fn rows_without_numbers_are_the_same_grains_in_all_frames() {
     };
     let read = |text: String| assembled(&scene, &tables(&[("a.csv", text)], &[]).unwrap());
     let notes = read(text([1.0, 1.01])).unwrap().notes;
-    assert!(notes[0].starts_with("grains have no numbers (a column id)"), "{notes:?}");
+    assert!(notes.iter().any(|note| note.starts_with("grains have no numbers (a column id)")), "{notes:?}");
     let error = read(text([1.01, 1.0])).unwrap_err().to_string();
     assert!(
         error.contains("row 0 has a radius of 1.01 m at 0.4 s, and of 1 m before: rows are in another order"),

@@ -19,7 +19,7 @@ fn a_row_that_may_be_cut_off_is_refused() {
     let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS id x y z\n1 0 0 5.07";
     let error = refused(&[("a.dump", dump)], &[]);
     assert!(error.contains("a.dump: line 10: the last row has no line end"), "{error}");
-    assert!(parse(Path::new("a.csv"), b"x,y\r\n1,2\r\n".to_vec()).is_ok());
+    assert!(parse(Path::new("a.csv"), b"x,y\r\n1,2\r\n".to_vec(), &StatedColumns::default()).is_ok());
 }
 
 #[test]
@@ -46,9 +46,8 @@ fn contacts_counted_from_another_frame_are_refused() {
     let grains = files("g", 4, GRAINS_APART);
     let assembled = |first: usize| {
         let contacts = files("c", first, "first,second,fx,fy,fz\n1,2,0,0,-1\n");
-        let assembly =
-            Assembly { scene: &scene, code: "frames", version: "", seed: 1, time_step: None, interval: Some(0.02) };
-        assembly.assemble(&tables(&grains, &contacts).unwrap())
+        let counted = Stated { interval: Some(0.02), ..Stated::default() };
+        stated(&scene, &tables(&grains, &contacts).unwrap(), &counted)
     };
     assert!(assembled(4).is_ok());
     let error = assembled(3).unwrap_err().to_string();
@@ -87,9 +86,9 @@ fn a_file_that_is_given_under_two_names_is_refused() {
     std::fs::write(&file, "first,wall,fx,fy,fz,px,py,pz\n").unwrap();
     std::os::unix::fs::symlink(&file, &link).unwrap();
     let mut tables = Tables::default();
-    tables.add_contacts(&file, &[]).unwrap();
+    tables.add_contacts(&file, &StatedColumns::default()).unwrap();
     for other in [link, folder.path().join(".").join("walls.csv")] {
-        let error = tables.add_contacts(&other, &[]).unwrap_err().to_string();
+        let error = tables.add_contacts(&other, &StatedColumns::default()).unwrap_err().to_string();
         assert!(error.contains("given twice"), "{error}");
     }
 }
@@ -107,7 +106,7 @@ fn a_vtk_file_of_several_pieces_is_refused() {
         let pieces: String = pieces.iter().map(|points| piece(points)).collect();
         let text =
             format!("<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>{pieces}</UnstructuredGrid></VTKFile>");
-        parse(Path::new("a.vtu"), text.into_bytes())
+        parse(Path::new("a.vtu"), text.into_bytes(), &StatedColumns::default())
     };
     assert_eq!(file(&["0 0 0 1 1 1"]).unwrap()[0].rows().count(), 2);
     assert_eq!(file(&["", "0 0 0 1 1 1"]).unwrap()[0].rows().count(), 2, "empty pieces are none");
@@ -121,9 +120,9 @@ fn fields_of_legacy_vtk_files_are_columns() {
         let text = format!(
             "# vtk DataFile Version 5.1\nLIGGGHTS\nASCII\nDATASET POLYDATA\nFIELD FieldData 1\nTIME 1 1 double\n0.5\nPOINTS 2 float\n\
              1 2 3 4 5 6\nMETADATA\nINFORMATION 2\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 17\n\nVERTICES 3 2\nOFFSETS \
-             vtktypeint64\n0 1 2\nPOINT_DATA 2\n{arrays}"
+             vtktypeint64\n0 1 2\nCONNECTIVITY vtktypeint64\n0 1\nPOINT_DATA 2\n{arrays}"
         );
-        parse(Path::new("a.vtk"), text.into_bytes())
+        parse(Path::new("a.vtk"), text.into_bytes(), &StatedColumns::default())
     };
     let two = "FIELD FieldData 2\nradius 1 2 double\n0.5 0.25\nMETADATA\nINFORMATION 0\n\nv 3 2 float\n1 2 3 4 5 6\n";
     let frames = file(two).unwrap();
@@ -136,7 +135,7 @@ fn fields_of_legacy_vtk_files_are_columns() {
     let error = file("POINT_DATA 3\n").unwrap_err().to_string();
     assert!(error.contains("data of 3 points, and there are 2"), "{error}");
     for (arrays, words) in [
-        ("FIELD FieldData 1\nname 1 2 string\na\nb\n", "name has 2 rows of string"),
+        ("FIELD FieldData 1\nid 1 2 string\na\nb\n", "id has 2 rows of string"),
         ("FIELD FieldData 1\nradius 1 3 double\n1 2 3\n", "radius has 3 rows of double, and there are 2 points"),
         ("FIELD FieldData many\n", "no number of arrays"),
         ("FIELD FieldData 1\nradius one 2 double\n1 2\n", "'one' is no number of components"),

@@ -1,7 +1,7 @@
 //! Frames that exist: a folder for each seed, read as what a code has left.
 
 use super::{Description, DescriptionError, External, folder_of, read_description, unknown};
-use crate::import::{ImportError, Tables};
+use crate::import::{ImportError, StatedColumns, Tables};
 use crate::peers::CodeError;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,10 @@ impl Description {
             command: Vec::new(),
             grains: vec!["*".into()],
             contacts: Vec::new(),
-            columns: Vec::new(),
-            contact_columns: Vec::new(),
+            columns: StatedColumns::default(),
+            contact_columns: StatedColumns::default(),
+            first_id: None,
+            kinds: BTreeMap::new(),
             time_step: None,
             interval: None,
         }
@@ -67,7 +69,7 @@ impl External {
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
         let mut tables = Tables::default();
         if folder.join("run.json").is_file() {
-            tables.add_grains(folder, &[]).map_err(refused)?;
+            tables.add_grains(folder, &StatedColumns::default()).map_err(refused)?;
             return Ok(tables);
         }
         let files = |pattern: &str| {

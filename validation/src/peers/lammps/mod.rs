@@ -111,8 +111,21 @@ fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
     let files = deck::files(scene, &grains, &surfaces, &plan, job.purpose).map_err(unsupported)?;
     super::write_files(job.work_folder, files)?;
     let told = if job.purpose == Purpose::Measuring { &surfaces[..] } else { &[] };
-    let dumps = dump_names(scene, &grains, told).collect();
+    let dumps: Vec<String> = dump_names(scene, &grains, told).collect();
+    if job.purpose == Purpose::Measuring {
+        super::write_files(job.work_folder, vec![("frames.toml".to_string(), manifest(job.seed, &plan, &dumps))])?;
+    }
     Ok(Input { grains, largest_step, plan, dumps })
+}
+
+/// What the dumps of a run do not state themselves, for `makadam measure`.
+fn manifest(seed: u64, plan: &Plan, dumps: &[String]) -> String {
+    let contacts: Vec<&String> = dumps.iter().filter(|name| *name != "grains.dump").collect();
+    format!(
+        "# Frames of this run: makadam measure frames.toml --scene SCENE\ngrains = [\"grains.dump\"]\ncontacts = {contacts:?}\n\
+         time-step = {:e}\nfirst-id = 1\nseed = {seed}\n",
+        plan.time_step
+    )
 }
 
 /// The version in the words "... Massively Parallel Simulator - 22 Jul 2025 - Update 4", without the dashes.

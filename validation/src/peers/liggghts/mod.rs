@@ -133,7 +133,24 @@ fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
     let files =
         deck::files(&scene, &grains, &walls, &plan).map_err(|reason| CodeError::Unsupported { code: NAME, reason })?;
     super::write_files(job.work_folder, files)?;
+    if job.purpose == Purpose::Measuring {
+        super::write_files(job.work_folder, vec![("frames.toml".to_string(), manifest(job.seed, &plan, &walls))])?;
+    }
     Ok(Input { grains, plan, walls, turn })
+}
+
+/// What the dumps of a run do not state themselves, for `makadam measure`: its local computes have no names of columns.
+fn manifest(seed: u64, plan: &Plan, walls: &Walls) -> String {
+    let dumps = if walls.are_told() { "\"pairs.dump\", \"walls.dump\"" } else { "\"pairs.dump\"" };
+    let meshes: Vec<usize> = walls.meshes.iter().map(|(wall, _)| *wall).collect();
+    let list = |names: &str| names.split(',').map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+    format!(
+        "# Frames of this run: makadam measure frames.toml --scene SCENE\ngrains = [\"grains.dump\"]\ncontacts = [{dumps}]\n\
+         time-step = {:e}\nfirst-id = 1\nseed = {seed}\nwalls = {meshes:?}\n\n[contact-columns]\nc_pairs = [{}]\nc_walls = [{}]\n",
+        plan.time_step,
+        list("first,second,_,fx,fy,fz,px,py,pz"),
+        list("px,py,pz,_,_,_,wall,_,first,fx,fy,fz")
+    )
 }
 
 /// The version in the words "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled ...".

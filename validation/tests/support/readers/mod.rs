@@ -10,7 +10,7 @@ use makadam::checkpoint::seal;
 use makadam::scene::{Grain, Region, Stop, populate};
 use makadam::snapshot::Snapshot;
 use makadam_validation::compare::Reference;
-use makadam_validation::import::{Assembly, Tables, parse, read_dump};
+use makadam_validation::import::{Assembly, Stated, StatedColumns, Tables, parse, read_dump};
 use makadam_validation::observables::{force_distribution, measure, series};
 use makadam_validation::peers::liggghts::{self, loop_seconds};
 use makadam_validation::peers::{lammps, yade};
@@ -229,7 +229,7 @@ fn liggghts_frames(bytes: &[u8]) -> bool {
 /// Files of any code: a document is read by itself, as grains and as contacts, and what comes of it is measured.
 fn foreign_frames(bytes: &[u8]) -> bool {
     let file = Path::new("fuzzed-3.frames");
-    let frames = match parse(file, bytes.to_vec()) {
+    let frames = match parse(file, bytes.to_vec(), &StatedColumns::default()) {
         Ok(frames) => frames,
         Err(error) => {
             let message = error.to_string();
@@ -237,8 +237,8 @@ fn foreign_frames(bytes: &[u8]) -> bool {
             return refused(&message);
         }
     };
-    let assembly =
-        Assembly { scene: &WALLED, code: "fuzzed", version: "", seed: 1, time_step: Some(0.05), interval: None };
+    let stated = Stated { time_step: Some(0.05), ..Stated::default() };
+    let assembly = Assembly { scene: &WALLED, code: "fuzzed", version: "", stated: &stated };
     let rows: usize = frames.iter().map(|frame| frame.rows().count()).sum();
     if rows > 10_000 {
         return true;

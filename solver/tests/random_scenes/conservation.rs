@@ -1,0 +1,132 @@
+//! Energy, momentum and angular momentum of scenes with all effects: the ledger accounts for each to rounding, and a scene seen from a
+//! frame that moves, or in a mirror, moves as the scene.
+
+use super::scene::{Container, Drawn, Solves, components, scenes};
+use makadam::Simulation;
+use makadam::scene::Scene;
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+type Vector = Vector3<f64>;
+
+/// Steps of a run whose ledger is kept.
+const STEPS: usize = 200;
+
+/// What of exchanged energies and momenta rounding leaves open, of sums over some thousand contacts.
+const OPEN: f64 = 1e-10;
+
+/// A scene with more effects than those that all drawn scenes have.
+#[derive(Clone, Debug)]
+pub struct WithEffects {
+    drawn: Drawn,
+    /// Coefficient of kinetic friction over that of friction.
+    kinetic: Option<f64>,
+    rolling: f64,
+    twisting: f64,
+    /// Cohesive force over the weight of a grain of 5 mm, and its range, m.
+    cohesion: Option<(f64, f64)>,
+    spring: bool,
+}
+
+pub fn with_effects(most: usize) -> impl Strategy<Value = WithEffects> {
+    let kinetic = prop_oneof![Just(None), (0.0..1.0_f64).prop_map(Some)];
+    let coefficient = || prop_oneof![Just(0.0), 0.0..0.5_f64];
+    let cohesion = prop_oneof![Just(None), (0.1..20.0_f64, 0.0..1e-4_f64).prop_map(Some)];
+    (scenes(most), kinetic, coefficient(), coefficient(), cohesion, any::<bool>()).prop_map(
+        |(drawn, kinetic, rolling, twisting, cohesion, spring)| {
+            let spring = spring && drawn.youngs_modulus.is_some();
+            WithEffects { drawn, kinetic, rolling, twisting, cohesion, spring }
+        },
+    )
+}
+
+impl WithEffects {
+    fn start(&self, solves: Solves) -> Simulation {
+        let mut effects = format!("rolling_friction = {:?}\ntwisting_friction = {:?}\n", self.rolling, self.twisting);
+        if let Some(share) = self.kinetic {
+            effects += &format!("kinetic_friction = {:?}\n", share * self.drawn.friction);
+        }
+        if let Some((weights, range)) = self.cohesion {
+            let force = weights * 0.0128;
+            effects += &format!("cohesion = {{ kind = 'constant', force = {force:?}, range = {range:?} }}\n");
+        }
+        let spring = if self.spring { "tangential_law = { kind = 'spring' }\n" } else { "" };
+        let text = self.drawn.text(solves).replace("[solver]\n", &format!("{effects}[solver]\n{spring}"));
+        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        Simulation::new(&scene, 1).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    }
+}
+
+/// Size of all momenta, kg m/s.
+fn momentum(drawn: &Drawn, simulation: &Simulation) -> f64 {
+    let particles = simulation.snapshot().particles;
+    particles.iter().enumerate().map(|(grain, one)| drawn.mass(grain) * Vector::from(one.velocity).norm()).sum()
+}
+
+/// The ledger of each step; returns the steps, and how many of them had contacts.
+pub fn check_ledger(scene: &WithEffects) -> Result<[u64; 2], TestCaseError> {
+    let mut simulation = scene.start(Solves::Usual);
+    simulation.open_ledger();
+    let (mut size, mut bearing) = (momentum(&scene.drawn, &simulation), 0);
+    for step in 1..=STEPS {
+        bearing += u64::from(simulation.step().contacts > 0);
+        size += momentum(&scene.drawn, &simulation);
+        let balance = simulation.balance().expect("it is kept");
+        let scale = balance.exchanged() + balance.start.kinetic + balance.end.kinetic + balance.start.potential.abs();
+        prop_assert!(balance.closure.abs() <= OPEN * scale, "step {step}: {:e} of {scale:e} J open", balance.closure);
+        let open = Vector::from(balance.momentum_closure).norm();
+        prop_assert!(open <= OPEN * size, "step {step}: {open:e} of {size:e} kg m/s open");
+        // No lever is longer than a metre.
+        let open = Vector::from(balance.angular_momentum_closure).norm();
+        prop_assert!(open <= OPEN * size, "step {step}: {open:e} of {size:e} kg m2/s open");
+    }
+    Ok([STEPS as u64, bearing])
+}
+
+/// Grains among themselves, whose contacts are solved to the end, in a frame that moves: every step leads to the same state.
+///
+/// A step of compliant contacts with moderate friction has one solution; elsewhere Coulomb's law may have several.
+pub fn check_boost(scene: &WithEffects, boost: Vector) -> Result<[u64; 2], TestCaseError> {
+    let still = WithEffects {
+        drawn: Drawn {
+            container: Container::None,
+            friction: 0.5 * scene.drawn.friction.min(1.0),
+            ..scene.drawn.clone()
+        },
+        ..scene.clone()
+    };
+    let mut run = still.start(Solves::Usual);
+    let mut counts = [0; 2];
+    for step in 0..STEPS {
+        let state = run.snapshot();
+        run.step();
+        if step % 8 != 0 || run.snapshot().contacts.is_empty() {
+            continue;
+        }
+        let Some(here) = still.drawn.starting_at(&state) else { break };
+        let mut moved = here.clone();
+        moved.grains.iter_mut().for_each(|grain| grain.velocity += boost);
+        let [one, other] = [here, moved].map(|drawn| {
+            let mut simulation = WithEffects { drawn, ..still.clone() }.start(Solves::Converged);
+            let report = simulation.step();
+            (simulation.snapshot(), report.solve.is_converged())
+        });
+        counts[0] += 1;
+        if !(one.1 && other.1) {
+            continue;
+        }
+        counts[1] += 1;
+        let fastest =
+            one.0.particles.iter().map(|grain| Vector::from(grain.velocity).norm()).fold(boost.norm(), f64::max);
+        for (a, b) in one.0.particles.iter().zip(&other.0.particles) {
+            let apart = (Vector::from(a.velocity) + boost - Vector::from(b.velocity)).norm();
+            prop_assert!(apart <= 1e-6 * fastest, "step {step}: {apart:e} m/s apart, of {fastest:e}");
+        }
+    }
+    Ok(counts)
+}
+
+/// A frame's velocity, m/s.
+pub fn boosts() -> impl Strategy<Value = Vector> {
+    components().prop_map(|share| share * 2.0)
+}
