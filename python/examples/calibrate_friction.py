@@ -4,7 +4,7 @@ A powder flows in a turning drum at a known angle; which coefficient of friction
 frictions, Makadam turns a drum of each and its judge measures the dynamic angle of repose, and a Bayesian filter weighs the draws and
 proposes better ones. The friction that is found is tried with seeds that the calibration has not seen.
 
-    pip install 'makadam[calibration]'
+    pip install '.[calibration]'          (in the root of the repository)
     python calibrate_friction.py --angle 27
 
 For 27 degrees it tried 20 drums of 900 grains, 4 s each, and found a friction of 0.341, at which four other seeds flow at 26.64 degrees

@@ -11,6 +11,7 @@ BUILD: str
 """Version and hash of the sources that decide bits: checkpoints of builds of the same sources go on with the same bits."""
 
 _Source = Union[Scene, Mapping[str, Any], str, os.PathLike[str]]
+_Path = Union[str, os.PathLike[str]]
 _Floats = NDArray[np.float64]
 
 class Scene:
@@ -47,6 +48,9 @@ class Scene:
         """What the settings are not expected to bear, in sentences."""
     def to_dict(self) -> dict[str, Any]: ...
     def to_toml(self) -> str: ...
+    @staticmethod
+    def _of_parts(text: str, file: Optional[_Path], as_written: bool) -> Scene: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __eq__(self, other: object) -> bool: ...
     def __hash__(self) -> int: ...
 
@@ -85,7 +89,7 @@ class Recording:
         cls,
         scene: _Source,
         frames: Sequence[Frame],
-        seed: int = 1,
+        seed: Optional[int] = None,
         wall_seconds: float = 0.0,
         time_step: Optional[float] = None,
     ) -> Recording: ...
@@ -110,6 +114,34 @@ class Recording:
         """What the scene measures of the frames from ``measure.from`` on: rows of observable, unit, value, standard_error, frames."""
     def series(self) -> list[dict[str, Any]]:
         """Observables over time: rows of observable, time (s) and value."""
+    def save_frames(self, folder: _Path, *, walls: bool = True) -> None:
+        """Writes the frames into a folder as ``makadam run`` does."""
+    def picture(
+        self,
+        file: Optional[_Path] = None,
+        time: Optional[float] = None,
+        *,
+        field: Optional[str] = None,
+        range: Optional[tuple[float, float]] = None,
+        view: str = "natural",
+        clip: Optional[str] = None,
+        walls: bool = True,
+        all_grains: bool = False,
+        size: tuple[int, int] = (1200, 900),
+    ) -> NDArray[np.uint8]:
+        """Draws the frame nearest to a time (s), or the last one; returns the pixels, (height, width, 3)."""
+    def view(
+        self,
+        file: _Path,
+        *,
+        fields: Optional[Sequence[str]] = None,
+        every: Optional[int] = None,
+        megabytes: float = 200.0,
+        contacts: bool = True,
+        walls: bool = True,
+        all_grains: bool = False,
+    ) -> None:
+        """Writes the frames as one HTML file to turn, cut and play in a browser."""
     @staticmethod
     def _of_bytes(scene: Scene, bytes: bytes, grave: list[str]) -> Recording: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
@@ -182,6 +214,35 @@ class Simulation:
         """A copy of the grains by id, with the contacts of the last step."""
     def grains(self) -> list[dict[str, Any]]:
         """The grains as a scene would list them now, in the order of their ids."""
+    def save_frames(self, folder: _Path, frames: Optional[Sequence[Frame]] = None, *, walls: bool = True) -> None:
+        """Writes frames, or the present state, into a folder as ``makadam run`` does."""
+    def picture(
+        self,
+        file: Optional[_Path] = None,
+        frame: Optional[Frame] = None,
+        *,
+        field: Optional[str] = None,
+        range: Optional[tuple[float, float]] = None,
+        view: str = "natural",
+        clip: Optional[str] = None,
+        walls: bool = True,
+        all_grains: bool = False,
+        size: tuple[int, int] = (1200, 900),
+    ) -> NDArray[np.uint8]:
+        """Draws the present state, or a frame, without a screen; returns the pixels, (height, width, 3)."""
+    def view(
+        self,
+        file: _Path,
+        frames: Optional[Sequence[Frame]] = None,
+        *,
+        fields: Optional[Sequence[str]] = None,
+        every: Optional[int] = None,
+        megabytes: float = 200.0,
+        contacts: bool = True,
+        walls: bool = True,
+        all_grains: bool = False,
+    ) -> None:
+        """Writes frames, or the present state, as one HTML file to turn, cut and play in a browser."""
     @property
     def _positions(self) -> _Floats: ...
     @property
@@ -189,6 +250,8 @@ class Simulation:
     @property
     def _scaled_spins(self) -> _Floats: ...
     def _spins(self) -> _Floats: ...
+    def _forget_interrupt(self) -> None: ...
+    def _steps_of(self, duration: float) -> int: ...
     def _step(self, steps: int) -> list[str]: ...
     def _look(self) -> list[str]: ...
     def _copy(self) -> Simulation: ...
@@ -197,10 +260,12 @@ class Simulation:
     def _apply(self, forces: Optional[_Floats] = None, torques: Optional[_Floats] = None) -> None: ...
     def _move_wall(self, wall: int, velocity: Any = None, rate: Optional[float] = None, about: Any = None) -> None: ...
     def _moved_by(self, wall: int) -> Optional[tuple[list[float], float]]: ...
+    def _displacement(self, wall: int) -> tuple[list[float], float]: ...
     def _insert(self, grains: list[Any]) -> tuple[int, int]: ...
     def _remove(self, ids: list[int]) -> list[int]: ...
     def _measure(self, frames: list[Frame]) -> list[dict[str, Any]]: ...
 
+def _command(arguments: Sequence[str]) -> int: ...
 def scenes() -> list[str]:
     """Names of the scenes that Makadam holds, and of those in a folder ``reference-scenes`` here or above."""
 

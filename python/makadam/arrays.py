@@ -38,7 +38,7 @@ def floats(values: ArrayLike, what: str) -> Floats:
     array = np.asarray(values)
     if array.dtype.kind not in "fiu":
         raise InterventionError(f"{what} are of type {array.dtype}; give real numbers")
-    return np.ascontiguousarray(array, dtype=np.float64)
+    return np.asarray(array, dtype=np.float64, order="C")
 
 
 def spread(values: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:

@@ -31,7 +31,8 @@ class Comparison:
     verdict: str
     """The verdict on all rows in a sentence."""
     standing: str
-    """The same in a word: ``agree``, ``disagree``, ``undecided``, ``not-measured`` or ``nothing-compared``."""
+    """The same in a word: ``agree``, ``disagree``, ``undecided``, ``exploratory`` (differences within the margins, of seeds that the scene has
+    not registered), ``not-measured`` or ``nothing-compared``."""
 
     def __init__(self, document: dict[str, Any]) -> None:
         self.rows, self.codes, self.notes = document["rows"], document["codes"], document["notes"]
@@ -83,7 +84,7 @@ def compare(
     Args:
         scene: A scene with ``[[compare]]``.
         runs: Runs of this scene that were made already, one per seed and all of one code, in place of Makadam's; they are held against
-            what is recorded of the others.
+            what is recorded of the others. Each is of a seed of its own, goes to the end of the scene, and has all frames that it measures.
         codes: The codes: ``makadam``, ``yade``, ``liggghts``, ``lammps``. Where none are given, Makadam and those that are recorded on
             the scene; with ``live`` the first three.
         live: Whether the other codes are run here and now, in place of what is recorded of them.
@@ -93,7 +94,7 @@ def compare(
 
     Raises:
         makadam.JudgeError: The scene compares nothing, nothing is recorded of a code, a code failed, or runs are of another scene, of
-            several codes or of one seed.
+            several codes or of one seed, are the same run, or are not whole.
     """
     if isinstance(codes, str):
         codes = (codes,)

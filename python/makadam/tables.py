@@ -51,5 +51,5 @@ def _frame(table: Mapping[str, Any]) -> pandas.DataFrame:
     try:
         import pandas
     except ImportError:
-        raise ImportError("there is no pandas here; install it with: pip install 'makadam[pandas]'") from None
+        raise ImportError("there is no pandas here; install it with: pip install pandas") from None
     return pandas.DataFrame(table)

@@ -7,9 +7,10 @@ use crate::scene::Scene;
 use crate::stepping::beside;
 use makadam_validation::compare::{CodeRuns, Harvest, Reference, comparison, noticed};
 use makadam_validation::peers::{Code, CodeName};
-use makadam_validation::plan::physics_hash;
+use makadam_validation::plan::{self, physics_hash};
 use makadam_validation::provenance::utc;
 use makadam_validation::qualify::{OneScene, usual_codes};
+use makadam_validation::recording;
 use makadam_validation::report::Qualification;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -113,9 +114,17 @@ fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String
                 recording.seed, run.scene.plan.name, scene.plan.name
             ));
         }
+        whole(&scene.plan, recording)?;
         for earlier in runs[..place].iter().map(|earlier| &earlier.recording) {
             if earlier.seed == recording.seed {
                 return Err(format!("two runs have seed {}; give each seed once", recording.seed));
+            }
+            // Without populations the seed decides on nothing.
+            if earlier.frames == recording.frames && !scene.plan.population.is_empty() {
+                return Err(format!(
+                    "the runs of seeds {} and {} have the same frames: they are one run; give a run of each seed",
+                    earlier.seed, recording.seed
+                ));
             }
             if (&earlier.code, &earlier.version) != (&recording.code, &recording.version) {
                 return Err(format!(
@@ -124,6 +133,31 @@ fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String
                 ));
             }
         }
+    }
+    Ok(())
+}
+
+/// Whether a run has all frames that the scene measures; if not, what it lacks.
+fn whole(scene: &plan::Scene, run: &recording::Recording) -> Result<(), String> {
+    let (seed, interval, slack) = (run.seed, scene.measure.interval, scene.measure.slack() + run.time_step);
+    let last = run.frames.last().map_or(f64::NEG_INFINITY, |frame| frame.time);
+    if (last - scene.duration).abs() > slack {
+        return Err(format!(
+            "the run of seed {seed} has its last frame at {last} s, and {} ends at {} s; give runs of the whole duration",
+            scene.name, scene.duration
+        ));
+    }
+    let Some(from) = scene.measure.from else { return Ok(()) };
+    let mut before = from;
+    for time in run.frames.iter().map(|frame| frame.time).filter(|time| scene.measure.covers(*time)) {
+        if time - before > interval + slack {
+            return Err(format!(
+                "the run of seed {seed} has no frames between {before} s and {time} s, and {} measures one every {interval} s from \
+                 {from} s on; keep them all, as record() does",
+                scene.name
+            ));
+        }
+        before = time;
     }
     Ok(())
 }

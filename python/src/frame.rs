@@ -2,8 +2,10 @@
 
 use crate::errors::exception;
 use crate::scene::Scene;
+use crate::shared::Shared;
 use makadam::checkpoint::{open, seal};
 use makadam::snapshot::{Contact, Partner, Snapshot};
+use makadam_validation::plan;
 use makadam_validation::recording::frame_belongs_to;
 use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2};
@@ -25,14 +27,64 @@ impl Frame {
     }
 }
 
+/// Returns what frames of Python hold.
+pub fn snapshots(frames: &[PyRef<'_, Frame>]) -> Vec<Arc<Snapshot>> {
+    frames.iter().map(|frame| frame.0.clone()).collect()
+}
+
 /// Refuses frames that cannot be of the scene.
-pub fn check_frames(py: Python<'_>, scene: &Scene, frames: &[PyRef<'_, Frame>]) -> PyResult<()> {
-    let fits = frames.iter().try_for_each(|frame| frame_belongs_to(&frame.0, &scene.plan));
+pub fn check_frames(py: Python<'_>, scene: &Scene, frames: &[Arc<Snapshot>]) -> PyResult<()> {
+    let fits = frames.iter().try_for_each(|frame| frame_belongs_to(frame, &scene.plan));
     fits.map_err(|problem| {
         let way = "give the scene that the frames were made of (frames of a simulation in which grains came or went are measured by its \
                    own `measure`)";
         exception(py, "JudgeError", &format!("{problem}; {way}"))
     })
+}
+
+/// Returns the scene of frames of a simulation: with the grains that there are now. Refuses walls that the caller moved, where they count:
+/// frames do not hold where these stand. `purpose` is what the frames are for.
+pub fn scene_of_frames(
+    py: Python<'_>,
+    shared: &Shared,
+    frames: &[Arc<Snapshot>],
+    walls: bool,
+    purpose: &str,
+) -> PyResult<plan::Scene> {
+    let refuse = |message: String| Err(exception(py, "JudgeError", &message));
+    let mut plan = shared.scene.plan.clone();
+    let (moved, others) = shared.with(py, |simulation| {
+        // A wall that turns is measured as it stands only where turning leaves it in place, which the scene then says.
+        let moved = plan.wall.iter().enumerate().find(|(number, wall)| {
+            simulation.moved_by(*number as u32).is_some_and(|(shift, angle)| {
+                shift != [0.0; 3] || (angle != 0.0 && !matches!(wall.motion, makadam::Motion::Rotating { .. }))
+            })
+        });
+        let others = simulation.has_other_grains().then(|| simulation.grain_entries(&plan));
+        (moved.map(|(_, wall)| wall.name.clone()), others)
+    })?;
+    if let Some(wall) = moved.filter(|_| walls) {
+        return refuse(format!(
+            "wall '{wall}' was moved by the caller, and frames take walls where the scene has them; {purpose}"
+        ));
+    }
+    let Some(grains) = others else {
+        check_frames(py, &shared.scene, frames)?;
+        return Ok(plan);
+    };
+    let other = frames.iter().find(|frame| frame.particles.len() != grains.len());
+    if let Some(frame) = other.filter(|_| plan.material.len() > 1) {
+        return refuse(format!(
+            "the frame at {} s has {} grains and the simulation has {}: which materials they were of is not known; take frames before \
+             grains come or go",
+            frame.time,
+            frame.particles.len(),
+            grains.len()
+        ));
+    }
+    plan.grain = grains;
+    plan.population.clear();
+    Ok(plan)
 }
 
 /// Rows of three numbers.

@@ -2,15 +2,19 @@
 
 use crate::convert::plain;
 use crate::errors::{exception, warn};
-use crate::frame::{Frame, check_frames};
+use crate::frame::{Frame, check_frames, snapshots};
+use crate::pictures::{Frames, PageRequest, PictureRequest};
 use crate::scene::Scene;
 use crate::settings::{Whole, seed_of};
 use crate::stepping::beside;
+use makadam::scene::populate;
+use makadam::snapshot::Snapshot;
 use makadam_validation::observables::{catalogue, measure, measure_frames, series};
 use makadam_validation::output::{file_stem, run_folder};
 use makadam_validation::peers::{CodeError, CodeName, Job, Purpose};
 use makadam_validation::provenance::Build;
 use makadam_validation::recording;
+use numpy::PyArray3;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
@@ -22,7 +26,7 @@ use std::time::Duration;
 /// Args:
 ///     scene: What is simulated and measured.
 ///     frames: Frames in the order of time, the last one at the end of the run.
-///     seed: Seed of the run.
+///     seed: Seed of the run, `simulation.seed`; the scene's where none is given. Radii that a scene draws must be those of the seed.
 ///     wall_seconds: Wall time of the steps, s.
 ///     time_step: Time step, s; that of the scene where none is given.
 #[pyclass(frozen, module = "makadam", name = "Recording")]
@@ -34,11 +38,11 @@ pub struct Recording {
 #[pymethods]
 impl Recording {
     #[new]
-    #[pyo3(signature = (scene, frames, seed=1, wall_seconds=0.0, time_step=None))]
+    #[pyo3(signature = (scene, frames, seed=None, wall_seconds=0.0, time_step=None))]
     fn new(
         scene: &Bound<'_, PyAny>,
         frames: Vec<PyRef<'_, Frame>>,
-        seed: u64,
+        seed: Option<Whole>,
         wall_seconds: f64,
         time_step: Option<f64>,
     ) -> PyResult<Recording> {
@@ -47,7 +51,9 @@ impl Recording {
         let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
             return Err(exception(py, "JudgeError", "a recording needs at least one frame"));
         };
-        check_frames(py, &scene, &frames)?;
+        check_frames(py, &scene, &snapshots(&frames))?;
+        let seed = seed_of(py, seed)?.unwrap_or(scene.plan.seed);
+        check_seed(&scene, seed, &first.0).map_err(|problem| exception(py, "JudgeError", &problem))?;
         let recording = recording::Recording {
             scene: scene.plan.name.clone(),
             code: "Makadam".into(),
@@ -142,6 +148,51 @@ impl Recording {
         plain(py, &found)
     }
 
+    /// Writes the frames into a folder as `makadam run` does: see `makadam.Simulation.save_frames`.
+    #[pyo3(signature = (folder, *, walls=true))]
+    fn save_frames(&self, py: Python<'_>, folder: PathBuf, walls: bool) -> PyResult<()> {
+        Frames { frames: self.arcs(), scene: self.scene.plan.clone() }.save(py, folder, walls)
+    }
+
+    /// Draws the frame nearest to a time (s), or the last one: see `makadam.Simulation.picture`.
+    #[pyo3(signature = (file=None, time=None, *, field=None, range=None, view="natural", clip=None, walls=true, all_grains=false, size=[1200, 900]))]
+    #[allow(clippy::too_many_arguments)] // They have names in Python.
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        file: Option<PathBuf>,
+        time: Option<f64>,
+        field: Option<String>,
+        range: Option<[f64; 2]>,
+        view: &str,
+        clip: Option<&str>,
+        walls: bool,
+        all_grains: bool,
+        size: [usize; 2],
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let frame = self.frame_at(time).map_err(|problem| exception(py, "JudgeError", &problem))?;
+        let frames = Frames { frames: vec![Arc::new(frame.clone())], scene: self.scene.plan.clone() };
+        frames.picture(py, file, PictureRequest { field, range, view, clip, walls, all_grains, size })
+    }
+
+    /// Writes the frames as one HTML file to turn, cut and play in a browser: see `makadam.Simulation.view`.
+    #[pyo3(signature = (file, *, fields=None, every=None, megabytes=200.0, contacts=true, walls=true, all_grains=false))]
+    #[allow(clippy::too_many_arguments)] // They have names in Python.
+    fn view(
+        &self,
+        py: Python<'_>,
+        file: PathBuf,
+        fields: Option<Vec<String>>,
+        every: Option<usize>,
+        megabytes: f64,
+        contacts: bool,
+        walls: bool,
+        all_grains: bool,
+    ) -> PyResult<()> {
+        let request = PageRequest { fields, every, megabytes, contacts, walls, all_grains };
+        Frames { frames: self.arcs(), scene: self.scene.plan.clone() }.view(py, file, request)
+    }
+
     /// The recording that `__reduce__` has taken apart.
     #[staticmethod]
     fn _of_bytes(scene: &Bound<'_, PyAny>, bytes: &[u8]) -> PyResult<Recording> {
@@ -162,6 +213,42 @@ impl Recording {
         let recording::Recording { scene, code, seed, frames, .. } = &*self.recording;
         format!("<makadam.Recording of {scene} by {code}, seed {seed}: {} frames>", frames.len())
     }
+}
+
+impl Recording {
+    fn arcs(&self) -> Vec<Arc<Snapshot>> {
+        self.recording.frames.iter().cloned().map(Arc::new).collect()
+    }
+
+    /// The frame nearest to a time (s), or the last one; if the time lies outside of the run, what is wrong.
+    fn frame_at(&self, time: Option<f64>) -> Result<&Snapshot, String> {
+        let (Some(first), Some(last)) = (self.recording.frames.first(), self.recording.frames.last()) else {
+            return Err("the recording has no frames".into());
+        };
+        let Some(time) = time else { return Ok(last) };
+        let slack = 1e-6 * (last.time - first.time).abs();
+        if !(first.time - slack..=last.time + slack).contains(&time) {
+            return Err(format!(
+                "time: {time} s lies outside of the run, whose frames are from {} s to {} s",
+                first.time, last.time
+            ));
+        }
+        let off = |frame: &&Snapshot| (frame.time - time).abs();
+        Ok(self.recording.frames.iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(last))
+    }
+}
+
+/// Whether a frame has the radii that the scene draws with a seed; if not, what is wrong.
+fn check_seed(scene: &Scene, seed: u64, frame: &Snapshot) -> Result<(), String> {
+    let grains = populate(&scene.plan, seed).map_err(|error| error.to_string())?;
+    let mut pairs = frame.particles.iter().zip(&grains);
+    pairs.find(|(here, drawn)| here.radius != drawn.radius).map_or(Ok(()), |(here, drawn)| {
+        Err(format!(
+            "the frames are not of seed {seed} of '{}': grain {} has a radius of {} m, and that seed gives it {} m; give the seed of the \
+             simulation that the frames were made of (its `seed`)",
+            scene.plan.name, here.id, here.radius, drawn.radius
+        ))
+    })
 }
 
 /// Why a code gave nothing, as an exception.
@@ -244,8 +331,8 @@ pub fn measure_of_frames<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = scene.py();
     let scene = Scene::of(scene)?;
-    check_frames(py, &scene, &frames)?;
-    let snapshots: Vec<_> = frames.iter().map(|frame| frame.0.clone()).collect();
+    let snapshots = snapshots(&frames);
+    check_frames(py, &scene, &snapshots)?;
     let measured = py.detach(|| {
         let frames: Vec<_> = snapshots.iter().map(|snapshot| &**snapshot).collect();
         let Ok(measured) = measure_frames(&scene.plan, &frames[..]);

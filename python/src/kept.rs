@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// First bytes of a state that Python has kept; the last one is the version of the format.
-const MARK: [u8; 8] = *b"mkd-py-\x01";
+const MARK: [u8; 8] = *b"mkd-py-\x02";
 
 /// Whose state it is.
 #[derive(Serialize, Deserialize)]
@@ -20,25 +20,37 @@ struct Label {
     scene: String,
     scene_hash: u64,
     seed: u64,
+    /// Simulated time that runs have left below a step, s.
+    remainder: f64,
+}
+
+/// What is continued from.
+pub struct Kept<'a> {
+    /// The solver's checkpoint.
+    pub simulation: &'a [u8],
+    /// Seed of the positions and radii.
+    pub seed: u64,
+    /// Simulated time that runs have left below a step, s.
+    pub remainder: f64,
 }
 
 /// A checkpoint of a simulation of a scene, with a label and a seal.
-pub fn keep(scene: &Scene, seed: u64, simulation: &[u8]) -> Vec<u8> {
-    let label = Label { scene: scene.plan.name.clone(), scene_hash: hash_to_go_on(&scene.plan), seed };
+pub fn keep(scene: &Scene, seed: u64, remainder: f64, simulation: &[u8]) -> Vec<u8> {
+    let label = Label { scene: scene.plan.name.clone(), scene_hash: hash_to_go_on(&scene.plan), seed, remainder };
     let mut bytes = postcard::to_stdvec(&label).expect("a label holds a name and numbers");
     bytes.extend(simulation);
     seal(MARK, &bytes)
 }
 
-/// The solver's checkpoint and the seed, if the bytes are of the scene, and of the seed where one is given.
-pub fn unkeep<'a>(py: Python<'_>, scene: &Scene, seed: Option<u64>, bytes: &'a [u8]) -> PyResult<(&'a [u8], u64)> {
+/// What bytes hold, if they are of the scene, and of the seed where one is given.
+pub fn unkeep<'a>(py: Python<'_>, scene: &Scene, seed: Option<u64>, bytes: &'a [u8]) -> PyResult<Kept<'a>> {
     let refuse = |problem: String| exception(py, "CheckpointError", &problem);
     if bytes.starts_with(b"makadam") {
         warn(
             py,
             "the checkpoint names no scene, since the Rust library wrote it: that it is of this scene is not checked",
         )?;
-        return Ok((bytes, seed.unwrap_or(scene.plan.seed)));
+        return Ok(Kept { simulation: bytes, seed: seed.unwrap_or(scene.plan.seed), remainder: 0.0 });
     }
     let body = open(MARK, bytes).map_err(|problem| refuse(format!("the checkpoint {problem}")))?;
     let (label, simulation) = postcard::take_from_bytes::<Label>(body)
@@ -55,7 +67,7 @@ pub fn unkeep<'a>(py: Python<'_>, scene: &Scene, seed: Option<u64>, bytes: &'a [
             "the checkpoint belongs to seed {}, not to {seed}; leave the seed out, it is taken from the checkpoint",
             label.seed
         ))),
-        None => Ok((simulation, label.seed)),
+        None => Ok(Kept { simulation, seed: label.seed, remainder: label.remainder }),
     }
 }
 

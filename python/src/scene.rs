@@ -68,7 +68,22 @@ impl Scene {
     }
 
     fn document(&self, py: Python<'_>) -> PyResult<toml::Value> {
-        toml::Value::try_from(&self.plan).map_err(|error| exception(py, "SceneError", &error.to_string()))
+        let document = toml::Value::try_from(&self.plan);
+        let mut document = document.map_err(|error| exception(py, "SceneError", &error.to_string()))?;
+        // What an accuracy decides on is not said a second time.
+        if self.plan.accuracy.is_some()
+            && let Some(solver) = document.get_mut("solver").and_then(toml::Value::as_table_mut)
+        {
+            solver.remove("step");
+            solver.remove("stop");
+        }
+        Ok(document)
+    }
+
+    /// The scene with a plan in place of its own; its document is written anew, so that whatever is made of the scene has it.
+    pub fn with_plan(self, py: Python<'_>, plan: plan::Scene) -> PyResult<Scene> {
+        let scene = Scene { plan, as_written: false, ..self };
+        Ok(Scene { text: written(py, &scene.document(py)?)?, ..scene })
     }
 }
 
@@ -209,9 +224,17 @@ impl Scene {
         )
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        // A document of one line would be taken for a name.
-        Ok((slf.get_type().into_any(), (format!("{}\n", slf.get().text),)))
+    /// The scene that `__reduce__` has taken apart.
+    #[staticmethod]
+    fn _of_parts(py: Python<'_>, text: String, file: Option<PathBuf>, as_written: bool) -> PyResult<Scene> {
+        Scene::read(py, file, text, as_written)
+    }
+
+    #[allow(clippy::type_complexity)] // What Python's pickle wants.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, Option<PathBuf>, bool))> {
+        let scene = slf.get();
+        let file = scene.origin().file.map(Path::to_path_buf);
+        Ok((slf.get_type().getattr("_of_parts")?, (scene.text.clone(), file, scene.as_written)))
     }
 
     fn __hash__(&self) -> u64 {

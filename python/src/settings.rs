@@ -3,27 +3,30 @@
 use crate::errors::{exception, setting_error};
 use crate::scene::Scene;
 use makadam::{Execution, InstructionSet, Precision, Scheduler, SolverMethod};
+use makadam_validation::plan;
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
 
 /// Most threads: as many as the command takes.
 const MOST_THREADS: u64 = 1024;
 
-/// A whole number as Python has it, of any size: what does not fit is told in the words of a setting.
-#[derive(Clone, Copy)]
-pub struct Whole(Option<i128>);
+/// A whole number as Python has it, of any size, or the text of anything else: the setting that it is for refuses it by its name.
+pub struct Whole(Result<i128, String>);
 
 impl Whole {
-    pub const ONE: Whole = Whole(Some(1));
+    pub const ONE: Whole = Whole(Ok(1));
 
     /// The number, if it lies in a range.
     fn within(self, py: Python<'_>, what: &str, range: std::ops::RangeInclusive<u64>) -> PyResult<u64> {
-        let number = self.0.and_then(|number| u64::try_from(number).ok()).filter(|number| range.contains(number));
-        number.ok_or_else(|| {
-            let given = self.0.map_or("a number beyond 2^64".into(), |number| number.to_string());
-            let (least, most) = (range.start(), range.end());
-            exception(py, "SettingError", &format!("{what}: {given} is not possible; give {least} to {most}"))
-        })
+        let (least, most) = (range.start(), range.end());
+        let problem = match self.0 {
+            Ok(number) => match u64::try_from(number).ok().filter(|number| range.contains(number)) {
+                Some(number) => return Ok(number),
+                None => format!("{number} is not possible"),
+            },
+            Err(other) => other,
+        };
+        Err(exception(py, "SettingError", &format!("{what}: {problem}; give a whole number from {least} to {most}")))
     }
 }
 
@@ -31,11 +34,34 @@ impl FromPyObject<'_, '_> for Whole {
     type Error = PyErr;
 
     fn extract(value: Borrowed<'_, '_, PyAny>) -> PyResult<Whole> {
-        match value.extract::<i128>() {
-            Ok(number) => Ok(Whole(Some(number))),
-            Err(error) if error.is_instance_of::<PyOverflowError>(value.py()) => Ok(Whole(None)),
-            Err(error) => Err(error),
-        }
+        Ok(Whole(match value.extract::<i128>() {
+            Ok(number) => Ok(number),
+            Err(error) if error.is_instance_of::<PyOverflowError>(value.py()) => {
+                Err("a number beyond 2^64 is not possible".into())
+            }
+            Err(_) => Err(format!("{} is no whole number", value.repr()?)),
+        }))
+    }
+}
+
+/// A real number as Python has it, or the text of anything else.
+pub struct Real(Result<f64, String>);
+
+impl Real {
+    /// The number.
+    pub fn number(self, py: Python<'_>, what: &str) -> PyResult<f64> {
+        self.0.map_err(|problem| exception(py, "SettingError", &format!("{what}: {problem}; give a number")))
+    }
+}
+
+impl FromPyObject<'_, '_> for Real {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, '_, PyAny>) -> PyResult<Real> {
+        Ok(Real(match value.extract::<f64>() {
+            Ok(number) => Ok(number),
+            Err(_) => Err(format!("{} is no number", value.repr()?)),
+        }))
     }
 }
 
@@ -77,16 +103,24 @@ pub fn execution(
 pub fn adapted(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,
-    time_step: Option<f64>,
+    time_step: Option<Real>,
     precision: Option<&str>,
     method: Option<&str>,
 ) -> PyResult<Scene> {
-    let mut scene = Scene::of(scene)?;
+    let time_step = time_step.map(|step| step.number(py, "time_step")).transpose()?;
+    let scene = Scene::of(scene)?;
+    if time_step.is_none() && precision.is_none() && method.is_none() {
+        check(py, &scene, &scene.plan, None)?;
+        return Ok(scene);
+    }
+    let mut plan = scene.plan.clone();
     if let Some(step) = time_step {
-        scene.plan.solver.step = step;
+        // An accuracy would choose it.
+        plan.accuracy = None;
+        plan.solver.step = step;
     }
     if let Some(name) = precision {
-        scene.plan.solver.precision = match name {
+        plan.solver.precision = match name {
             "double" => Precision::Double,
             "single" => Precision::Single,
             _ => return Err(exception(py, "SettingError", &format!("no precision '{name}': give double or single"))),
@@ -95,16 +129,20 @@ pub fn adapted(
     if let Some(name) = method {
         let name = name.replace('_', "-");
         let found = SolverMethod::ALL.into_iter().find(|method| method.name() == name);
-        scene.plan.solver.method = found.ok_or_else(|| {
+        plan.solver.method = found.ok_or_else(|| {
             let known = SolverMethod::ALL.map(SolverMethod::name).join(", ");
             exception(py, "SettingError", &format!("no method '{name}': give one of {known}"))
         })?;
     }
-    let solver = &scene.plan.solver;
-    scene.plan.goes_with(solver.method, solver.precision).map_err(|error| setting_error(py, &error))?;
-    scene.plan.check().map_err(|error| match time_step {
+    check(py, &scene, &plan, time_step)?;
+    scene.with_plan(py, plan)
+}
+
+/// Refuses settings that do not go with the scene.
+fn check(py: Python<'_>, scene: &Scene, plan: &plan::Scene, time_step: Option<f64>) -> PyResult<()> {
+    plan.goes_with(plan.solver.method, plan.solver.precision).map_err(|error| setting_error(py, &error))?;
+    plan.check().map_err(|error| match time_step {
         Some(step) => exception(py, "SettingError", &format!("time_step {step}: {error}")),
         None => crate::errors::scene_error(py, &error, scene.origin()),
-    })?;
-    Ok(scene)
+    })
 }

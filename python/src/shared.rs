@@ -6,7 +6,7 @@
 use crate::errors::exception;
 use crate::scene::Scene;
 use makadam::watch::Watchdog;
-use makadam::{Interrupt, PairsInList, Simulation};
+use makadam::{Interrupt, InterventionError, PairsInList, Simulation};
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, TryLockError, Weak};
@@ -35,6 +35,8 @@ pub struct Shared {
     pub taken_to_write: AtomicBool,
     /// The arrays of the candidate list that views taken since the last step show.
     pub pairs: Mutex<Weak<HeldPairs>>,
+    /// Simulated time that was asked for and not yet taken, s: what a run leaves below a step.
+    remainder: Mutex<f64>,
 }
 
 /// Arrays of a candidate list: the simulation's own, until a step would change them.
@@ -58,11 +60,39 @@ impl Shared {
             writable_views: AtomicUsize::new(0),
             taken_to_write: AtomicBool::new(false),
             pairs: Mutex::new(Weak::new()),
+            remainder: Mutex::new(0.0),
         }
     }
 
+    /// The same with what an earlier run left below a step, s.
+    pub fn with_remainder(self, remainder: f64) -> Shared {
+        Shared { remainder: Mutex::new(remainder), ..self }
+    }
+
+    /// Simulated time that was asked for and not yet taken, s.
+    pub fn remainder(&self) -> f64 {
+        *self.remainder.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    /// Whole steps of length `h` (s) that bring the simulation nearest to where all durations so far would, this one (s) included.
+    pub fn steps_of(&self, duration: f64, h: f64) -> u64 {
+        let mut remainder = self.remainder.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let asked = *remainder + duration;
+        let steps = (asked / h).round_ties_even().max(0.0);
+        *remainder = asked - steps * h;
+        steps as u64
+    }
+
+    /// Works on the simulation, once no other thread does.
+    ///
+    /// Nothing of Python runs meanwhile, since the work has no access to the interpreter (`Send` sees to that): a handler of warnings or
+    /// signals, or a finalizer, that asks the simulation for anything would wait for the thread that it runs on.
+    pub fn with<R>(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> R + Send) -> PyResult<R> {
+        Ok(work(&mut *self.lock(py)?))
+    }
+
     /// The simulation, once no other thread works on it.
-    pub fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Simulation>> {
+    fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Simulation>> {
         let mut asked = false;
         let locked = loop {
             match self.simulation.try_lock() {
@@ -120,24 +150,48 @@ impl Shared {
         }
     }
 
-    /// Before grains come or go: no view may live whose rows would be others.
-    pub fn refuse_views(&self, py: Python<'_>, what: &str) -> PyResult<()> {
-        match self.state_views.load(Ordering::SeqCst) {
-            0 => Ok(()),
-            views => Err(exception(
-                py,
-                "ViewError",
-                &format!(
-                    "cannot {what} grains while {views} views of this simulation's arrays live; delete them (also what was made \
-                     of them without copying), and take them anew afterwards"
-                ),
-            )),
+    /// Has grains come or go, while no thread steps and no view lives whose rows would be others.
+    pub fn exchange<R>(
+        &self,
+        py: Python<'_>,
+        what: &str,
+        work: impl FnOnce(&mut Simulation) -> Result<R, InterventionError> + Send,
+    ) -> PyResult<R> {
+        let _right = self.begin(py)?;
+        let done = self.with_settled(py, |simulation| match self.state_views.load(Ordering::SeqCst) {
+            0 => {
+                self.release_pairs(simulation);
+                Ok(work(simulation))
+            }
+            views => Err(views),
+        })?;
+        match done {
+            Ok(done) => done.map_err(|error| exception(py, "InterventionError", &error.to_string())),
+            Err(views) => {
+                let message = format!(
+                    "cannot {what} grains while {views} views of this simulation's arrays live, also those within the expression that \
+                     asks for it; delete them (also what was made of them without copying), or give copies, and take them anew afterwards"
+                );
+                Err(exception(py, "ViewError", &message))
+            }
         }
     }
 
     /// Whether positions, velocities or spins may have been written since this was asked last.
     pub fn may_be_written(&self) -> bool {
         self.taken_to_write.swap(false, Ordering::SeqCst) || self.writable_views.load(Ordering::SeqCst) > 0
+    }
+
+    /// Works on the simulation as [`with`](Shared::with) does, once it knows of all that was written to views so far: whoever copies it,
+    /// saves it, or asks for what it has exchanged wants that. Before its next step it is told again.
+    pub fn with_settled<R>(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> R + Send) -> PyResult<R> {
+        self.with(py, |simulation| {
+            if self.may_be_written() {
+                self.taken_to_write.store(true, Ordering::SeqCst);
+                simulation.states_written();
+            }
+            work(simulation)
+        })
     }
 
     /// Gives the arrays of the candidate list to who looks at them, and has the simulation go on with copies.

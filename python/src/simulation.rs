@@ -2,21 +2,22 @@
 
 use crate::convert::plain;
 use crate::errors::{exception, setting_error, start_error};
-use crate::frame::{Frame, check_frames, vectors};
-use crate::kept::{keep, unkeep};
+use crate::frame::{Frame, scene_of_frames, snapshots, vectors};
+use crate::kept::{Kept, keep, unkeep};
+use crate::pictures::{Frames, PageRequest, PictureRequest};
 use crate::scene::Scene;
-use crate::settings::{Whole, adapted, execution, seed_of};
+use crate::settings::{Real, Whole, adapted, execution, seed_of};
 use crate::shared::Shared;
 use crate::stepping::{self, beside};
 use crate::views::{self, Pairs, State};
-use makadam::GrainEntry;
 use makadam::wall::WallMotion;
+use makadam::{GrainEntry, InterventionError};
 use makadam_validation::observables::measure_frames;
-use makadam_validation::plan;
 use makadam_validation::prepared::start;
-use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray3, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -37,10 +38,8 @@ fn rows(py: Python<'_>, what: &str, array: &PyReadonlyArray2<'_, f64>, grains: u
     Ok(array.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
 }
 
-impl Simulation {
-    fn refused(py: Python<'_>, error: &makadam::InterventionError) -> PyErr {
-        exception(py, "InterventionError", &error.to_string())
-    }
+fn refused(py: Python<'_>, error: &InterventionError) -> PyErr {
+    exception(py, "InterventionError", &error.to_string())
 }
 
 #[pymethods]
@@ -54,7 +53,7 @@ impl Simulation {
         threads: Whole,
         scheduler: Option<&str>,
         instruction_set: Option<&str>,
-        time_step: Option<f64>,
+        time_step: Option<Real>,
         precision: Option<&str>,
         method: Option<&str>,
         watch: bool,
@@ -84,7 +83,7 @@ impl Simulation {
         threads: Whole,
         scheduler: Option<&str>,
         instruction_set: Option<&str>,
-        time_step: Option<f64>,
+        time_step: Option<Real>,
         precision: Option<&str>,
         method: Option<&str>,
         watch: bool,
@@ -93,21 +92,24 @@ impl Simulation {
         let execution = execution(py, threads, scheduler, instruction_set)?;
         let scene = adapted(py, scene, time_step, precision, method)?;
         let seed = seed_of(py, seed)?;
-        let (checkpoint, seed) = unkeep(py, &scene, seed, checkpoint)?;
+        let Kept { simulation: checkpoint, seed, remainder } = unkeep(py, &scene, seed, checkpoint)?;
         let mut simulation = py
             .detach(|| makadam::Simulation::resume(&scene.plan, checkpoint))
             .map_err(|error| exception(py, "CheckpointError", &error.to_string()))?;
         execution.apply(&mut simulation).map_err(|error| setting_error(py, &error))?;
-        let shared = Shared::new(simulation, scene, seed, watch);
+        let shared = Shared::new(simulation, scene, seed, watch).with_remainder(remainder);
         class.call1((Bound::new(py, Simulation(Arc::new(shared)))?,))
     }
 
     /// Another simulation with the same state, which goes its own way.
     fn _copy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, Simulation>> {
-        let mut copy = self.0.lock(py)?.clone();
+        let mut copy = self.0.with_settled(py, |simulation| simulation.clone())?;
         copy.heed(makadam::Interrupt::new());
         let watched = self.0.watchdog.lock().is_ok_and(|watchdog| watchdog.is_some());
-        Bound::new(py, Simulation(Arc::new(Shared::new(copy, self.0.scene.clone(), self.0.seed, watched))))
+        let shared = Shared::new(copy, self.0.scene.clone(), self.0.seed, watched);
+        // What was written to this one and no step has looked at yet, the copy's first step looks at.
+        shared.taken_to_write.store(self.0.taken_to_write.load(Ordering::SeqCst), Ordering::SeqCst);
+        Bound::new(py, Simulation(Arc::new(shared.with_remainder(self.0.remainder()))))
     }
 
     /// The scene, with the settings that were given in place of its own.
@@ -125,68 +127,67 @@ impl Simulation {
     /// Simulated time, s.
     #[getter]
     fn time(&self, py: Python<'_>) -> PyResult<f64> {
-        Ok(self.0.lock(py)?.time())
+        self.0.with(py, |simulation| simulation.time())
     }
 
     /// Time step, s.
     #[getter]
     fn time_step(&self, py: Python<'_>) -> PyResult<f64> {
-        Ok(self.0.lock(py)?.time_step())
+        self.0.with(py, |simulation| simulation.time_step())
     }
 
     /// Steps taken.
     #[getter]
     fn steps(&self, py: Python<'_>) -> PyResult<u64> {
-        Ok(self.0.lock(py)?.steps_taken())
+        self.0.with(py, |simulation| simulation.steps_taken())
     }
 
     /// Contacts of the last step.
     #[getter]
     fn contact_count(&self, py: Python<'_>) -> PyResult<usize> {
-        Ok(self.0.lock(py)?.layout().contacts)
+        self.0.with(py, |simulation| simulation.layout().contacts)
     }
 
     /// Number of times that the candidate list was built, and the rows of the arrays sorted anew.
     #[getter]
     fn rebuilds(&self, py: Python<'_>) -> PyResult<u64> {
-        Ok(self.0.lock(py)?.rebuilds())
+        self.0.with(py, |simulation| simulation.rebuilds())
     }
 
     /// Hash of the state (time, positions, velocities, spins, driven walls) as 16 hexadecimal digits: what `makadam run --json` prints.
     #[getter]
     fn state_hash(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(format!("{:016x}", self.0.lock(py)?.state_hash()))
+        self.0.with(py, |simulation| format!("{:016x}", simulation.state_hash()))
     }
 
     /// Number of grains.
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
-        Ok(self.0.lock(py)?.grains())
+        self.0.with(py, |simulation| simulation.grains())
     }
 
     /// Mechanical energy, J: a dict of `kinetic`, `potential` (zero at the origin), `elastic` and `cohesive`.
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        plain(py, &self.0.lock(py)?.energy())
+        plain(py, &self.0.with(py, |simulation| simulation.energy())?)
     }
 
     /// Momentum of the grains, kg m/s.
     fn momentum(&self, py: Python<'_>) -> PyResult<(f64, f64, f64)> {
-        Ok(self.0.lock(py)?.momentum().into())
+        self.0.with(py, |simulation| simulation.momentum().into())
     }
 
     /// Wall time of each phase of the steps so far, s.
     fn phase_seconds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        plain(py, &self.0.lock(py)?.phase_seconds())
+        plain(py, &self.0.with(py, |simulation| simulation.phase_seconds())?)
     }
 
     /// Keeps a ledger of energy, momentum and angular momentum from here on.
     fn open_ledger(&self, py: Python<'_>) -> PyResult<()> {
-        self.0.lock(py)?.open_ledger();
-        Ok(())
+        self.0.with(py, makadam::Simulation::open_ledger)
     }
 
     /// The ledger since it was opened, a dict (J, kg m/s and kg m2/s); None if it was not.
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let balance = self.0.lock(py)?.balance();
+        let balance = self.0.with_settled(py, |simulation| simulation.balance())?;
         balance
             .map(|balance| {
                 let dict = plain(py, &balance)?;
@@ -204,6 +205,17 @@ impl Simulation {
         self.0.interrupt.request();
     }
 
+    /// Takes a request to stop back: whatever has ended the steps has answered it.
+    fn _forget_interrupt(&self) {
+        self.0.interrupt.clear();
+    }
+
+    /// Whole steps that bring the simulation nearest to where all durations (s) that were asked for so far, and this one, lead.
+    fn _steps_of(&self, py: Python<'_>, duration: f64) -> PyResult<u64> {
+        let h = self.0.with(py, |simulation| simulation.time_step())?;
+        Ok(self.0.steps_of(duration, h))
+    }
+
     fn _step(&self, py: Python<'_>, steps: i64) -> PyResult<Vec<String>> {
         stepping::steps(py, &self.0, stepping::count(py, steps)?)
     }
@@ -215,13 +227,13 @@ impl Simulation {
 
     /// The state as a checkpoint: see `makadam.Simulation.resume`.
     fn checkpoint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.0.lock(py)?.checkpoint();
-        Ok(PyBytes::new(py, &keep(&self.0.scene, self.0.seed, &bytes)))
+        let bytes = self.0.with_settled(py, |simulation| simulation.checkpoint())?;
+        Ok(PyBytes::new(py, &keep(&self.0.scene, self.0.seed, self.0.remainder(), &bytes)))
     }
 
     /// A copy of the grains by id, with the contacts of the last step.
     fn frame(&self, py: Python<'_>) -> PyResult<Frame> {
-        Ok(Frame::of(self.0.lock(py)?.snapshot()))
+        self.0.with(py, |simulation| Frame::of(simulation.snapshot()))
     }
 
     #[getter]
@@ -292,10 +304,12 @@ impl Simulation {
 
     /// Angular velocities, rad/s: (n, 3), a copy, row by row as the grains lie in memory.
     fn _spins<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let mut simulation = self.0.lock(py)?;
-        let (spheres, bodies, _) = simulation.arrays();
-        let spins = spheres.iter().zip(&*bodies).map(|(sphere, body)| body.scaled_spin.map(|one| one / sphere.radius));
-        Ok(vectors(py, spins).into_any())
+        let spins: Vec<[f64; 3]> = self.0.with(py, |simulation| {
+            let (spheres, bodies, _) = simulation.arrays();
+            let each = spheres.iter().zip(&*bodies);
+            each.map(|(sphere, body)| body.scaled_spin.map(|one| one / sphere.radius)).collect()
+        })?;
+        Ok(vectors(py, spins.into_iter()).into_any())
     }
 
     /// Forces (N) and torques (N m) of the next step, row by row as the grains lie in memory.
@@ -306,8 +320,7 @@ impl Simulation {
         forces: Option<PyReadonlyArray2<'_, f64>>,
         torques: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<()> {
-        let mut simulation = self.0.lock(py)?;
-        let ids: Vec<u32> = simulation.arrays().2.to_vec();
+        let ids: Vec<u32> = self.0.with(py, |simulation| simulation.arrays().2.to_vec())?;
         let by_id = |what: &str, array: Option<PyReadonlyArray2<'_, f64>>| -> PyResult<Vec<[f64; 3]>> {
             let Some(array) = array else { return Ok(Vec::new()) };
             let mut list = vec![[0.0; 3]; ids.len()];
@@ -317,8 +330,11 @@ impl Simulation {
             Ok(list)
         };
         let (forces, torques) = (by_id("forces", forces)?, by_id("torques", torques)?);
-        simulation.apply_forces(&forces).map_err(|error| Simulation::refused(py, &error))?;
-        simulation.apply_torques(&torques).map_err(|error| Simulation::refused(py, &error))
+        let applied = self.0.with(py, |simulation| {
+            simulation.apply_forces(&forces)?;
+            simulation.apply_torques(&torques)
+        })?;
+        applied.map_err(|error| refused(py, &error))
     }
 
     /// Moves a wall along (velocity, m/s) or about an axis (rate, rad/s).
@@ -336,12 +352,17 @@ impl Simulation {
             (None, Some(rate)) => WallMotion::Rotation { rate, about },
             _ => return Err(exception(py, "InterventionError", "give a wall either a velocity or a rate")),
         };
-        self.0.lock(py)?.move_wall(wall, motion).map_err(|error| Simulation::refused(py, &error))
+        self.0.with(py, |simulation| simulation.move_wall(wall, motion))?.map_err(|error| refused(py, &error))
     }
 
     /// How far a wall that was moved has moved along (m) and turned (rad); None for others.
     fn _moved_by(&self, py: Python<'_>, wall: u32) -> PyResult<Option<([f64; 3], f64)>> {
-        Ok(self.0.lock(py)?.moved_by(wall))
+        self.0.with(py, |simulation| simulation.moved_by(wall))
+    }
+
+    /// How far any wall stands along (m) and is turned (rad) from where the scene places it.
+    fn _displacement(&self, py: Python<'_>, wall: u32) -> PyResult<([f64; 3], f64)> {
+        self.0.with(py, |simulation| simulation.wall_displacement(wall))?.map_err(|error| refused(py, &error))
     }
 
     /// Inserts grains; returns the ids of the first and of the one behind the last.
@@ -349,34 +370,26 @@ impl Simulation {
         let entry =
             |(material, radius, position, velocity, spin)| GrainEntry { material, radius, position, velocity, spin };
         let grains: Vec<GrainEntry> = grains.into_iter().map(entry).collect();
-        let _right = self.0.begin(py)?;
-        let mut simulation = self.0.lock(py)?;
-        self.0.refuse_views(py, "insert")?;
-        self.0.release_pairs(&mut simulation);
-        let ids = simulation.insert(&self.0.scene.plan, &grains).map_err(|error| Simulation::refused(py, &error))?;
+        let ids = self.0.exchange(py, "insert", |simulation| simulation.insert(&self.0.scene.plan, &grains))?;
         Ok((ids.start, ids.end))
     }
 
     /// Removes grains by id; returns the new id of each old one, -1 for those that are gone.
     fn _remove(&self, py: Python<'_>, ids: Vec<u32>) -> PyResult<Vec<i64>> {
-        let _right = self.0.begin(py)?;
-        let mut simulation = self.0.lock(py)?;
-        self.0.refuse_views(py, "remove")?;
-        self.0.release_pairs(&mut simulation);
-        let new_ids = simulation.remove(&ids).map_err(|error| Simulation::refused(py, &error))?;
+        let new_ids = self.0.exchange(py, "remove", |simulation| simulation.remove(&ids))?;
         Ok(new_ids.into_iter().map(|id| id.map_or(-1, i64::from)).collect())
     }
 
     /// The grains as a scene would list them now.
     fn grains<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let entries = self.0.lock(py)?.grain_entries(&self.0.scene.plan);
-        plain(py, &entries)
+        plain(py, &self.0.with(py, |simulation| simulation.grain_entries(&self.0.scene.plan))?)
     }
 
     /// What the judge measures of frames of this simulation.
     fn _measure<'py>(&self, py: Python<'py>, frames: Vec<PyRef<'py, Frame>>) -> PyResult<Bound<'py, PyAny>> {
-        let plan = self.measured_plan(py, &frames)?;
-        let snapshots: Vec<_> = frames.iter().map(|frame| frame.0.clone()).collect();
+        let snapshots = snapshots(&frames);
+        let purpose = "describe its motion in the scene to measure, or compute from `frame()`";
+        let plan = scene_of_frames(py, &self.0, &snapshots, true, purpose)?;
         let measured = py.detach(|| {
             let frames: Vec<_> = snapshots.iter().map(|snapshot| &**snapshot).collect();
             let Ok(measured) = measure_frames(&plan, &frames[..]);
@@ -384,45 +397,108 @@ impl Simulation {
         });
         plain(py, &measured.unwrap_or_default())
     }
+
+    /// Writes frames, or the present state, into a folder as `makadam run` does: for ParaView, and for `makadam view`, `animate`, `export` and
+    /// `measure`.
+    ///
+    /// Args:
+    ///     folder: The folder, which must not hold frames yet.
+    ///     frames: Frames of this simulation in the order of time; the present state where none are given.
+    ///     walls: Whether walls are written; False where the caller has moved some.
+    ///
+    /// Raises:
+    ///     makadam.JudgeError: The folder holds frames, or cannot be written.
+    #[pyo3(signature = (folder, frames=None, *, walls=true))]
+    fn save_frames(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        frames: Option<Vec<PyRef<'_, Frame>>>,
+        walls: bool,
+    ) -> PyResult<()> {
+        self.frames(py, frames, walls)?.save(py, folder, walls)
+    }
+
+    /// Draws the present state, or a frame, without a screen.
+    ///
+    /// Args:
+    ///     file: PNG file to write; none where it is left out.
+    ///     frame: A frame of this simulation; the present state where none is given.
+    ///     field: What grains are coloured by, such as speed, pressure, force, coordination_number, diameter, material; speed, or the pressure
+    ///         in them where all are at rest, if left out.
+    ///     range: Values at the ends of the colour scale, in the field's unit.
+    ///     view: From where: natural, front, side, top, or "AZIMUTH,ELEVATION" in degrees.
+    ///     clip: A plane in front of which nothing is shown, such as "y=0.02" (m).
+    ///     walls: Whether walls are drawn; False where the caller has moved some.
+    ///     all_grains: Whether grains far from the walls are shown, too.
+    ///     size: Width and height, pixels.
+    ///
+    /// Returns:
+    ///     The pixels, red, green and blue: (height, width, 3) of uint8, as `matplotlib.pyplot.imshow` takes them.
+    ///
+    /// Raises:
+    ///     makadam.JudgeError: It cannot be drawn so, or the file cannot be written.
+    #[pyo3(signature = (file=None, frame=None, *, field=None, range=None, view="natural", clip=None, walls=true, all_grains=false, size=[1200, 900]))]
+    #[allow(clippy::too_many_arguments)] // They have names in Python.
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        file: Option<PathBuf>,
+        frame: Option<PyRef<'py, Frame>>,
+        field: Option<String>,
+        range: Option<[f64; 2]>,
+        view: &str,
+        clip: Option<&str>,
+        walls: bool,
+        all_grains: bool,
+        size: [usize; 2],
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let request = PictureRequest { field, range, view, clip, walls, all_grains, size };
+        self.frames(py, frame.map(|frame| vec![frame]), walls)?.picture(py, file, request)
+    }
+
+    /// Writes frames, or the present state, as one HTML file to turn, cut and play in a browser. What is left out to keep it small is a
+    /// `makadam.MakadamWarning`.
+    ///
+    /// Args:
+    ///     file: HTML file to write.
+    ///     frames: Frames of this simulation in the order of time, such as those of `record`; the present state where none are given.
+    ///     fields: What grains can be coloured by, the first at once; speed and pressure, if left out.
+    ///     every: Each so many frames are shown; as many as fit, if left out.
+    ///     megabytes: Largest size of what the file shows, MB: first contacts are left out, then frames.
+    ///     contacts: Whether contacts, and with them force chains, are shown.
+    ///     walls: Whether walls are shown; False where the caller has moved some.
+    ///     all_grains: Whether the view begins with all grains, also those far from the walls.
+    ///
+    /// Raises:
+    ///     makadam.JudgeError: The frames are of different grains, have no such field, or the file cannot be written.
+    #[pyo3(signature = (file, frames=None, *, fields=None, every=None, megabytes=200.0, contacts=true, walls=true, all_grains=false))]
+    #[allow(clippy::too_many_arguments)] // They have names in Python.
+    fn view(
+        &self,
+        py: Python<'_>,
+        file: PathBuf,
+        frames: Option<Vec<PyRef<'_, Frame>>>,
+        fields: Option<Vec<String>>,
+        every: Option<usize>,
+        megabytes: f64,
+        contacts: bool,
+        walls: bool,
+        all_grains: bool,
+    ) -> PyResult<()> {
+        let request = PageRequest { fields, every, megabytes, contacts, walls, all_grains };
+        self.frames(py, frames, walls)?.view(py, file, request)
+    }
 }
 
 impl Simulation {
-    /// The scene as the judge has to see it: with the grains that there are now, and walls that stand where it thinks.
-    fn measured_plan(&self, py: Python<'_>, frames: &[PyRef<'_, Frame>]) -> PyResult<plan::Scene> {
-        let simulation = self.0.lock(py)?;
-        let mut plan = self.0.scene.plan.clone();
-        for (number, wall) in plan.wall.iter().enumerate() {
-            // A wall that turns is measured as it stands only where turning leaves it in place, which the scene then says.
-            let moved = simulation.moved_by(number as u32).is_some_and(|(shift, angle)| {
-                shift != [0.0; 3] || (angle != 0.0 && !matches!(wall.motion, makadam::Motion::Rotating { .. }))
-            });
-            if moved {
-                let message = format!(
-                    "wall '{}' was moved by the caller, and observables take walls where the scene has them; describe its motion in the \
-                     scene to measure, or compute from `frame()`",
-                    wall.name
-                );
-                return Err(exception(py, "JudgeError", &message));
-            }
-        }
-        if simulation.has_other_grains() {
-            if let Some(frame) = frames.iter().find(|frame| frame.0.particles.len() != simulation.grains())
-                && plan.material.len() > 1
-            {
-                let message = format!(
-                    "the frame at {} s has {} grains and the simulation has {}: which materials they were of is not known; measure \
-                     frames before grains come or go",
-                    frame.0.time,
-                    frame.0.particles.len(),
-                    simulation.grains()
-                );
-                return Err(exception(py, "JudgeError", &message));
-            }
-            plan.grain = simulation.grain_entries(&plan);
-            plan.population.clear();
-        } else {
-            check_frames(py, &self.0.scene, frames)?;
-        }
-        Ok(plan)
+    /// Frames of this simulation, or its present state, with their scene.
+    fn frames(&self, py: Python<'_>, frames: Option<Vec<PyRef<'_, Frame>>>, walls: bool) -> PyResult<Frames> {
+        let frames = match frames {
+            Some(frames) => snapshots(&frames),
+            None => vec![self.frame(py)?.0],
+        };
+        let scene = scene_of_frames(py, &self.0, &frames, walls, "give walls=False to leave walls out")?;
+        Ok(Frames { scene, frames })
     }
 }

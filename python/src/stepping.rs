@@ -32,26 +32,27 @@ struct Slice {
 pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<String>> {
     let _right = shared.begin(py)?;
     let mut warnings = Vec::new();
-    let long = {
-        let mut simulation = shared.lock(py)?;
+    let (not_finite, crowded, long) = shared.with(py, |simulation| {
         let written = shared.may_be_written();
         // Looked at again if that is refused.
         shared.taken_to_write.store(written, Ordering::SeqCst);
-        if let Some(grain) = written.then(|| simulation.not_finite()).flatten() {
-            let what = format!(
-                "grain {grain} has a position, velocity or spin that is not finite; write finite numbers to the views"
-            );
-            return Err(exception(py, "InterventionError", &what));
-        }
-        if let Some(count) = written.then(|| crowd(simulation.arrays().0)).flatten() {
-            let what = format!(
-                "{count} grains lie in one place, within a diameter: each touches each other, and a step takes time and memory for every \
-                 pair of them"
-            );
-            warn(py, &what)?;
-        }
-        simulation.heeds_interrupts()
-    };
+        let not_finite = written.then(|| simulation.not_finite()).flatten();
+        let crowded = written.then(|| crowd(simulation.arrays().0)).flatten();
+        (not_finite, crowded, simulation.heeds_interrupts())
+    })?;
+    if let Some(grain) = not_finite {
+        let what = format!(
+            "grain {grain} has a position, velocity or spin that is not finite; write finite numbers to the views"
+        );
+        return Err(exception(py, "InterventionError", &what));
+    }
+    if let Some(count) = crowded {
+        let what = format!(
+            "{count} grains lie in one place, within a diameter: each touches each other, and a step takes time and memory for every \
+             pair of them"
+        );
+        warn(py, &what)?;
+    }
     while left > 0 {
         // A signal is handled by the thread that has started Python, and the step does not look for one.
         let slice = match long {
@@ -67,7 +68,6 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
         }
         py.check_signals()?;
         if slice.stopped {
-            shared.interrupt.clear();
             return Err(exception(py, "Interrupted", "interrupted; the state is that after the last whole step"));
         }
         py.detach(|| shared.let_in());
@@ -77,9 +77,10 @@ pub fn steps(py: Python<'_>, shared: &Shared, mut left: u64) -> PyResult<Vec<Str
 
 /// Has the watchdog look at the state that the last step has left; returns what is no more than a warning.
 pub fn look(py: Python<'_>, shared: &Shared) -> PyResult<Vec<String>> {
-    let simulation = shared.lock(py)?;
-    let mut watchdog = shared.watchdog.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-    let alarms = watchdog.as_mut().map_or_else(Vec::new, |watchdog| watchdog.look(&simulation));
+    let alarms = shared.with(py, |simulation| {
+        let mut watchdog = shared.watchdog.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        watchdog.as_mut().map_or_else(Vec::new, |watchdog| watchdog.look(simulation))
+    })?;
     match alarms.iter().find(|alarm| alarm.reaction == Reaction::Stop) {
         Some(alarm) => Err(exception(py, "WorthlessError", &alarm.to_string())),
         None => Ok(alarms.iter().map(ToString::to_string).collect()),
@@ -129,13 +130,7 @@ fn watched_from_beside(shared: &Shared, most: u64) -> PyResult<Slice> {
         let mut signal = Ok(());
         loop {
             match wait.recv_timeout(LOOK) {
-                Ok(slice) => {
-                    if signal.is_err() {
-                        // Nobody else has asked for it.
-                        shared.interrupt.clear();
-                    }
-                    return signal.map(|()| slice);
-                }
+                Ok(slice) => return signal.map(|()| slice),
                 Err(RecvTimeoutError::Timeout) => {
                     if signal.is_ok() {
                         signal = Python::attach(|py| py.check_signals());

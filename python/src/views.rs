@@ -13,7 +13,6 @@
 //! A thread may read or write such an array while another one steps. It then sees numbers of before or after, and what it writes may be lost:
 //! all of these numbers may have any bits, and nothing that lies in memory is found by them without a check.
 
-use crate::errors::exception;
 use crate::shared::{HeldPairs, Shared};
 use numpy::ndarray::{ArrayView, Dimension, IntoDimension, ShapeBuilder};
 use numpy::{Element, PyArray, PyArrayMethods};
@@ -107,13 +106,17 @@ pub enum State {
 
 /// A view of the grains of a simulation, row by row as they lie in memory.
 pub fn state<'py>(py: Python<'py>, shared: &Arc<Shared>, what: State) -> PyResult<Bound<'py, PyAny>> {
-    let mut simulation = shared.lock(py)?;
-    simulation.keep_arrays_in_place().map_err(|error| pyo3::exceptions::PyMemoryError::new_err(error.to_string()))?;
     let writable = matches!(what, State::Positions | State::Velocities | State::ScaledSpins);
+    // From here on no grain comes or goes.
     let owner = Bound::new(py, StateOwner::of(shared, writable))?.into_any();
-    let (spheres, bodies, ids) = simulation.arrays();
-    let count = ids.len();
-    let (sphere, body): (*const f64, *const f64) = (spheres.as_mut_ptr().cast(), bodies.as_mut_ptr().cast());
+    let placed = shared.with(py, |simulation| {
+        simulation.keep_arrays_in_place().map(|()| {
+            let (spheres, bodies, ids) = simulation.arrays();
+            (spheres.as_ptr().cast(), bodies.as_ptr().cast(), ids.as_ptr(), ids.len())
+        })
+    })?;
+    let (sphere, body, ids, count): (*const f64, *const f64, *const u32, usize) =
+        placed.map_err(|error| pyo3::exceptions::PyMemoryError::new_err(error.to_string()))?;
     let of = |start: *const f64, offset: usize, width: usize, stride: usize| Records {
         // An offset below the length of a record; where there are no records nothing is ever read.
         start: start.wrapping_add(offset),
@@ -129,7 +132,7 @@ pub fn state<'py>(py: Python<'py>, shared: &Arc<Shared>, what: State) -> PyResul
         State::Radii => of(sphere, 3, 1, 4),
         State::InverseMasses => of(body, 3, 1, 8),
         State::Ids => {
-            let ids = Records { start: ids.as_ptr(), records: count, width: 1, stride: 1 };
+            let ids = Records { start: ids, records: count, width: 1, stride: 1 };
             // SAFETY: the ids are kept in place as all arrays of the grains are, and the owner keeps the simulation.
             return Ok(unsafe { over(&ids, [count], [1], owner, false) }.into_any());
         }
@@ -158,27 +161,30 @@ pub enum Pairs {
 
 /// A view of the candidate list of a simulation as it is now.
 pub fn pairs<'py>(py: Python<'py>, shared: &Arc<Shared>, what: Pairs) -> PyResult<Bound<'py, PyAny>> {
-    let mut simulation = shared.lock(py)?;
-    let held = {
-        let mut last = shared.pairs.lock().map_err(|_| exception(py, "Error", "a view was lost in a panic"))?;
-        last.upgrade().unwrap_or_else(|| {
+    let taken = shared.with(py, |simulation| {
+        // While nobody steps: what is shown from here on is held when a step would change it.
+        let mut last = shared.pairs.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let held = last.upgrade().unwrap_or_else(|| {
             let held = Arc::new(HeldPairs::default());
             *last = Arc::downgrade(&held);
             held
-        })
-    };
+        });
+        let (pairs, pair_impulses, walls, wall_impulses) = simulation.pairs_in_list();
+        let counts = [pairs.len(), walls.len()];
+        (held, counts, (pairs.as_ptr(), pair_impulses.as_ptr()), (walls.as_ptr(), wall_impulses.as_ptr()))
+    })?;
+    let (held, [of_grains, of_walls], (pairs, pair_impulses), (walls, wall_impulses)) = taken;
     let owner = Bound::new(py, PairOwner { _pairs: held, _shared: shared.clone() })?.into_any();
-    let (pairs, pair_impulses, walls, wall_impulses) = simulation.pairs_in_list();
     let names = |start: *const u32, records: usize| Records { start, records, width: 2, stride: 2 };
     let numbers = |start: *const f64, records: usize| Records { start, records, width: 4, stride: 4 };
     // SAFETY: until the arrays change they are those of the simulation, which the owner keeps; then they are given to the owner, as they
     // lie in memory. Records are two numbers, and four, without gaps.
     Ok(unsafe {
         match what {
-            Pairs::Grains => matrix(&names(pairs.as_ptr().cast(), pairs.len()), owner),
-            Pairs::Walls => matrix(&names(walls.as_ptr().cast(), walls.len()), owner),
-            Pairs::GrainImpulses => matrix(&numbers(pair_impulses.as_ptr().cast(), pairs.len()), owner),
-            Pairs::WallImpulses => matrix(&numbers(wall_impulses.as_ptr().cast(), walls.len()), owner),
+            Pairs::Grains => matrix(&names(pairs.cast(), of_grains), owner),
+            Pairs::Walls => matrix(&names(walls.cast(), of_walls), owner),
+            Pairs::GrainImpulses => matrix(&numbers(pair_impulses.cast(), of_grains), owner),
+            Pairs::WallImpulses => matrix(&numbers(wall_impulses.cast(), of_walls), owner),
         }
     })
 }

@@ -96,6 +96,50 @@ def test_a_wall_that_a_function_moves_shakes_as_one_of_the_scene():
         by_caller.measure()
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"position": lambda t: [0.0, 0.0, 0.005 * np.cos(30 * t)]}, r"position gives \[0.0, 0.0, 0.005\] m at 0.0 s.*'floor' stands at \[0.0"),
+        ({"angle": lambda t: 0.1 * np.cos(30 * t), "about": ([0, 0, 0], [0, 0, 1])}, r"angle gives 0.1 rad"),
+        ({"position": lambda t: [0.0, 0.0, float("nan")]}, "nan"),
+        ({"position": lambda t: [0.0, 0.0]}, "shape"),
+        ({"position": lambda t: "up"}, "type"),
+    ],
+)
+def test_a_function_that_would_make_a_wall_jump_is_refused(given, words):
+    simulation = makadam.Simulation(floor())
+    with pytest.raises(makadam.InterventionError, match=words):
+        simulation.steer("floor", **given)
+    simulation.step(3)
+    assert simulation.moved_by("floor") is None
+
+
+def test_a_function_goes_on_from_where_a_wall_stands():
+    def place(t):
+        return [0.0, 0.0, -0.01 * t]
+
+    # Of a wall that the scene has moved, and of one that the caller has.
+    of_scene = makadam.Simulation(floor({"kind": "translating", "velocity": [0.0, 0.0, -0.01]}))
+    by_caller = makadam.Simulation(floor())
+    by_caller.move_wall("floor", velocity=[0.0, 0.0, -0.01])
+    for one in (of_scene, by_caller):
+        one.step(100)
+        one.steer("floor", position=place)
+        speeds = []
+        one.observe(lambda one, speeds=speeds: speeds.append(one.velocities[0, 2]), steps=1)
+        one.step(10)
+        assert one.moved_by("floor")[0][2] == pytest.approx(-0.01 * one.time, abs=1e-12)
+        assert np.abs(speeds).max() < 0.02
+    drum = makadam.Simulation("drum")
+    drum.step(20)
+    rate = next(wall["motion"]["rate"] for wall in drum.scene.to_dict()["wall"] if wall["name"] == "shell")
+    drum.steer("shell", angle=lambda t: rate * t)
+    other = makadam.Simulation("drum")
+    other.step(30)
+    drum.step(10)
+    assert np.allclose(drum.frame().positions, other.frame().positions, rtol=0, atol=1e-9)
+
+
 def test_a_drum_that_a_function_turns_has_the_bits_of_the_scene():
     of_scene, by_caller = makadam.Simulation("drum"), makadam.Simulation("drum")
     motion = next(wall["motion"] for wall in by_caller.scene.to_dict()["wall"] if wall["name"] == "shell")

@@ -134,6 +134,40 @@ def test_seeds_are_held_against_references(recording):
         makadam.simulate(bin_scene(), code="edem")
 
 
+@pytest.fixture(scope="module")
+def packed():
+    """Complete runs of a scene that is fast, by their seeds."""
+    return {seed: makadam.simulate("packing-100", seed=seed) for seed in (1, 2, 3)}
+
+
+def test_one_run_is_not_several_seeds(packed):
+    frames = packed[1].frames
+    with pytest.raises(makadam.JudgeError, match="not of seed 2 of 'packing-100': grain 0 has a radius of"):
+        makadam.Recording("packing-100", frames, seed=2)
+    assert makadam.Recording("packing-100", frames).seed == makadam.Scene("packing-100").seed == 1
+    # Where all radii are equal no seed is seen in them.
+    scene = bin_scene(population=[{**bin_scene()["population"][0], "radius": {"kind": "uniform", "mean": 0.004, "spread": 0.0}}])
+    scene["compare"] = [{"observable": "coordination_number", "margin": 1.0}]
+    frames = makadam.simulate(scene, seed=1).frames
+    runs = [makadam.Recording(scene, frames, seed=seed) for seed in (1, 2)]
+    with pytest.raises(makadam.JudgeError, match="seeds 1 and 2 have the same frames"):
+        makadam.compare(scene, runs, codes=["makadam"])
+    assert makadam.compare(scene, runs[:1], codes=["makadam"]).rows
+
+
+def test_runs_that_are_not_whole_are_not_compared(packed):
+    frames = packed[1].frames
+    with pytest.raises(makadam.JudgeError, match="seed 1 has its last frame at 0.5.*ends at 0.6 s"):
+        makadam.compare("packing-100", [makadam.Recording("packing-100", frames[:-1])])
+    scene = bin_scene(compare=[{"observable": "coordination_number", "margin": 1.0}])
+    whole = makadam.simulate(scene, seed=3).frames
+    for kept in (whole[:7] + whole[9:], whole[:6] + whole[8:], whole[-1:]):
+        with pytest.raises(makadam.JudgeError, match="has no frames between 0.3"):
+            makadam.compare(scene, [makadam.Recording(scene, kept, seed=3)], codes=["makadam"])
+    recorded = makadam.Simulation(scene, seed=3)
+    assert makadam.compare(scene, [makadam.Recording(scene, recorded.record(0.5), seed=3)], codes=["makadam"]).rows
+
+
 def test_codes_are_compared_here_and_now():
     # A packing of few grains, poured twice: what is recorded is of another scene, and that is said.
     scene = makadam.Scene("packing", overrides={"population[0].count": 200, "duration": 0.3})

@@ -1,5 +1,6 @@
 """Scenes from dicts, texts, files and names; what is wrong with one is said with its place."""
 
+import copy
 import pickle
 
 import makadam
@@ -28,6 +29,43 @@ def test_a_dict_a_text_and_a_file_are_one_scene(tmp_path):
     assert of_file.file == str(file) and of_dict.file is None
     assert pickle.loads(pickle.dumps(of_dict)) == of_dict
     assert len({of_dict, of_file}) == 1
+
+
+@pytest.mark.parametrize(
+    "duplicate",
+    [
+        lambda scene: pickle.loads(pickle.dumps(scene)),
+        copy.deepcopy,
+        makadam.Scene,
+        lambda scene: makadam.Scene(scene.to_dict()),
+        lambda scene: makadam.Scene(scene.to_toml()),
+        lambda scene: scene.with_overrides({"duration": 0.6}),
+    ],
+    ids=["pickle", "deepcopy", "Scene", "dict", "text", "overrides"],
+)
+def test_a_duplicate_has_the_settings_of_the_simulation(duplicate):
+    asked = makadam.Scene("packing-100", {"accuracy.angle": 1.0})
+    for scene in ("packing-100", asked):
+        for settings in ({"time_step": 1e-4, "precision": "single"}, {"method": "jacobi"}):
+            simulation = makadam.Simulation(scene, **settings)
+            own, other = simulation.scene, duplicate(simulation.scene)
+            assert other == own.with_overrides({"duration": other.duration})
+            assert (other.time_step, other.to_dict()["solver"]) == (simulation.time_step, own.to_dict()["solver"])
+            simulation.step(3)
+            assert makadam.Simulation.resume(other, simulation.checkpoint()).state_hash == simulation.state_hash
+    assert duplicate(asked).to_dict()["accuracy"] == asked.to_dict()["accuracy"] and duplicate(asked).time_step == asked.time_step
+
+
+def test_a_duplicate_knows_where_it_came_from(tmp_path):
+    scene = pickle.loads(pickle.dumps(makadam.Scene("packing")))
+    assert scene.file == makadam.Scene("packing").file
+    assert makadam.reference(scene) == makadam.reference("packing") != []
+    file = tmp_path / "bin.toml"
+    file.write_text(makadam.Scene(bin_scene(duration=0.4)).to_toml())
+    other = copy.deepcopy(makadam.Scene(file))
+    assert other.file == str(file)
+    file.unlink()
+    assert copy.deepcopy(other) == other and makadam.reference(other) == []
 
 
 def test_numbers_and_arrays_of_numpy_are_taken():

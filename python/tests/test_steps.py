@@ -144,6 +144,24 @@ def test_many_steps_end_with_a_look_of_the_watchdog():
         makadam.Simulation(scene).step(2)
 
 
+def test_a_duration_in_parts_takes_the_steps_of_the_whole():
+    scene = space([{"position": [0.0, 0.0, 0.0]}])
+    whole, parts = makadam.Simulation(scene), makadam.Simulation(scene)
+    whole.run(0.7)
+    for part in range(1000):
+        parts.run(0.0007)
+        if part == 500:
+            # What is left below a step goes into checkpoints and copies.
+            assert parts.steps == 351
+            parts = makadam.Simulation.resume(scene, parts.checkpoint()).copy()
+    assert parts.steps == whole.steps == 700
+    parts.run(0.0)
+    parts.run(0.0004)
+    parts.step(2)
+    parts.run(0.0004)
+    assert parts.steps == 703
+
+
 def test_observers_are_called_when_they_are_due():
     simulation = makadam.Simulation(bin_scene())
     steps, times, all_steps = [], [], []
@@ -242,6 +260,63 @@ def test_another_thread_can_stop_the_steps():
     assert simulation.steps == taken + 2
 
 
+def test_a_request_is_answered_by_whatever_ends_the_steps():
+    simulation = makadam.Simulation("packing-100")
+
+    def stop(one):
+        one.interrupt()
+        raise KeyboardInterrupt
+
+    handle = simulation.observe(stop, steps=1)
+    with pytest.raises(KeyboardInterrupt):
+        simulation.step(5)
+    handle.remove()
+    simulation.step(5)
+    assert simulation.steps == 6
+    # As Ctrl-C comes, in the middle of steps.
+    before = signal.signal(signal.SIGALRM, lambda *_: stop(simulation))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        with pytest.raises(KeyboardInterrupt):
+            simulation.step(10**9)
+        taken = simulation.steps
+        simulation.step(5)
+        assert simulation.steps == taken + 5
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    # Without a step under way the next one answers.
+    simulation.interrupt()
+    with pytest.raises(makadam.Interrupted):
+        simulation.step(5)
+    simulation.step(5)
+
+
+ASKED_BY_A_HANDLER = """
+import signal, warnings
+import makadam
+simulation = makadam.Simulation({scene!r}, watch=False)
+warnings.simplefilter("always")
+warnings.showwarning = lambda *_: print("warned at", simulation.time, len(simulation.frame()))
+simulation.positions[:] = 0.001
+simulation.step()
+simulation.velocities[:] = 0.0
+signal.signal(signal.SIGALRM, lambda *_: simulation.time)
+signal.setitimer(signal.ITIMER_REAL, 0.005, 0.005)
+for _ in range(2000):
+    simulation.energy()
+    simulation.positions
+signal.setitimer(signal.ITIMER_REAL, 0.0)
+print("done")
+"""
+
+
+def test_handlers_of_warnings_and_signals_may_ask():
+    scene = space([{"position": [0.02 * number - 0.8, 0.0, 0.0], "radius": 0.001} for number in range(80)] * 7, largest_start_overlap=2.0)
+    code = ASKED_BY_A_HANDLER.format(scene=scene)
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert said.stdout.splitlines() == ["warned at 0.0 560", "done"], said.stdout + said.stderr
+
+
 def test_other_threads_run_while_one_steps():
     simulation = makadam.Simulation("drum")
     counted, stop = [0], threading.Event()
@@ -284,6 +359,9 @@ def test_settings_that_cannot_be_are_refused():
         ({"time_step": float("nan")}, "time_step"),
     ]:
         with pytest.raises(makadam.SettingError, match=words):
+            makadam.Simulation("drum", **wrong)
+    for wrong in ({"seed": "1"}, {"seed": 1.5}, {"threads": "2"}, {"time_step": "1e-4"}):
+        with pytest.raises(makadam.SettingError, match=f"{next(iter(wrong))}: .*number; give"):
             makadam.Simulation("drum", **wrong)
     with pytest.raises(makadam.SettingError, match="single precision"):
         makadam.Simulation("oedometer", precision="single")

@@ -164,6 +164,10 @@ def test_grains_neither_come_nor_go_while_a_view_lives(filled):
         filled.insert([0.03, 0.03, 0.28], 0.004)
     with pytest.raises(BufferError):
         filled.remove(0)
+    # Also one that is an argument, or stands in the expression.
+    for attempt in (lambda: filled.remove(filled.ids[:1]), lambda: filled.positions[filled.insert([0.03, 0.03, 0.28], 0.004)]):
+        with pytest.raises(makadam.ViewError, match="within the expression.*give copies"):
+            attempt()
     assert len(filled) == 60
     del part
     gc.collect()

@@ -9,7 +9,9 @@ use makadam::scene::{SolverSettings, Watch};
 use makadam::schedule::Scheduler;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::Path;
+use std::sync::OnceLock;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Version of Makadam.
@@ -186,10 +188,19 @@ pub fn scene_hash(scene: &Scene) -> u64 {
     checksum(&text)
 }
 
+/// Arguments of the program, where something else than the system has started it.
+static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// Sets the arguments that [`command_line`] reports, the first of which is the program's name; the first call counts.
+pub fn set_command_line(arguments: &[OsString]) {
+    let _ = ARGUMENTS.set(arguments.to_vec());
+}
+
 /// The command line of this process, with the program's name in place of its path.
 pub fn command_line() -> String {
+    let arguments = ARGUMENTS.get().cloned().unwrap_or_else(|| std::env::args_os().collect());
     // A path may be no text.
-    let words = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    let words = arguments.iter().skip(1).map(|argument| argument.to_string_lossy().into_owned());
     let arguments = words.map(|argument| match argument.contains(char::is_whitespace) {
         true => format!("'{argument}'"),
         false => argument,

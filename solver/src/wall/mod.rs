@@ -165,6 +165,11 @@ impl Walls {
         (0..).zip(&self.walls).filter_map(|(number, wall)| Some((number, wall.movement.steered.as_ref()?)))
     }
 
+    /// Displacement of a wall along (m) and its angle (rad) at a time (s), from where the scene places it.
+    pub(crate) fn displacement(&self, wall: u32, time: f64) -> ([f64; 3], f64) {
+        self.walls[wall as usize].movement.place(time)
+    }
+
     /// Moves walls that are steered for a step of length `h`, s.
     pub(crate) fn advance_steered(&mut self, h: f64) {
         self.walls.iter_mut().filter_map(|wall| wall.movement.steered.as_mut()).for_each(|steered| steered.advance(h));

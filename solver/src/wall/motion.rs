@@ -218,6 +218,21 @@ impl Movement {
         elsewhere || out_of_phase
     }
 
+    /// Displacement along (m) and angle (rad) at a time (s), from where the scene places it; a driven wall as it was last put.
+    pub(super) fn place(&self, time: f64) -> ([f64; 3], f64) {
+        if let Some(steered) = &self.steered {
+            return steered.place();
+        }
+        let angle = match self.motion {
+            Motion::TorqueDriven { .. } => self.displacement,
+            _ => self.angle(time),
+        };
+        match self.at(time).displacement {
+            Displacement::By(shift) => (shift.into(), angle),
+            _ => ([0.0; 3], angle),
+        }
+    }
+
     /// How far the scene has turned it at a time (s), rad.
     pub(super) fn angle(&self, time: f64) -> f64 {
         match &self.motion {

@@ -47,12 +47,19 @@ use arguments::{Arguments, Command, load};
 use clap::Parser;
 use makadam::Simulation;
 use makadam::scene::Stop;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    run_program(std::env::args_os().collect())
+}
+
+/// Runs the program on arguments, the first of which is its name.
+pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
+    crate::provenance::set_command_line(&arguments);
+    let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(words) => return tell(&words),
     };

@@ -1,12 +1,10 @@
 //! `makadam picture` and `makadam animate`: what a run has left, as an image and as a film.
 
-use super::arguments::{AnimateArguments, PictureArguments, StyleArguments};
+use super::arguments::{AnimateArguments, PictureArguments};
 use super::beforehand::refuse_picture_beyond_memory;
 use super::{Console, Failure};
 use crate::output::create_folder_of;
-use crate::pictures::{
-    Animation, Picture, PictureError, Scale, Subject, camera, draw, has_scale, memory, telling, write_png,
-};
+use crate::pictures::{Animation, Picture, PictureError, Subject, camera, caption, draw, has_scale, memory, write_png};
 use crate::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames, rounded};
 use std::process::ExitCode;
 
@@ -32,11 +30,8 @@ pub(super) fn picture(arguments: &PictureArguments, console: &Console) -> Result
         other => other.into(),
     })?;
     let style = arguments.style.style(arguments.size);
-    let field = field_of(&arguments.style, &frame);
-    let quantity = run.field(&frame, &field)?;
-    let scale = scale_of(&arguments.style, &quantity.title, &quantity.values);
-    let camera = camera(&Subject::of(std::iter::once(&frame), arguments.style.all_grains), &frame, &style);
-    let drawn = draw(&frame, &quantity, &scale, &camera, &style, &caption(&run, &frame));
+    let content = arguments.style.content();
+    let drawn = content.picture(&run, &frame, &style)?;
     if crate::interrupt::requested() {
         return Err(Failure::Interrupted("nothing: the picture was not finished".into()));
     }
@@ -45,10 +40,11 @@ pub(super) fn picture(arguments: &PictureArguments, console: &Console) -> Result
     create_folder_of(&output)?;
     write_png(&output, &drawn)?;
     console.result(&format!(
-        "{}: {} at {} s, coloured by {field}",
+        "{}: {} at {} s, coloured by {}",
         output.display(),
         run.scene(),
-        rounded(frame.time)
+        rounded(frame.time),
+        content.field_of(&frame)
     ))?;
     Ok(ExitCode::SUCCESS)
 }
@@ -67,11 +63,12 @@ pub(super) fn animate(arguments: &AnimateArguments, console: &Console) -> Result
     let looks: Vec<RunFrame> =
         numbers.iter().rev().step_by(step).map(|number| run.read(*number)).collect::<Result<_, _>>()?;
     let middle = &looks[looks.len() / 2];
-    let field = field_of(&arguments.style, middle);
+    let content = arguments.style.content();
+    let field = content.field_of(middle);
     let quantities: Vec<Quantity> =
         looks.iter().map(|frame| run.field(frame, &field)).collect::<Result<_, RunFolderError>>()?;
     let values: Vec<f64> = quantities.iter().flat_map(|quantity| quantity.values.iter().copied()).collect();
-    let scale = scale_of(&arguments.style, &quantities[0].title, &values);
+    let scale = content.scale_of(&quantities[0].title, &values);
     let camera = camera(&Subject::of(looks.iter(), arguments.style.all_grains), middle, &style);
     let one = |number: usize| -> Result<Picture, Failure> {
         let frame = run.read(numbers[number])?;
@@ -110,19 +107,6 @@ fn tell_scale_left_out(size: [usize; 2], console: &Console) {
     if !has_scale(size) {
         console.note("the picture is too narrow for a colour scale, which is left out");
     }
-}
-
-/// The field that was asked for, or the one that tells most.
-fn field_of(style: &StyleArguments, frame: &RunFrame) -> String {
-    style.field.clone().unwrap_or_else(|| telling(frame).into())
-}
-
-fn scale_of(style: &StyleArguments, title: &str, values: &[f64]) -> Scale {
-    style.range.map_or_else(|| Scale::of(title, values), Scale::Range)
-}
-
-fn caption(run: &RunFrames, frame: &RunFrame) -> String {
-    format!("{}   t = {:.3} s", run.scene(), frame.time)
 }
 
 impl From<RunFolderError> for Failure {

@@ -3,34 +3,18 @@
 use super::arguments::ViewArguments;
 use super::{Console, Failure};
 use crate::output::create_folder_of;
-use crate::pictures::telling;
 use crate::run_frames::RunFrames;
-use crate::viewer::{ViewerError, Wishes, write};
+use crate::viewer::{ViewerError, Wishes, fields_of, write};
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 use std::process::ExitCode;
-
-/// Fields that can be chosen on the page beside the one that was asked for.
-const BESIDE: [&str; 2] = ["speed", "pressure"];
 
 /// Writes the page of a run and says how to open it.
 pub(super) fn view(arguments: &ViewArguments, console: &Console) -> Result<ExitCode, Failure> {
     let run = RunFrames::open(&arguments.frames.run)?;
     let last = run.read(run.count() - 1)?;
-    let mut fields = match &arguments.field {
-        Some(names) => names.clone(),
-        None => vec![telling(&last).to_string()],
-    };
-    if arguments.field.is_none() {
-        let known = last.quantities();
-        fields.extend(
-            BESIDE.iter().filter(|name| known.iter().any(|known| known == *name)).map(|name| (*name).to_string()),
-        );
-    }
-    let mut seen = std::collections::HashSet::new();
-    fields.retain(|name| seen.insert(name.replace('-', "_")));
     let wishes = Wishes {
-        fields,
+        fields: fields_of(&last, arguments.field.as_deref()),
         every: arguments.every.map(|every| every as usize),
         most_bytes: 1e6 * arguments.megabytes,
         contacts: !arguments.no_contacts,

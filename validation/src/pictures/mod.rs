@@ -10,6 +10,7 @@ mod camera;
 mod colours;
 mod files;
 mod lettering;
+mod of_run;
 mod raster;
 mod shade;
 
@@ -17,6 +18,7 @@ pub use camera::{Camera, Cut, Subject, View};
 pub use colours::{MOST_KINDS, PALETTE, Scale, VIRIDIS, telling};
 pub use files::{Animation, PictureError, write_png};
 pub(crate) use lettering::ticks;
+pub use of_run::{Content, caption};
 
 use crate::run_frames::{Quantity, RunFrame, Walls};
 use lettering::{Anchor, Sheet, length};

@@ -117,7 +117,7 @@ impl RunFrames {
             };
             return Err(RunFolderError::NoFrames { folder: folder.display().to_string(), problem: problem.into() });
         }
-        let Told { scene, time_step, alarms, setup_hash } = told(&folder);
+        let Told { scene, time_step, alarms, setup_hash } = told(&folder, &grains[0].1);
         Ok(RunFrames { scene, time_step, folder, grains, contacts, walls, alarms, setup_hash })
     }
 
@@ -255,7 +255,7 @@ fn is_below(name: &str) -> bool {
     Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)))
 }
 
-/// What `run.json` says of a run: the name of its scene, its time step (s), why it is not sound, and the hash of its physics.
+/// What `run.json`, or the first frame, says of a run: the name of its scene, its time step (s), why it is not sound, and the hash of its physics.
 struct Told {
     scene: String,
     time_step: Option<f64>,
@@ -263,11 +263,17 @@ struct Told {
     setup_hash: Option<String>,
 }
 
-fn told(folder: &Path) -> Told {
+/// Returns the name of the scene that the file of a frame holds.
+fn scene_of(file: &Path) -> Option<String> {
+    let texts = read(file).ok()?.texts;
+    texts.into_iter().find(|(name, _)| name == "scene_name").and_then(|(_, names)| names.into_iter().next())
+}
+
+fn told(folder: &Path, first: &Path) -> Told {
     let file = folder.join(RunFiles::SUMMARY);
     let summary = std::fs::read_to_string(&file).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap_or_default();
-    let name = summary["scene"].as_str().map(String::from);
+    let name = summary["scene"].as_str().map(String::from).or_else(|| scene_of(first));
     let of_folder = || folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     let alarms = summary["alarms"].as_array().map(Vec::as_slice).unwrap_or_default();
     let is_grave = alarms.iter().any(|alarm| alarm["grave"] == true);

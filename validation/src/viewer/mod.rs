@@ -8,4 +8,4 @@ mod page;
 mod payload;
 
 pub use page::{Page, ViewerError, write};
-pub use payload::{Payload, Wishes, unpack};
+pub use payload::{Payload, Wishes, fields_of, unpack};

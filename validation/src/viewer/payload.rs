@@ -11,9 +11,10 @@
 //! ```
 
 use crate::draw::numbers::plural;
-use crate::pictures::{MOST_KINDS, PALETTE, Scale, Subject, VIRIDIS, wall_edges};
+use crate::pictures::{MOST_KINDS, PALETTE, Scale, Subject, VIRIDIS, telling, wall_edges};
 use crate::run_frames::{ContactLine, Quantity, RunFolderError, RunFrame, RunFrames, Walls};
 use serde_json::{Value, json};
+use std::collections::HashSet;
 
 /// Largest number of 16 bits.
 const FULL: f64 = 65_535.0;
@@ -40,6 +41,22 @@ pub struct Wishes {
     pub contacts: bool,
     /// Whether the view begins where all grains are seen, also those far from the walls.
     pub all_grains: bool,
+}
+
+/// Fields that can be chosen on the page next to the one that is shown at once, where none are requested.
+const BESIDE: [&str; 2] = ["speed", "pressure"];
+
+/// Returns the fields by which grains can be coloured: the requested ones, or those that tell most of a frame. None is there twice.
+pub fn fields_of(frame: &RunFrame, requested: Option<&[String]>) -> Vec<String> {
+    let mut fields = requested.map_or_else(|| vec![telling(frame).to_string()], <[String]>::to_vec);
+    if requested.is_none() {
+        let known = frame.quantities();
+        let beside = BESIDE.iter().filter(|name| known.iter().any(|known| known == *name));
+        fields.extend(beside.map(|name| (*name).to_string()));
+    }
+    let mut seen = HashSet::new();
+    fields.retain(|name| seen.insert(name.replace('-', "_")));
+    fields
 }
 
 /// What is shown.

@@ -37,6 +37,18 @@ impl Simulation {
         moved.map_err(|problem| InterventionError::Wall { wall, problem })
     }
 
+    /// Displacement of any wall along (m) and its angle (rad) from where the scene places it, whatever moves it.
+    ///
+    /// # Errors
+    /// [`InterventionError::NoWall`].
+    pub fn wall_displacement(&self, wall: u32) -> Result<([f64; 3], f64), InterventionError> {
+        let walls = self.world.walls.count();
+        match (wall as usize) < walls {
+            true => Ok(self.world.walls.displacement(wall, self.world.time)),
+            false => Err(InterventionError::NoWall { wall, walls }),
+        }
+    }
+
     /// How far a wall that the caller moves has moved along (m) and turned (rad) from where the scene places it; absent for others.
     pub fn moved_by(&self, wall: u32) -> Option<([f64; 3], f64)> {
         self.world.walls.steered().find(|(number, _)| *number == wall).map(|(_, steered)| steered.place())

@@ -14,7 +14,7 @@ pub use learn::{
     CheckArguments, CompletionsArguments, ManualArguments, NewArguments, ObservablesArguments, SceneListArguments,
     SchemaArguments, SweepArguments,
 };
-pub use pictures::{AnimateArguments, ExportArguments, ExportFormat, PictureArguments, StyleArguments, ViewArguments};
+pub use pictures::{AnimateArguments, ExportArguments, ExportFormat, PictureArguments, ViewArguments};
 pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };

@@ -2,7 +2,7 @@
 
 use super::values::{positive, rayleigh_fraction};
 use crate::peers::CodeName;
-use crate::pictures::{Cut, Style, View};
+use crate::pictures::{Content, Cut, Style, View};
 use crate::scenes::Change;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
@@ -44,6 +44,11 @@ impl StyleArguments {
     /// The style of pictures of a size.
     pub fn style(&self, size: [usize; 2]) -> Style {
         Style { size, view: self.view, cut: self.clip, walls: !self.no_walls }
+    }
+
+    /// Returns the content of pictures.
+    pub fn content(&self) -> Content {
+        Content { field: self.field.clone(), range: self.range, all_grains: self.all_grains }
     }
 }
 

@@ -1,0 +1,182 @@
+//! Frames on disk, as pictures and as pages, by the same modules as the command's.
+
+use crate::errors::{exception, warn};
+use crate::stepping::beside;
+use makadam::snapshot::Snapshot;
+use makadam_validation::output::{FrameWriter, RunFiles, WriteError, file_stem, run_folder};
+use makadam_validation::pictures::{Content, Style, write_png};
+use makadam_validation::plan::{Output, Scene};
+use makadam_validation::run_frames::RunFrames;
+use makadam_validation::viewer::{self, Wishes, fields_of};
+use numpy::ndarray::Array3;
+use numpy::{IntoPyArray, PyArray3};
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Least and largest side of a picture, pixels: memory is there for it.
+const SIDES: std::ops::RangeInclusive<usize> = 64..=4096;
+
+/// Frames of a scene, in the order of time.
+pub struct Frames {
+    pub scene: Scene,
+    pub frames: Vec<Arc<Snapshot>>,
+}
+
+/// A picture as the caller asks for it; see `makadam.Simulation.picture`.
+pub struct PictureRequest<'a> {
+    pub field: Option<String>,
+    pub range: Option<[f64; 2]>,
+    pub view: &'a str,
+    pub clip: Option<&'a str>,
+    pub walls: bool,
+    pub all_grains: bool,
+    pub size: [usize; 2],
+}
+
+/// A page as the caller asks for it; see `makadam.Simulation.view`.
+pub struct PageRequest {
+    pub fields: Option<Vec<String>>,
+    pub every: Option<usize>,
+    pub megabytes: f64,
+    pub contacts: bool,
+    pub walls: bool,
+    pub all_grains: bool,
+}
+
+/// A folder that goes away with its owner.
+struct Temporary(PathBuf);
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        // A folder that stays in the cache does no harm.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+impl Frames {
+    /// Refuses frames that are not in the order of time, or none.
+    fn check(&self) -> Result<(), String> {
+        if self.frames.is_empty() {
+            return Err("there are no frames; give at least one".into());
+        }
+        match self.frames.windows(2).find(|pair| pair[0].time >= pair[1].time) {
+            Some(pair) => Err(format!(
+                "a frame at {} s follows one at {} s; give frames in the order of time, each once",
+                pair[1].time, pair[0].time
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes them into a folder as `makadam run` does.
+    fn write(&self, folder: &Path) -> Result<(), WriteError> {
+        let mut writer = FrameWriter::create(folder, &self.scene)?;
+        self.frames.iter().try_for_each(|frame| writer.write(frame))
+    }
+
+    /// Writes them with everything that a picture can show into a folder of the cache.
+    fn open(self, walls: bool) -> Result<(Temporary, RunFrames), String> {
+        let scene = Scene { output: Some(Output { walls, ..Output::default() }), ..self.scene };
+        let name = format!("{}-frames", file_stem(&scene.name));
+        let folder = Temporary(run_folder(&name).map_err(|error| error.to_string())?);
+        Frames { scene, frames: self.frames }.write(&folder.0).map_err(|error| error.to_string())?;
+        let run = RunFrames::open(&folder.0).map_err(|error| error.to_string())?;
+        Ok((folder, run))
+    }
+
+    /// Writes them into a folder, which must not hold frames yet.
+    pub fn save(mut self, py: Python<'_>, folder: PathBuf, walls: bool) -> PyResult<()> {
+        if !walls {
+            self.scene.output.get_or_insert_default().walls = false;
+        }
+        let saved = beside(py, || {
+            self.check()?;
+            if RunFiles::inside(&folder).any().map_err(|error| error.to_string())? {
+                return Err(format!("{} holds frames already; give another folder", folder.display()));
+            }
+            self.write(&folder).map_err(|error| error.to_string())
+        })?;
+        saved.map_err(|problem| exception(py, "JudgeError", &problem))
+    }
+
+    /// Draws the last of them; writes it where a file is named. Returns its pixels, (height, width, 3).
+    pub fn picture<'py>(
+        self,
+        py: Python<'py>,
+        file: Option<PathBuf>,
+        request: PictureRequest<'_>,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let refuse = |problem: String| exception(py, "JudgeError", &problem);
+        let PictureRequest { field, range, view, clip, walls, all_grains, size } = request;
+        if let Some(side) = size.iter().find(|side| !SIDES.contains(side)) {
+            let (least, most) = (SIDES.start(), SIDES.end());
+            return Err(refuse(format!("size: {side} pixels are not possible; give {least} to {most} for each side")));
+        }
+        if let Some([low, high]) = range.filter(|[low, high]| !(low.is_finite() && high.is_finite() && low < high)) {
+            return Err(refuse(format!(
+                "range: {low} to {high} is no range; give two finite numbers, the smaller first"
+            )));
+        }
+        let view = view.parse().map_err(|problem| refuse(format!("view: {problem}")))?;
+        let cut = clip.map(str::parse).transpose().map_err(|problem| refuse(format!("clip: {problem}")))?;
+        let content = Content { field, range, all_grains };
+        let drawn = beside(py, || -> Result<_, String> {
+            self.check()?;
+            let (_folder, run) = self.open(walls)?;
+            let frame = run.read(run.count() - 1).map_err(|error| error.to_string())?;
+            let style = Style { size, view, cut, walls };
+            let drawn = content.picture(&run, &frame, &style).map_err(|error| error.to_string())?;
+            if let Some(file) = file.filter(|_| !makadam_validation::interrupt::requested()) {
+                write_png(&file, &drawn).map_err(|error| error.to_string())?;
+            }
+            Ok(drawn)
+        })?;
+        let drawn = drawn.map_err(refuse)?;
+        let pixels = Array3::from_shape_vec((drawn.height, drawn.width, 3), drawn.bytes);
+        Ok(pixels.expect("three bytes per pixel").into_pyarray(py))
+    }
+
+    /// Writes them as one HTML file, and warns of what was left out.
+    pub fn view(self, py: Python<'_>, file: PathBuf, request: PageRequest) -> PyResult<()> {
+        let refuse = |problem: String| exception(py, "JudgeError", &problem);
+        let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        if !matches!(ending.as_deref(), Some("html" | "htm")) {
+            return Err(refuse(format!("{}: its name must end in .html or .htm", file.display())));
+        }
+        let PageRequest { fields, every, megabytes, contacts, walls, all_grains } = request;
+        if every == Some(0) || !(megabytes > 0.0 && megabytes.is_finite()) {
+            return Err(refuse("every and megabytes: give numbers above 0".into()));
+        }
+        let page = beside(py, || {
+            self.check()?;
+            self.same_grains()?;
+            let (_folder, run) = self.open(walls)?;
+            let last = run.read(run.count() - 1).map_err(|error| error.to_string())?;
+            let fields = fields_of(&last, fields.as_deref());
+            let wishes = Wishes { fields, every, most_bytes: 1e6 * megabytes, contacts, all_grains };
+            viewer::write(&file, &run, &wishes, &|_| {}).map_err(|error| error.to_string())
+        })?;
+        match page.map_err(refuse)?.note {
+            note if note.is_empty() => Ok(()),
+            note => warn(py, &format!("{}: {note}", file.display())),
+        }
+    }
+
+    /// Refuses frames of different grains: a page shows one set of grains over time.
+    fn same_grains(&self) -> Result<(), String> {
+        let radii = |frame: &'_ Snapshot| frame.particles.iter().map(|grain| grain.radius).collect::<Vec<_>>();
+        let first = radii(&self.frames[0]);
+        match self.frames.iter().find(|frame| radii(frame) != first) {
+            Some(frame) => Err(format!(
+                "the frame at {} s has other grains ({}) than that at {} s ({}), and a page shows the same grains over time; give frames \
+                 from before, or from after, grains came or went",
+                frame.time,
+                frame.particles.len(),
+                self.frames[0].time,
+                first.len()
+            )),
+            None => Ok(()),
+        }
+    }
+}
