@@ -128,7 +128,7 @@ fn usage() {
         &["run", "packing", "--seed", "one"],
         &["compare", "packing", "--codes", "chrono"],
         &["compare", "packing", "--rayleigh-fraction", "3"],
-        &["compare", "packing", "--again"],
+        &["compare", "packing", "--restart"],
         &["fly"],
     ] {
         assert_eq!(fails(folder.path(), arguments).0, 2, "{arguments:?}");

@@ -197,7 +197,7 @@ fn compare_changed(from: &str, to: &str) -> (Option<i32>, String, String) {
 fn an_observable_that_nothing_measures_is_an_error_with_its_line_and_the_nearest_name() {
     let (code, _, message) = compare_changed("\"wall_force_over_weight\"", "\"wall_force_over_wieght\"");
     assert_eq!(code, Some(3), "{message}");
-    for words in ["changed.toml:", "wall_force_over_wieght", "nearest names are: wall_force_over_weight"] {
+    for words in ["changed.toml:", "wall_force_over_wieght", "did you mean wall_force_over_weight"] {
         assert!(message.contains(words), "no '{words}' in: {message}");
     }
     // A known one whose group the scene does not measure.
@@ -375,5 +375,5 @@ fn recording_reads_kept_recordings_and_writes_references() {
     );
     // From then on nothing is run, the program is not even there: lines are kept, or measured from raw recordings.
     assert_eq!(record(Some("/nowhere/liggghts"), &[]), first);
-    assert_eq!(record(Some("/nowhere/liggghts"), &["--again"]), first);
+    assert_eq!(record(Some("/nowhere/liggghts"), &["--restart"]), first);
 }

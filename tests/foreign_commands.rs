@@ -161,7 +161,7 @@ fn a_code_of_ones_own_is_judged_and_found_to_disagree() {
         "compare=[{observable=\"packing_fraction\", margin=0.01}]",
     ];
     let mut command =
-        vec!["judge", "packing-100", "--code", &described, "--against", "makadam", "--seeds", "3", "-o", "report"];
+        vec!["judge", "packing-100", "--code", &described, "--codes", "makadam", "--seeds", "3", "-o", "report"];
     command.extend(scene);
     let (code, text, errors) = outcome(folder.path(), &command);
     assert_eq!(code, 4, "{text}{errors}");
@@ -189,7 +189,7 @@ fn a_code_of_ones_own_is_judged_and_found_to_disagree() {
     for (text, wanted, words) in refused {
         let file = write("code.toml", &text);
         let (code, _, errors) =
-            outcome(folder.path(), &["judge", "packing-100", "--code", &file, "--against", "makadam", "--seeds", "1"]);
+            outcome(folder.path(), &["judge", "packing-100", "--code", &file, "--codes", "makadam", "--seeds", "1"]);
         assert!(code == wanted && errors.contains(words), "{code} in place of {wanted}: {errors}");
     }
 }
@@ -214,7 +214,7 @@ fn a_seed_that_fails_is_a_value_that_is_missing() {
             "packing-100",
             "--code",
             &file.display().to_string(),
-            "--against",
+            "--codes",
             "makadam",
             "--seeds",
             "3",

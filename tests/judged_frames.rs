@@ -34,7 +34,7 @@ fn judged(description: &str, more: &[&str]) -> (i32, String, String) {
     fs::write(folder.path().join("code.toml"), description).unwrap();
     write_scene(folder.path());
     let mut command = makadam(folder.path());
-    command.args(["judge", "scene.toml", "--code", "code.toml", "--against", "makadam"]).args(more);
+    command.args(["judge", "scene.toml", "--code", "code.toml", "--codes", "makadam"]).args(more);
     let output = command.output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
@@ -128,9 +128,9 @@ fn an_interruption_is_told_and_leaves_an_earlier_report() {
     let judge = |fault: &str, output: &str| {
         fs::write(folder.join("code.toml"), described(fault, OUT)).unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_makadam"));
-        command.args(["judge", "scene.toml", "--code", "code.toml", "--against", "makadam", "--seeds", "2"]);
+        command.args(["judge", "scene.toml", "--code", "code.toml", "--codes", "makadam", "--seeds", "2"]);
         command
-            .args(["--output", output, "--threads", "1"])
+            .args(["--output", output, "--jobs", "1"])
             .env("XDG_CACHE_HOME", folder.join("cache"))
             .current_dir(folder);
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
@@ -171,18 +171,7 @@ fn unreadable_frames_end_the_first_seed() {
     fs::write(folder.path().join("code.toml"), described("lost-grain", OUT)).unwrap();
     write_scene(folder.path());
     let mut command = makadam(folder.path());
-    command.args([
-        "judge",
-        "scene.toml",
-        "--code",
-        "code.toml",
-        "--against",
-        "makadam",
-        "--seeds",
-        "20",
-        "--threads",
-        "1",
-    ]);
+    command.args(["judge", "scene.toml", "--code", "code.toml", "--codes", "makadam", "--seeds", "20", "--jobs", "1"]);
     let output = command.output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(1) && errors.contains("has 99 grains"), "{errors}");

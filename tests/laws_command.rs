@@ -84,7 +84,7 @@ fn wrong_input_is_a_usage_error() {
     let message = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
     assert!(message.contains("there is no law 'newton'") && message.contains("janssen"), "{message}");
     makadam(folder.path()).args(["laws", "janssen", "--seeds", "0"]).assert().code(2);
-    makadam(folder.path()).args(["laws", "janssen", "--threads", "0"]).assert().code(2);
+    makadam(folder.path()).args(["laws", "janssen", "--jobs", "0"]).assert().code(2);
     makadam(folder.path()).args(["laws", "--list", "--json"]).assert().code(2);
     makadam(folder.path()).args(["stability", "--list", "--json"]).assert().code(2);
     assert!(!folder.path().join("results").exists());

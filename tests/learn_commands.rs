@@ -66,6 +66,29 @@ fn help_and_manual_begin_with_what_the_program_does() {
 }
 
 #[test]
+fn check_says_what_escaping_grains_cost_and_asks_for_units() {
+    let folder = tempfile::tempdir().unwrap();
+    said(folder.path(), &["new", "silo"]);
+    let text = said(folder.path(), &["check", "silo.toml"]);
+    assert!(text.contains("note: watch.on_escape is ignored") && text.contains("a wall that catches them"), "{text}");
+    assert!(!said(folder.path(), &["check", "packing"]).contains("note: "));
+    // Larger grains fit into a larger region alone: what is asked about stands in the way of nothing.
+    let region = "population.region={ kind = \"box\", min = [-400, -400, -400], max = [400, 400, 400] }";
+    let shape = "wall.shape={ kind = \"box\", min = [-500, -500, -500], max = [500, 500, 500] }";
+    let domain = "domain={ min = [-900, -900, -900], max = [900, 900, 900] }";
+    for (changes, words) in [
+        (vec!["population.radius.mean=5", region, shape, domain], "are lengths in metres?"),
+        (vec!["material.grain.density=2.5"], "is it in g/cm3? 2.5 g/cm3 are 2500 kg/m3"),
+        (vec!["material.grain.friction=26.6"], "is it an angle in degrees?"),
+    ] {
+        let changes = changes.iter().flat_map(|change| ["--set", change]);
+        let arguments: Vec<&str> = ["check", "packing"].into_iter().chain(changes).collect();
+        let (code, _, errors) = outcome(folder.path(), &arguments);
+        assert!(code == 0 && errors.contains(words), "{arguments:?}: {code}: {errors}");
+    }
+}
+
+#[test]
 fn check_is_a_document_too_and_says_what_accuracy_decides() {
     let folder = tempfile::tempdir().unwrap();
     let text = said(folder.path(), &["check", "packing", "--accuracy", "packing_fraction=0.002", "--json"]);
@@ -73,6 +96,7 @@ fn check_is_a_document_too_and_says_what_accuracy_decides() {
     assert_eq!(document["grains"], 2000);
     assert_eq!(document["settings"][0]["why"], "follows from accuracy");
     assert!(document["bytes"].as_u64().unwrap() > 1_000_000 && document["wall_seconds"].as_f64().unwrap() > 0.0);
+    assert!(document["threads"].as_u64().unwrap() >= 1 && document["notes"].as_array().unwrap().is_empty());
 }
 
 #[test]
@@ -148,7 +172,7 @@ fn changes_that_lead_nowhere_are_refused_with_what_was_meant() {
     for (change, code, words) in [
         ("material.grain.frction=0.3", 3, "did you mean `friction`?"),
         ("solver.method=\"jacobi\"", 3, "write it as { kind ="),
-        ("materail.grain.friction=0.3", 2, "nearest names are: material"),
+        ("materail.grain.friction=0.3", 2, "did you mean material?"),
         ("wall.material=shell", 2, "say which, such as wall.shell"),
         ("duration", 2, "KEY=VALUE"),
         ("material.grain.friction=-1", 3, "friction"),
@@ -185,6 +209,67 @@ fn a_sweep_runs_every_combination_and_goes_on_from_what_is_kept() {
     );
     let (code, _, errors) = outcome(folder.path(), &["sweep", &smoke, "--over", "material.grain.friction=0.1,-1"]);
     assert!(code == 3 && errors.contains("friction=-1"), "{code}: {errors}");
+}
+
+#[test]
+fn sweeps_keep_their_tables_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let smoke = smoke().display().to_string();
+    let sweep = |more: &[&str]| {
+        let set = ["--set", "duration=0.1", "--set", "measure.from=0.05", "--output", "out", "--quiet"];
+        outcome(folder.path(), &[&["sweep", &smoke], &set[..], more].concat())
+    };
+    let points = || std::fs::read_to_string(folder.path().join("out/points.csv")).unwrap();
+    let friction = ["--over", "material.grain.friction=0.1,0.6", "--seeds", "1"];
+    assert_eq!(sweep(&friction).0, 0);
+    let first = points();
+    for (more, words) in [
+        (vec!["--over", "solver.step=5e-4,1e-3", "--seeds", "1"], "over material.grain.friction"),
+        (vec!["--over", "material.grain.friction=0.1,0.3", "--seeds", "1"], "with material.grain.friction=0.6"),
+        ([&friction[..], &["--set", "material.grain.restitution=0.5"]].concat(), "another --set"),
+        ([&friction[..], &["--set", "seed=2"]].concat(), "another --set"),
+    ] {
+        let (code, _, errors) = sweep(&more);
+        assert!(code == 2 && errors.contains(words) && errors.contains("--output"), "{more:?}: {code}: {errors}");
+        assert_eq!(points(), first, "{more:?}");
+    }
+    // A sweep that contains the one in the folder may replace it, and any sweep that is told to.
+    assert_eq!(sweep(&["--over", "material.grain.friction=0.1,0.3,0.6", "--seeds", "2"]).0, 0);
+    assert_eq!(points().lines().count(), 4);
+    assert_eq!(sweep(&["--over", "solver.step=5e-4,1e-3", "--seeds", "1", "--restart"]).0, 0);
+    assert!(points().starts_with("solver.step,"));
+}
+
+#[test]
+fn unknown_words_are_answered_with_a_way_or_without_a_guess() {
+    let folder = tempfile::tempdir().unwrap();
+    for (change, code, words, never) in [
+        ("wall.shell.mesh=\"drum.stl\"", 3, "walls have no meshes", "did you mean"),
+        ("insert.rate=3", 2, "insert grains from Python", "did you mean"),
+        ("wall.shell.motion.rpm=20", 3, "rate = rpm * 0.10472", "did you mean"),
+        ("population.diameter=0.01", 3, "sizes are given as radius", "did you mean"),
+        ("friction=0.3", 3, "it is a key of a material", "did you mean"),
+        ("accuracy=0.01", 3, "expected a table", "struct"),
+        ("zzz.y=1", 2, "it has name", "did you mean"),
+    ] {
+        let (found, _, errors) = outcome(folder.path(), &["check", "drum", "--set", change]);
+        assert!(found == code && errors.contains(words) && !errors.contains(never), "{change}: {found}: {errors}");
+    }
+    let (code, _, errors) = outcome(folder.path(), &["run", "avalanche"]);
+    assert!(code == 3 && !errors.contains("did you mean") && errors.contains("makadam scenes"), "{errors}");
+    let (code, _, errors) = outcome(folder.path(), &["observables", "zzz"]);
+    assert!(code == 2 && !errors.contains("did you mean") && errors.contains("lists all names"), "{errors}");
+}
+
+#[test]
+fn help_is_wrapped_to_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["run", "sweep", "compare", "measure", "qualify", "tradeoff"] {
+        let output = makadam(folder.path()).env("COLUMNS", "80").args([command, "--help"]).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        let widest = text.lines().map(|line| line.chars().count()).max().unwrap();
+        assert!(widest <= 80, "{command}: {widest}");
+    }
 }
 
 #[test]

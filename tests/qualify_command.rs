@@ -37,7 +37,7 @@ fn bench() -> tempfile::TempDir {
 
 /// Runs the quick tier to its end; its tests on record are of other scenes, so that it does not pass.
 fn ended(folder: &Path, output: &str) -> Qualification {
-    let ended = makadam(folder).args(["qualify", "--threads", "2", "--output", output]).output().unwrap();
+    let ended = makadam(folder).args(["qualify", "--jobs", "2", "--output", output]).output().unwrap();
     let message = String::from_utf8_lossy(&ended.stderr);
     assert_eq!(ended.status.code(), Some(4), "{message}");
     read(&folder.join(output).join("report.json")).unwrap()
@@ -47,7 +47,7 @@ fn ended(folder: &Path, output: &str) -> Qualification {
 fn start(folder: &Path, output: &str) -> Child {
     Command::new("env")
         .args(["--default-signal=INT", env!("CARGO_BIN_EXE_makadam")])
-        .args(["qualify", "--threads", "2", "--output", output])
+        .args(["qualify", "--jobs", "2", "--output", output])
         .env("XDG_CACHE_HOME", folder.join("cache"))
         .current_dir(folder)
         .stdout(Stdio::piped())
@@ -138,7 +138,7 @@ fn whatever_ends_a_qualification_it_goes_on_with_the_runs_that_are_kept() {
 
     // All of it again, if that is asked for.
     let again =
-        makadam(folder).args(["qualify", "--again", "--threads", "2", "--output", "disturbed"]).output().unwrap();
+        makadam(folder).args(["qualify", "--restart", "--jobs", "2", "--output", "disturbed"]).output().unwrap();
     assert_eq!(again.status.code(), Some(4));
     assert!(kept(&output).iter().all(|(run, written)| then[run] != *written));
 }

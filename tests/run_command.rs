@@ -237,8 +237,12 @@ fn a_scene_is_found_by_name_and_described_for_people() {
     let output = makadam(folder.path()).args(["run", "packing", "--steps", "20", "--output", "out"]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
-    for word in ["state hash", "time by phase", "bytes per grain", "2000 grains"] {
-        assert!(text.contains(word), "no '{word}' in\n{text}");
+    let mut last = 0;
+    // What was simulated comes first, how it was computed behind it.
+    for word in ["2000 grains", "packing_fraction", "solves ", "time by phase", "bytes per grain", "state hash"] {
+        let place = text.find(word).unwrap_or_else(|| panic!("no '{word}' in\n{text}"));
+        assert!(place >= last, "'{word}' stands too early in\n{text}");
+        last = place;
     }
     // Nothing but results on standard output, no progress off a terminal, no colours in a pipe.
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -57,6 +57,23 @@ fn a_run_is_seen_in_every_way() {
 }
 
 #[test]
+fn a_scene_named_like_a_hole_of_the_page_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(smoke()).unwrap();
+    for name in ["{{payload}}", "{{title}}", "{{script}}"] {
+        let scene = folder.path().join("named.toml");
+        std::fs::write(&scene, text.replacen("name = \"smoke\"", &format!("name = \"{name}\""), 1)).unwrap();
+        let run = ["run", "named.toml", "--steps", "20", "--restart", "--output", "out", "--quiet"];
+        done(folder.path(), &run);
+        done(folder.path(), &["view", "out", "-o", "page.html"]);
+        let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+        assert!(page.contains(&format!("<title>{name}</title>")), "{name}");
+        let payload = page.split_once("application/octet-stream\">").unwrap().1.split_once("</script>").unwrap().0;
+        assert!(payload.len() > 1000, "{name}: {} bytes", payload.len());
+    }
+}
+
+#[test]
 fn what_cannot_be_shown_is_refused_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -144,7 +144,8 @@ impl fmt::Display for Alarm {
             ),
             Trouble::Escape { grain, position: [x, y, z] } => write!(
                 out,
-                "grain {grain} left the domain at ({x:.4}, {y:.4}, {z:.4}) m; enlarge the domain, close the walls or lower solver.step"
+                "grain {grain} left the domain at ({x:.4}, {y:.4}, {z:.4}) m; enlarge the domain, close the walls or lower \
+                 solver.step; where grains are meant to leave, and nothing depends on them, set watch.on_escape = \"ignore\""
             ),
             Trouble::Crossing { grain, wall } => {
                 write!(out, "grain {grain} has crossed wall {wall}; lower solver.step, or close the walls")

@@ -84,10 +84,10 @@ fn an_accuracy_takes_the_place_of_step_and_sweeps() {
         Stop::Residual { tolerance, .. } => tolerance,
         other => panic!("{other:?}"),
     };
-    let coarse = asked("{ packing_fraction = 0.004 }", "1e7");
     let fine = asked("{ packing_fraction = 0.002 }", "1e7");
+    let finer = asked("{ packing_fraction = 0.001 }", "1e7");
     // What grains fall in a step goes with its square, whatever their stiffness.
-    approx::assert_relative_eq!(coarse.step, 2_f64.sqrt() * fine.step, max_relative = 1e-12);
+    approx::assert_relative_eq!(fine.step, 2_f64.sqrt() * finer.step, max_relative = 1e-12);
     assert_eq!(asked("{ packing_fraction = 0.002 }", "1e10").step, fine.step);
     // A contact's frequency goes as the root of its stiffness, which under a given load goes as E^(2/3).
     let (soft, stiff) = (asked("{ angle = 0.5 }", "1e7"), asked("{ angle = 0.5 }", "1e10"));

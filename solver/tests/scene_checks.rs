@@ -262,6 +262,71 @@ fn the_step_of_an_accuracy_keeps_to_the_motions() {
     assert_eq!(shaken.solver.step, 1.0 / (12.0 * 800.0));
 }
 
+#[test]
+fn an_accuracy_is_not_warned_of() {
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/packing/scene.toml"))
+            .unwrap();
+    let asked = |accuracy: &str| {
+        let accuracy = format!("accuracy = {{ packing_fraction = {accuracy} }}\n[material.grain]");
+        parse(&text.replacen("[material.grain]", &accuracy, 1)).unwrap()
+    };
+    // The law alone takes 1.3 ms: the grains that fall into the box would overlap by more than half their radius.
+    let coarse = asked("0.005");
+    assert_eq!(warnings(&coarse), Vec::<String>::new());
+    assert!((1.0e-3..1.3e-3).contains(&coarse.solver.step), "{}", coarse.solver.step);
+    // A fast wall bounds the step too.
+    let belt = "kind = 'translating', velocity = [20.0, 0.0, 0.0]";
+    let bed = "[[population]]\ncount = 100\nmaterial = 'grain'\nradius = { kind = 'fixed', value = 0.005 }\n\
+               region = { kind = 'box', min = [-0.1, -0.1, 0.0], max = [0.1, 0.1, 0.05] }\n";
+    let grain = "[[grain]]\nmaterial = 'grain'\nradius = 0.005\nposition = [0.0, 0.0, 0.02]\n";
+    let text = sketch("kind = 'fixed'", belt).replace(grain, bed);
+    let belt = parse(&text.replace("[solver]\nstep = 5e-4", "accuracy = { packing_fraction = 0.01 }")).unwrap();
+    assert_eq!(warnings(&belt), Vec::<String>::new());
+}
+
+#[test]
+fn values_in_other_units_are_asked_about() {
+    let told = |from: &str, to: &str, words: &[&str]| {
+        let told = warnings(&parse(&sketch(from, to)).unwrap());
+        assert!(told.iter().any(|line| words.iter().all(|word| line.contains(word))), "{to}: {told:?}");
+    };
+    let none = |from: &str, to: &str| {
+        let told = warnings(&parse(&sketch(from, to)).unwrap());
+        assert!(!told.iter().any(|line| line.contains('?')), "{to}: {told:?}");
+    };
+    told("density = 2500.0", "density = 2.5", &["material.grain.density: 2.5 kg/m3", "is it in g/cm3?", "2500 kg/m3"]);
+    told("density = 2500.0", "density = 22.5", &["is it in g/cm3?"]);
+    none("density = 2500.0", "density = 22.6");
+    none("density = 2500.0", "density = 22590.0");
+    told("density = 2500.0", "density = 22600.0", &["denser than any material"]);
+    told("friction = 0.5", "friction = 26.6", &["material.grain.friction: 26.6", "angle in degrees?", "0.501"]);
+    none("friction = 0.5", "friction = 4.0");
+    told("youngs_modulus = 1e7", "youngs_modulus = 7e3", &["softer than beads of hydrogel", "GPa?"]);
+    none("youngs_modulus = 1e7", "youngs_modulus = 1.2e12");
+    told("youngs_modulus = 1e7", "youngs_modulus = 2e12", &["stiffer than diamond"]);
+    told("-9.81]", "-9810.0]", &["gravity: 9810 m/s2", "mm/s2?"]);
+    told("radius = 0.005", "radius = 4e-7", &["colloids", "1e-6 m"]);
+    let pair = "friction = 0.5\nrestitution = 0.3\n[[pair]]\nbetween = ['grain', 'grain']\nfriction = 30.0";
+    told("friction = 0.5\nrestitution = 0.3", pair, &["pair[0].friction: 30", "degrees?"]);
+}
+
+#[test]
+fn a_scene_in_millimetres_is_asked_about() {
+    // Every length a thousand times as large; what stands in metres is not asked about.
+    let metres = sketch("", "");
+    let millimetres = metres
+        .replace("[-0.1, -0.1, -0.1], max = [0.1, 0.1, 0.1]", "[-100.0, -100.0, -100.0], max = [100.0, 100.0, 100.0]")
+        .replace("radius = 0.005", "radius = 5.0")
+        .replace("0.02]", "20.0]");
+    assert_eq!(warnings(&parse(&metres).unwrap()), Vec::<String>::new());
+    let found = parse(&millimetres).unwrap().findings(Some(&millimetres));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!((found[0].severity, found[0].line), (Severity::Warning, Some(21)));
+    let words = "grain[0].radius: grains of 10 m in diameter are boulders (above 0.256 m); are lengths in metres? 10 mm are 0.01 m";
+    assert_eq!(found[0].to_string(), words);
+}
+
 /// Large grains that fall on small ones in a drum, with the usual settings but for these.
 fn two_sizes(ratio: f64, settings: &str) -> Scene {
     let small = 0.012 / ratio;

@@ -422,22 +422,33 @@ fn what_was_not_measured_is_said_everywhere_and_does_not_pass() {
 }
 
 #[test]
-fn the_terminal_table_is_aligned() {
+fn the_verdict_of_the_page_has_its_word_once() {
+    for outcome in [Outcome::Agree, Outcome::Disagree, Outcome::Undecided] {
+        let html = page(&all(outcome));
+        let verdict = html.split_once("<p class=\"verdict").unwrap().1.split_once("</p>").unwrap().0;
+        let words = ["Undecided", "Not measured", "No verdict"];
+        assert!(words.iter().all(|word| verdict.matches(word).count() <= 1), "{verdict}");
+    }
+    let undecided = page(&all(Outcome::Undecided));
+    assert!(undecided.contains("<strong>Undecided:</strong> of 8 tests"), "{undecided}");
+}
+
+#[test]
+fn the_terminal_table_fits_eighty_columns() {
     let plain = comparison_table(&sample::packing(), false);
     assert!(!plain.contains('\x1b'));
-    let lines: Vec<&str> = plain.lines().skip(2).take(17).collect();
-    // The column of margins ends at the same place in every line that has an outcome.
-    let ends: Vec<usize> = lines
-        .iter()
-        .filter_map(|line| {
-            ["  agree", "  disagree", "  undecided"]
-                .iter()
-                .find_map(|word| line.find(word))
-                .map(|at| line[..at].chars().count())
-        })
-        .collect();
-    assert_eq!(ends.len(), 12, "{plain}");
-    assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{plain}");
+    // Tables are indented; sentences are left to the terminal.
+    let widest = plain.lines().filter(|line| line.starts_with("  ")).map(|line| line.chars().count()).max();
+    assert!(widest.is_some_and(|width| (40..=80).contains(&width)), "{plain}");
+    // Outcomes of an observable begin in the same column.
+    let column = |line: &str| {
+        let words = ["  agree", "  disagree", "  undecided"];
+        words.iter().find_map(|word| line.find(word)).map(|at| line[..at].chars().count())
+    };
+    let blocks = plain.split("\n\n").map(|block| block.lines().filter_map(column).collect::<Vec<_>>());
+    let blocks: Vec<Vec<usize>> = blocks.filter(|columns| !columns.is_empty()).collect();
+    assert_eq!(blocks.concat().len(), 12, "{plain}");
+    assert!(blocks.iter().all(|columns| columns.windows(2).all(|pair| pair[0] == pair[1])), "{plain}");
     let coloured = comparison_table(&sample::packing(), true);
     assert!(coloured.contains("\x1b["));
     let alone: Comparison = sample::alone();

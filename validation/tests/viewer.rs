@@ -68,6 +68,9 @@ fn places_and_fields_are_within_their_sixteen_bits() {
         "the page wants the network"
     );
     assert!(text.contains("default-src 'none'"));
+    // What is on the screen before the payload is read says how large it is.
+    let (before, after) = (text.find("Loading ").unwrap(), text.find("id=\"payload\"").unwrap());
+    assert!(before < after && text[before..after].contains(" MB "), "{}", &text[before..after]);
     let (head, arrays) = read(&text);
     let numbers =
         |name: &str| -> Vec<f64> { head[name].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };

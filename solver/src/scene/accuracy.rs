@@ -89,7 +89,7 @@ impl Accuracy {
             (false, true) => by_fraction,
             _ => by_angle.min(by_fraction),
         };
-        // Whatever is tolerated, walls move as they are said to, and some step is taken.
+        // Whatever is tolerated, walls move as they are said to, impacts stay as shallow as is watched for, and some step is taken.
         let step = step.min(longest_step(scene));
         let step = if scene.duration > 0.0 { step.min(scene.duration) } else { step };
         // A grain that still moves with the residual sinks by h times it; the error adds up over the layers of the bed.

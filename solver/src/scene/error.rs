@@ -4,7 +4,7 @@
 
 use super::Scene;
 use super::file::SceneFileError;
-use super::nearest::nearest;
+use super::wishes::remedy;
 use std::fmt;
 use std::path::Path;
 
@@ -40,8 +40,8 @@ impl SceneError {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         let problem = in_the_words_of_scenes(&error.message().replace('\n', " "));
         let kinds = || error.span().and_then(|span| kinds_at(text, span.start));
-        let remedy = if problem.starts_with("unknown field") || problem.starts_with("unknown variant") {
-            meant(&problem).map_or("use one of the names listed".into(), |name| format!("did you mean `{name}`?"))
+        let advice = if problem.starts_with("unknown field") || problem.starts_with("unknown variant") {
+            meant(&problem)
         } else if let Some(kinds) = problem.starts_with("missing field `kind`").then(kinds).flatten() {
             format!("add that key to the table: {kinds}")
         } else if problem.starts_with("missing field") {
@@ -53,7 +53,7 @@ impl SceneError {
         } else {
             "see the scenes under reference-scenes/ for the form".into()
         };
-        SceneError::Invalid(Fault { line: Some(line), ..Fault::new(Vec::new(), problem, remedy) })
+        SceneError::Invalid(Fault { line: Some(line), ..Fault::new(Vec::new(), problem, advice) })
     }
 }
 
@@ -64,15 +64,18 @@ const KIND_WANTED: &str = "a table with a kind";
 fn in_the_words_of_scenes(message: &str) -> String {
     match message.split_once("expected internally tagged enum ") {
         Some((before, _)) => format!("{before}expected {KIND_WANTED}"),
-        None => message.into(),
+        None => match message.split_once("expected struct ") {
+            Some((before, _)) => format!("{before}expected a table"),
+            None => message.into(),
+        },
     }
 }
 
-/// The name that was meant, of those that a reader of TOML lists behind one that it does not know.
-fn meant(problem: &str) -> Option<&str> {
+/// Remedy for a name that the reader of TOML does not know, from its message: the names that it lists stand behind that one.
+fn meant(problem: &str) -> String {
     let mut quoted = problem.split('`').skip(1).step_by(2);
-    let unknown = quoted.next()?;
-    nearest(unknown, quoted, 1).first().copied()
+    let unknown = quoted.next().unwrap_or_default();
+    remedy(unknown, quoted).unwrap_or("use one of the names listed".into())
 }
 
 /// Text without characters that steer a terminal: they are shown as escapes.

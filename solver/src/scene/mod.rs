@@ -62,6 +62,7 @@ mod settings;
 mod types;
 mod unread;
 mod watch;
+mod wishes;
 
 use crate::effects::EffectSet;
 use crate::effects::catalogue::Meeting;
@@ -78,7 +79,7 @@ pub use document::TABLES_OF_WHO_MEASURES;
 pub use document_path::{Checked, DocumentPath};
 pub use error::{Fault, SceneError, line_of};
 pub use file::SceneFileError;
-pub use nearest::nearest;
+pub use nearest::{nearest, suggestion};
 pub(crate) use periodic::REACHES;
 pub use populate::{Grain, populate};
 #[cfg(feature = "schema")]
@@ -90,6 +91,7 @@ pub use types::{
     Shape, Wall,
 };
 pub use watch::{Reaction, Watch};
+pub use wishes::wish;
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

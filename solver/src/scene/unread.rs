@@ -8,6 +8,7 @@
 //!    a value that nothing accepts makes reading fail in its place; if reading does not mind, nobody looks there.
 
 use super::error::{Fault, Step, label};
+use super::wishes::remedy;
 use super::{Scene, TABLES_OF_WHO_MEASURES};
 use toml::{Table, Value};
 
@@ -96,7 +97,8 @@ impl Walk {
         Fault::new(
             self.path.clone(),
             format!("{place}: unknown key '{key}'{kind}"),
-            format!("leave it out, or use one of the known keys: {}", known.join(", ")),
+            remedy(key, known.iter().copied())
+                .unwrap_or_else(|| format!("leave it out, or use one of the known keys: {}", known.join(", "))),
         )
     }
 

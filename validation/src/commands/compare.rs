@@ -1,6 +1,7 @@
 //! `makadam compare`: one scene in several codes, a table, a verdict.
 
 use super::arguments::{CodeRunArguments, CompareArguments};
+use super::console::Colour;
 use super::record::record;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes_or_usual, json};
 use crate::compare::{CodeSummary, Comparison, Row};
@@ -30,7 +31,7 @@ struct CompareDocument<'a> {
 
 /// Compares codes on a scene, or records references.
 pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result<ExitCode, Failure> {
-    arguments.runs.side_by_side.apply()?;
+    arguments.runs.jobs.apply()?;
     let (file, scene) = arguments.source.load()?;
     match arguments.record {
         true => record(arguments, &scene, &file, console),
@@ -80,7 +81,10 @@ pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Conso
     let comparison = &qualification.comparisons[0];
     let text = match wanted.json {
         true => json(&document(wanted.command, comparison, &verdict, &qualification.provenance)),
-        false => format!("{}\n{}", report::comparison_table(comparison, console.colour()), verdict.sentence),
+        false => {
+            let sentence = console.paint(&verdict.sentence, colour_of(verdict.standing));
+            format!("{}\n{sentence}", report::comparison_table(comparison, console.colour()))
+        }
     };
     let interrupted = failure.as_ref().is_some_and(CodeError::is_interruption);
     // What was cut short does not replace a report of what was not.
@@ -104,6 +108,17 @@ pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Conso
         (None, Standing::Agree) => Ok(ExitCode::SUCCESS),
         (None, Standing::NothingCompared) if !wanted.needs_verdict => Ok(ExitCode::SUCCESS),
         (None, _) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
+    }
+}
+
+/// Colour of a verdict.
+pub(super) fn colour_of(standing: Standing) -> Colour {
+    match standing {
+        Standing::Agree => Colour::Green,
+        Standing::Disagree => Colour::Red,
+        Standing::Undecided | Standing::Exploratory | Standing::NotMeasured | Standing::NothingCompared => {
+            Colour::Yellow
+        }
     }
 }
 

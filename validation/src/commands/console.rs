@@ -3,13 +3,17 @@
 use super::failure::Failure;
 use crate::output::shown;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::ffi::OsStr;
 use std::io::{ErrorKind, IsTerminal, Write};
 
 /// Where messages go, and how many of them.
 pub struct Console {
     quiet: bool,
     verbose: bool,
+    /// Whether standard output wants colours.
     colour: bool,
+    /// Whether standard error wants colours.
+    colour_of_errors: bool,
     bars: MultiProgress,
 }
 
@@ -18,9 +22,15 @@ impl Console {
     pub fn new(quiet: bool, verbose: bool) -> Console {
         let drawn = !quiet && std::io::stderr().is_terminal();
         let target = if drawn { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let colour =
-            std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-        Console { quiet, verbose, colour, bars: MultiProgress::with_draw_target(target) }
+        let no_colour = std::env::var_os("NO_COLOR");
+        let wanted = |is_terminal| wants_colour(is_terminal, no_colour.as_deref());
+        Console {
+            quiet,
+            verbose,
+            colour: wanted(std::io::stdout().is_terminal()),
+            colour_of_errors: wanted(std::io::stderr().is_terminal()),
+            bars: MultiProgress::with_draw_target(target),
+        }
     }
 
     /// Prints a result.
@@ -48,31 +58,32 @@ impl Console {
     /// Says something that a user should know, unless quiet.
     pub fn note(&self, text: &str) {
         if !self.quiet {
-            self.say(text);
+            self.say("", Colour::Plain, text);
         }
     }
 
     /// Says something that only a curious user wants to know.
     pub fn detail(&self, text: &str) {
         if self.verbose && !self.quiet {
-            self.say(text);
+            self.say("", Colour::Plain, text);
         }
     }
 
     /// Says something whatever the verbosity.
     pub fn warn(&self, text: &str) {
-        self.say(&format!("warning: {text}"));
+        self.say("warning: ", Colour::Yellow, text);
     }
 
     /// Says why the command failed, whatever the verbosity.
     pub fn error(&self, text: &str) {
-        self.say(&format!("error: {text}"));
+        self.say("error: ", Colour::Red, text);
     }
 
-    fn say(&self, text: &str) {
+    fn say(&self, kind: &str, colour: Colour, text: &str) {
+        let kind = if self.colour_of_errors { colour.paint(kind) } else { kind.to_string() };
         // A closed standard error is no reason to stop.
         self.bars.suspend(|| {
-            let _ = writeln!(std::io::stderr(), "{}", shown(text, false));
+            let _ = writeln!(std::io::stderr(), "{kind}{}", shown(text, false));
         });
     }
 
@@ -91,12 +102,37 @@ impl Console {
         self.colour
     }
 
-    /// A word in green (good) or red (bad) where colours are wanted.
-    pub fn paint(&self, word: &str, good: bool) -> String {
-        match (self.colour, good) {
-            (false, _) => word.to_string(),
-            (true, true) => format!("\x1b[32m{word}\x1b[0m"),
-            (true, false) => format!("\x1b[31m{word}\x1b[0m"),
+    /// A text for standard output in a colour, where colours are wanted.
+    pub fn paint(&self, text: &str, colour: Colour) -> String {
+        if self.colour { colour.paint(text) } else { text.to_string() }
+    }
+}
+
+/// Whether a stream is coloured: a terminal, unless `NO_COLOR` is set and not empty.
+fn wants_colour(is_terminal: bool, no_colour: Option<&OsStr>) -> bool {
+    is_terminal && no_colour.is_none_or(OsStr::is_empty)
+}
+
+/// Colours of texts on a terminal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Colour {
+    /// That of the terminal.
+    Plain,
+    /// Of passes.
+    Green,
+    /// Of warnings, and of verdicts that are open.
+    Yellow,
+    /// Of errors and failures.
+    Red,
+}
+
+impl Colour {
+    fn paint(self, text: &str) -> String {
+        match self {
+            Colour::Plain => text.to_string(),
+            Colour::Green => format!("\x1b[32m{text}\x1b[0m"),
+            Colour::Yellow => format!("\x1b[33m{text}\x1b[0m"),
+            Colour::Red => format!("\x1b[31;1m{text}\x1b[0m"),
         }
     }
 }
@@ -123,5 +159,17 @@ impl Bar {
 impl Drop for Bar {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_for_terminals_without_no_color() {
+        assert!(wants_colour(true, None) && wants_colour(true, Some(OsStr::new(""))));
+        assert!(!wants_colour(true, Some(OsStr::new("1"))) && !wants_colour(false, None));
+        assert_eq!((Colour::Plain.paint("a"), Colour::Red.paint("a")), ("a".into(), "\x1b[31;1ma\x1b[0m".into()));
     }
 }

@@ -31,14 +31,14 @@ pub(super) fn effects(arguments: &EffectsArguments, console: &Console) -> Result
     drop(simulation);
     let folder = arguments.output.folder_of("effects", &scene);
     let ablation = if arguments.ablate {
-        arguments.side_by_side.apply()?;
+        arguments.jobs.apply()?;
         let seeds: Vec<u64> = (seed..seed + u64::from(arguments.seeds)).collect();
         let plan = Plan {
             scene: &scene,
             scene_file: &file,
             seeds: &seeds,
             time_limit: Duration::from_secs_f64(arguments.time_limit),
-            kept: &KeptRuns::open(&folder.join("runs"), arguments.again)?,
+            kept: &KeptRuns::open(&folder.join("runs"), arguments.restart)?,
             announce: &announce(console),
         };
         Some(Ablation::run(&plan)?)

@@ -76,9 +76,10 @@ impl From<WriteError> for Failure {
 impl From<ParameterError> for Failure {
     fn from(error: ParameterError) -> Failure {
         match error {
-            ParameterError::Change(_) | ParameterError::Key { .. } | ParameterError::TooMany(_) => {
-                Failure::Usage(error.to_string())
-            }
+            ParameterError::Change(_)
+            | ParameterError::Key { .. }
+            | ParameterError::TooMany(_)
+            | ParameterError::Folder(_) => Failure::Usage(error.to_string()),
             ParameterError::Scene { error: scene, values } => Failure::Combination(values, Box::new((*scene).into())),
             ParameterError::Run { error: run, values, seed } => {
                 Failure::Combination(format!("{values}, seed {seed}"), Box::new((*run).into()))

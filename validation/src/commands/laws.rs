@@ -16,7 +16,7 @@ pub(super) fn laws(arguments: &LawsArguments, console: &Console) -> Result<ExitC
         console.result(&laws.iter().map(line).collect::<Vec<_>>().join("\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
-    arguments.side_by_side.apply()?;
+    arguments.jobs.apply()?;
     let folder = arguments.output.folder("laws");
     let seeds: Vec<u64> = (arguments.seed..).take(usize::from(arguments.seeds)).collect();
     let study = |laws: Vec<LawResult>| Study {
@@ -63,7 +63,7 @@ fn measured(
     let cases = law.cases(arguments.quick);
     write_scenes(&cases, folder)?;
     let bar = console.bar(law.name());
-    let plan = Plan { seeds, again: arguments.again, folder };
+    let plan = Plan { seeds, again: arguments.restart, folder };
     let rows = carry_out(law, &cases, &plan, &|share| bar.set(share)).map_err(|error| match error {
         LawError::Scene(error) => Failure::Scene(error),
         LawError::Interrupted => {

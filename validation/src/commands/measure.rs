@@ -2,13 +2,12 @@
 
 use super::arguments::{MeasureArguments, load};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
-use crate::draw::numbers::significant;
+use crate::draw::values;
 use crate::import::{Assembly, Imported, Manifest, Stated, StatedColumns, Tables, check_kinds, unlike};
 use crate::observables::{Measurement, Unmeasured, measure as measure_recording, measured_frames, unmeasured};
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
 use crate::recording::Recording;
-use crate::study::{Table, cells};
 use makadam::snapshot::Snapshot;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -131,16 +130,11 @@ fn other_window(scene: &Scene, measured: &[&Snapshot]) -> Option<String> {
 }
 
 fn text(recording: &Recording, frames: usize, measurements: &[Measurement], not_measured: &[Unmeasured]) -> String {
-    let table = Table::new(&["observable"], &["value", "standard error"]).with_words("unit").of(measurements, |one| {
-        let error = one.standard_error.map(|error| format!("{error:.2e}"));
-        cells![one.observable.as_str(), significant(one.value), error, one.unit.as_str()]
-    });
     let all = recording.frames.len();
-    let mut text = format!(
-        "{}\n{frames} of {all} frames measured, {} grains",
-        table.text(),
-        recording.frames[all - 1].particles.len()
-    );
+    let rows = measurements.iter();
+    let rows = rows.map(|one| (one.observable.as_str(), one.value, one.standard_error, one.unit.as_str()));
+    let grains = recording.frames[all - 1].particles.len();
+    let mut text = format!("{}\n{frames} of {all} frames measured, {grains} grains", values(rows));
     for Unmeasured { observable, reason } in not_measured {
         text += &format!("\nnot measured: {observable}: {reason}");
     }

@@ -43,7 +43,7 @@ use crate::qualify::usual_codes;
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::Document;
-use arguments::{Arguments, Command, load};
+use arguments::{Arguments, Command, load, with_new_name};
 use clap::Parser;
 use makadam::Simulation;
 use makadam::scene::Stop;
@@ -61,7 +61,7 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
     crate::provenance::set_command_line(&arguments);
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
-        Err(words) => return tell(&words),
+        Err(words) => return tell(&with_new_name(words, std::env::args_os())),
     };
     let console = Console::new(arguments.quiet, arguments.verbose);
     crate::interrupt::listen();

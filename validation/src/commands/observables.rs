@@ -3,7 +3,7 @@
 use super::arguments::ObservablesArguments;
 use super::{Console, Failure, json};
 use crate::observables::catalogue::{Definition, definitions, known, page};
-use makadam::scene::nearest;
+use makadam::scene::suggestion;
 use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -25,8 +25,8 @@ pub(super) fn observables(arguments: &ObservablesArguments, console: &Console) -
     let all = || definitions().map(|(group, definition)| Defined { group, definition });
     for name in &arguments.names {
         if !all().any(|defined| is_named(name, &defined)) {
-            let near = nearest(name, known(), 3).join(", ");
-            return Err(Failure::Usage(format!("nothing measures '{name}'; the nearest names are: {near}")));
+            let remedy = suggestion(name, known(), "`makadam observables` lists all names");
+            return Err(Failure::Usage(format!("nothing measures '{name}'; {remedy}")));
         }
     }
     let asked =

@@ -1,6 +1,7 @@
 //! `makadam qualify`: the reference scenes judged together, one report.
 
 use super::arguments::{QualifyArguments, TierName};
+use super::compare::colour_of;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json};
 use crate::compare::Comparison;
 use crate::output::JSON_VERSION;
@@ -50,7 +51,7 @@ fn of_makadam(file: &Path) -> Result<Qualification, Failure> {
 
 /// Judges the reference scenes.
 pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result<ExitCode, Failure> {
-    arguments.side_by_side.apply()?;
+    arguments.jobs.apply()?;
     let folder = arguments.output.folder("qualification");
     // Minutes of work are not begun for a report that cannot be written.
     report::may_hold_qualification(&folder).map_err(Failure::Usage)?;
@@ -60,7 +61,7 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     let settings = Settings {
         roots: scenes::roots(),
         folder: folder.clone(),
-        again: arguments.again,
+        again: arguments.restart,
         live: arguments.live,
         time_limit: Duration::from_secs_f64(arguments.time_limit),
         announce: &announce,
@@ -132,7 +133,7 @@ fn describe(qualification: &Qualification, verdict: &Verdict, report: &str, cons
         text += &format!("note: {note}\n");
     }
     let word = if passes(verdict) { "pass" } else { "not passed" };
-    text += &format!("verdict: {}: {}\n", console.paint(word, passes(verdict)), verdict.sentence);
+    text += &format!("verdict: {}: {}\n", console.paint(word, colour_of(verdict.standing)), verdict.sentence);
     for sentence in
         qualification.outside_spread.iter().chain(&qualification.unchecked).chain(&qualification.failed_runs)
     {

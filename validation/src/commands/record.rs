@@ -43,7 +43,7 @@ fn record_codes(
         seeds: arguments.runs.seeds,
         rayleigh_fraction: arguments.runs.rayleigh_fraction(),
         time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
-        again: arguments.again,
+        again: arguments.restart,
         recordings: match &arguments.recordings {
             Some(folder) => folder.clone(),
             None => cache_folder()?.join("recordings"),
@@ -207,10 +207,10 @@ mod tests {
         let desk = Desk::new();
         desk.record("--seeds 2", "1", &[]);
         desk.deck.set("skin 2");
-        assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![1, 2], true));
-        assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![], true));
+        assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![1, 2], true));
+        assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![], true));
         desk.deck.set("skin 1");
-        assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![], true));
+        assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![], true));
     }
 
     #[test]
@@ -239,10 +239,10 @@ mod tests {
     fn again_replaces_what_is_recorded() {
         let desk = Desk::new();
         desk.record("--seeds 3", "1", &[]);
-        assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![], true), "measured from raw recordings");
+        assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![], true), "measured from raw recordings");
         assert_eq!(desk.seeds(), [1, 2]);
         desk.forget_raw_recordings();
-        assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![1, 2], true));
+        assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![1, 2], true));
     }
 
     #[test]
@@ -257,8 +257,8 @@ mod tests {
                 Some(text) => std::fs::write(&table, text).unwrap(),
                 None => std::fs::remove_file(&table).unwrap(),
             }
-            assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![], false), "{name}: without --again it is an error");
-            assert_eq!(desk.record("--seeds 2 --again", "1", &[]), (vec![], true), "{name}: from raw recordings");
+            assert_eq!(desk.record("--seeds 2", "1", &[]), (vec![], false), "{name}: without --restart it is an error");
+            assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![], true), "{name}: from raw recordings");
             assert_eq!(desk.seeds(), [1, 2]);
             let kept = desk.folder.path().join(aside);
             assert!(kept.join("README.md").is_file(), "{name}");
@@ -267,7 +267,7 @@ mod tests {
         // Where nothing comes of it, they stay where they are.
         std::fs::write(references.join("runs.csv"), "code\n").unwrap();
         desk.forget_raw_recordings();
-        assert_eq!(desk.record("--seeds 1 --again", "1", &[1]), (vec![1], false));
+        assert_eq!(desk.record("--seeds 1 --restart", "1", &[1]), (vec![1], false));
         assert_eq!(std::fs::read_to_string(references.join("runs.csv")).unwrap(), "code\n");
     }
 }

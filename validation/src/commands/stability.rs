@@ -3,7 +3,7 @@
 use super::arguments::StabilityArguments;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, installed, json};
 use crate::stability::{Campaign, Case, catalogue, table};
-use makadam::scene::nearest;
+use makadam::scene::suggestion;
 use std::process::ExitCode;
 
 /// Wall time after which a run is stopped where none is given, s: of the quick catalogue, and of all cases.
@@ -19,7 +19,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
         return Ok(ExitCode::SUCCESS);
     }
     let codes = installed(&arguments.codes)?;
-    arguments.side_by_side.apply()?;
+    arguments.jobs.apply()?;
     let [quick, all] = TIME_LIMITS;
     let time_limit = arguments.time_limit.unwrap_or(if arguments.quick { quick } else { all });
     let folder = arguments.output.folder("stability");
@@ -29,7 +29,7 @@ pub(super) fn stability(arguments: &StabilityArguments, console: &Console) -> Re
         codes: &codes,
         time_limit,
         folder: &folder,
-        again: arguments.again,
+        again: arguments.restart,
         begins: &|case, code| bar.say(format!("{} in {}", case.name, code.name())),
         ended: &|case, outcome, share| {
             bar.set(share);
@@ -55,12 +55,16 @@ fn chosen(arguments: &StabilityArguments) -> Result<Vec<Case>, Failure> {
     for filter in &arguments.cases {
         let mut matched =
             all.iter().filter(|case| case.name.contains(filter.as_str()) || case.group.contains(filter.as_str()));
-        let near = || nearest(filter, all.iter().map(|case| case.name.as_str()), 5).join(", ");
-        let refuse = |words: String| Err(Failure::Usage(format!("{words}; makadam stability --list shows all")));
+        let known = || all.iter().map(|case| case.name.as_str());
+        const ALL: &str = "makadam stability --list shows all";
+        let refuse = |words: String| Err(Failure::Usage(words));
         match matched.next() {
-            None => return refuse(format!("no case or group has '{filter}' in its name; the nearest are {}", near())),
+            None => {
+                let remedy = suggestion(filter, known(), ALL);
+                return refuse(format!("no case or group has '{filter}' in its name; {remedy}"));
+            }
             Some(first) if arguments.quick && first.long && matched.all(|case| case.long) => {
-                return refuse(format!("every case that '{filter}' names is left out by --quick"));
+                return refuse(format!("every case that '{filter}' names is left out by --quick; {ALL}"));
             }
             Some(_) => {}
         }

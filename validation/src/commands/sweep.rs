@@ -4,7 +4,7 @@ use super::arguments::SweepArguments;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json, refuse_time_budget};
 use crate::observables::catalogue::group_of;
 use crate::output::write_whole;
-use crate::parameter_study::{Failed, Plan, Study};
+use crate::parameter_study::{DOCUMENT, Failed, Plan, Study, take};
 use crate::provenance::account;
 use std::process::ExitCode;
 
@@ -26,7 +26,7 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
             scene.name
         )));
     }
-    arguments.side_by_side.apply()?;
+    arguments.jobs.apply()?;
     let folder = arguments.output.folder_of("sweep", &scene);
     let seeds: Vec<u64> = (scene.seed..scene.seed.saturating_add(arguments.seeds)).collect();
     let announce = announce(console);
@@ -35,13 +35,14 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
         ranges: &arguments.over,
         seeds: &seeds,
         folder: &folder,
-        again: arguments.again,
+        again: arguments.restart,
         announce: &announce,
     };
+    let _lock = take(&plan, &scene)?;
     let study = Study::make(&plan, &scene, account(1, &[&scene]))?;
     write_whole(&folder.join("points.csv"), &study.points_csv())?;
     write_whole(&folder.join("runs.csv"), &study.runs_csv())?;
-    write_whole(&folder.join("sweep.json"), json(&study).as_bytes())?;
+    write_whole(&folder.join(DOCUMENT), json(&study).as_bytes())?;
     let compared = || scene.compare.iter().map(|expectation| expectation.observable.clone()).collect();
     let shown = if arguments.observables.is_empty() { compared() } else { arguments.observables.clone() };
     console.result(&match arguments.output.json {

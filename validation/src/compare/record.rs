@@ -126,7 +126,7 @@ impl Recorder<'_> {
             Err(problem) if self.again => {
                 let aside = aside(folder);
                 (self.warn)(&format!(
-                    "{problem}; --again starts from nothing, and moves {} to {} once a run has ended: runs of codes that are not \
+                    "{problem}; --restart starts from nothing, and moves {} to {} once a run has ended: runs of codes that are not \
                      recorded now are in that folder alone, so ask for these codes too, with --codes",
                     folder.display(),
                     aside.display()
@@ -155,7 +155,7 @@ impl Recorder<'_> {
     fn missing(&self, code: &dyn Code, reference: &Reference, hash: &str, seeds: &[u64]) -> Missing {
         if self.again {
             let recorded = reference.of(code.name()).next();
-            return Missing { seeds: seeds.to_vec(), replaces: recorded.map(|_| "--again asks for it".into()) };
+            return Missing { seeds: seeds.to_vec(), replaces: recorded.map(|_| "--restart asks for it".into()) };
         }
         reference.missing(&Wanted {
             code: code.name(),

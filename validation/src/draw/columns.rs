@@ -1,5 +1,6 @@
 //! Rows as columns of plain text.
 
+use super::numbers::{significant, with_error};
 use comfy_table::{ContentArrangement, Table, presets};
 
 /// Rows of equal length as lines, cells padded to the width of their column: words to the left, numbers to the right. Widths
@@ -20,6 +21,15 @@ pub(crate) fn columns<R: AsRef<[String]>>(rows: &[R], is_words: impl Fn(usize) -
     text
 }
 
+/// Values by name with their standard errors and units, a line each, rounded by the errors.
+pub(crate) fn values<'a>(rows: impl IntoIterator<Item = (&'a str, f64, Option<f64>, &'a str)>) -> String {
+    let line = |(name, value, error, unit): (&str, f64, Option<f64>, &str)| {
+        let value = error.map_or_else(|| significant(value), |error| with_error(value, error));
+        [name.to_string(), format!("{value} {unit}").trim_end().to_string()]
+    };
+    columns(&rows.into_iter().map(line).collect::<Vec<_>>(), |_| true)
+}
+
 /// Rows of words as columns of plain text; on a terminal, long cells go on in further lines of its width.
 pub(crate) fn wrapped(rows: &[Vec<String>]) -> String {
     let mut table = Table::new();
@@ -32,4 +42,16 @@ pub(crate) fn wrapped(rows: &[Vec<String>]) -> String {
     }
     let lines = table.to_string();
     lines.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_stand_below_each_other() {
+        let rows = [("angle", 31.6741, Some(0.38), "degree"), ("gini_of_forces", 0.5, None, "")];
+        assert_eq!(values(rows), "angle           31.67 ± 0.38 degree\ngini_of_forces  0.5\n");
+        assert_eq!(values([]), "");
+    }
 }

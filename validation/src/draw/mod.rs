@@ -16,4 +16,4 @@ pub(crate) mod plot;
 pub(crate) mod svg;
 pub(crate) mod view;
 
-pub(crate) use columns::{columns, wrapped};
+pub(crate) use columns::{columns, values, wrapped};

@@ -142,6 +142,26 @@ pub(crate) fn two_digits(value: f64) -> String {
     with_minus(format!("{rounded:.decimals$}"))
 }
 
+/// A value with its error: the error to two significant digits, the value to the same place: 31.67 ± 0.38.
+pub(crate) fn with_error(value: f64, error: f64) -> String {
+    if !(value.is_finite() && error.is_finite()) || error == 0.0 {
+        return format!("{} ± {}", significant(value), two_digits(error));
+    }
+    // The exponent of the error as it is rounded: 0.0996 is 0.10.
+    let rounded = format!("{:.1e}", error.abs());
+    let exponent: i32 = rounded.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
+    let size = value.abs().max(error.abs());
+    if (1e-4..1e7).contains(&size) && exponent >= -6 {
+        let decimals = (1 - exponent).max(0) as usize;
+        return format!("{value:.decimals$} ± {error:.decimals$}");
+    }
+    // Both in the power of ten of the larger one.
+    let power = size.log10().floor() as i32;
+    let decimals = (power - exponent + 1).clamp(0, 15) as usize;
+    let scale = 10f64.powi(power);
+    format!("({:.decimals$} ± {:.decimals$})e{power}", value / scale, error / scale)
+}
+
 /// A duration of computing: 0.31 s, 42 s, 3 min 20 s, 1 h 5 min.
 pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
@@ -215,6 +235,17 @@ mod tests {
         assert_eq!(compact(1.5), "1.5");
         assert_eq!(count(439_339), "439\u{202f}339");
         assert_eq!(duration(200.0), "3 min 20 s");
+    }
+
+    #[test]
+    fn values_are_rounded_by_their_error() {
+        assert_eq!(with_error(31.6741, 0.3812), "31.67 ± 0.38");
+        assert_eq!(with_error(0.59604, 0.0996), "0.60 ± 0.10");
+        assert_eq!(with_error(1234.5678, 23.4), "1235 ± 23");
+        assert_eq!(with_error(-0.5, 1.26), "-0.5 ± 1.3");
+        assert_eq!(with_error(3.14159e-6, 2.5e-8), "(3.142 ± 0.025)e-6");
+        assert_eq!(with_error(2.0, 0.0), "2 ± 0");
+        assert_eq!(with_error(0.312345, 1.5e-5), "0.312345 ± 0.000015");
     }
 
     #[test]

@@ -58,18 +58,15 @@ pub(crate) struct Plot {
 }
 
 impl Plot {
-    /// A frame with its axes.
-    pub(crate) fn new(x: Axis, y: Axis) -> Plot {
-        Plot::below_legend(x, y, 1)
-    }
-
     /// A frame with its axes, and above it a legend of as many lines as it needs.
     pub(crate) fn with_legend(x: Axis, y: Axis, keys: &[Key<'_>]) -> Plot {
         let (mut lines, mut right) = (vec![Vec::new()], LEGEND_LEFT);
         for key in keys {
+            // A legend of one line begins at the frame.
+            let over = if lines.len() > 1 { 0.0 } else { LEFT - LEGEND_LEFT };
             let line = lines.last_mut().expect("there is a line from the beginning");
             right += key.width();
-            if right > WIDTH && !line.is_empty() {
+            if right + over > WIDTH && !line.is_empty() {
                 right = LEGEND_LEFT + key.width();
                 lines.push(vec![key]);
             } else {
@@ -177,11 +174,6 @@ impl Plot {
 
     fn contains(&self, x: f64, y: f64) -> bool {
         (self.x.low..=self.x.high).contains(&x) && (self.y.low..=self.y.high).contains(&y)
-    }
-
-    /// The legend, above the frame, in one line.
-    pub(crate) fn legend(&mut self, keys: &[Key<'_>]) {
-        self.legend_line(keys.iter(), [LEFT, 14.0]);
     }
 
     fn legend_line<'a>(&mut self, keys: impl Iterator<Item = &'a Key<'a>>, [mut x, y]: [f64; 2]) {
@@ -298,4 +290,31 @@ fn broken(text: &str, width: f64) -> Vec<String> {
 /// Width of a tick label in pixels. There is no measuring of text here; 6.4 a character is on the wide side.
 fn width_of(text: &str) -> f64 {
     6.4 * text.chars().count() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn legends_break_their_line_before_the_edge() {
+        let axes = || (Axis::linear("x", 0.0, 1.0), Axis::linear("y", 0.0, 1.0));
+        let all = ["Makadam", "YADE", "LIGGGHTS", "LAMMPS"].map(Key::Code);
+        let keys: Vec<Key<'_>> = all.into_iter().chain([Key::Line("literature", "Mueth 1998")]).collect();
+        for (shown, lines) in [(3, 1), (4, 1), (5, 2)] {
+            let (x, y) = axes();
+            let svg = Plot::with_legend(x, y, &keys[..shown]).finish("a plot");
+            let mut heights = Vec::new();
+            for text in svg.split("<text class=\"key\" x=\"").skip(1) {
+                let number = |text: &str| text.split('"').next().unwrap().parse::<f64>().unwrap();
+                let label = text.split_once('>').unwrap().1.split('<').next().unwrap();
+                heights.push(number(text.split_once("y=\"").unwrap().1));
+                let end = number(text) + 7.6 * label.chars().count() as f64;
+                assert!(end <= WIDTH, "{label} ends at {end}");
+            }
+            assert_eq!(heights.len(), shown);
+            heights.dedup();
+            assert_eq!(heights.len(), lines, "{shown} keys");
+        }
+    }
 }

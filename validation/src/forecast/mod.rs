@@ -5,25 +5,19 @@
 //!      └─> settings, each with why ────────────────────────┴─> forecast ─> words, JSON
 //! ```
 
+mod pace;
 mod scales;
 mod words;
 
 use crate::effects::{Called, called};
+use crate::execution::threads_for;
 use crate::observables::impossible;
 use crate::plan::Scene;
 use crate::stepping::steps_in;
-use makadam::scene::{DocumentPath, Finding, NormalLaw, Stop, TangentialLaw, populate};
+use makadam::scene::{DocumentPath, Finding, NormalLaw, Reaction, Stop, TangentialLaw, populate};
+use pace::{Pace, Work};
 use scales::Bed;
 use serde::Serialize;
-
-/// Wall time of a step per grain on one core, s: of all that is done once, and of each sweep. Measured on an AMD EPYC with AVX-512, for
-/// beds that fit into its cache and for larger ones.
-const IN_CACHE: [f64; 2] = [1.0e-7, 1.1e-8];
-const BEYOND_CACHE: [f64; 2] = [1.3e-7, 2.0e-8];
-/// Grains from which on a bed does not fit into the cache.
-const LARGE: usize = 10_000;
-/// Sweeps that a solve takes where a residual stops it: what drum and packing take at a tolerance of some percent.
-const TYPICAL_SWEEPS: f64 = 30.0;
 
 /// What will run.
 #[derive(Clone, Debug, Serialize)]
@@ -56,8 +50,12 @@ pub struct Forecast {
     pub scales: Vec<Scale>,
     /// Memory, bytes.
     pub bytes: u64,
-    /// Wall time on one core, s: a rule, good to a factor of two or so.
+    /// Wall time, s, at the pace of a small bed that was simulated on this machine just now; good to a factor of two.
     pub wall_seconds: f64,
+    /// Threads that a run takes by itself.
+    pub threads: usize,
+    /// What costs more than is expected, with what to set.
+    pub notes: Vec<String>,
     /// What the settings are not expected to bear.
     pub findings: Vec<Finding>,
 }
@@ -116,7 +114,9 @@ impl Forecast {
             settings: settings(scene, text),
             scales: bed.scales(scene, &grains),
             bytes: scene.memory(),
-            wall_seconds: wall_seconds(scene, grains.len(), steps),
+            wall_seconds: Pace::here().seconds(&Work::of(scene, scene.seed)),
+            threads: threads_for(grains.len()),
+            notes: notes(scene),
             findings: scene.findings(Some(text)).into_iter().chain(impossible(scene, Some(text))).collect(),
         })
     }
@@ -128,20 +128,18 @@ fn frames(scene: &Scene) -> u64 {
     1 + (scene.duration / interval - 1e-6).ceil().max(1.0) as u64
 }
 
-fn wall_seconds(scene: &Scene, grains: usize, steps: u64) -> f64 {
-    let [once, sweep] = if grains < LARGE { IN_CACHE } else { BEYOND_CACHE };
-    let sweeps = match scene.solver.stop {
-        Stop::Sweeps { sweeps } => f64::from(sweeps),
-        Stop::Residual { max_sweeps, .. } => f64::from(max_sweeps).min(TYPICAL_SWEEPS),
-        Stop::TimeBudget { seconds, .. } => return steps as f64 * (seconds + once * grains as f64),
-    };
-    let prepared = scene.prepare.as_ref().map_or(0, |prepare| steps_in(prepare.duration, prepare.step));
-    (steps + prepared) as f64 * grains as f64 * (once + sweep * sweeps)
+/// What a run of the scene costs beyond what is expected of it, with what to set.
+fn notes(scene: &Scene) -> Vec<String> {
+    let ignores_escapes = scene.watch.on_escape == Reaction::Ignore || scene.watch.every == 0;
+    let fall = "grains that leave the domain are simulated on, and each costs more time and memory than one in a bed: a wall that \
+                catches them (a plane below the outlet) keeps them cheap";
+    ignores_escapes.then(|| format!("watch.on_escape is ignored: {fall}")).into_iter().collect()
 }
 
 /// Step and stopping rule, in words.
 pub fn chosen(scene: &Scene) -> String {
-    format!("a step of {:e} s and solves that end at {}", scene.solver.step, stop_of(scene))
+    let step: f64 = format!("{:.2e}", scene.solver.step).parse().unwrap_or(scene.solver.step);
+    format!("a step of {step:e} s and solves that end at {}", stop_of(scene))
 }
 
 fn stop_of(scene: &Scene) -> String {

@@ -1,7 +1,7 @@
 //! A forecast in words.
 
 use super::Forecast;
-use crate::draw::numbers::{compact, count, duration};
+use crate::draw::numbers::{compact, count, duration, plural};
 use crate::draw::wrapped;
 use std::fmt::Write;
 
@@ -32,8 +32,12 @@ impl Forecast {
             count(self.frames as usize)
         );
         let _ = writeln!(text, "memory    {:.1} MB", self.bytes as f64 / 1e6);
-        let _ =
-            writeln!(text, "wall time some {} on one core, good to a factor of two or so", duration(self.wall_seconds));
+        let _ = writeln!(
+            text,
+            "wall time some {} on {}, at the pace of this machine now; good to a factor of two",
+            duration(self.wall_seconds),
+            plural(self.threads, "thread")
+        );
         let rows = self
             .settings
             .iter()
@@ -48,6 +52,9 @@ impl Forecast {
         let rows: Vec<Vec<String>> = [head(["number", "value", "how"])].into_iter().chain(rows).collect();
         if !self.scales.is_empty() {
             let _ = write!(text, "\n\n{}", wrapped(&rows));
+        }
+        for note in &self.notes {
+            let _ = write!(text, "\n\nnote: {note}");
         }
         if self.findings.is_empty() {
             let _ = write!(text, "\n\nno objection: the settings are expected to bear this scene");

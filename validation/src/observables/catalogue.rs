@@ -4,7 +4,7 @@ pub use super::definitions::Definition;
 use super::definitions::GROUPS;
 use crate::plan::{Observable, Scene};
 use crate::recording::Content;
-use makadam::scene::nearest;
+use makadam::scene::suggestion;
 use makadam::scene::{SceneFileError, line_of};
 use std::path::Path;
 
@@ -71,8 +71,8 @@ pub fn check(scene: &Scene, text: &str, file: &Path) -> Result<(), SceneFileErro
         };
         match group_of(name) {
             None => {
-                let near = nearest(name, known(), 3).join(", ");
-                return invalid(format!("nothing measures '{name}'"), format!("the nearest names are: {near}"));
+                let remedy = suggestion(name, known(), "`makadam observables` lists all names");
+                return invalid(format!("nothing measures '{name}'"), remedy);
             }
             Some((group, words)) if !scene.measure.observables.contains(&group) => {
                 return invalid(

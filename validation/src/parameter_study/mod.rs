@@ -4,7 +4,9 @@
 //! --over KEY=a,b,c ─> points (combinations) x seeds ─> runs side by side, kept ─> means over seeds ─> terminal, CSV, JSON
 //! ```
 
+mod folder;
 mod study;
 mod table;
 
+pub use folder::{DOCUMENT, take};
 pub use study::{Failed, ParameterError, Plan, Point, Range, Run, Study};

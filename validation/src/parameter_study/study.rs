@@ -94,6 +94,9 @@ pub enum ParameterError {
         /// Why.
         error: Box<CodeError>,
     },
+    /// The output folder holds another study, or another process writes there.
+    #[error("{0}")]
+    Folder(String),
     /// A run cannot be kept.
     #[error(transparent)]
     Write(#[from] WriteError),

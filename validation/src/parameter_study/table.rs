@@ -1,7 +1,7 @@
 //! A study of parameters as tables.
 
 use super::{Point, Study};
-use crate::draw::numbers::{significant, two_digits};
+use crate::draw::numbers::{significant, with_error};
 use crate::study::{Table, cells};
 
 /// Observables that fit beside each other on a terminal.
@@ -18,7 +18,7 @@ impl Study {
         let shown = |point: &Point, name: &str| {
             point.observables.get(name).map(|mean| match mean.seeds {
                 1 => significant(mean.mean),
-                _ => format!("{} ± {}", significant(mean.mean), two_digits(mean.standard_deviation)),
+                _ => with_error(mean.mean, mean.standard_deviation),
             })
         };
         if names.len() > MOST_COLUMNS {

@@ -4,7 +4,6 @@ use super::Picture;
 use crate::output::{WriteError, write_whole};
 use color_quant::NeuQuant;
 use gif::{Encoder, Frame, Repeat};
-use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufWriter, Error, Write};
 use std::path::{Path, PathBuf};
@@ -76,11 +75,12 @@ impl Drop for Draft {
     }
 }
 
-/// The colour of the GIF that is nearest to one of a picture, as far as that was asked for already.
-type Known = HashMap<[u8; 3], u8>;
+/// The colour of the GIF that is nearest to one of a picture, by the upper bits of its red, green and blue, as far as that was asked
+/// for already.
+type Known = Vec<Option<u8>>;
 
-/// Most of those that are kept from frame to frame.
-const MOST_KNOWN: usize = 1 << 20;
+/// Bits of a share of a colour that the nearest one is chosen by: the chosen ones are further apart.
+const BITS: u32 = 6;
 
 enum Format {
     Gif { encoder: Encoder<BufWriter<File>>, colours: Box<NeuQuant>, known: Known, delay: u16 },
@@ -114,7 +114,12 @@ impl Animation {
                 let encoder = Encoder::new(file, width as u16, height as u16, &map);
                 let mut encoder = encoder.map_err(|error| refused(path, error))?;
                 encoder.set_repeat(Repeat::Infinite).map_err(|error| refused(path, error))?;
-                Format::Gif { encoder, colours, known: Known::new(), delay: (100.0 / rate).round().max(1.0) as u16 }
+                Format::Gif {
+                    encoder,
+                    colours,
+                    known: vec![None; 1 << (3 * BITS)],
+                    delay: (100.0 / rate).round().max(1.0) as u16,
+                }
             }
             false => {
                 let mut encoder = png::Encoder::new(file, width as u32, height as u32);
@@ -194,12 +199,12 @@ fn palette(samples: &[Picture]) -> NeuQuant {
 
 /// The nearest of the chosen colours for each pixel. Neighbours and frames are often alike, so that what was found is kept.
 fn indices(picture: &Picture, colours: &NeuQuant, known: &mut Known) -> Vec<u8> {
-    if known.len() > MOST_KNOWN {
-        known.clear();
-    }
     let nearest = |pixel: &[u8; 3]| {
-        let [red, green, blue] = *pixel;
-        *known.entry(*pixel).or_insert_with(|| colours.index_of(&[red, green, blue, 255]) as u8)
+        let place = pixel.iter().fold(0, |place, share| place << BITS | usize::from(share >> (8 - BITS)));
+        *known[place].get_or_insert_with(|| {
+            let [red, green, blue] = *pixel;
+            colours.index_of(&[red, green, blue, 255]) as u8
+        })
     };
     picture.bytes.as_chunks::<3>().0.iter().map(nearest).collect()
 }

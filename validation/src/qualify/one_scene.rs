@@ -91,7 +91,7 @@ pub enum JudgeError {
     /// Nothing is recorded of a code.
     #[error(
         "nothing is recorded of {code} on the scene {scene}; run it with --live (scripts/install-peers installs it), or leave it \
-         out (name the others with --codes, in judge with --against)"
+         out (name the others with --codes)"
     )]
     NotRecorded {
         /// The code.
@@ -161,13 +161,13 @@ impl OneScene<'_> {
         }
         let judged = live.iter().find(|code| code.name() == self.judged && self.judged != "Makadam");
         let first = judged.map(|code| first_seed(code.as_ref(), &runs)).transpose()?;
-        let simulate = |code: &Box<dyn Code>| match &first {
+        let simulate = |code: &dyn Code| match &first {
             Some(_) if code.name() == self.judged => {
-                (code.name(), Runs { seeds: runs.seeds[1..].to_vec(), ..runs.clone() }.simulate(code.as_ref()))
+                (code.name(), Runs { seeds: runs.seeds[1..].to_vec(), ..runs.clone() }.simulate(code))
             }
-            _ => (code.name(), runs.simulate(code.as_ref())),
+            _ => (code.name(), runs.simulate(code)),
         };
-        let mut simulated: Vec<_> = live.par_iter().map(simulate).collect();
+        let mut simulated: Vec<_> = live.par_iter().map(|code| simulate(code.as_ref())).collect();
         if let (Some(first), Some((_, rest))) = (first, simulated.iter_mut().find(|(code, _)| *code == self.judged)) {
             rest.harvests.splice(0..0, first.harvests);
             rest.failures.splice(0..0, first.failures);

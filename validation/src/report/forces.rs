@@ -67,9 +67,12 @@ pub(super) fn figure(comparison: &Comparison) -> Option<(String, String)> {
     let shown = || all.iter().flat_map(|(_, points)| points.iter()).filter(|p| p.force <= right).map(|p| p.density);
     let low = shown().fold(0.1, f64::min).max(1e-5);
     let high = shown().fold(1.0, f64::max);
-    let mut plot = Plot::new(
+    let mut keys: Vec<Key<'_>> = all.iter().map(|(code, _)| Key::Code(code)).collect();
+    keys.push(Key::Line("literature", LITERATURE));
+    let mut plot = Plot::with_legend(
         Axis::linear("normal force over its mean, f", 0.0, right),
         Axis::logarithmic("probability density P(f)", low, high),
+        &keys,
     );
     let line = |points: &[Point]| points.iter().map(|point| [point.force, point.density]).collect::<Vec<_>>();
     plot.curve("literature", line(&literature.1).into_iter());
@@ -87,9 +90,6 @@ pub(super) fn figure(comparison: &Comparison) -> Option<(String, String)> {
         let style = names::code_style(code);
         points.iter().for_each(|point| plot.marker(style, point.force, point.density, 3.2));
     }
-    let mut keys: Vec<Key<'_>> = all.iter().map(|(code, _)| Key::Code(code)).collect();
-    keys.push(Key::Line("literature", LITERATURE));
-    plot.legend(&keys);
     let counted = comparison.forces.iter().filter(|one| all.iter().any(|(code, _)| *code == one.code));
     let samples: Vec<String> = counted.map(|one| format!("{} {}", one.code, count(one.samples))).collect();
     let caption = format!(

@@ -1,7 +1,7 @@
 //! The page: everything that the template shows, gathered and named.
 
 use super::pictures::{Gallery, Picture};
-use super::qualification::{Qualification, join};
+use super::qualification::{Qualification, Verdict, join};
 use super::{forces, forest, pictures, published, series, speed, studies, tables};
 use crate::compare::{Comparison, Source};
 use crate::draw::{names, numbers};
@@ -29,7 +29,7 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         tier => qualification.tier,
         wall_time => numbers::duration(qualification.wall_seconds),
         verdict => verdict,
-        standing => context! { word => verdict.standing.words(), class => verdict.standing.class() },
+        standing => standing(&verdict),
         style => style(),
         grain_rules => pictures::rules(),
         gradients => pictures::gradients(),
@@ -49,6 +49,17 @@ pub(super) fn render(qualification: &Qualification) -> Result<String, minijinja:
         laws => qualification.laws.iter().map(published::shown).collect::<Vec<_>>(),
         provenance => provenance(qualification),
     })
+}
+
+/// Word and style class of a verdict, and its sentence behind the word, which is not repeated where the sentence begins with it.
+fn standing(verdict: &Verdict) -> Value {
+    let word = verdict.standing.words();
+    let rest = verdict.sentence.strip_prefix(word).and_then(|rest| Some((rest.chars().next()?, rest)));
+    let (mark, sentence) = match rest {
+        Some((mark, rest)) if mark.is_ascii_punctuation() => (mark, rest[1..].trim_start()),
+        _ => ('.', verdict.sentence.as_str()),
+    };
+    context! { word => word, class => verdict.standing.class(), mark => mark.to_string(), sentence => sentence }
 }
 
 /// Anchor of a scene's section. Names of scenes may hold characters that an anchor may not.

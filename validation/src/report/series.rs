@@ -80,20 +80,23 @@ fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
     let margin = comparison.rows.iter().filter(|r| r.observable == observable).find_map(|r| r.margin);
     let room = (0.25 * (high - low)).max(margin.unwrap_or(0.0)).max(1e-3 * high.abs());
     let unit = comparison.rows.iter().find(|r| r.observable == observable).map_or("", |r| r.unit.as_str());
-    let mut plot = Plot::new(
+    let mut codes: Vec<&str> = Vec::new();
+    for Curve { series, .. } in &all {
+        if !codes.contains(&series.code.as_str()) {
+            codes.push(&series.code);
+        }
+    }
+    let mut plot = Plot::with_legend(
         Axis::linear("time (s)", 0.0, end),
         Axis::linear(&names::with_unit(observable, unit, Rounding::Decimals(0)), low - room, high + room),
+        &codes.iter().map(|code| Key::Code(code)).collect::<Vec<_>>(),
     );
     if let Some(from) = from {
         plot.window(from, end, "measured window");
     }
-    let mut codes: Vec<&str> = Vec::new();
     for Curve { series, points, .. } in &all {
         let style = names::code_style(&series.code);
         plot.curve(&format!("{} curve thin", style.class), points.iter().copied());
-        if !codes.contains(&series.code.as_str()) {
-            codes.push(&series.code);
-        }
     }
     // Means last, so that they lie on top of the curves.
     for Curve { series, mean, .. } in &all {
@@ -103,7 +106,6 @@ fn figure(comparison: &Comparison, observable: &str) -> Option<SeriesFigure> {
         let place = codes.iter().position(|&c| c == series.code).unwrap_or(0) as f64;
         plot.marker(style, from + (end - from) * (0.15 + 0.2 * place), mean, 4.5);
     }
-    plot.legend(&codes.iter().map(|code| Key::Code(code)).collect::<Vec<_>>());
     let name = names::observable(observable);
     let seeds: Vec<String> = {
         let mut seeds: Vec<u64> = all.iter().map(|c| c.series.seed).collect();

@@ -3,29 +3,27 @@
 use super::speed::speed_sentence;
 use super::{tables, words};
 use crate::compare::{Comparison, Row};
-use crate::draw::names;
-use crate::draw::numbers::Rounding;
+use crate::draw::{columns, names};
 use crate::statistics::Outcome;
-use crate::study::{Cell, Table, cells};
 
-/// The rows of a comparison as aligned text, with the speed below; outcomes are coloured if `colour` is set.
+/// A comparison as text, whose tables have at most 80 columns: for each observable the means of the codes, then their differences with the outcomes;
+/// below, speed and notes. Outcomes are coloured if `colour` is set.
 ///
 /// Columns are padded by characters, so it wants a terminal that knows UTF-8.
 pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
-    let mut last = "";
-    let mut table = Table::new(&["observable", "code"], &["mean ± spread (seeds)"])
-        .with_words("against")
-        .with_numbers(["difference [interval of the verdict]", "margin"])
-        .with_words("outcome");
-    for row in &comparison.rows {
-        let rounding = words::rounding(comparison.rows.iter().filter(|other| other.observable == row.observable));
-        let at_odds = row.code == comparison.judged && comparison.references_at_odds(row);
-        table.row(cells(row, at_odds, rounding, row.observable != last, colour));
-        last = &row.observable;
+    let mut text = format!(
+        "{}: {}
+",
+        comparison.scene.name, comparison.scene.description
+    );
+    if comparison.rows.is_empty() {
+        text.push_str("\nno rows\n");
+    } else {
+        text.push_str("mean ± spread (seeds); difference [interval of the verdict], outcome\n");
     }
-    let mut text = format!("{}: {}\n\n{}", comparison.scene.name, comparison.scene.description, table.text());
-    if table.is_empty() {
-        text.push_str("no rows\n");
+    for rows in comparison.rows.chunk_by(|one, next| one.observable == next.observable) {
+        text.push('\n');
+        text.push_str(&block(comparison, rows, colour));
     }
     if let Some(speed) = speed_sentence(comparison) {
         text.push_str(&format!("\n{speed}\n"));
@@ -36,36 +34,58 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
     text
 }
 
-/// The cells of a row; `at_odds`: whether the references differ by more than its margin.
-fn cells(row: &Row, at_odds: bool, rounding: Rounding, first: bool, colour: bool) -> Vec<Cell> {
-    let spread = row.standard_deviation.filter(|_| row.seeds > 1);
-    let spread = spread.map_or(String::new(), |spread| format!(" ± {}", rounding.value(spread)));
-    let mean = row.mean.map_or("–".into(), |mean| rounding.value(mean));
-    let interval = row.shown_interval().map(|interval| format!(" {}", rounding.interval(interval))).unwrap_or_default();
-    let outcome = match (row.outcome, row.seeds_needed) {
-        (Some(Outcome::Undecided | Outcome::Exploratory), _) if at_odds => {
-            "undecided: the references differ by more".into()
+/// The rows of one observable.
+fn block(comparison: &Comparison, rows: &[Row], colour: bool) -> String {
+    let rounding = words::rounding(rows.iter());
+    let mut text = names::with_unit(&rows[0].observable, &rows[0].unit, rounding);
+    if let Some(margin) = rows.iter().find_map(|row| row.margin) {
+        text.push_str(&format!(", margin {}", rounding.margin(margin)));
+    }
+    text.push('\n');
+    let mut lines: Vec<[String; 3]> = Vec::new();
+    for (place, row) in rows.iter().enumerate() {
+        if rows[..place].iter().any(|other| other.code == row.code) {
+            continue;
         }
-        (Some(Outcome::Undecided), Some(seeds)) => format!("undecided, register {seeds} seeds"),
-        (Some(Outcome::NotMeasured), _) => {
-            format!("not measured: {}", row.missing.as_deref().unwrap_or("a value is missing"))
-        }
-        (Some(Outcome::Exploratory), _) => "exploratory: within the margin".into(),
-        (Some(outcome), _) => words::outcome(outcome).into(),
-        (None, _) => String::new(),
-    };
-    cells![
-        if first { names::with_unit(&row.observable, &row.unit, rounding) } else { String::new() },
-        &row.code,
-        format!("{mean}{spread} ({})", row.seeds),
-        row.reference_code.as_deref().unwrap_or_default(),
-        row.difference.map(|difference| rounding.signed(difference) + &interval).unwrap_or_default(),
-        row.margin.map(|margin| rounding.margin(margin)).unwrap_or_default(),
-        match row.outcome.filter(|_| colour) {
-            Some(known) => format!("\x1b[{}m{outcome}\x1b[0m", code_of(known)),
-            None => outcome,
-        },
-    ]
+        let spread = row.standard_deviation.filter(|_| row.seeds > 1);
+        let spread = spread.map_or(String::new(), |spread| format!(" ± {}", rounding.value(spread)));
+        let mean = row.mean.map_or("–".into(), |mean| rounding.value(mean));
+        lines.push([format!("  {}", row.code), format!("{mean}{spread} ({})", row.seeds), String::new()]);
+    }
+    for row in rows.iter().filter(|row| row.difference.is_some() || row.outcome.is_some()) {
+        let reference = row.reference_code.as_ref().map_or(String::new(), |code| format!(" − {code}"));
+        let interval = row.shown_interval().map(|interval| format!(" {}", rounding.interval(interval)));
+        let difference = row.difference.map(|difference| rounding.signed(difference) + &interval.unwrap_or_default());
+        let at_odds = row.code == comparison.judged && comparison.references_at_odds(row);
+        let outcome = row.outcome.map(|outcome| match colour {
+            true => format!("\x1b[{}m{}\x1b[0m", code_of(outcome), outcome_of(row, outcome, at_odds)),
+            false => outcome_of(row, outcome, at_odds),
+        });
+        lines.push([format!("  {}{reference}", row.code), difference.unwrap_or_default(), outcome.unwrap_or_default()]);
+    }
+    text.push_str(&columns(&lines, |_| true));
+    let mut reasons: Vec<&str> =
+        rows.iter().filter(|row| row.outcome == Some(Outcome::NotMeasured)).map(reason).collect();
+    reasons.dedup();
+    for reason in reasons {
+        text.push_str(&format!("  not measured: {reason}\n"));
+    }
+    text
+}
+
+/// Reason for which a row is not measured.
+fn reason(row: &Row) -> &str {
+    row.missing.as_deref().unwrap_or("a value is missing")
+}
+
+/// The outcome of a row in words; `at_odds`: whether the references differ by more than its margin.
+fn outcome_of(row: &Row, outcome: Outcome, at_odds: bool) -> String {
+    match (outcome, row.seeds_needed) {
+        (Outcome::Undecided | Outcome::Exploratory, _) if at_odds => "undecided (references differ)".into(),
+        (Outcome::Undecided, Some(seeds)) => format!("undecided, register {seeds} seeds"),
+        (Outcome::Exploratory, _) => "exploratory: within the margin".into(),
+        (outcome, _) => words::outcome(outcome).into(),
+    }
 }
 
 /// Escape code of an outcome's colour: blue, red and yellow are told apart by colour-blind readers too.

@@ -29,11 +29,14 @@ pub(super) fn figure(study: &Study, roofs: &Roofs) -> Figure {
     let rates = points.iter().map(|point| point.flops_per_second / 1e9);
     let slowest = roofs.levels.iter().map(|level| level.bytes_per_second / 1e9).fold(f64::INFINITY, f64::min);
     let lowest = rates.fold(slowest * INTENSITIES.0, f64::min) / 1.3;
-    let mut plot = Plot::new(
+    let kernels = [Kernel::Lanes, Kernel::Scalar];
+    let kernels = kernels.into_iter().filter(|own| points.iter().any(|point| point.kernel == *own));
+    let labels: Vec<(Kernel, String)> = kernels.map(|own| (own, format!("sweep, {}", kernel(study, own)))).collect();
+    let mut plot = Plot::with_legend(
         Axis::fine("operations a byte", INTENSITIES.0, INTENSITIES.1),
         Axis::fine("operations a second (Gflop/s)", lowest, 1.3 * peak),
+        &labels.iter().map(|(own, label)| Key::Points(style(*own), label)).collect::<Vec<_>>(),
     );
-    let mut keys: Vec<Kernel> = Vec::new();
     for level in &roofs.levels {
         let slope = level.bytes_per_second / 1e9;
         let bend = peak / slope;
@@ -56,14 +59,8 @@ pub(super) fn figure(study: &Study, roofs: &Roofs) -> Figure {
             plot.marker(style(own), at[0], at[1], 4.2);
             lowest = at[1].min(lowest / LINE);
             plot.label([at[0], lowest], [side, 4.0], anchor, &point.scene);
-            if !keys.contains(&own) {
-                keys.push(own);
-            }
         }
     }
-    let labels: Vec<String> = keys.iter().map(|&own| format!("sweep, {}", kernel(study, own))).collect();
-    let keys: Vec<Key<'_>> = keys.iter().zip(&labels).map(|(&own, label)| Key::Points(style(own), label)).collect();
-    plot.legend(&keys);
     let title = format!("Roofline of the sweep, {}", threads(roofs.threads));
     Figure {
         name: format!("roofline-{}", roofs.threads),

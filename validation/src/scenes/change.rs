@@ -3,7 +3,7 @@
 //! The text is changed where the value stands, so that every other line keeps its number, and read as if it had been written so.
 
 use crate::plan::Scene;
-use makadam::scene::nearest;
+use makadam::scene::{suggestion, wish};
 use std::fmt;
 use std::str::FromStr;
 use toml_edit::{DocumentMut, Item, Key, Table, Value};
@@ -52,12 +52,37 @@ impl fmt::Display for Change {
     }
 }
 
-/// The steps of a dotted key; quotes hold what has dots or blanks of its own.
+/// The steps of a dotted key; quotes hold what has dots or blanks of its own. `population[0].count`, as messages print it, is
+/// `population.0.count`.
 pub fn key_of(key: &str) -> Vec<String> {
-    match Key::parse(key) {
+    let dotted = with_dots(key);
+    match Key::parse(&dotted) {
         Ok(steps) => steps.iter().map(|step| step.get().to_string()).collect(),
-        Err(_) => key.split('.').map(|step| step.trim().to_string()).collect(),
+        Err(_) => dotted.split('.').map(|step| step.trim().to_string()).collect(),
     }
+}
+
+/// A key with every number in brackets as a step of its own; what stands in quotes is left as it is.
+fn with_dots(key: &str) -> String {
+    let mut dotted = String::with_capacity(key.len());
+    let mut rest = key;
+    let mut quote = None;
+    while let Some(next) = rest.chars().next() {
+        let number = rest.strip_prefix('[').filter(|_| quote.is_none()).and_then(|rest| rest.split_once(']'));
+        if let Some((number, after)) = number.filter(|(number, _)| number.parse::<usize>().is_ok()) {
+            dotted += &format!(".{number}");
+            rest = after;
+            continue;
+        }
+        match quote {
+            Some(open) if open == next => quote = None,
+            None if next == '"' || next == '\'' => quote = Some(next),
+            _ => {}
+        }
+        dotted.push(next);
+        rest = &rest[next.len_utf8()..];
+    }
+    dotted
 }
 
 impl Change {
@@ -120,7 +145,7 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
         let (place, rest) = match place {
             Some(place) => (place, rest),
             // The only one need not be told from others.
-            None if length == 1 => (0, key),
+            None if length == 1 && step.parse::<usize>().is_err() => (0, key),
             None => {
                 let names: Vec<String> =
                     (0..length).map(|place| name_of(at, place).unwrap_or(place.to_string())).collect();
@@ -158,9 +183,10 @@ fn set(at: &mut Item, change: &Change, key: &[String], full: &mut Option<Item>) 
             // What the text leaves out is spelt out, so that one of its values can be another.
             Some(item) if item.is_table_like() => item.clone(),
             None if key.len() == change.key.len() && !OPTIONAL.contains(&step.as_str()) => {
-                let names: Vec<String> = table.iter().map(|(name, _)| name.to_string()).collect();
-                let near = nearest(step, names.iter().map(String::as_str), 3).join(", ");
-                return Err(change.refuse(format!("the scene has no '{step}'; the nearest names are: {near}")));
+                let names: Vec<&str> = table.iter().map(|(name, _)| name).collect();
+                let listed = || wish(step).map_or_else(|| format!("it has {}", names.join(", ")), String::from);
+                let remedy = suggestion(step, names.iter().copied(), &listed());
+                return Err(change.refuse(format!("the scene has no '{step}'; {remedy}")));
             }
             _ => Item::Table(Table::new()),
         };
@@ -255,20 +281,26 @@ mod tests {
 
     #[test]
     fn an_entry_is_found_by_name_by_number_or_by_being_alone() {
-        for key in ["population.count", "population.0.count"] {
+        for key in ["population.count", "population.0.count", "population[0].count"] {
             assert_eq!(with(&[&format!("{key}=500")]).unwrap().population[0].count, 500, "{key}");
         }
         assert_eq!(with(&["wall.front cap.material=shell"]).unwrap().wall[1].material, "shell");
         assert_eq!(with(&["compare.gini.margin=0.5"]).unwrap().compare[3].margin, Some(0.5));
-        assert_eq!(with(&["gravity.2=-1.62"]).unwrap().gravity[2], -1.62);
+        for key in ["gravity.2", "gravity[2]"] {
+            assert_eq!(with(&[&format!("{key}=-1.62")]).unwrap().gravity[2], -1.62, "{key}");
+        }
+        assert_eq!(key_of("wall[1].shape.centres[2][0]"), ["wall", "1", "shape", "centres", "2", "0"]);
+        assert_eq!(key_of("wall.\"a[0].b\".material"), ["wall", "a[0].b", "material"]);
     }
 
     #[test]
     fn what_leads_nowhere_is_refused_in_words() {
         for (change, words) in [
             ("wall.material=shell", "wall has 3 entries: say which, such as wall.shell"),
+            ("population[1].count=5", "population has 1 entries: say which, such as population.0"),
             ("duration.x=1", "duration is a value"),
-            ("materail.grain.friction=1", "nearest names are: material"),
+            ("materail.grain.friction=1", "did you mean material?"),
+            ("mesh.file=a.stl", "walls have no meshes"),
         ] {
             let message = with(&[change]).unwrap_err().to_string();
             assert!(message.contains(words) && message.contains(change), "{message}");

@@ -13,7 +13,7 @@ pub use change::{Change, ChangeError, changed, key_of};
 use held::bytes_of;
 pub use held::{BUILT_IN, is_built_in, is_given, names, origin, read};
 use makadam::scene::SceneFileError;
-use makadam::scene::nearest;
+use makadam::scene::suggestion;
 pub use schema::{page, schema};
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -26,8 +26,12 @@ pub const STANDARD_INPUT: &str = "-";
 pub enum SceneError {
     /// The name is neither a file nor a known scene.
     #[error(
-        "no scene '{name}': did you mean {}? Give a path to a TOML file, - for standard input, or a name that `makadam scenes` lists",
-        nearest(name, known.iter().map(String::as_str), 3).join(", ")
+        "no scene '{name}'; {}",
+        suggestion(
+            name,
+            known.iter().map(String::as_str),
+            "give a path to a TOML file, - for standard input, or a name that `makadam scenes` lists"
+        )
     )]
     Unknown {
         /// What was asked for.

@@ -34,6 +34,7 @@ Viewer.prototype.controls = function () {
     this.show(Number(event.target.value));
   };
   $("play").onclick = () => this.play(!this.playing);
+  $("options").open = innerWidth > 700 && innerHeight > 480;
   if (head.frames.length < 2) document.querySelector("footer").style.display = "none";
   this.legend();
 };
@@ -53,8 +54,8 @@ Viewer.prototype.turn = function (x, y) {
 
 // By pixels of the canvas: what is under the pointer goes with it.
 Viewer.prototype.move = function (x, y) {
-  const { camera, canvas, head } = this, { right, top } = this.axes();
-  const unit = 2 * camera.away * Math.tan(0.5 * head.eye.opening) / canvas.clientHeight;
+  const { camera, canvas } = this, { right, top } = this.axes();
+  const unit = 2 * camera.away / (this.focal() * canvas.clientHeight);
   camera.target = plus(plus(camera.target, right, -x * unit), top, y * unit);
   this.dirty = true;
 };
@@ -148,6 +149,7 @@ function wishes(viewer) {
 
 unpack().then((data) => {
   window.viewer = new Viewer(data);
+  $("loading").hidden = true;
   wishes(window.viewer);
   document.body.dataset.ready = "true";
 }).catch((error) => trouble(error.message));

@@ -3,6 +3,7 @@
 const $ = (id) => document.getElementById(id);
 
 function trouble(text) {
+  $("loading").hidden = true;
   $("trouble").textContent = text;
   $("trouble").hidden = false;
   document.body.dataset.trouble = text;
@@ -22,6 +23,8 @@ function bytesOf(text) {
 }
 
 async function unpack() {
+  // The page is shown before the work begins.
+  await new Promise((resolve) => setTimeout(resolve, 30));
   const packed = bytesOf($("payload").textContent.trim());
   $("payload").textContent = "";
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
@@ -232,6 +235,12 @@ class Viewer {
     this.dirty = true;
   }
 
+  // Focal length over half the height of the canvas: the opening spans the shorter side, so that a narrow window shows all.
+  focal() {
+    const { canvas, head } = this;
+    return Math.min(1, canvas.clientWidth / Math.max(canvas.clientHeight, 1)) / Math.tan(0.5 * head.eye.opening);
+  }
+
   axes() {
     const { up, front } = this.head.eye, { azimuth, elevation } = this.camera, beside = cross(front, up);
     const level = plus(plus([0, 0, 0], front, Math.cos(azimuth)), beside, -Math.sin(azimuth));
@@ -247,7 +256,7 @@ class Viewer {
     const view = [right[0], top[0], -forward[0], 0, right[1], top[1], -forward[1], 0, right[2], top[2], -forward[2], 0,
       -dot(right, eye), -dot(top, eye), dot(forward, eye), 1];
     const far = camera.away + 8 * head.eye.size, near = Math.max(camera.away - 2 * head.eye.size, 0.004 * far);
-    const focal = 1 / Math.tan(0.5 * head.eye.opening);
+    const focal = this.focal();
     const projection = [focal * canvas.height / canvas.width, 0, 0, 0, 0, focal, 0, 0,
       0, 0, -(far + near) / (far - near), -1, 0, 0, -2 * far * near / (far - near), 0];
     let clip = [0, 0, 0, -1];

@@ -50,16 +50,41 @@ pub fn write(path: &Path, run: &RunFrames, wishes: &Wishes, progress: &dyn Fn(f6
     packer.write_all(&bytes).map_err(refused)?;
     let packed = packer.finish().map_err(refused)?;
     drop(bytes);
-    let page = PAGE.replace("{{title}}", &escaped(run.scene())).replace("{{style}}", STYLE);
-    let page = page.replace("{{script}}", &SCRIPTS.concat());
-    // The payload last: it is large.
-    let (before, after) = page.split_once("{{payload}}").unwrap_or((&page, ""));
-    let mut text = String::with_capacity(page.len() + packed.len().div_ceil(3) * 4);
-    text += before;
-    STANDARD.encode_string(&packed, &mut text);
-    text += after;
+    let (title, script) = (escaped(run.scene()), SCRIPTS.concat());
+    let mut text = String::with_capacity(PAGE.len() + STYLE.len() + script.len() + packed.len().div_ceil(3) * 4);
+    for piece in pieces(PAGE) {
+        match piece {
+            Piece::Text(words) => text += words,
+            Piece::Hole("title") => text += &title,
+            Piece::Hole("style") => text += STYLE,
+            Piece::Hole("script") => text += &script,
+            Piece::Hole("size") => text += &format!("{:.1} MB", packed.len().div_ceil(3) as f64 * 4e-6),
+            Piece::Hole("payload") => STANDARD.encode_string(&packed, &mut text),
+            Piece::Hole(other) => unreachable!("page.html has a hole '{other}'"),
+        }
+    }
     write_whole(path, text.as_bytes())?;
     Ok(Page { frames, bytes: text.len(), note })
+}
+
+/// A part of a template.
+#[derive(Debug, PartialEq)]
+enum Piece<'t> {
+    /// Text that stays as it is.
+    Text(&'t str),
+    /// `{{name}}`, which a value takes the place of.
+    Hole(&'t str),
+}
+
+/// Splits a template at its holes, so that no value is searched for holes of its own.
+fn pieces(template: &str) -> Vec<Piece<'_>> {
+    let mut parts = template.split("{{");
+    let mut pieces = vec![Piece::Text(parts.next().unwrap_or_default())];
+    for part in parts {
+        let (name, rest) = part.split_once("}}").expect("every hole of page.html is closed");
+        pieces.extend([Piece::Hole(name), Piece::Text(rest)]);
+    }
+    pieces
 }
 
 fn escaped(text: &str) -> String {

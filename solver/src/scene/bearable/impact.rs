@@ -45,27 +45,7 @@ pub(super) fn fault(scene: &Scene, grains: &[Grain], bed: &Bed, beforehand: Opti
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
     let step = beforehand.map_or(scene.solver.step, |prepare| prepare.step);
     let stiffness = Stiffness::of(scene);
-    let densities: BTreeMap<&str, f64> =
-        scene.material.iter().map(|(name, material)| (name.as_str(), material.density)).collect();
-    let impacts = grains.iter().enumerate().filter_map(|(index, grain)| {
-        let start = grain.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let fall = match bed.falls[index] {
-            Fall::Down(fall) => fall,
-            Fall::Unknown => 0.0,
-            Fall::Out(_) => return None,
-        };
-        let speed = (start * start + 2.0 * bed.gravity * fall).sqrt().min(start + bed.gravity * scene.duration);
-        let mass = densities.get(grain.material.as_str())? * 4.0 / 3.0 * PI * grain.radius.powi(3);
-        let ratio = grain.radius / smallest;
-        let way = if grains.len() >= BED { OF_THE_WAY.max(OF_THE_RATIO * ratio) } else { 0.0 };
-        Some(Impact {
-            grain: index,
-            speed,
-            fall,
-            by_stiffness: stiffness.impact(mass, speed, grain.radius, smallest) / smallest,
-            by_step: way * speed * step / smallest,
-        })
-    });
+    let impacts = impacts(scene, grains, bed, &stiffness, smallest, step);
     let worst = impacts.max_by(|a, b| (a.by_stiffness + a.by_step).total_cmp(&(b.by_stiffness + b.by_step)))?;
     if grains.len() >= 2 && worst.by_stiffness + worst.by_step > bound {
         let problem = format!(
@@ -93,6 +73,51 @@ pub(super) fn fault(scene: &Scene, grains: &[Grain], bed: &Bed, beforehand: Opti
         return Some(Fault::new(origin(scene, worst.grain), problem, remedies.join(", ")));
     }
     load(scene, bed, &stiffness, smallest, watched)
+}
+
+/// Longest step (s) whose part in the overlap of every impact is tolerated: what the stiffness leaves of the bound, at least half of it.
+pub(super) fn longest_step(scene: &Scene, grains: &[Grain], bed: &Bed) -> f64 {
+    let Some(bound) = tolerated(scene).filter(|_| grains.len() >= 2) else { return f64::INFINITY };
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let stiffness = Stiffness::of(scene);
+    let of_a_second = impacts(scene, grains, bed, &stiffness, smallest, 1.0);
+    let steps = of_a_second.filter(|impact| impact.by_step > 0.0).map(|impact| {
+        let left = (bound - impact.by_stiffness).max(0.5 * bound);
+        left / impact.by_step
+    });
+    steps.fold(f64::INFINITY, f64::min)
+}
+
+/// The impact of each grain that falls or starts with a speed, for a step (s).
+fn impacts<'a>(
+    scene: &'a Scene,
+    grains: &'a [Grain],
+    bed: &'a Bed,
+    stiffness: &'a Stiffness,
+    smallest: f64,
+    step: f64,
+) -> impl Iterator<Item = Impact> + 'a {
+    let densities: BTreeMap<&str, f64> =
+        scene.material.iter().map(|(name, material)| (name.as_str(), material.density)).collect();
+    grains.iter().enumerate().filter_map(move |(index, grain)| {
+        let start = grain.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let fall = match bed.falls[index] {
+            Fall::Down(fall) => fall,
+            Fall::Unknown => 0.0,
+            Fall::Out(_) => return None,
+        };
+        let speed = (start * start + 2.0 * bed.gravity * fall).sqrt().min(start + bed.gravity * scene.duration);
+        let mass = densities.get(grain.material.as_str())? * 4.0 / 3.0 * PI * grain.radius.powi(3);
+        let ratio = grain.radius / smallest;
+        let way = if grains.len() >= BED { OF_THE_WAY.max(OF_THE_RATIO * ratio) } else { 0.0 };
+        Some(Impact {
+            grain: index,
+            speed,
+            fall,
+            by_stiffness: stiffness.impact(mass, speed, grain.radius, smallest) / smallest,
+            by_step: way * speed * step / smallest,
+        })
+    })
 }
 
 /// Tells of a bed so deep that its weight alone makes too large an overlap.

@@ -11,6 +11,7 @@ mod motion;
 mod pace;
 mod ray;
 mod shear;
+mod units;
 mod vain;
 
 use super::Scene;
@@ -19,8 +20,6 @@ use super::populate::placed;
 use bed::Bed;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-
-pub(super) use motion::longest_step;
 
 /// What is simulated of a scene before its run begins, where the run starts from a state that this comes to: the document says so in
 /// a table `prepare`.
@@ -61,6 +60,15 @@ impl fmt::Display for Finding {
     }
 }
 
+/// Longest step (s) that all motions of a scene can be carried out with, and that no warning of impacts or walls is about.
+pub(super) fn longest_step(scene: &Scene) -> f64 {
+    let by_motion = motion::longest_step(scene);
+    // Grains that cannot be placed are an error of the scene, which placing them tells.
+    let Ok(grains) = placed(scene, scene.seed) else { return by_motion };
+    let bed = Bed::new(scene, &grains);
+    by_motion.min(impact::longest_step(scene, &grains, &bed)).min(shear::longest_step(scene, &grains))
+}
+
 impl Scene {
     /// What the scene cannot bear with its settings. `text` is that of its file, if it has one, for lines.
     ///
@@ -81,7 +89,8 @@ impl Scene {
     }
 
     fn warnings(&self, beforehand: Option<Beforehand>) -> Vec<Fault> {
-        let mut warnings = vain::faults(self);
+        let mut warnings = units::faults(self);
+        warnings.extend(vain::faults(self));
         // Grains that cannot be placed are an error of the scene, which placing them tells.
         let Ok(grains) = placed(self, self.seed) else { return warnings };
         let bed = Bed::new(self, &grains);

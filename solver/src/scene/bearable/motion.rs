@@ -41,7 +41,7 @@ pub(super) fn faults(scene: &Scene, beforehand: Option<Beforehand>) -> Vec<Fault
 }
 
 /// Longest step that all motions of a scene can be carried out with, s.
-pub(in crate::scene) fn longest_step(scene: &Scene) -> f64 {
+pub(super) fn longest_step(scene: &Scene) -> f64 {
     let periods = scene.wall.iter().filter_map(|wall| period(&wall.motion, scene.duration));
     let lasting =
         scene.wall.iter().flat_map(|wall| intervals(&wall.motion)).map(|(_, start, end)| (start, end - start));

@@ -21,14 +21,10 @@ pub(super) fn faults(scene: &Scene, grains: &[Grain]) -> Vec<Fault> {
     let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
     let step = scene.solver.step;
     let walls = scene.wall.iter().enumerate().filter_map(|(index, wall)| {
-        // What has no inside can pass grains even where they are few.
-        let thin = !matches!(wall.shape, Shape::Plane { .. } | Shape::Box { .. }) && !stays(wall);
         let speed = fastest(scene, wall);
         let path = speed * step / smallest;
-        let bound = bound.filter(|bound| (thin || grains.len() >= BED) && OF_THE_WAY * path > *bound);
-        // How far from its axis the grains of a plane that turns are is not known.
-        let endless = matches!((&wall.shape, &wall.motion), (Shape::Plane { .. }, Motion::Rotating { .. }));
-        let passes = path > DIAMETER && grains.len() >= 2 && !endless;
+        let bound = bound.filter(|bound| can_pass(wall, grains) && OF_THE_WAY * path > *bound);
+        let passes = path > DIAMETER && drives(wall, grains);
         (bound.is_some() || passes).then(|| {
             let at = DocumentPath::default().key("wall").index(index).key("motion");
             let problem = format!(
@@ -45,6 +41,34 @@ pub(super) fn faults(scene: &Scene, grains: &[Grain]) -> Vec<Fault> {
         })
     });
     walls.collect()
+}
+
+/// Longest step (s) that no wall is too fast for.
+pub(super) fn longest_step(scene: &Scene, grains: &[Grain]) -> f64 {
+    let bound = tolerated(scene);
+    let smallest = grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min);
+    let steps = scene.wall.iter().map(|wall| {
+        let by_overlap = bound.filter(|_| can_pass(wall, grains)).map_or(f64::INFINITY, |bound| bound / OF_THE_WAY);
+        let by_path = if drives(wall, grains) { DIAMETER } else { f64::INFINITY };
+        match fastest(scene, wall) {
+            speed if speed > 0.0 => by_overlap.min(by_path) * smallest / speed,
+            _ => f64::INFINITY,
+        }
+    });
+    steps.fold(f64::INFINITY, f64::min)
+}
+
+/// Whether a wall can drive grains into others as fast as its fastest point in the domain: how far from its axis the grains of a plane
+/// that turns are is not known.
+fn drives(wall: &Wall, grains: &[Grain]) -> bool {
+    let endless = matches!((&wall.shape, &wall.motion), (Shape::Plane { .. }, Motion::Rotating { .. }));
+    grains.len() >= 2 && !endless
+}
+
+/// Whether a wall can run into a bed, or pass grains even where they are few: what has no inside can.
+fn can_pass(wall: &Wall, grains: &[Grain]) -> bool {
+    let thin = !matches!(wall.shape, Shape::Plane { .. } | Shape::Box { .. }) && !stays(wall);
+    thin || grains.len() >= BED
 }
 
 /// Largest speed of a wall's points within the scene's time, m/s.

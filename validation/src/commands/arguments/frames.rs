@@ -69,10 +69,10 @@ pub struct JudgeArguments {
     /// without --code a folder is that of a run of Makadam, or all its files hold grains.
     #[arg(long, num_args = 1.., value_name = "FOLDERS", conflicts_with = "seeds")]
     pub frames: Vec<String>,
-    /// Codes that it is compared with, separated by commas; if absent, makadam and those that are recorded on the scene, or with
+    /// Codes that take part beside it, separated by commas; if absent, makadam and those that are recorded on the scene, or with
     /// --live makadam,yade,liggghts.
     #[arg(long, value_enum, value_delimiter = ',')]
-    pub against: Option<Vec<CodeName>>,
+    pub codes: Option<Vec<CodeName>>,
     /// How the codes are run, and what is told.
     #[command(flatten)]
     pub runs: CodeRunArguments,

@@ -1,6 +1,6 @@
 //! Arguments of the commands by which the program is learnt, and of the study of parameters.
 
-use super::shared::{OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
+use super::shared::{JobArguments, OutputArguments, SceneArguments, SourceArguments};
 use super::values::{accuracy, observable};
 use crate::parameter_study::Range;
 use crate::templates::TEMPLATES;
@@ -91,18 +91,18 @@ pub struct SweepArguments {
     /// A key and its values, such as material.grain.friction=0.1,0.3,0.5; if given several times, every combination is run.
     #[arg(long, value_name = "KEY=VALUES", required = true)]
     pub over: Vec<Range>,
-    /// Number of seeds per combination, counted from the scene's own.
+    /// Number of seeds of each combination, consecutive from the scene's own (--set seed=N).
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: u64,
     /// Observables to print; if absent, those that the scene compares, or all that it measures. The files contain all.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = observable)]
     pub observables: Vec<String>,
-    /// Repeat runs whose results are stored.
+    /// Start again: repeat runs whose results are stored, and replace the tables of another sweep in the folder.
     #[arg(long)]
-    pub again: bool,
-    /// How many threads.
+    pub restart: bool,
+    /// How many runs at the same time.
     #[command(flatten)]
-    pub side_by_side: ThreadArguments,
+    pub jobs: JobArguments,
     /// Where the results go.
     #[command(flatten)]
     pub output: OutputArguments,

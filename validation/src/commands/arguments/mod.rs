@@ -4,6 +4,7 @@ mod frames;
 mod learn;
 mod pictures;
 mod problem;
+mod renamed;
 mod runs;
 mod shared;
 mod studies;
@@ -18,6 +19,7 @@ pub use pictures::{AnimateArguments, ExportArguments, ExportFormat, PictureArgum
 pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
+pub use renamed::with_new_name;
 pub use runs::{CompareArguments, QualifyArguments, ReportsArguments, RunArguments, TierName};
 pub use shared::{CodeRunArguments, load};
 pub use studies::{
@@ -33,7 +35,7 @@ const EXIT_CODES: &str = "Exit codes: 0 pass, 1 failure while running, 2 usage, 
 
 /// Simulates grains in contact by non-smooth contact dynamics, measures and shows what comes out, and judges it against YADE, LIGGGHTS and LAMMPS.
 #[derive(Debug, Parser)]
-#[command(name = "makadam", version, after_help = EXIT_CODES)]
+#[command(name = "makadam", version, after_help = EXIT_CODES, max_term_width = 100)]
 pub struct Arguments {
     /// The command to run.
     #[command(subcommand)]

@@ -1,6 +1,6 @@
 //! Arguments of the commands that run scenes and judge them.
 
-use super::shared::{CodeRunArguments, OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
+use super::shared::{CodeRunArguments, JobArguments, OutputArguments, SceneArguments, SourceArguments};
 use super::values::{InstructionSetName, PrecisionName, SchedulerName, accuracy, seconds, time_limit};
 use crate::peers::CodeName;
 use clap::{Args, ValueEnum};
@@ -63,7 +63,7 @@ pub struct CompareArguments {
     /// The scene.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Codes to compare, separated by commas; if absent, makadam and those that are recorded on the scene, or with --live
+    /// Codes that take part, separated by commas; if absent, makadam and those that are recorded on the scene, or with --live
     /// makadam,yade,liggghts.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub codes: Option<Vec<CodeName>>,
@@ -71,9 +71,9 @@ pub struct CompareArguments {
     /// time step are measured from raw recordings or run.
     #[arg(long, conflicts_with_all = ["json", "output", "live"])]
     pub record: bool,
-    /// Measure or run all seeds again and replace the recorded ones; only with --record.
+    /// Start again: measure or run all seeds and replace the recorded ones; only with --record.
     #[arg(long, requires = "record")]
-    pub again: bool,
+    pub restart: bool,
     /// Folder of raw recordings that --record reads and writes; if absent, in the user's cache.
     #[arg(long, requires = "record")]
     pub recordings: Option<PathBuf>,
@@ -103,18 +103,18 @@ pub struct QualifyArguments {
     /// is exit code 4.
     #[arg(long, value_name = "REPORT")]
     pub against: Option<PathBuf>,
-    /// Repeat runs whose results are stored in the output folder.
+    /// Start again: repeat runs whose results are stored in the output folder.
     #[arg(long)]
-    pub again: bool,
+    pub restart: bool,
     /// Require live runs of YADE and LIGGGHTS in addition to the recorded numbers.
     #[arg(long)]
     pub live: bool,
-    /// Wall time after which a run of YADE or LIGGGHTS is stopped, s.
+    /// Wall time after which a run is stopped, s; Makadam's own runs have no limit here.
     #[arg(long, default_value_t = 900.0, value_parser = time_limit)]
     pub time_limit: f64,
-    /// How many threads.
+    /// How many runs at the same time.
     #[command(flatten)]
-    pub side_by_side: ThreadArguments,
+    pub jobs: JobArguments,
     /// Where the results go.
     #[command(flatten)]
     pub output: OutputArguments,

@@ -32,7 +32,7 @@ pub struct SceneArguments {
     /// The scene.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Seed of the initial positions (the first one, if several are run); if absent, the scene's.
+    /// Seed of the initial positions, the first one where --seeds takes several; if absent, the scene's.
     #[arg(long)]
     pub seed: Option<u64>,
 }
@@ -78,20 +78,20 @@ impl OutputArguments {
     }
 }
 
-/// How many threads share the runs of a command.
+/// Number of runs of a command that go at the same time.
 #[derive(Debug, Args)]
-pub struct ThreadArguments {
-    /// Number of threads on which runs go in parallel; if absent, the number of cores.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
+pub struct JobArguments {
+    /// Number of runs at the same time, each on one thread; if absent, the number of cores.
+    #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
 }
 
-impl ThreadArguments {
-    /// Limits the runs side by side to that number.
+impl JobArguments {
+    /// Limits the runs at the same time to that number.
     pub fn apply(&self) -> Result<(), Failure> {
-        let Some(threads) = self.threads else { return Ok(()) };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
-        pool.map_err(|error| Failure::Running(format!("cannot start {threads} threads: {error}")))
+        let Some(jobs) = self.jobs else { return Ok(()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(jobs)).build_global();
+        pool.map_err(|error| Failure::Running(format!("cannot start {jobs} runs at the same time: {error}")))
     }
 }
 
@@ -108,12 +108,12 @@ pub struct CodeRunArguments {
     /// Time step of explicit codes, as a fraction of the Rayleigh step; 0.1 if absent.
     #[arg(long, value_parser = rayleigh_fraction)]
     pub rayleigh_fraction: Option<f64>,
-    /// Wall time after which a run of another code is stopped, s.
+    /// Wall time after which a run is stopped, s; Makadam's own runs have no limit here.
     #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
     pub time_limit: f64,
-    /// How many threads.
+    /// How many runs at the same time.
     #[command(flatten)]
-    pub side_by_side: ThreadArguments,
+    pub jobs: JobArguments,
     /// Folder for report.html, report.json, rows.csv, junit.xml and badge.svg, and the CSV files that figures link to; if absent, nothing is written.
     #[arg(short, long)]
     pub output: Option<PathBuf>,

@@ -1,6 +1,6 @@
 //! Arguments of the commands that study the solver.
 
-use super::shared::{OutputArguments, SceneArguments, SourceArguments, ThreadArguments};
+use super::shared::{JobArguments, OutputArguments, SceneArguments, SourceArguments};
 use super::values::{BoundArgument, InstructionSetName, bound, method, positive, time_limit};
 use crate::peers::CodeName;
 use crate::scenes::Change;
@@ -84,10 +84,10 @@ pub struct TradeoffArguments {
     /// Also with --quick, run other methods, single precision, no warm start, other sweeps; without --quick they are always run.
     #[arg(long)]
     pub variations: bool,
-    /// Number of seeds, counted from 1; if absent, 3.
+    /// Number of seeds of each setting, consecutive from 1; if absent, 3.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub seeds: Option<u64>,
-    /// Codes to run, separated by commas; the converged references are Makadam's in any case.
+    /// Codes that take part, separated by commas; the converged references are Makadam's in any case.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam,yade,liggghts")]
     pub codes: Vec<CodeName>,
     /// Factors on every Young's modulus; if absent, 0.5, 1, 10 and 100, or 1 with --quick. 1 is always run.
@@ -97,7 +97,7 @@ pub struct TradeoffArguments {
     /// angle of repose and 0.002 for packing_fraction.
     #[arg(long, value_name = "OBSERVABLE=VALUE", value_parser = bound)]
     pub bound: Vec<BoundArgument>,
-    /// Wall time after which a run is cut short and its wall time extrapolated, s; if absent, 900, or 60 with --quick.
+    /// Wall time after which a run is stopped, s, and its wall time extrapolated; if absent, 900, or 60 with --quick.
     #[arg(long, value_parser = time_limit)]
     pub time_limit: Option<f64>,
     /// Where the results go.
@@ -135,18 +135,18 @@ pub struct StabilityArguments {
     /// List the cases with the expected outcome and the reason for it; run none.
     #[arg(long, conflicts_with = "json")]
     pub list: bool,
-    /// Codes to run.
+    /// Codes that take part, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "makadam")]
     pub codes: Vec<CodeName>,
     /// Wall time after which a run is stopped, s; if absent, 600, or 60 with --quick.
     #[arg(long, value_parser = time_limit)]
     pub time_limit: Option<f64>,
-    /// Repeat cases whose outcomes are stored.
+    /// Start again: repeat cases whose outcomes are stored.
     #[arg(long)]
-    pub again: bool,
-    /// How many threads.
+    pub restart: bool,
+    /// How many runs at the same time.
     #[command(flatten)]
-    pub side_by_side: ThreadArguments,
+    pub jobs: JobArguments,
     /// Where the results go.
     #[command(flatten)]
     pub output: OutputArguments,
@@ -161,7 +161,7 @@ pub struct EffectsArguments {
     /// Run the scene with each effect off or on, and report which of its observables depend on it.
     #[arg(long)]
     pub ablate: bool,
-    /// Number of seeds per variation.
+    /// Number of seeds of each variation, consecutive from --seed.
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u16).range(2..=1000))]
     pub seeds: u16,
     /// Simulated time before kernels are timed, if the scene prepares no flowing state, s.
@@ -173,12 +173,12 @@ pub struct EffectsArguments {
     /// Wall time after which a run of --ablate is stopped, s.
     #[arg(long, default_value_t = 3600.0, value_parser = time_limit)]
     pub time_limit: f64,
-    /// Repeat runs of --ablate whose results are stored.
+    /// Start again: repeat runs of --ablate whose results are stored.
     #[arg(long)]
-    pub again: bool,
-    /// How many threads.
+    pub restart: bool,
+    /// How many runs at the same time.
     #[command(flatten)]
-    pub side_by_side: ThreadArguments,
+    pub jobs: JobArguments,
     /// Where the results go.
     #[command(flatten)]
     pub output: OutputArguments,
@@ -195,18 +195,18 @@ pub struct LawsArguments {
     /// List the laws and their publications; measure none.
     #[arg(long, conflicts_with = "json")]
     pub list: bool,
-    /// Seed of the initial positions (the first one, if several are run).
+    /// Seed of the initial positions, the first one where --seeds takes several.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Number of seeds per case; figures are judged by their means.
+    /// Number of seeds of each case, consecutive from --seed; figures are judged by their means.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub seeds: u16,
-    /// Repeat runs whose results are stored.
+    /// Start again: repeat runs whose results are stored.
     #[arg(long)]
-    pub again: bool,
-    /// How many threads.
+    pub restart: bool,
+    /// How many runs at the same time.
     #[command(flatten)]
-    pub side_by_side: ThreadArguments,
+    pub jobs: JobArguments,
     /// Where the results go.
     #[command(flatten)]
     pub output: OutputArguments,

@@ -4,7 +4,7 @@ use crate::observables::catalogue;
 use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use makadam::lanes::InstructionSet;
-use makadam::scene::nearest;
+use makadam::scene::suggestion;
 use makadam::scene::{Accuracy, Precision, SolverMethod};
 use makadam::schedule::Scheduler;
 
@@ -161,8 +161,8 @@ pub(super) fn observable(text: &str) -> Result<String, String> {
     match catalogue::group_of(&name) {
         Some(_) => Ok(name),
         None => {
-            let near = nearest(&name, catalogue::known(), 3).join(", ");
-            Err(format!("nothing measures '{name}'; the nearest names are: {near}"))
+            let remedy = suggestion(&name, catalogue::known(), "`makadam observables` lists all names");
+            Err(format!("nothing measures '{name}'; {remedy}"))
         }
     }
 }

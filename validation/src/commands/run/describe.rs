@@ -1,23 +1,64 @@
 //! A run's summary for people.
 
-use crate::draw::numbers::{plural, significant, two_digits};
+use crate::draw::numbers::{duration, plural};
+use crate::draw::values;
 use crate::output::RunSummary;
 use makadam::Balance;
 
-/// The summary for people.
+/// The summary for people: problems, physics, energy budget, then the computation and the files.
 pub(super) fn describe(summary: &RunSummary) -> String {
     let ended = if summary.complete { "" } else { " (not complete)" };
     let mut text = findings(summary);
     text += &format!(
-        "{}: {} grains, {} steps of {:e} s, {:.4} s simulated in {:.2} s of wall time{ended}\n",
+        "{}: {} grains, {:.4} s simulated in {} of wall time{ended}\n\n",
         summary.scene,
         summary.particles,
-        summary.steps,
-        summary.time_step,
         summary.simulated_seconds,
-        summary.wall_seconds
+        duration(summary.wall_seconds)
     );
-    text += &format!("state hash       {}\n", summary.state_hash);
+    let physics = physics(summary);
+    if !physics.is_empty() {
+        text += &format!("{physics}\n");
+    }
+    if let Some(balance) = &summary.balance {
+        text += &format!("{}\n", ledger(balance));
+    }
+    text += &computation(summary);
+    text + &format!("\nframes, observables.csv and run.json: {}", summary.output)
+}
+
+/// The observables, rounded by their standard errors.
+fn physics(summary: &RunSummary) -> String {
+    let measured = summary.observables.iter();
+    let mut text =
+        values(measured.map(|(name, one)| (name.as_str(), one.value, one.standard_error, one.unit.as_str())));
+    for (name, why) in &summary.without_value {
+        text += &format!("{name}: no value: {why}\n");
+    }
+    if let Some(why) = &summary.not_measured {
+        text += &format!("not measured: {why}\n");
+    }
+    text
+}
+
+/// Steps, solves, time and memory.
+fn computation(summary: &RunSummary) -> String {
+    let mut text = format!("steps            {} of {:e} s\n", summary.steps, summary.time_step);
+    if let Some(solve) = &summary.residuals {
+        text += &format!(
+            "solves           {:.1} sweeps on average, {} at most{}\n",
+            solve.mean_sweeps,
+            solve.most_sweeps,
+            match solve.unconverged {
+                0 => String::new(),
+                some => format!("; {some} ended before reaching the requested residual"),
+            }
+        );
+        text += &format!(
+            "residual         {:.2e} m/s normal (rms of the last solve), {:.2e} at worst\n",
+            solve.last.normal.rms, solve.worst_normal_rms
+        );
+    }
     if let (Some(rate), Some(cost)) = (summary.contact_sweeps_per_second, summary.nanoseconds_per_contact_sweep) {
         text += &format!(
             "contact sweeps   {} ({:.1} million per second, {cost:.1} ns each)\n",
@@ -34,42 +75,14 @@ pub(super) fn describe(summary: &RunSummary) -> String {
         ("output", phases.output),
     ];
     let total: f64 = shares.iter().map(|(_, seconds)| seconds).sum();
-    let shares = shares.map(|(name, seconds)| format!("{name} {:.1}%", 100.0 * seconds / total.max(1e-300)));
+    let shares = shares.map(|(name, seconds)| format!("{name} {:.0}%", 100.0 * seconds / total.max(1e-300)));
     text += &format!("time by phase    {}\n", shares.join(", "));
     text += &format!(
-        "memory           {:.0} bytes per grain in the simulation, {:.1} MB at the peak of the process\n",
+        "memory           {:.0} bytes per grain, {:.1} MB at the peak of the process\n",
         summary.bytes_per_particle,
         summary.peak_bytes as f64 / 1e6
     );
-    if let Some(solve) = &summary.residuals {
-        text += &format!(
-            "solves           {:.1} sweeps on average, {} at most{}\n",
-            solve.mean_sweeps,
-            solve.most_sweeps,
-            match solve.unconverged {
-                0 => String::new(),
-                some => format!("; {some} ended before reaching the requested residual"),
-            }
-        );
-        text += &format!(
-            "residual         {:.2e} m/s normal (root mean square, last solve), {:.2e} m/s at worst\n",
-            solve.last.normal.rms, solve.worst_normal_rms
-        );
-    }
-    if let Some(balance) = &summary.balance {
-        text += &ledger(balance);
-    }
-    if let Some(why) = &summary.not_measured {
-        text += &format!("observables      not measured: {why}\n");
-    }
-    for (name, measured) in &summary.observables {
-        let error = measured.standard_error.map_or(String::new(), |error| format!(" ± {}", two_digits(error)));
-        text += &format!("{name:<36} {}{error} {}\n", significant(measured.value), measured.unit);
-    }
-    for (name, why) in &summary.without_value {
-        text += &format!("{name:<36} no value: {why}\n");
-    }
-    text + &format!("frames, observables.csv and run.json: {}", summary.output)
+    text + &format!("state hash       {}\n", summary.state_hash)
 }
 
 /// What was noticed on the way, at the head of the summary: it says what the numbers below are worth.

@@ -9,7 +9,7 @@ pub enum MergeError {
     /// Runs of another scene, version, contact law or time step, or of a seed that is recorded already.
     #[error(
         "the run of {code}, seed {seed}, does not go with the recorded ones (scene, version, contact law and time step must be the \
-         same, and the seed a new one); record all anew with --record --again"
+         same, and the seed a new one); record all anew with --record --restart"
     )]
     Unlike {
         /// The code.
@@ -18,7 +18,7 @@ pub enum MergeError {
         seed: u64,
     },
     /// Forces were counted in other bins.
-    #[error("the recorded forces of {code} are counted in other bins; record all anew with --record --again")]
+    #[error("the recorded forces of {code} are counted in other bins; record all anew with --record --restart")]
     Bins {
         /// The code.
         code: String,

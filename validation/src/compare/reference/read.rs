@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// A file cannot be read.
-    #[error("{}: cannot be read: {source}; restore it from the repository, or record anew with 'makadam compare SCENE --record --again'", file.display())]
+    #[error("{}: cannot be read: {source}; restore it from the repository, or record anew with 'makadam compare SCENE --record --restart'", file.display())]
     Io {
         /// The file.
         file: PathBuf,
@@ -26,13 +26,13 @@ pub enum ReferenceError {
         source: std::io::Error,
     },
     /// A table is not the one that was recorded.
-    #[error("{}: not as it was recorded: its checksum is not the one in checksums.csv beside it; restore the file from the repository, record anew with 'makadam compare SCENE --record --again', or, if the change is meant, delete checksums.csv", file.display())]
+    #[error("{}: not as it was recorded: its checksum is not the one in checksums.csv beside it; restore the file from the repository, record anew with 'makadam compare SCENE --record --restart', or, if the change is meant, delete checksums.csv", file.display())]
     Changed {
         /// The file.
         file: PathBuf,
     },
     /// A line is not what it should be.
-    #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record --again'", file.display())]
+    #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record --restart'", file.display())]
     Line {
         /// The file.
         file: PathBuf,
@@ -66,7 +66,7 @@ impl Reference {
         (!vouched).then(|| {
             format!(
                 "the references of {} have no checksums.csv: nothing vouches for their numbers; restore it from the repository, or \
-                 record anew with --record --again",
+                 record anew with --record --restart",
                 scene.name
             )
         })

@@ -153,7 +153,10 @@ fn a_bad_line_is_named() {
     assert!(message.contains("measurements.csv:3:") && message.contains("runs.csv"), "{message}");
     std::fs::remove_file(&file).unwrap();
     let message = Reference::load(folder.path()).unwrap_err().to_string();
-    assert!(message.contains("measurements.csv: cannot be read") && message.contains("--record --again"), "{message}");
+    assert!(
+        message.contains("measurements.csv: cannot be read") && message.contains("--record --restart"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -195,7 +198,7 @@ fn a_number_that_was_changed_by_hand_is_seen_in_every_table() {
     let refused = |name: &str| {
         let message = Reference::load(folder).unwrap_err().to_string();
         assert!(message.contains(name) && message.contains("checksums.csv"), "{message}");
-        assert!(message.contains("--record --again"), "{message}");
+        assert!(message.contains("--record --restart"), "{message}");
     };
     for name in ["runs.csv", "measurements.csv", "forces.csv", "series.csv", "final-state-yade.csv"] {
         let text = std::fs::read_to_string(folder.join(name)).unwrap();

@@ -1,0 +1,156 @@
+//! Pace of this machine now: the time of a unit of work, from a small bed that is simulated for it, and the work of a scene.
+//!
+//! ```text
+//! wall time = [ steps x grains x (step + contacts per grain x sweeps x sweep) + frames x grains x frame ] / speed-up
+//! ```
+
+use super::frames;
+use crate::execution::threads_for;
+use crate::plan::Scene;
+use crate::prepared::is_ready;
+use crate::stepping::steps_in;
+use makadam::Simulation;
+use makadam::scene::Stop;
+
+/// Bed that is simulated: 400 grains in a box, which touch each other from the start or soon.
+const BED: &str = include_str!("pace.toml");
+/// Steps until the grains lie on each other, and steps that are timed.
+const STEPS: [usize; 2] = [200, 100];
+/// Contacts of a grain that are swept over, in a bed and where nothing presses grains together: reference scenes have 1.9 to 3.0 and
+/// 0.1.
+const CONTACTS: [f64; 2] = [2.2, 0.1];
+/// Sweeps of a solve that a residual stops, typical of tolerances of some percent of g h.
+const TYPICAL_SWEEPS: f64 = 20.0;
+/// Grains from which on a bed does not fit into the cache, and the factors on the times of a step and of a sweep there.
+const LARGE: usize = 10_000;
+const BEYOND_CACHE: [f64; 2] = [1.3, 1.8];
+/// Time to measure and write a grain of a frame, in units of that of a step without its sweeps.
+const OF_A_FRAME: f64 = 20.0;
+/// Loss of speed-up with each further thread: 1.9 on 2 and 7 on 16 threads.
+const LOSS: f64 = 0.08;
+
+/// Time of a unit of work, s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pace {
+    /// Of a grain in a step, without sweeps.
+    step: f64,
+    /// Of a contact in a sweep.
+    sweep: f64,
+}
+
+/// Work of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Work {
+    /// Grains times steps.
+    steps: f64,
+    /// Contacts times sweeps times steps.
+    pub(super) contact_sweeps: f64,
+    /// Grains times frames.
+    frames: f64,
+    grains: usize,
+    /// Wall time that the scene itself gives to its solves, s.
+    given: f64,
+}
+
+impl Pace {
+    /// That of this machine as it is loaded now, on one thread: a tenth of a second.
+    pub(super) fn here() -> Pace {
+        let scene = Scene::parse(BED).expect("the bed is a scene");
+        let mut simulation = Simulation::new(&scene, scene.seed).expect("the bed has its grains");
+        let [until, timed] = STEPS;
+        (0..until).for_each(|_| {
+            simulation.step();
+        });
+        let (before, sweeps) = (simulation.phase_seconds(), simulation.contact_sweeps());
+        (0..timed).for_each(|_| {
+            simulation.step();
+        });
+        let (after, sweeps) = (simulation.phase_seconds(), simulation.contact_sweeps() - sweeps);
+        let others =
+            after.detect + after.constrain + after.integrate - (before.detect + before.constrain + before.integrate);
+        Pace {
+            step: others / (timed * scene.grain_count()) as f64,
+            sweep: (after.sweep - before.sweep) / sweeps.max(1) as f64,
+        }
+    }
+
+    /// Wall time of work, s, on the threads that a run takes by itself.
+    pub(super) fn seconds(self, work: &Work) -> f64 {
+        let [step, sweep] = if work.grains < LARGE { [1.0; 2] } else { BEYOND_CACHE };
+        let alone = self.step * step * work.steps + self.sweep * sweep * work.contact_sweeps;
+        let threads = threads_for(work.grains) as f64;
+        (alone + work.given) * (1.0 + LOSS * (threads - 1.0)) / threads + self.step * OF_A_FRAME * work.frames
+    }
+}
+
+impl Work {
+    /// That of a run of a scene, with the flow that is prepared before it if none is stored.
+    pub(super) fn of(scene: &Scene, seed: u64) -> Work {
+        let grains = scene.grain_count();
+        let prepare = scene.prepare.as_ref().filter(|_| !is_ready(scene, seed));
+        let steps = steps_in(scene.duration, scene.solver.step)
+            + prepare.map_or(0, |prepare| steps_in(prepare.duration, prepare.step));
+        let (sweeps, given) = match scene.solver.stop {
+            Stop::Sweeps { sweeps } => (f64::from(sweeps), 0.0),
+            Stop::Residual { max_sweeps, .. } => (f64::from(max_sweeps).min(TYPICAL_SWEEPS), 0.0),
+            Stop::TimeBudget { seconds, .. } => (0.0, seconds * steps as f64),
+        };
+        let pressed = scene.gravity_field().largest() > 0.0
+            || scene.material.values().any(|material| material.cohesion.is_some());
+        let contacts = CONTACTS[usize::from(!pressed)] * grains as f64;
+        Work {
+            steps: (steps as usize * grains) as f64,
+            contact_sweeps: contacts * sweeps * f64::from(scene.solver.inner_sweeps) * steps as f64,
+            frames: (frames(scene) as usize * grains) as f64,
+            grains,
+            given,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_is_that_of_runs_within_a_factor_of_two() {
+        // Contact sweeps of whole runs, as `makadam run --json` counts them.
+        let counted = [
+            ("cohesive-heap", 223_650_000.0),
+            ("cooling-gas", 480_200.0),
+            ("drum", 519_680_000.0),
+            ("drum-caps", 509_440_000.0),
+            ("frictionless-packing", 355_200_000.0),
+            ("heap", 229_950_000.0),
+            ("heap-rolling", 197_400_000.0),
+            ("landslide", 43_584_000.0),
+            ("oedometer", 95_200_000.0),
+            ("packing", 133_200_000.0),
+            ("packing-100", 2_424_000.0),
+            ("packing-stiff", 642_000_000.0),
+        ];
+        let close = counted.iter().filter(|(name, counted)| {
+            let file = crate::scenes::find(name, &[]).unwrap();
+            let scene = crate::scenes::load(&file).unwrap();
+            let ratio = Work::of(&scene, scene.seed).contact_sweeps / counted;
+            (0.5..2.0).contains(&ratio)
+        });
+        assert!(close.count() >= counted.len() - 1);
+    }
+
+    #[test]
+    fn time_grows_with_every_part_of_the_work() {
+        let pace = Pace::here();
+        assert!(pace.step > 0.0 && pace.sweep > 0.0, "{pace:?}");
+        let work = Work { steps: 1e6, contact_sweeps: 1e7, frames: 1e4, grains: 900, given: 0.0 };
+        let seconds = pace.seconds(&work);
+        for more in [
+            Work { steps: 2e6, ..work },
+            Work { contact_sweeps: 2e7, ..work },
+            Work { frames: 2e4, ..work },
+            Work { given: 1.0, ..work },
+        ] {
+            assert!(pace.seconds(&more) > seconds);
+        }
+    }
+}
