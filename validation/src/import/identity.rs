@@ -135,7 +135,7 @@ pub(super) fn numbers(
     let mut taken = vec![0; groups.len()];
     let mut numbers = Numbers::new();
     for (own, row) in &rows {
-        let place = group_of(scene, &groups, stated, *own, row)?;
+        let place = group_of(scene, &groups, stated, &rows, *own)?;
         let Group { first, count, .. } = groups[place];
         if taken[place] == count {
             let problem = format!(
@@ -222,9 +222,10 @@ fn group_of(
     scene: &Scene,
     groups: &[Group<'_>],
     stated: &Stated,
+    rows: &BTreeMap<i64, Row<'_>>,
     own: i64,
-    row: &Row<'_>,
 ) -> Result<usize, ImportError> {
+    let row = &rows[&own];
     let fault = |problem: String| Err(row.table.fault(row.row, problem));
     let name = row.kind.as_deref().and_then(|kind| name_of(scene, stated, kind));
     let fits = |group: &Group<'_>| {
@@ -240,7 +241,8 @@ fn group_of(
         ([], None, _) => fault(format!("grain {own} has {radius}, and the scene has no such grain")),
         (_, None, Some(kind)) => fault(format!(
             "the grains of the scene are of several kinds, and the file does not state what its value {kind} is; add --kinds \
-             {kind}=MATERIAL,..., or kinds in a manifest, with one of {} for each value",
+             {}, or kinds in a manifest, with one of {} for each MATERIAL",
+            kinds_of(rows).iter().map(|kind| format!("{kind}=MATERIAL")).collect::<Vec<_>>().join(","),
             known_kinds(scene)
         )),
         (_, Some(name), Some(kind)) => fault(format!(
@@ -255,11 +257,17 @@ fn group_of(
     }
 }
 
-/// Values of kinds that contradict a scene of one material, in a sentence.
-fn other_kinds(scene: &Scene, stated: &Stated, rows: &BTreeMap<i64, Row<'_>>) -> Option<String> {
+/// Values of the files' column of kinds, each once.
+fn kinds_of<'r>(rows: &'r BTreeMap<i64, Row<'_>>) -> Vec<&'r str> {
     let mut kinds: Vec<&str> = rows.values().filter_map(|row| row.kind.as_deref()).collect();
     kinds.sort_unstable();
     kinds.dedup();
+    kinds
+}
+
+/// Values of kinds that contradict a scene of one material, in a sentence.
+fn other_kinds(scene: &Scene, stated: &Stated, rows: &BTreeMap<i64, Row<'_>>) -> Option<String> {
+    let kinds = kinds_of(rows);
     let is_other = kinds.len() > 1
         || kinds.iter().any(|kind| name_of(scene, stated, kind).is_none() && kind.parse::<f64>().is_err());
     is_other.then(|| {

@@ -399,12 +399,10 @@ fn lz4_block(packed: &[u8], unpacked: &mut Vec<u8>, end: usize) -> Option<()> {
     // A length of 15 goes on in further bytes, up to one that is not 255.
     fn length(first: u8, bytes: &mut impl Iterator<Item = u8>) -> Option<usize> {
         let mut length = usize::from(first);
-        while first == 15 {
-            let more = bytes.next()?;
+        let mut more = if first == 15 { 255 } else { 0 };
+        while more == 255 {
+            more = bytes.next()?;
             length += usize::from(more);
-            if more < 255 {
-                break;
-            }
         }
         Some(length)
     }

@@ -61,7 +61,9 @@ fn the_kind_of_a_grain_is_its_type_and_not_its_number() {
     let file = [("g.dump", dump(&format!("id type {columns}"), &rows))];
     let error = read(&scene, &file, &Stated::default()).unwrap_err();
     assert!(
-        error.contains("g.dump: line 10") && error.contains("add --kinds 2=MATERIAL") && error.contains("heavy, m"),
+        error.contains("g.dump: line 10")
+            && error.contains("add --kinds 1=MATERIAL,2=MATERIAL")
+            && error.contains("heavy, m"),
         "{error}"
     );
     let energy = |imported: &Imported| {
