@@ -59,9 +59,9 @@ pub fn main() -> ExitCode {
 /// Runs the program on arguments, the first of which is its name.
 pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
     crate::provenance::set_command_line(&arguments);
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let arguments = match Arguments::try_parse_from(&arguments) {
         Ok(arguments) => arguments,
-        Err(words) => return tell(&with_new_name(words, std::env::args_os())),
+        Err(words) => return tell(&with_new_name(words, arguments)),
     };
     let console = Console::new(arguments.quiet, arguments.verbose);
     crate::interrupt::listen();
