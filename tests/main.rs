@@ -15,6 +15,7 @@ mod foreign_commands;
 mod judged_frames;
 mod laws_command;
 mod learn_commands;
+mod measured_runs;
 mod output_folder;
 mod problem_command;
 mod qualify_command;

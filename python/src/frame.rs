@@ -14,7 +14,7 @@ use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
 
 /// First bytes of a frame by itself; the last one is the version of the format.
-const MARK: [u8; 8] = *b"mkd-frm\x01";
+const MARK: [u8; 8] = *b"mkd-frm\x02";
 
 /// Grains and contacts at a time, copied: nothing that happens later changes it. Rows are grains in the order of their ids.
 #[pyclass(frozen, module = "makadam", name = "Frame")]

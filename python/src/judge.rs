@@ -338,7 +338,7 @@ pub fn measure_of_frames<'py>(
         let Ok(measured) = measure_frames(&scene.plan, &frames[..]);
         measured
     });
-    plain(py, &measured.unwrap_or_default())
+    plain(py, &measured.unwrap_or_default().measurements)
 }
 
 /// Names of all observables, and the group of each, as `measure.observables` of a scene names it.

@@ -395,7 +395,7 @@ impl Simulation {
             let Ok(measured) = measure_frames(&plan, &frames[..]);
             measured
         });
-        plain(py, &measured.unwrap_or_default())
+        plain(py, &measured.unwrap_or_default().measurements)
     }
 
     /// Writes frames, or the present state, into a folder as `makadam run` does: for ParaView, and for `makadam view`, `animate`, `export` and

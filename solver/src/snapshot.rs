@@ -32,7 +32,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Particle {
-    /// Number of the grain; grains are numbered from 0 without holes, in the order of [`populate`](crate::scene::populate()).
+    /// Number of the grain in its frame; grains are numbered from 0 without holes, in the order of
+    /// [`populate`](crate::scene::populate()). Removal of a grain renumbers those behind it: [`Snapshot::origins`] then tells them apart.
     pub id: u32,
     /// Centre, metres.
     pub position: [f64; 3],
@@ -84,6 +85,15 @@ impl Contact {
     }
 }
 
+/// Identity of a grain over a run in which grains come and go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    /// Number that no other grain of the run has or had: grains of the scene as they are placed, then inserted grains.
+    pub number: u64,
+    /// Number of its material, in the order of the scene's names of materials.
+    pub material: u8,
+}
+
 /// One frame: the state of all grains and all contacts at a time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
@@ -95,6 +105,9 @@ pub struct Snapshot {
     pub contacts: Vec<Contact>,
     /// Walls that a force or a torque drives, in the order of the scene.
     pub driven_walls: Vec<DrivenWall>,
+    /// Identities of the grains, in the order of [`Snapshot::particles`]; empty where no grain was inserted or removed, so that ids are
+    /// those of the scene's grains.
+    pub origins: Vec<Origin>,
 }
 
 impl Simulation {
@@ -118,7 +131,24 @@ impl Simulation {
             let Drive { wall, displacement, rate, .. } = *drive;
             DrivenWall { wall, displacement, rate }
         });
-        Snapshot { time: world.time, particles, contacts: contacts.collect(), driven_walls: driven.collect() }
+        Snapshot {
+            time: world.time,
+            particles,
+            contacts: contacts.collect(),
+            driven_walls: driven.collect(),
+            origins: self.origins(),
+        }
+    }
+
+    /// Identities of the grains by id; none where no grain was inserted or removed.
+    fn origins(&self) -> Vec<Origin> {
+        let numbers = self.interventions.numbers();
+        if numbers.is_empty() {
+            return Vec::new();
+        }
+        let material = |place: u32| self.world.materials[place as usize];
+        let places = self.places_by_id().into_iter();
+        places.zip(numbers).map(|(place, &number)| Origin { number, material: material(place) }).collect()
     }
 
     fn pair_contacts(&self) -> impl Iterator<Item = Contact> + '_ {

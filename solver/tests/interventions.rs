@@ -401,3 +401,26 @@ fn arrays_that_are_kept_in_place_stay_where_they_are() {
     steps(&mut undisturbed, 400);
     assert_eq!(simulation.state_hash(), undisturbed.state_hash());
 }
+
+#[test]
+fn a_frame_states_who_its_grains_are() {
+    let scene = bin(20);
+    let mut simulation = start(&scene);
+    assert_eq!(simulation.snapshot().origins, []);
+    let numbers =
+        |simulation: &Simulation| simulation.snapshot().origins.iter().map(|origin| origin.number).collect::<Vec<_>>();
+    simulation.remove(&[0, 7]).unwrap();
+    simulation.step();
+    let kept: Vec<u64> = (0..20).filter(|number| ![0, 7].contains(number)).collect();
+    assert_eq!(numbers(&simulation), kept);
+    // A number is never given twice, though the grain that had it is gone.
+    simulation.insert(&scene, &[grain([0.03, 0.03, 0.25])]).unwrap();
+    assert_eq!(numbers(&simulation), [&kept[..], &[20]].concat());
+    simulation.remove(&[18]).unwrap();
+    simulation.insert(&scene, &[grain([0.03, 0.03, 0.25])]).unwrap();
+    let expected = [&kept[..], &[21]].concat();
+    assert_eq!(numbers(&simulation), expected);
+    let resumed = Simulation::resume(&stepped(&scene), &simulation.checkpoint()).unwrap();
+    assert_eq!(numbers(&resumed), expected);
+    assert_eq!(resumed.snapshot().origins, simulation.snapshot().origins);
+}

@@ -474,3 +474,15 @@ fn memory_is_told_before_it_is_asked_for() {
     assert!(held < told && told < 20 * held, "{held} {told}");
     assert!(bed(100_000_000) > 100_000_000_000);
 }
+
+#[test]
+fn grains_that_cohere_are_not_told_to_fall() {
+    let text = sketch("", "");
+    let plane = "kind = 'plane', point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0]";
+    let ceiling = "kind = 'plane', point = [0.0, 0.0, 0.025], normal = [0.0, 0.0, -1.0]";
+    let hanging = text.replace(plane, ceiling);
+    let falling = warnings(&parse(&hanging).unwrap());
+    assert!(falling.len() == 1 && falling[0].contains("falls out of the domain"), "{falling:?}");
+    let sticks = hanging.replacen("friction =", "cohesion = { kind = 'constant', force = 0.1 }\nfriction =", 1);
+    assert_eq!(warnings(&parse(&sticks).unwrap()), Vec::<String>::new());
+}

@@ -5,9 +5,11 @@
 
 mod output;
 mod physics;
+mod roster;
 
 pub use output::{GrainField, Output};
 pub use physics::{physics_hash, setup_hash};
+pub use roster::{Kind, Roster, lasting_number};
 
 use makadam::scene::{
     Accuracy, Beforehand, Checked, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material, Motion,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// First bytes of a file; the last one is the version of the format.
-const MARK: [u8; 8] = *b"mkd-rec\x02";
+const MARK: [u8; 8] = *b"mkd-rec\x03";
 
 /// One run of a scene in one code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -97,7 +97,7 @@ impl Content {
             Content::Spins => "angular velocities",
             Content::Contacts => "contacts between grains",
             Content::WallContacts => "contacts with walls",
-            Content::DrivenWalls => "the motion of driven walls",
+            Content::DrivenWalls => "poses of driven walls",
         }
     }
 }
@@ -263,6 +263,9 @@ fn check_frame(frame: &Snapshot) -> Result<(), String> {
         if !whole || !(1.0 / LARGEST..LARGEST).contains(&grain.radius) {
             return Err(format!("grain {place} has a value that is not a number, or no radius"));
         }
+    }
+    if !frame.origins.is_empty() && frame.origins.len() != frame.particles.len() {
+        return Err(format!("{} grains with {} identities", frame.particles.len(), frame.origins.len()));
     }
     for wall in &frame.driven_walls {
         if !finite(&[wall.displacement, wall.rate, 0.0]) {

@@ -1,6 +1,7 @@
 //! Frames on disk: what they say of forces and stresses is physics, and they are read back as they were written.
 
 use makadam::Simulation;
+use makadam::scene::GravityChange;
 use makadam_validation::output::FrameWriter;
 use makadam_validation::plan::Scene;
 use makadam_validation::run_frames::{RunFolderError, RunFrame, RunFrames};
@@ -180,4 +181,35 @@ fn folders_without_frames_are_refused_with_what_to_do() {
     assert!(message.contains("grains-00001.vtp") && message.contains("no XML"), "{message}");
     std::fs::write(folder.path().join("grains.pvd"), "<x><DataSet timestep=\"1\" file=\"../other.vtp\"/></x>").unwrap();
     assert!(refused(folder.path()).contains("below the folder"));
+}
+
+#[test]
+fn a_frame_states_gravity_and_grains_of_its_time() {
+    let populations = "[[population]]\ncount = 3\nmaterial = \"light\"\nradius = { kind = \"fixed\", value = 0.003 }\n\
+        region = { kind = \"box\", min = [-0.02, -0.02, 0.0], max = [0.02, 0.02, 0.1] }\n\
+        [[population]]\ncount = 3\nmaterial = \"heavy\"\nradius = { kind = \"fixed\", value = 0.003 }\n\
+        region = { kind = \"box\", min = [-0.02, -0.02, 0.1], max = [0.02, 0.02, 0.2] }\n";
+    let mut scene = bed(BOX, populations, 0.1);
+    scene.gravity_changes = vec![GravityChange { time: 0.05, gravity: [0.0, 0.0, -2.0] }];
+    let mut simulation = Simulation::builder(&scene).time_step(scene.solver.step).build().unwrap();
+    for _ in 0..500 {
+        simulation.step();
+    }
+    simulation.remove(&[0, 4]).unwrap();
+    let listed = simulation.grain_entries(&scene)[0].clone();
+    let above = makadam::GrainEntry { position: [0.0, 0.0, 0.19], ..listed };
+    simulation.insert(&scene, &[above]).unwrap();
+    simulation.step();
+    let folder = tempfile::tempdir().unwrap();
+    FrameWriter::create(folder.path(), &scene).unwrap().write(&simulation.snapshot()).unwrap();
+    let frame = RunFrames::open(folder.path()).unwrap().read(0).unwrap();
+    assert!((frame.gravity[2] + 2.0).abs() < 1e-12, "{:?}", frame.gravity);
+    let values = |name: &str| frame.quantity(name).unwrap().values;
+    // Of the populations the second and third grain, and the first and last; materials are numbered by their names.
+    assert_eq!(values("population"), [0.0, 0.0, 1.0, 1.0, -1.0]);
+    assert_eq!(values("material"), [1.0, 1.0, 0.0, 0.0, 1.0]);
+    let mass = |density: f64| density * 4.0 / 3.0 * PI * 0.003_f64.powi(3);
+    for (mass, expected) in values("mass").iter().zip([1000.0, 1000.0, 5000.0, 5000.0, 1000.0].map(mass)) {
+        assert!((mass / expected - 1.0).abs() < 1e-6, "{mass} {expected}");
+    }
 }

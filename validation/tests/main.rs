@@ -6,6 +6,7 @@ mod engines;
 mod export;
 mod frames;
 mod geometry;
+mod invariants;
 mod kept_states;
 mod lammps;
 mod measured_bits;

@@ -1,15 +1,17 @@
 //! Packing, contacts and forces, measured of beds whose numbers are known beforehand.
 
-use crate::support::beds::{Random, drum_scene, fcc, frame, particles, recording, scene, tilted_drum, value};
+use crate::support::beds::{
+    Random, drum_scene, fcc, frame, particles, random_crystal, recording, scene, tilted_drum, value,
+};
 use approx::assert_abs_diff_eq;
-use makadam::scene::Axis;
+use makadam::scene::{Axis, Domain, GravityChange, Shape};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use makadam_validation::observables::literature::LiteratureCurve;
-use makadam_validation::observables::neighbours::close_pairs;
+use makadam_validation::observables::neighbours::{Pair, close_pairs, close_pairs_in};
 use makadam_validation::observables::packing_fraction::fraction_in_box;
-use makadam_validation::observables::{ForcePool, Measurement, force_distribution, measure};
+use makadam_validation::observables::{ForcePool, Measurement, force_distribution, measure, measured_in, unmeasured};
 use makadam_validation::plan::{Observable, Scene};
-use makadam_validation::recording::Recording;
+use makadam_validation::recording::{Content, Recording};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, SQRT_2};
 
@@ -56,18 +58,19 @@ fn rattlers_are_removed_one_after_the_other() {
 [[wall]]
 name = "floor"
 material = "grain"
-shape = { kind = "plane", point = [0.0, 0.0, -0.5], normal = [0.0, 0.0, 1.0] }
+shape = { kind = "box", min = [-0.09, -0.09, -0.09], max = [0.09, 0.09, 0.09] }
 "#;
-    // A crystal with a chain of three grains that dangles from its side: all three are rattlers.
-    let scene = scene(walls, r#"["coordination-number"]"#, "");
-    let mut places = fcc(0.01, 0.06, Rotation3::identity(), Vector3::zeros());
-    let far = places.iter().copied().max_by(|a, b| a.x.total_cmp(&b.x)).expect("grains");
-    places.extend((1..=3).map(|n| far + Vector3::x() * 0.01 * f64::from(n)));
-    let all = places.len();
-    let mut scene = scene;
+    // A crystal that fills a box, with two grains in a cavity that hang from its side one behind the other: both are rattlers.
+    let mut scene = scene(walls, r#"["coordination-number"]"#, "");
+    let mut places = fcc(0.01, 0.085, Rotation3::identity(), Vector3::zeros());
+    places.retain(|place| place.norm() > 0.015);
+    let side = Vector3::new(1.0, 0.5, 0.5) * 0.01 * SQRT_2;
+    assert!(places.iter().any(|place| (place - side).norm() < 1e-9), "a grain at the side of the cavity");
+    places.extend((1..=2).map(|n| side - side.normalize() * 0.00999 * f64::from(n)));
     scene.gravity = [0.0; 3];
     let measurements = measure(&scene, &recording(vec![frame(0.0, particles(places, 0.005))]));
-    assert_abs_diff_eq!(value(&measurements, "rattler_share"), 3.0 / all as f64, epsilon = 1e-12);
+    let bulk = value(&measurements, "bulk_grains");
+    assert_abs_diff_eq!(value(&measurements, "rattler_share"), 2.0 / bulk, epsilon = 1e-12);
 }
 
 #[test]
@@ -92,12 +95,19 @@ fn close_pairs_match_all_pairs() {
     assert_eq!(pairs, expected);
 }
 
-/// A crystal without gravity whose contacts bear forces of an exponential distribution.
+/// A crystal without gravity in a box, whose bulk contacts have forces of an exponential distribution, and no others are listed.
 fn exponential_forces() -> (Scene, Recording) {
-    let mut scene = scene("", r#"["contact-forces", "balances"]"#, "");
+    let walls = "[[wall]]\nname = \"box\"\nmaterial = \"grain\"\n\
+        shape = { kind = \"box\", min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 0.1] }\n";
+    let mut scene = scene(walls, r#"["contact-forces", "balances"]"#, "");
     scene.gravity = [0.0; 3];
-    let grains = particles(fcc(0.01, 0.08, Rotation3::identity(), Vector3::zeros()), 0.005);
-    let pairs = close_pairs(&grains, 1e-4);
+    let grains = particles(fcc(0.01, 0.085, Rotation3::identity(), Vector3::zeros()), 0.005);
+    // The bulk begins 0.02 m inside the walls.
+    let is_in_bulk = |pair: &Pair| {
+        let [a, b] = [pair.first, pair.second].map(|place| Vector3::from(grains[place].position));
+        (0.5 * (a + b)).amax() <= 0.08
+    };
+    let pairs: Vec<Pair> = close_pairs(&grains, 1e-4).into_iter().filter(is_in_bulk).collect();
     let count = pairs.len() as f64;
     let contacts = (pairs.iter().enumerate())
         .map(|(index, pair)| {
@@ -147,7 +157,10 @@ fn exponential_forces_give_the_numbers_of_an_exponential() {
 #[test]
 fn a_contact_across_a_periodic_end_lies_there() {
     let (mut scene, run) = exponential_forces();
-    scene.domain.periodic = vec![Axis::X];
+    scene.domain = Domain { min: [-0.1, -1.0, -1.0], max: [0.1, 1.0, 1.0], periodic: vec![Axis::X] };
+    if let Shape::Box { open, .. } = &mut scene.wall[0].shape {
+        *open = vec!["-x".into(), "+x".into()];
+    }
     scene.measure.observables = vec![Observable::ContactForces];
     let forces: Vec<f64> = run.frames[0].contacts.iter().map(|contact| contact.normal_force).collect();
     let (sum, count, load) = (forces.iter().sum::<f64>(), forces.len() as f64, 1e6);
@@ -172,13 +185,13 @@ fn a_contact_across_a_periodic_end_lies_there() {
     };
     let left_out = |grains| assert_abs_diff_eq!(mean_with(grains), sum / count, epsilon = 1e-9);
     let counted = |grains| assert_abs_diff_eq!(mean_with(grains), (sum + load) / (count + 1.0), epsilon = 1e-6);
-    // The ends are at -1 m and 1 m, the bulk begins 0.02 m from them. Halfway between these places is the middle of the box.
-    left_out([(0.996, 0.005), (-0.996, 0.005)]);
-    left_out([(-0.999, 0.005), (0.992, 0.005)]);
+    // The ends are at -0.1 m and 0.1 m, the bulk begins 0.02 m from them. Halfway between these places is the middle of the box.
+    left_out([(0.096, 0.005), (-0.096, 0.005)]);
+    left_out([(-0.099, 0.005), (0.092, 0.005)]);
     // Giants in the bulk that touch at its end, and a giant that reaches through the end into the bulk.
-    left_out([(0.7, 0.301), (-0.7, 0.301)]);
-    counted([(-0.6, 0.5), (0.896, 0.005)]);
-    counted([(0.2, 0.005), (0.209, 0.005)]);
+    left_out([(0.07, 0.0301), (-0.07, 0.0301)]);
+    counted([(-0.04, 0.085), (0.0701, 0.005)]);
+    counted([(0.02, 0.005), (0.029, 0.005)]);
 }
 
 #[test]
@@ -344,6 +357,112 @@ fn a_giant_among_grains_takes_the_space_that_it_has_or_is_refused() {
     // It fills every cube, beside the other grains: half a solid fraction more over the two frames.
     let fraction = value(&with_giant(2.0), "packing_fraction");
     assert!(fraction > 0.5 + 0.4 && fraction < 0.5 + 0.75, "{fraction}");
-    // Its cubes alone would be 1e32.
-    assert_eq!(with_giant(1e8), []);
+    // Its cubes alone would be 1e32: the frame has no value, and the other one has.
+    let alone = measure(&drum, &recording(vec![frame(0.0, particles(places.clone(), 0.005))]));
+    assert_eq!(with_giant(1e8), alone);
+}
+
+/// A block of 12 x 12 x 12 grains that touch, standing free on a floor, in a container.
+fn free_block(walls: &str) -> Vec<Measurement> {
+    let scene = scene(walls, r#"["packing-fraction", "coordination-number"]"#, "");
+    let place = |index: usize| 0.005 * (index as f64 - 5.5);
+    let places = (0..1728).map(|n| Vector3::new(place(n % 12), place(n / 12 % 12), 0.0025 + 0.005 * (n / 144) as f64));
+    measure(&scene, &recording(vec![frame(0.0, particles(places, 0.0025))]))
+}
+
+#[test]
+fn free_sides_of_a_block_are_surfaces() {
+    let container = "[[wall]]\nname = \"box\"\nmaterial = \"grain\"\n\
+        shape = { kind = \"box\", min = [-0.15, -0.15, 0.0], max = [0.15, 0.15, 0.3], open = [\"+z\"] }\n";
+    let floor = "[[wall]]\nname = \"floor\"\nmaterial = \"grain\"\n\
+        shape = { kind = \"plane\", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }\n";
+    for walls in [container, floor] {
+        let measured = free_block(walls);
+        assert_abs_diff_eq!(value(&measured, "packing_fraction"), PI / 6.0, epsilon = 1e-9);
+        assert_abs_diff_eq!(value(&measured, "coordination_number"), 6.0, epsilon = 1e-12);
+    }
+}
+
+#[test]
+fn a_slope_in_a_box_has_no_bulk() {
+    let walls = "[[wall]]\nname = \"box\"\nmaterial = \"grain\"\n\
+        shape = { kind = \"box\", min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 0.3], open = [\"+z\"] }\n";
+    let scene = scene(walls, r#"["packing-fraction", "coordination-number"]"#, "");
+    let mut random = Random(4);
+    let places = random_crystal(&mut random, 0.095).into_iter().filter(|place| place.z < 0.8 * place.x);
+    let run = recording(vec![frame(0.0, particles(places, 0.005))]);
+    let measured = measured_in(&scene, &run);
+    assert_eq!(measured.measurements, []);
+    let left = unmeasured(&scene, &[], &measured);
+    assert!(left.iter().all(|one| one.reason.contains("neither level between walls")), "{left:?}");
+}
+
+#[test]
+fn overlaps_across_a_periodic_end_count() {
+    let mut scene = scene("", r#"["balances"]"#, "");
+    scene.domain.periodic = vec![Axis::X];
+    let pair = particles([Vector3::new(-0.9955, 0.05, 0.05), Vector3::new(0.9955, 0.05, 0.05)], 0.005);
+    let measured = measure(&scene, &recording(vec![frame(0.0, pair)]));
+    assert_abs_diff_eq!(value(&measured, "largest_overlap"), 0.2, epsilon = 1e-12);
+    assert_abs_diff_eq!(value(&measured, "mean_overlap"), 0.2, epsilon = 1e-12);
+}
+
+#[test]
+fn close_pairs_are_found_across_ends() {
+    let mut random = Random(6);
+    let grains: Vec<Particle> = (0..300)
+        .flat_map(|_| particles([Vector3::from_fn(|_, _| random.uniform() * 0.1)], 0.002 + 0.003 * random.uniform()))
+        .collect();
+    let domain = Domain { min: [0.0; 3], max: [0.1; 3], periodic: vec![Axis::X, Axis::Z] };
+    let mut found: Vec<(usize, usize)> =
+        close_pairs_in(&domain, &grains, 5e-4).iter().map(|pair| (pair.first, pair.second)).collect();
+    found.sort_unstable();
+    let mut expected = Vec::new();
+    for second in 0..grains.len() {
+        for first in 0..second {
+            let arm = domain.period().arm(&grains[first].position.into(), &grains[second].position.into());
+            if arm.norm() < grains[first].radius + grains[second].radius + 5e-4 {
+                expected.push((first, second));
+            }
+        }
+    }
+    expected.sort_unstable();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn weight_is_that_of_the_frame_while_gravity_changes() {
+    let walls = "[[wall]]\nname = \"floor\"\nmaterial = \"grain\"\n\
+        shape = { kind = \"plane\", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }\n";
+    let mut scene = scene(walls, r#"["balances"]"#, "from = 0.0");
+    scene.gravity_changes = vec![GravityChange { time: 1.0, gravity: [0.0, 0.0, -19.62] }];
+    let mass = 2500.0 * 4.0 / 3.0 * PI * 0.005_f64.powi(3);
+    let at = |time: f64| {
+        let force = mass * 9.81 * (1.0 + time.min(1.0));
+        let (first, second, normal) = (0, Partner::Wall(0), [0.0, 0.0, -1.0]);
+        let contact =
+            Contact { first, second, point: [0.0; 3], normal, normal_force: force, tangential_force: [0.0; 3] };
+        Snapshot { contacts: vec![contact], ..frame(time, particles([Vector3::z() * 0.005], 0.005)) }
+    };
+    let measured = measure(&scene, &recording([0.0, 0.25, 0.5, 2.0].map(at).to_vec()));
+    assert_abs_diff_eq!(value(&measured, "wall_force_over_weight"), 1.0, epsilon = 1e-12);
+}
+
+#[test]
+fn walls_of_unknown_place_are_not_measured_by() {
+    let walls = "[[wall]]\nname = \"box\"\nmaterial = \"grain\"\n\
+        shape = { kind = \"box\", min = [-0.05, -0.05, -0.05], max = [0.05, 0.05, 0.3], open = [\"+z\"] }\n\
+        [[wall]]\nname = \"lid\"\nmaterial = \"grain\"\nshape = { kind = \"plane\", point = [0, 0, 0.2], normal = [0, 0, -1] }\n\
+        motion = { kind = \"force-driven\", axis = [0, 0, -1], force = 5.0, mass = 0.05 }\n";
+    let scene = scene(walls, r#"["packing-fraction", "balances"]"#, "");
+    let places = fcc(0.0106, 0.045, Rotation3::identity(), Vector3::zeros());
+    let mut run = recording(vec![frame(0.0, particles(places, 0.005))]);
+    assert!(measure(&scene, &run).iter().any(|one| one.observable == "packing_fraction"));
+    run.lacks = vec![Content::DrivenWalls];
+    let measured = measured_in(&scene, &run);
+    assert!(measured.measurements.iter().all(|one| one.observable != "packing_fraction"));
+    assert!(measured.measurements.iter().any(|one| one.observable == "kinetic_energy"));
+    let left = unmeasured(&scene, &run.lacks, &measured);
+    let reason = &left.iter().find(|one| one.observable == "packing_fraction").unwrap().reason;
+    assert!(reason.contains("poses of driven walls"), "{reason}");
 }

@@ -117,6 +117,62 @@ fn slope_of_a_cone_is_recovered_despite_stray_grains() {
     }
 }
 
+/// A cone of a crystal on a plate, with some grains that lie below it or far off.
+fn cone(random: &mut Random, height: f64) -> Vec<Vector3<f64>> {
+    let slope = 25_f64.to_radians().tan();
+    let cone =
+        random_crystal(random, 0.16).into_iter().filter(|p| p.z > 0.003 && p.z < slope * (0.14 - p.x.hypot(p.y)));
+    let mut places: Vec<_> = cone.map(|place| place + Vector3::z() * height).collect();
+    places.extend((0..30).map(|n| Vector3::new(0.3 + 0.02 * f64::from(n), 0.1, 0.003)));
+    places
+}
+
+#[test]
+fn a_heap_on_a_raised_plate_has_its_slope() {
+    let plate = |height: f64| {
+        format!(
+            "[[wall]]\nname = \"ground\"\nmaterial = \"grain\"\nshape = {{ kind = \"plane\", point = [0, 0, 0], normal = [0, 0, 1] }}\n\
+             [[wall]]\nname = \"table\"\nmaterial = \"grain\"\n\
+             shape = {{ kind = \"disc\", centre = [0, 0, {height:?}], normal = [0, 0, 1], radius = 0.15 }}\n"
+        )
+    };
+    let measured = |height: f64| {
+        let scene = scene(&plate(height), r#"["static-angle-of-repose"]"#, "");
+        let run = recording(vec![frame(0.0, particles(cone(&mut Random(8), height), 0.005))]);
+        let measurements = measure(&scene, &run);
+        (value(&measurements, "static_angle_of_repose"), value(&measurements, "heap_height"))
+    };
+    let (angle, height) = measured(0.0);
+    assert_abs_diff_eq!(angle, 25.0, epsilon = 1.0);
+    for raised in [0.05, 0.1, 0.3] {
+        let (raised_angle, raised_height) = measured(raised);
+        assert_abs_diff_eq!(raised_angle, angle, epsilon = 1e-6);
+        assert_abs_diff_eq!(raised_height, height, epsilon = 1e-9);
+    }
+}
+
+#[test]
+fn last_bits_of_the_radii_leave_the_slope_alone() {
+    let scene = scene(HEAP, r#"["static-angle-of-repose", "contact-forces", "packing-fraction"]"#, "");
+    for seed in 0..6 {
+        let mut random = Random(seed);
+        let places = cone(&mut random, 0.0);
+        let mut grains = particles(places, 0.005);
+        grains.iter_mut().for_each(|grain| grain.radius *= 0.95 + 0.1 * random.uniform());
+        let angle = |change: f64| {
+            let mut grains = grains.clone();
+            grains.iter_mut().for_each(|grain| grain.radius *= 1.0 + change);
+            measure(&scene, &recording(vec![frame(5.0, grains)]))
+        };
+        let expected = angle(0.0);
+        for change in (1..7).map(|n| f64::from(n) * 1.1e-16) {
+            for (one, other) in angle(change).iter().zip(&expected) {
+                assert_abs_diff_eq!(one.value, other.value, epsilon = 1e-9 * other.value.abs());
+            }
+        }
+    }
+}
+
 #[test]
 fn grains_that_a_tube_still_holds_have_no_slope() {
     let scene = scene(HEAP, r#"["static-angle-of-repose"]"#, "from = 0.0");

@@ -120,6 +120,7 @@ impl Image {
             particles,
             contacts: snapshot.contacts.iter().map(contact).collect(),
             driven_walls: snapshot.driven_walls.clone(),
+            origins: snapshot.origins.clone(),
         }
     }
 }

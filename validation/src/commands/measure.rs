@@ -4,7 +4,7 @@ use super::arguments::{MeasureArguments, load};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
 use crate::draw::values;
 use crate::import::{Assembly, Imported, Manifest, Stated, StatedColumns, Tables, check_kinds, unlike};
-use crate::observables::{Measurement, Unmeasured, measure as measure_recording, measured_frames, unmeasured};
+use crate::observables::{Measurement, Unmeasured, measured_frames, measured_in, unmeasured};
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
 use crate::recording::Recording;
@@ -52,8 +52,9 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
             scene.name
         )));
     }
-    let measurements = measure_recording(&scene, &recording);
-    let not_measured = unmeasured(&scene, &recording.lacks, &measurements);
+    let measured = measured_in(&scene, &recording);
+    let not_measured = unmeasured(&scene, &recording.lacks, &measured);
+    let measurements = measured.measurements;
     let text = match arguments.json {
         true => json(&MeasureDocument {
             version: JSON_VERSION,

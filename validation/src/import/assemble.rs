@@ -58,7 +58,14 @@ impl Assembly<'_> {
             .chain(&tables.contacts)
             .try_for_each(|table| same_box(table, &self.scene.domain))?;
         let has = |of: fn(usize) -> Column| grains.iter().all(|(_, table)| Places::of(table).vector(of).is_some());
-        let mut lacks = vec![Content::DrivenWalls];
+        let driven: Vec<u32> =
+            (0..).zip(&self.scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(wall, _)| wall).collect();
+        let states_poses =
+            |table: &FrameTable| driven.iter().all(|wall| table.driven_walls.iter().any(|stated| stated.wall == *wall));
+        let mut lacks = Vec::new();
+        if driven.is_empty() || !grains.iter().all(|(_, table)| states_poses(table)) {
+            lacks.push(Content::DrivenWalls);
+        }
         if !has(Column::Velocity) {
             lacks.push(Content::Velocities);
         }
@@ -97,6 +104,7 @@ impl Assembly<'_> {
                 time: *time,
                 particles,
                 contacts: merge_wall_contacts(found.contacts),
+                driven_walls: table.driven_walls.clone(),
                 ..Snapshot::default()
             };
             let snapshot = measurable(snapshot).map_err(|problem| table.fault(0, problem))?;

@@ -1,5 +1,6 @@
 //! A frame as a file states it: rows of numbers under named columns.
 
+use makadam::snapshot::DrivenWall;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +29,8 @@ pub struct FrameTable {
     pub periods: Option<Periods>,
     /// Number in the file of the scene's first grain, where the file numbers grains as the scene does.
     pub first_id: Option<i64>,
+    /// Poses of the driven walls, if the file states them.
+    pub driven_walls: Vec<DrivenWall>,
 }
 
 /// Periodic box of a file.

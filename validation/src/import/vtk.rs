@@ -3,7 +3,9 @@
 use super::arrays::{Named, is_wanted, table_of};
 use super::frame_table::{FrameTable, ImportError};
 use super::stated::StatedColumns;
-use crate::output::outline_vtk;
+use crate::output::vtk::Array;
+use crate::output::{DRIVEN_WALLS, outline_vtk, vtk_field_arrays};
+use makadam::snapshot::DrivenWall;
 use std::path::Path;
 
 /// Files that list others: the root's type, and what to give instead.
@@ -49,5 +51,19 @@ pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<V
     let unread = unread.map(|(section, name, components)| Named::new(named(section, name), *components, None));
     let arrays: Vec<Named> = read.chain(unread).collect();
     let first_id = outline.of_run.then_some(0);
-    Ok(vec![FrameTable { time: outline.time, first_id, ..table_of(file, count, &arrays, stated)? }])
+    let driven_walls = if outline.of_run { driven_walls(bytes).map_err(fault)? } else { Vec::new() };
+    Ok(vec![FrameTable { time: outline.time, first_id, driven_walls, ..table_of(file, count, &arrays, stated)? }])
+}
+
+/// Poses of driven walls that a frame of a run states; none where it has none.
+fn driven_walls(bytes: &[u8]) -> Result<Vec<DrivenWall>, String> {
+    let arrays = vtk_field_arrays(bytes, &DRIVEN_WALLS)?;
+    let values = |name: &str| arrays.iter().find(|array| array.name == name).map(Array::values);
+    let [Some(walls), Some(displacements), Some(rates)] = DRIVEN_WALLS.map(values) else { return Ok(Vec::new()) };
+    let all = walls.iter().chain(&displacements).chain(&rates);
+    if [displacements.len(), rates.len()] != [walls.len(); 2] || !all.into_iter().all(|number| number.is_finite()) {
+        return Err(format!("{} are not as many finite numbers each", DRIVEN_WALLS.join(", ")));
+    }
+    let poses = walls.iter().zip(displacements.iter().zip(&rates));
+    Ok(poses.map(|(&wall, (&displacement, &rate))| DrivenWall { wall: wall as u32, displacement, rate }).collect())
 }

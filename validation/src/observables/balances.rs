@@ -1,7 +1,6 @@
 //! Balances: what must add up whatever the code.
 
 use super::measurement::{Quantity, Readings};
-use super::setting::Setting;
 use super::view::View;
 use makadam::snapshot::{Particle, Partner};
 use nalgebra::Vector3;
@@ -19,7 +18,7 @@ const TOO_WEAK: f64 = 1e-6;
 ///
 /// - `wall_force_over_weight`: the grains' push on all walls along gravity, tangential forces included, over their
 ///   weight; 1 in balance.
-/// - `largest_overlap`, `mean_overlap`: of grain pairs that overlap, over the smaller radius. Walls are left out, as
+/// - `largest_overlap`, `mean_overlap`: of grain pairs that overlap, across periodic ends too, over the smaller radius. Walls are left out, as
 ///   a code that makes a round wall of facets has overlaps of its own there.
 /// - `coulomb_excess`: largest ft/(mu fn) - 1 over all contacts with friction.
 /// - `kinetic_energy`: translation and spin of solid spheres.
@@ -29,7 +28,7 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     if let Some(up) = setting.up.filter(|_| !view.frame.contacts.is_empty()) {
         let walls = view.frame.contacts.iter().filter(|contact| matches!(contact.second, Partner::Wall(_)));
         let push: f64 = walls.map(|contact| -contact.force_on_partner().dot(&up)).sum();
-        let weight: f64 = grains.iter().map(|grain| setting.mass(grain) * setting.gravity).sum();
+        let weight: f64 = grains.iter().map(|grain| setting.mass(view.frame, grain) * setting.gravity).sum();
         readings.add(WALL_FORCE, push / weight);
     }
 
@@ -44,17 +43,17 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     let mean_force = pushing().map(|contact| contact.normal_force).sum::<f64>() / pushing().count().max(1) as f64;
     let excess = pushing()
         .filter(|contact| contact.normal_force > TOO_WEAK * mean_force)
-        .filter_map(|contact| Some((setting.coulomb_bound(contact)?, contact)))
+        .filter_map(|contact| Some((setting.coulomb_bound(view.frame, contact)?, contact)))
         .filter(|(bound, _)| *bound > 0.0)
         .map(|(bound, contact)| Vector3::from(contact.tangential_force).norm() / bound - 1.0)
         .fold(f64::NEG_INFINITY, f64::max);
     readings.add(COULOMB_EXCESS, excess);
 
-    readings.add(KINETIC_ENERGY, grains.iter().map(|grain| kinetic_energy(setting, grain)).sum());
+    readings.add(KINETIC_ENERGY, grains.iter().map(|grain| kinetic_energy(view, grain)).sum());
 }
 
 /// Kinetic energy of a solid sphere, J.
-pub fn kinetic_energy(setting: &Setting<'_>, grain: &Particle) -> f64 {
+fn kinetic_energy(view: &View<'_>, grain: &Particle) -> f64 {
     let spin = 0.4 * grain.radius.powi(2) * Vector3::from(grain.spin).norm_squared();
-    0.5 * setting.mass(grain) * (Vector3::from(grain.velocity).norm_squared() + spin)
+    0.5 * view.setting.mass(view.frame, grain) * (Vector3::from(grain.velocity).norm_squared() + spin)
 }

@@ -4,8 +4,7 @@ pub use super::definitions::Definition;
 use super::definitions::GROUPS;
 use crate::plan::{Observable, Scene};
 use crate::recording::Content;
-use makadam::scene::suggestion;
-use makadam::scene::{SceneFileError, line_of};
+use makadam::scene::{SceneFileError, Shape, Wall, line_of, suggestion};
 use std::path::Path;
 
 /// Names of all quantities that can be measured.
@@ -23,9 +22,21 @@ pub fn definition(quantity: &str) -> Option<&'static Definition> {
     definitions().map(|(_, definition)| definition).find(|definition| definition.name == quantity)
 }
 
-/// What a quantity needs of frames and these lack, if anything.
-pub fn missing(quantity: &str, lacks: &[Content]) -> Option<Content> {
-    definition(quantity)?.needs.iter().find(|need| lacks.contains(need)).copied()
+/// Content that a quantity needs of frames of a scene and that these lack, if any. Quantities that rest on distances from walls need the
+/// poses of those that a force or a torque drives.
+pub fn missing(scene: &Scene, quantity: &str, lacks: &[Content]) -> Option<Content> {
+    let definition = definition(quantity)?;
+    let is_driven = |wall: &&Wall| wall.motion.is_driven();
+    let needs_poses = match group_of(quantity)?.0 {
+        Observable::PackingFraction | Observable::CoordinationNumber | Observable::ContactForces => true,
+        Observable::Discharge => {
+            let outlet = scene.wall.iter().find(|wall| matches!(wall.shape, Shape::Disc { hole, .. } if hole > 0.0));
+            outlet.as_ref().is_some_and(is_driven)
+        }
+        _ => false,
+    };
+    let poses = (needs_poses && scene.wall.iter().any(|wall| is_driven(&wall))).then_some(&Content::DrivenWalls);
+    definition.needs.iter().chain(poses).find(|need| lacks.contains(need)).copied()
 }
 
 /// The page of all quantities, in Markdown.
@@ -34,7 +45,15 @@ pub fn page() -> String {
         "# Observables\n\nWhat each measured number is. `makadam observables` prints the same; this page is made by \
          `makadam observables --markdown`. Name a group under `measure.observables`, a number under `[[compare]]`. Means ⟨⟩ are over \
          contacts or grains; the *bulk* is what lies at least two mean diameters from walls and free surface (one, where fewer than 50 \
-         grains would be left). Every number follows from positions, velocities and contacts alone, by one code for every simulator.\n",
+         grains would be left). Every number follows from positions, velocities and contacts alone, by one code for every simulator.\n\n\
+         Each frame is measured by itself, with gravity and walls as they are at its time, and whatever else is measured: the value of a \
+         run is the mean over the measured frames, for `largest_overlap` and `coulomb_excess` the maximum, and equals that of the columns \
+         of `observables.csv`. Angles, the flowing layer, Lacey's index in drums and discharge are of all measured frames together, and \
+         the table has those of a frame alone.\n\n\
+         The free surface of a frame is the outline of the bed in a drum; elsewhere a level, where the bed is level between walls; otherwise \
+         the outline of a heap, averaged over azimuth. Without gravity there is none, and grains have to fill the room between the walls. \
+         A bulk that holds a hole (a point farther than a mean diameter from the surface of every grain) is that of another kind of bed, \
+         such as a slope or a block that stands free: its packing fraction, coordination and contact forces are not measured.\n",
     );
     let mut group = "";
     for (own, Definition { name, symbol, unit, formula, source, .. }) in definitions() {

@@ -26,11 +26,15 @@ const FEWEST: usize = 20;
 /// A contact slides if its tangential force is above this part of Coulomb's bound.
 const SLIDES: f64 = 0.99;
 
-/// Adds the statistics of a frame's contacts; nothing where the bulk has fewer than 20.
-pub fn read(view: &View<'_>, readings: &mut Readings) {
+/// Adds the statistics of a frame's contacts.
+///
+/// # Errors
+/// Why there are none.
+pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
+    view.bulk()?;
     let contacts = view.bulk_contacts();
     if contacts.len() < FEWEST {
-        return;
+        return Err(format!("{} contacts between grains of the bulk are fewer than {FEWEST}", contacts.len()));
     }
     let forces: Vec<f64> = contacts.iter().map(|contact| contact.normal_force).collect();
     readings.add(SHARE_BELOW_MEAN, share_below_mean(&forces));
@@ -39,7 +43,7 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     readings.add(WEAK_LOAD_SHARE, weak_load_share(&forces));
 
     let mobilised: Vec<f64> = (contacts.iter())
-        .filter_map(|contact| Some((view.setting.coulomb_bound(contact)?, contact.tangential_force)))
+        .filter_map(|contact| Some((view.setting.coulomb_bound(view.frame, contact)?, contact.tangential_force)))
         .filter(|(bound, _)| *bound > 0.0)
         .map(|(bound, tangential)| Vector3::from(tangential).norm() / bound)
         .collect();
@@ -54,4 +58,5 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     let coefficient = (fabric - Matrix3::identity() / 3.0) * 7.5;
     readings.add(ANISOTROPY, (1.5 * coefficient.norm_squared()).sqrt());
     readings.add(MEAN_FORCE, mean(&forces));
+    Ok(())
 }

@@ -16,13 +16,14 @@ const RATTLER_SHARE: Quantity = Quantity::mean("rattler_share", "");
 const MECHANICAL: Quantity = Quantity::mean("mechanical_coordination_number", "");
 const BULK_GRAINS: Quantity = Quantity::mean("bulk_grains", "");
 
-/// Adds the coordination numbers of a frame; nothing where no grain lies in the bulk.
-pub fn read(view: &View<'_>, readings: &mut Readings) {
+/// Adds the coordination numbers of a frame.
+///
+/// # Errors
+/// Why the frame has no bulk.
+pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
+    view.bulk()?;
     let in_bulk = view.in_bulk();
     let bulk = in_bulk.iter().filter(|inside| **inside).count();
-    if bulk == 0 {
-        return;
-    }
     readings.add(BULK_GRAINS, bulk as f64);
     let mean_over = |counts: &[usize], chosen: &dyn Fn(usize) -> bool| {
         let picked: Vec<usize> = (0..counts.len()).filter(|&grain| in_bulk[grain] && chosen(grain)).collect();
@@ -59,12 +60,13 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     if !view.frame.contacts.is_empty() {
         readings.add(MECHANICAL, mean_over(&pushed, &|_| true));
     }
+    Ok(())
 }
 
 /// Which grains are left when rattlers have been removed repeatedly.
 fn held_grains(view: &View<'_>) -> Vec<bool> {
     let grains = &view.frame.particles;
-    let needed = if view.setting.frictional() { 2 } else { 4 };
+    let needed = if view.setting.properties.frictional() { 2 } else { 4 };
     let reach = TOUCHING * view.setting.diameter;
     let mut supports: Vec<usize> =
         grains.iter().map(|grain| view.walls.within(&grain.position.into(), grain.radius + reach)).collect();

@@ -19,12 +19,21 @@ pub struct Definition {
     pub source: &'static str,
     /// What frames must hold beside the places and sizes of their grains.
     pub needs: &'static [Content],
+    /// Whether all measured frames give it together. The value of any other number is the mean over the measured frames of what each gives
+    /// by itself, or the maximum.
+    #[serde(skip)]
+    pub span: bool,
 }
 
 impl Definition {
     /// The same, where frames must hold more than places and sizes of grains.
     const fn needs(self, needs: &'static [Content]) -> Definition {
         Definition { needs, ..self }
+    }
+
+    /// The same, where all measured frames give the number together.
+    const fn of_span(self) -> Definition {
+        Definition { span: true, ..self }
     }
 }
 
@@ -35,7 +44,7 @@ const fn define(
     formula: &'static str,
     source: &'static str,
 ) -> Definition {
-    Definition { name, symbol, unit, formula, source, needs: &[] }
+    Definition { name, symbol, unit, formula, source, needs: &[], span: false }
 }
 
 const CONTACTS: &[Content] = &[Content::Contacts];
@@ -70,14 +79,14 @@ const DYNAMIC_ANGLE: [Definition; 2] = [
         "inclination of the line through the two points at which the outline of the bed (half of the largest time-averaged solid \
          fraction) crosses a circle of a fifth of the drum's diameter about the middle of the surface; positive in the sense of rotation",
         "",
-    ),
+    ).of_span(),
     define(
         "surface_line_angle",
         "θ_l",
         "degree",
         "inclination of the total-least-squares line through the middle half of the surface of the bed",
         "",
-    ),
+    ).of_span(),
 ];
 
 const STATIC_ANGLE: [Definition; 2] = [
@@ -88,8 +97,9 @@ const STATIC_ANGLE: [Definition; 2] = [
         "inclination of the total-least-squares line through the outline of the heap, averaged over azimuth, between 20% and 80% of its \
          height; standard error over six sectors",
         "",
-    ),
-    define("heap_height", "H", "m", "height of the outline of the heap above its foot", ""),
+    ).of_span(),
+    define("heap_height", "H", "m", "height of the outline of the heap above its foot: the highest level plane or disc below the median height of the grains, else the \
+         lowest grain", "").of_span(),
 ];
 
 const PACKING_FRACTION: [Definition; 1] = [define(
@@ -162,11 +172,12 @@ const BALANCES: [Definition; 5] = [
         "wall_force_over_weight",
         "F_w/W",
         "",
-        "force of the grains on all walls along gravity over the weight of the grains; 1 in balance",
+        "force of the grains on all walls along gravity over the weight of the grains, both as gravity is at the time of the frame; 1 in \
+         balance",
         "",
     )
     .needs(WALL_CONTACTS),
-    define("largest_overlap", "δ_max", "radius", "largest overlap of two grains over the smaller radius", ""),
+    define("largest_overlap", "δ_max", "radius", "largest overlap of two grains, across periodic ends too, over the smaller radius", ""),
     define("mean_overlap", "⟨δ⟩", "radius", "mean overlap of pairs that overlap, over the smaller radius", ""),
     define(
         "coulomb_excess",
@@ -202,9 +213,9 @@ const DRUM_FLOW: [Definition; 5] = [
         "diameter",
         "depth below the middle of the surface at which the velocity along the surface changes sign",
         "",
-    )
+    ).of_span()
     .needs(VELOCITIES),
-    define("surface_speed", "v_s", "m/s", "velocity down the slope in the uppermost half diameter there", "")
+    define("surface_speed", "v_s", "m/s", "velocity down the slope in the uppermost half diameter there", "").of_span()
         .needs(VELOCITIES),
     define(
         "lacey_mixing_index",
@@ -212,7 +223,7 @@ const DRUM_FLOW: [Definition; 5] = [
         "",
         "(s₀² − s²)/(s₀² − s_r²) of grains marked by the side of the drum on which they were at the first measured frame",
         "Lacey, J. Appl. Chem. 4, 257 (1954)",
-    ),
+    ).of_span(),
 ];
 
 const SIZE_MIXING: [Definition; 4] = [
@@ -260,11 +271,11 @@ const DISCHARGE: [Definition; 2] = [
         "mass_flow_rate",
         "W",
         "kg/s",
-        "(m(t_n) − m(t_1)) / (t_n − t_1) of the mass m below the first disc with a hole, over the measured frames; standard error over \
-         blocks of time",
+        "(m(t_n) − m(t_1)) / (t_n − t_1) of the discharged mass m over the measured frames; standard error over blocks of time",
         "",
-    ),
-    define("discharged_mass", "m", "kg", "mass below the first disc with a hole at the last measured frame", ""),
+    ).of_span(),
+    define("discharged_mass", "m", "kg", "mass below the first disc with a hole at the last measured frame, with grains that were below it when they were deleted; not \
+         measured where a grain was deleted that had not passed", "").of_span(),
 ];
 
 const INTRUDER: [Definition; 2] = [

@@ -1,17 +1,20 @@
 //! Discharge: the mass that passes through the hole of a disc, such as the floor of a silo, and its rate.
 //!
 //! Grains have passed whose centres lie below the disc, wherever it has moved to; without gravity across it, on the side that its normal
-//! points away from. The rate is what has passed between the first frame and the last one, over the time between them; its standard error
-//! is over blocks of time.
+//! points away from. Grains are told apart by their lasting numbers: one that passed and was deleted later has passed. A grain that is
+//! gone and had not passed in the frame before leaves open how much passed, and nothing is measured. The rate is what has passed between
+//! the first frame and the last one, over the time between them; its standard error is over blocks of time.
 
 use super::frames::Frames;
 use super::measurement::{Measurement, Quantity};
-use super::setting::Setting;
+use super::setting::{Properties, Setting};
+use super::walls::PlacedWalls;
+use crate::plan::{Scene, lasting_number};
 use crate::statistics::{block_count, standard_error};
 use makadam::scene::Shape;
 use makadam::snapshot::Snapshot;
-use makadam::wall::PlacedWalls;
 use nalgebra::Vector3;
+use std::collections::HashMap;
 
 const RATE: Quantity = Quantity::mean("mass_flow_rate", "kg/s");
 const MASS: Quantity = Quantity::largest("discharged_mass", "kg");
@@ -19,47 +22,101 @@ const MASS: Quantity = Quantity::largest("discharged_mass", "kg");
 /// Share of gravity across a disc from which on it has a side below it.
 const ACROSS: f64 = 1e-6;
 
-/// A plane with a hole: a point of it and its unit normal towards the grains that have not passed, as the scene places it.
+/// A plane with a hole: a point of it and its unit normal, as the scene places it.
 struct Outlet {
     wall: usize,
     point: Vector3<f64>,
     normal: Vector3<f64>,
 }
 
+/// The outlet in a frame: a point, and the unit normal towards the grains that have not passed.
+struct PlacedOutlet {
+    point: Vector3<f64>,
+    normal: Vector3<f64>,
+    /// Whether that is the side that the scene's normal points to.
+    as_placed: bool,
+}
+
 impl Outlet {
     /// The scene's first disc with a hole; absent where there is none.
-    fn find(setting: &Setting<'_>) -> Option<Outlet> {
-        setting.scene.wall.iter().enumerate().find_map(|(wall, known)| match &known.shape {
+    fn find(scene: &Scene) -> Option<Outlet> {
+        scene.wall.iter().enumerate().find_map(|(wall, known)| match &known.shape {
             Shape::Disc { centre, normal, hole, .. } if *hole > 0.0 => {
-                let normal = Vector3::from(*normal).normalize();
-                let up = setting.up.map_or(0.0, |up| up.dot(&normal));
-                let normal = if up < -ACROSS { -normal } else { normal };
-                Some(Outlet { wall, point: Vector3::from(*centre), normal })
+                Some(Outlet { wall, point: Vector3::from(*centre), normal: Vector3::from(*normal).normalize() })
             }
             _ => None,
         })
     }
 
-    /// Mass beyond it, kg.
-    fn passed(&self, setting: &Setting<'_>, frame: &Snapshot) -> f64 {
-        let scene = setting.scene;
-        let walls = PlacedWalls::at(&scene.wall, &scene.domain, frame.time, &frame.driven_walls);
+    /// Where it stands in a frame.
+    fn at(&self, setting: &Setting<'_>, frame: &Snapshot) -> PlacedOutlet {
+        let walls = PlacedWalls::at(setting.scene(), frame);
         let point = walls.point_of(self.wall, &self.point);
         let normal = walls.point_of(self.wall, &(self.point + self.normal)) - point;
-        let beyond = |place: [f64; 3]| (Vector3::from(place) - point).dot(&normal) < 0.0;
-        let grains = frame.particles.iter().filter(|grain| beyond(grain.position));
-        grains.map(|grain| setting.mass(grain)).sum()
+        let as_placed = setting.up.map_or(0.0, |up| up.dot(&normal)) >= -ACROSS;
+        PlacedOutlet { point, normal: if as_placed { normal } else { -normal }, as_placed }
     }
 }
 
-/// Measures mass and rate; nothing where no disc has a hole, and no rate of a single frame.
+impl PlacedOutlet {
+    fn is_beyond(&self, place: [f64; 3]) -> bool {
+        (Vector3::from(place) - self.point).dot(&self.normal) < 0.0
+    }
+}
+
+/// What is known of a grain.
+struct Known {
+    /// Mass, kg.
+    mass: f64,
+    /// Number of the last frame that has it, and whether it lay beyond the outlet there.
+    last: usize,
+    passed: bool,
+}
+
+/// Measures mass and rate; nothing where no disc has a hole, and no rate of a single frame. The inner error says why neither is known.
 ///
 /// # Errors
 /// Where a frame cannot be shown.
-pub fn measure<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Vec<Measurement>, F::Error> {
-    let Some(outlet) = Outlet::find(setting) else { return Ok(Vec::new()) };
+pub fn measure<F: Frames + ?Sized>(
+    properties: &Properties<'_>,
+    frames: &F,
+) -> Result<Result<Vec<Measurement>, String>, F::Error> {
+    let Some(outlet) = Outlet::find(properties.scene) else { return Ok(Ok(Vec::new())) };
+    let mut grains: HashMap<u64, Known> = HashMap::new();
     let mut passed: Vec<[f64; 2]> = Vec::new();
-    frames.each(&mut |frame| passed.push([frame.time, outlet.passed(setting, frame)]))?;
+    let mut side = None;
+    let mut refused = None;
+    frames.each(&mut |frame| {
+        let setting = Setting::new(properties, frame);
+        let (outlet, number) = (outlet.at(&setting, frame), passed.len());
+        if *side.get_or_insert(outlet.as_placed) != outlet.as_placed {
+            refused.get_or_insert_with(|| format!("gravity turns to the other side of the disc by {} s", frame.time));
+        }
+        for grain in &frame.particles {
+            let known =
+                Known { mass: setting.mass(frame, grain), last: number, passed: outlet.is_beyond(grain.position) };
+            grains.insert(lasting_number(frame, grain.id), known);
+        }
+        // In the order of their numbers, so that a sum has the same bits in every run.
+        let mut beyond: Vec<(u64, f64)> = Vec::new();
+        for (&grain, known) in &grains {
+            match known.passed {
+                true => beyond.push((grain, known.mass)),
+                false if known.last < number => {
+                    refused.get_or_insert_with(|| {
+                        let time = frame.time;
+                        format!("grain {grain} is gone by {time} s, and had not passed the disc in the frame before")
+                    });
+                }
+                false => {}
+            }
+        }
+        beyond.sort_unstable_by_key(|(grain, _)| *grain);
+        passed.push([frame.time, beyond.iter().map(|(_, mass)| mass).sum()]);
+    })?;
+    if let Some(why) = refused {
+        return Ok(Err(why));
+    }
     let mut measurements = Vec::new();
     if let Some(rate) = rate(&passed) {
         measurements.push(RATE.measured(rate, error_of_rate(&passed), passed.len()));
@@ -67,7 +124,7 @@ pub fn measure<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<
     if let Some([_, mass]) = passed.last() {
         measurements.push(MASS.measured(*mass, None, passed.len()));
     }
-    Ok(measurements)
+    Ok(Ok(measurements))
 }
 
 /// Mass over time between the first and the last of these, kg/s; the frames between may come at any times.
@@ -115,9 +172,8 @@ mod tests {
         let at = |time: f64, height: f64| Snapshot { time, particles: vec![grain(height)], ..Snapshot::default() };
         let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3);
         let found = |scene: &Scene, frame: &Snapshot| {
-            let setting = Setting::new(scene, frame);
-            let Ok(measured) = measure(&setting, &[frame][..]);
-            measured[0].value
+            let Ok(measured) = measure(&Properties::new(scene), &[frame][..]);
+            measured.unwrap()[0].value
         };
         let mut scene = Scene::parse(text).unwrap();
         let place =
@@ -149,16 +205,48 @@ mod tests {
         };
         let frames: Vec<Snapshot> = (0..13).map(frame).collect();
         let shown: Vec<&Snapshot> = frames.iter().collect();
-        let setting = Setting::new(&scene, &frames[0]);
-        let Ok(measured) = measure(&setting, &shown[..]);
+        let properties = Properties::new(&scene);
+        let Ok(Ok(measured)) = measure(&properties, &shown[..]) else { panic!("it is measured") };
         let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3);
         approx::assert_relative_eq!(measured[0].value, 30.0 * mass, max_relative = 1e-12);
         assert!(measured[0].standard_error.unwrap() < 1e-9 * measured[0].value);
         approx::assert_relative_eq!(measured[1].value, 36.0 * mass, max_relative = 1e-12);
-        let Ok(single) = measure(&setting, &shown[..1]);
+        let Ok(Ok(single)) = measure(&properties, &shown[..1]) else { panic!("it is measured") };
         assert_eq!(single.iter().map(|one| one.observable.as_str()).collect::<Vec<_>>(), ["discharged_mass"]);
         let drum = Scene::parse(include_str!("../../templates/drum.toml")).unwrap();
-        let Ok(none) = measure(&Setting::new(&drum, &frames[0]), &shown[..]);
-        assert!(none.is_empty());
+        assert_eq!(measure(&Properties::new(&drum), &shown[..]), Ok(Ok(Vec::new())));
+    }
+
+    /// Frames a second apart of grains through the disc of a silo, each with the numbers and heights (m) of its grains.
+    fn deleted(frames: &[&[(u32, f64)]]) -> Result<Vec<Measurement>, String> {
+        let scene = Scene::parse(include_str!("../../templates/silo.toml")).unwrap();
+        let grain = |&(id, height): &(u32, f64)| Particle {
+            id,
+            position: [0.0, 0.0, height],
+            radius: 0.005,
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+        };
+        let frame = |(number, grains): (usize, &&[(u32, f64)])| Snapshot {
+            time: number as f64,
+            particles: grains.iter().map(grain).collect(),
+            ..Snapshot::default()
+        };
+        let frames: Vec<Snapshot> = frames.iter().enumerate().map(frame).collect();
+        let Ok(measured) = measure(&Properties::new(&scene), &frames.iter().collect::<Vec<_>>()[..]);
+        measured
+    }
+
+    #[test]
+    fn deleted_grains_stay_discharged() {
+        let before: &[(u32, f64)] = &[(0, 0.05), (1, 0.07), (2, 0.09), (3, 0.11)];
+        let half = &[(0, -0.05), (1, -0.03), (2, 0.03), (3, 0.05)];
+        let measured = deleted(&[before, half, &[(2, -0.05), (3, -0.03)]]).unwrap();
+        let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3);
+        approx::assert_relative_eq!(measured[0].value, 2.0 * mass, max_relative = 1e-12);
+        approx::assert_relative_eq!(measured[1].value, 4.0 * mass, max_relative = 1e-12);
+        // One that was above the disc may have passed before it was deleted, or not.
+        let refused = deleted(&[before, half, &[(3, -0.03)]]).unwrap_err();
+        assert!(refused.contains("grain 2 is gone by 2 s"), "{refused}");
     }
 }

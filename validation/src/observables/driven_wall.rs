@@ -11,7 +11,7 @@ const ABOUT: Quantity = Quantity::mean("driven_wall_displacement", "rad");
 /// about its axis, from where the scene placed it. Nothing is read where none is driven.
 pub fn read(view: &View<'_>, readings: &mut Readings) {
     let Some(driven) = view.frame.driven_walls.first() else { return };
-    let quantity = match view.setting.scene.wall.get(driven.wall as usize).map(|wall| &wall.motion) {
+    let quantity = match view.setting.scene().wall.get(driven.wall as usize).map(|wall| &wall.motion) {
         Some(Motion::TorqueDriven { .. }) => ABOUT,
         _ => ALONG,
     };

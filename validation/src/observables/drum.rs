@@ -26,9 +26,9 @@ pub struct Drum {
 }
 
 impl Drum {
-    /// Finds the drum of a scene: the first rotating cylinder whose axis is at least 45 degrees from gravity.
-    pub fn find(scene: &Scene) -> Option<Drum> {
-        let gravity = Vector3::from(scene.gravity).try_normalize(1e-12)?;
+    /// Finds the drum of a scene: the first rotating cylinder whose axis is at least 45 degrees from gravity (m/s2).
+    pub fn find(scene: &Scene, gravity: Vector3<f64>) -> Option<Drum> {
+        let gravity = gravity.try_normalize(1e-12)?;
         scene.wall.iter().find_map(|wall| {
             let (Shape::Cylinder { base, axis, radius, length }, Motion::Rotating { axis: spin, rate, .. }) =
                 (&wall.shape, &wall.motion)

@@ -9,6 +9,7 @@ use super::measurement::{Measurement, Quantity, Readings};
 use super::mixing::{MIXING_CELL, lacey_index};
 use super::setting::Setting;
 use super::view::View;
+use crate::plan::lasting_number;
 use crate::statistics::{mean, standard_error};
 use makadam::snapshot::{Partner, Snapshot};
 use nalgebra::Vector3;
@@ -179,15 +180,16 @@ impl<'a> Profile<'a> {
 }
 
 fn mixing_of_sides(setting: &Setting<'_>, drum: &Drum, first: &Snapshot, last: &Snapshot) -> Option<f64> {
-    let across: HashMap<u32, f64> =
-        first.particles.iter().map(|grain| (grain.id, drum.section(&grain.position.into())[0])).collect();
+    let across: HashMap<u64, f64> = (first.particles.iter())
+        .map(|grain| (lasting_number(first, grain.id), drum.section(&grain.position.into())[0]))
+        .collect();
     let mut sorted: Vec<f64> = across.values().copied().collect();
     sorted.sort_by(f64::total_cmp);
     let median = *sorted.get(sorted.len() / 2)?;
     let places = last.particles.iter().map(|grain| {
         let point = Vector3::from(grain.position);
         let [x, y] = drum.section(&point);
-        let dyed = across.get(&grain.id).is_some_and(|place| *place < median);
+        let dyed = across.get(&lasting_number(last, grain.id)).is_some_and(|place| *place < median);
         ([x, y, (point - drum.centre).dot(&drum.axis)], dyed)
     });
     lacey_index(places, MIXING_CELL * setting.diameter)

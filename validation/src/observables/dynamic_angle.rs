@@ -18,7 +18,7 @@
 use super::bed_surface::{BedFields, BedSurface, MeanField, surface};
 use super::field::Field;
 use super::measurement::{Measurement, Quantity};
-use super::setting::Setting;
+use super::setting::{Properties, Setting};
 use crate::statistics::standard_error;
 use makadam::snapshot::Snapshot;
 
@@ -46,12 +46,16 @@ pub fn measure(setting: &Setting<'_>, bed: &BedFields, frames: usize) -> Vec<Mea
 }
 
 /// Time (s) and angle by the circle (degrees) of each frame, the field averaged over five frames about it.
-pub fn over_time(setting: &Setting<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {
-    let Some(drum) = &setting.drum else {
+///
+/// Nothing where there is no drum, and where the direction of gravity changes: its fields are then of no one cross-section.
+pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {
+    let settings = frames.iter().map(|frame| Setting::new(properties, frame));
+    let Some(setting) = settings.clone().next() else { return Vec::new() };
+    let Some(drum) = setting.drum.as_ref().filter(|_| settings.clone().all(|other| setting.has_up_of(&other))) else {
         return Vec::new();
     };
     let field = |frame: &Snapshot| {
-        let mut mean = MeanField::new(setting, drum, frame.particles.len());
+        let mut mean = MeanField::new(&setting, drum, frame.particles.len());
         mean.add(frame);
         mean.finish()
     };
@@ -62,7 +66,7 @@ pub fn over_time(setting: &Setting<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> 
         for more in &fields[index - reach + 1..=index + reach] {
             field.add(more.as_ref()?);
         }
-        let surface = surface(setting, drum, &field)?;
+        let surface = surface(&setting, drum, &field)?;
         Some((frames[index].time, surface.circle_angle))
     };
     (0..frames.len()).filter_map(at).collect()

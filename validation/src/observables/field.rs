@@ -2,6 +2,9 @@
 
 use super::sphere_volume::quadrant;
 
+/// Part of a cell that an extent may exceed a whole number of cells by: rounding makes less.
+const ROUNDING: f64 = 1e-6;
+
 /// A field on square cells, row after row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
@@ -19,9 +22,9 @@ pub struct Field {
 
 impl Field {
     /// A field of zeros that covers `min` to `max` (m) with cells of width `cell` (m), centred; absent where that takes more
-    /// than `most` cells.
+    /// than `most` cells. An extent of a whole number of cells takes that number, whatever the last bits of the lengths say.
     pub fn new(min: [f64; 2], max: [f64; 2], cell: f64, most: usize) -> Option<Self> {
-        let count = |axis: usize| ((max[axis] - min[axis]) / cell).ceil().max(1.0);
+        let count = |axis: usize| ((max[axis] - min[axis]) / cell - ROUNDING).ceil().max(1.0);
         if count(0) * count(1) > most as f64 {
             return None;
         }

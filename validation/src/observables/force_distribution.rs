@@ -1,9 +1,9 @@
 //! Distribution of normal forces over their mean, pooled run by run.
 
-use super::bulk::Bulk;
-use super::frames::Frames;
+use super::frames::{Frames, Wrapped};
+use super::measured_frames;
+use super::setting::{Properties, Setting};
 use super::view::View;
-use super::{bed_of, heap_of, measured_frames, setting_of};
 use crate::plan::Scene;
 use crate::recording::Recording;
 use schemars::JsonSchema;
@@ -55,14 +55,10 @@ impl ForcePool {
     /// # Errors
     /// Where a frame cannot be shown.
     pub fn add_frames<F: Frames + ?Sized>(&mut self, scene: &Scene, frames: &F) -> Result<(), F::Error> {
-        let Some(setting) = setting_of(scene, frames)? else {
-            return Ok(());
-        };
-        let bed = bed_of(&setting, frames)?;
-        let heap = heap_of(&setting, frames)?;
-        let bulk = Bulk::new(&setting, bed.as_ref(), heap, frames)?;
+        let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));
         frames.each(&mut |frame| {
-            let view = View::new(&setting, &bulk, frame);
+            let setting = Setting::new(&properties, frame);
+            let view = View::new(&setting, frame);
             let forces: Vec<f64> = view.bulk_contacts().iter().map(|contact| contact.normal_force).collect();
             self.add(&forces);
         })

@@ -3,7 +3,9 @@
 //! Some measures take more than one look: the bulk lies below a free surface that all frames have shaped, and only then can a
 //! frame's contacts be told to lie in it. Frames need not be in memory for that: whoever has them shows them again.
 
-use makadam::snapshot::Snapshot;
+use makadam::scene::Domain;
+use makadam::snapshot::{Particle, Snapshot};
+use std::borrow::Cow;
 use std::convert::Infallible;
 use std::ops::Range;
 
@@ -31,6 +33,51 @@ pub trait Frames {
     fn each(&self, look: &mut dyn FnMut(&Snapshot)) -> Result<(), Self::Error> {
         self.visit(0..self.count(), look)
     }
+}
+
+/// Frames with their grains inside the domain along periodic axes, wherever the frames that they come from have them.
+pub(super) struct Wrapped<'a, F: ?Sized> {
+    frames: &'a F,
+    domain: &'a Domain,
+}
+
+impl<'a, F: Frames + ?Sized> Wrapped<'a, F> {
+    /// Takes frames and the domain of their scene.
+    pub fn new(frames: &'a F, domain: &'a Domain) -> Self {
+        Self { frames, domain }
+    }
+}
+
+impl<F: Frames + ?Sized> Frames for Wrapped<'_, F> {
+    type Error = F::Error;
+
+    fn count(&self) -> usize {
+        self.frames.count()
+    }
+
+    fn grains(&self, range: Range<usize>) -> usize {
+        self.frames.grains(range)
+    }
+
+    fn visit(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), F::Error> {
+        self.frames.visit(range, &mut |frame| look(&wrapped(self.domain, frame)))
+    }
+}
+
+/// A frame with its grains inside the domain along periodic axes.
+fn wrapped<'f>(domain: &Domain, frame: &'f Snapshot) -> Cow<'f, Snapshot> {
+    let is_out = |grain: &Particle| {
+        let mut axes = domain.periodic.iter().map(|axis| axis.number());
+        axes.any(|axis| !(domain.min[axis]..domain.max[axis]).contains(&grain.position[axis]))
+    };
+    if !frame.particles.iter().any(is_out) {
+        return Cow::Borrowed(frame);
+    }
+    let (mut inside, period, low) = (frame.clone(), domain.period(), domain.min.into());
+    for grain in inside.particles.iter_mut().filter(|grain| is_out(grain)) {
+        grain.position = period.wrapped(&grain.position.into(), &low).into();
+    }
+    Cow::Owned(inside)
 }
 
 impl Frames for [&Snapshot] {

@@ -1,9 +1,9 @@
 //! The intruder: the first grain that a scene lists by itself, such as a ball that is shot into a bed.
 
 use super::measurement::{Quantity, Readings};
-use super::setting::Setting;
+use super::setting::{Properties, Setting};
 use super::view::View;
-use crate::plan::Scene;
+use crate::plan::{Scene, lasting_number};
 use makadam::snapshot::{Particle, Snapshot};
 use nalgebra::Vector3;
 
@@ -13,15 +13,15 @@ pub const HEIGHT_NAME: &str = "intruder_height";
 const HEIGHT: Quantity = Quantity::mean(HEIGHT_NAME, "m");
 const SPEED: Quantity = Quantity::mean("intruder_speed", "m/s");
 
-/// The grain itself. Listed grains are numbered before all others, so it is grain 0.
+/// The grain itself. Listed grains are numbered before all others, so its lasting number is 0.
 fn of<'f>(scene: &Scene, frame: &'f Snapshot) -> Option<&'f Particle> {
     scene.grain.first()?;
-    frame.particles.iter().find(|grain| grain.id == 0)
+    frame.particles.iter().find(|grain| lasting_number(frame, grain.id) == 0)
 }
 
 /// Its height above the origin, against gravity, m; `None` where there is no gravity, or no such grain in the frame.
 fn height(setting: &Setting<'_>, frame: &Snapshot) -> Option<f64> {
-    Some(Vector3::from(of(setting.scene, frame)?.position).dot(&setting.up?))
+    Some(Vector3::from(of(setting.scene(), frame)?.position).dot(&setting.up?))
 }
 
 /// Adds `intruder_height` and `intruder_speed`. Nothing is read where the scene lists no grain by itself.
@@ -29,14 +29,15 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
     if let Some(height) = height(view.setting, view.frame) {
         readings.add(HEIGHT, height);
     }
-    if let Some(grain) = of(view.setting.scene, view.frame) {
+    if let Some(grain) = of(view.setting.scene(), view.frame) {
         readings.add(SPEED, Vector3::from(grain.velocity).norm());
     }
 }
 
 /// Its height in each frame: times in s, heights in m.
-pub fn over_time(setting: &Setting<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {
-    frames.iter().filter_map(|frame| Some((frame.time, height(setting, frame)?))).collect()
+pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {
+    let at = |frame: &Snapshot| Some((frame.time, height(&Setting::new(properties, frame), frame)?));
+    frames.iter().filter_map(at).collect()
 }
 
 #[cfg(test)]
@@ -69,10 +70,10 @@ mod tests {
         let shown: Vec<&Snapshot> = frames.iter().collect();
         let measured = |scene: &Scene| {
             let Ok(measured) = measure_frames(scene, &shown[..]);
-            measured.unwrap().into_iter().map(|one| (one.observable, one.value)).collect::<Vec<_>>()
+            measured.unwrap().measurements.into_iter().map(|one| (one.observable, one.value)).collect::<Vec<_>>()
         };
         assert_eq!(measured(&scene), [("intruder_height".into(), 0.035), ("intruder_speed".into(), 3.0)]);
-        let heights = over_time(&Setting::new(&scene, &frames[0]), &frames);
+        let heights = over_time(&Properties::new(&scene), &frames);
         assert_eq!(heights, [(0.0, 0.05), (0.05, 0.02)]);
         scene.grain.clear();
         assert_eq!(measured(&scene), []);

@@ -1,5 +1,6 @@
 //! A measured number, and how readings of single frames become one.
 
+use crate::plan::Observable;
 use crate::statistics::block_average;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +11,8 @@ pub struct Measurement {
     pub observable: String,
     /// Its unit; empty where it has none.
     pub unit: String,
-    /// Its value: the mean over the measured frames, or for the `largest_...` kind the maximum.
+    /// Its value: of a number of single frames the mean over the measured frames in which it has a value, or for the `largest_...` kind
+    /// the maximum; of a number of the whole span ([`Definition::span`](super::catalogue::Definition::span)) what all frames give together.
     pub value: f64,
     /// Standard error within the run, over blocks of time; absent where there are too few frames for blocks.
     /// Of a heap's angle it is over azimuth instead.
@@ -41,6 +43,24 @@ impl Quantity {
     /// A measurement of this quantity.
     pub fn measured(self, value: f64, standard_error: Option<f64>, frames: usize) -> Measurement {
         Measurement { observable: self.name.into(), unit: self.unit.into(), value, standard_error, frames }
+    }
+}
+
+/// What frames were measured for: numbers, and why groups of numbers have none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// The numbers.
+    pub measurements: Vec<Measurement>,
+    /// Groups that could not be measured in some frame or over all of them, and why; the first reason of each.
+    pub refusals: Vec<(Observable, String)>,
+}
+
+impl Measured {
+    /// Notes why a group could not be measured.
+    pub fn refuse(&mut self, group: Observable, why: &str) {
+        if self.refusals.iter().all(|(known, _)| *known != group) {
+            self.refusals.push((group, why.into()));
+        }
     }
 }
 

@@ -58,11 +58,9 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
         let middle = 0.5 * (smallest + largest);
         read_kinds(view, BY_SIZE, &|grain| grain.radius < middle, readings);
     }
-    let scene = view.setting.scene;
-    if let [first, _, ..] = &scene.population[..] {
-        // Grains are numbered as they are placed: listed ones first.
-        let ids = scene.grain.len()..scene.grain.len() + first.count;
-        read_kinds(view, BY_POPULATION, &|grain| ids.contains(&(grain.id as usize)), readings);
+    if view.setting.scene().population.len() > 1 {
+        let population = |grain: &Particle| view.setting.properties.roster.kind(view.frame, grain.id).population;
+        read_kinds(view, BY_POPULATION, &|grain| population(grain) == Some(0), readings);
     }
 }
 
@@ -74,7 +72,9 @@ fn read_kinds(
     readings: &mut Readings,
 ) {
     let grains = &view.frame.particles;
-    let marks = grains.iter().map(|grain| (grain.position, is_marked(grain)));
+    let middle = view.setting.middle();
+    let place = |grain: &Particle| (Vector3::from(grain.position) - middle).into();
+    let marks = grains.iter().map(|grain| (place(grain), is_marked(grain)));
     if let Some(value) = lacey_index(marks, MIXING_CELL * view.setting.diameter) {
         readings.add(index, value);
     }

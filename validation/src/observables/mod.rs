@@ -1,20 +1,21 @@
 //! One measurement code for every simulator: frames in, numbers out.
 //!
 //! ```text
-//! Recording ─> frames from `measure.from` on ─> View of a frame ─> readings ─> averages over blocks of time
-//!                        └─> time-smoothed solid fraction ─> free surface ─> angle, bulk
+//! Recording ─> frames from `measure.from` on ─> View of a frame: down, walls, bulk ─> readings ─> averages over blocks of time
+//!                        └─> fields averaged over time ─> free surface ─> angles
 //! ```
 //!
 //! Frames are [looked at](frames::Frames) one after the other and added up; none is held. What grows with their number is a number
 //! a frame and quantity.
 //!
 //! Nothing is taken from a simulator's own estimators: every quantity follows from the two tables of a
-//! [`Snapshot`] and from the scene. Directions come from the scene: up is against
-//! gravity, a drum is the cylinder that turns about its own level axis.
+//! [`Snapshot`] and from the scene, at the frame's time: up is against gravity as it is then, weight is that of then, walls stand where
+//! their motion, or the frame, has them then. A drum is the cylinder that turns about its own level axis.
 //!
 //! **Bulk.** Grains whose centres, and contacts whose points, lie at least two mean diameters from every wall and
-//! from the free surface. Where fewer than 50 grains a frame are left, one diameter is used. The ends of a periodic axis count as
-//! walls; a contact across an end lies there, between a grain and the nearest image of the other one.
+//! from the [free surface](bulk) of their frame. Where fewer than 50 grains are left, one diameter is used. The ends of a periodic axis count as
+//! walls; a contact across an end lies there, between a grain and the nearest image of the other one. A bed that has none of the known free
+//! surfaces has no bulk, and is not measured.
 //!
 //! | quantity | where |
 //! | --- | --- |
@@ -42,7 +43,7 @@
 //!     simulation.step();
 //! }
 //! let frame = simulation.snapshot();
-//! for measured in observables::measure_frames(&scene, &[&frame][..])?.unwrap_or_default() {
+//! for measured in observables::measure_frames(&scene, &[&frame][..])?.unwrap_or_default().measurements {
 //!     println!("{} = {:.3} {}", measured.observable, measured.value, measured.unit);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -65,6 +66,7 @@ pub mod effort;
 pub mod field;
 pub mod force_distribution;
 pub mod frames;
+mod holes;
 pub mod intruder;
 pub mod line;
 pub mod literature;
@@ -81,7 +83,7 @@ pub mod view;
 pub mod walls;
 
 pub use force_distribution::{ForceDistribution, ForcePool, force_distribution};
-pub use measurement::Measurement;
+pub use measurement::{Measured, Measurement};
 pub use neighbours::close_pairs;
 pub use possible::{Unmeasured, impossible, unmeasured};
 pub use series::Series;
@@ -89,111 +91,138 @@ pub use series::Series;
 use crate::plan::{Observable, Scene};
 use crate::recording::Recording;
 use bed_surface::BedFields;
-use bulk::Bulk;
-use frames::Frames;
+use frames::{Frames, Wrapped};
 use makadam::snapshot::Snapshot;
 use measurement::Readings;
-use setting::Setting;
+use setting::{Properties, Setting};
 use static_angle::HeapFields;
 use view::View;
 
-/// Measures a recording: [`measure_frames`] of its [`measured_frames`]; nothing where it has none. What needs something that its frames
-/// do not tell is left out.
+/// Measures a recording: numbers of [`measured_in`].
 pub fn measure(scene: &Scene, recording: &Recording) -> Vec<Measurement> {
-    let Ok(measured) = measure_frames(scene, &measured_frames(scene, recording)[..]);
-    let is_told = |measurement: &Measurement| catalogue::missing(&measurement.observable, &recording.lacks).is_none();
-    measured.unwrap_or_default().into_iter().filter(is_told).collect()
+    measured_in(scene, recording).measurements
 }
 
-/// Measures frames: the quantities of `scene.measure.observables`, over all of them. `None` if there is no frame, so that what
-/// was never measured is told from what could not be.
+/// Measures a recording: [`measure_frames`] of its [`measured_frames`]; nothing where it has none. A number that needs something that the
+/// frames do not state is left out.
+pub fn measured_in(scene: &Scene, recording: &Recording) -> Measured {
+    let Ok(measured) = measure_frames(scene, &measured_frames(scene, recording)[..]);
+    let mut measured = measured.unwrap_or_default();
+    measured.measurements.retain(|one| catalogue::missing(scene, &one.observable, &recording.lacks).is_none());
+    measured
+}
+
+/// Measures frames: the quantities of `scene.measure.observables`, over all of them. `None` if there is no frame, so that a state that
+/// was never measured is told from one that could not be.
 ///
 /// A quantity that cannot be measured (no bulk, no drum, no contacts, grains too far apart or too unlike for a grid of
-/// [`effort::most`] cells) is left out of the list; none is NaN.
+/// [`effort::most`] cells) is left out of the list; none is NaN. A quantity of single frames depends on nothing but the frame and the
+/// scene: its value over several frames is the mean of what [`measure_frames`] gives of each.
 ///
 /// # Errors
 /// Where a frame cannot be shown.
-pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<Option<Vec<Measurement>>, F::Error> {
-    let Some(setting) = setting_of(scene, frames)? else {
+pub fn measure_frames<F: Frames + ?Sized>(scene: &Scene, frames: &F) -> Result<Option<Measured>, F::Error> {
+    let (frames, properties) = (Wrapped::new(frames, &scene.domain), Properties::new(scene));
+    let Some(span) = Span::new(&properties, &frames)? else {
         return Ok(None);
     };
-    let asks = |observable| scene.measure.observables.contains(&observable);
-    let mut measurements = Vec::new();
+    let mut measured = Measured::default();
+    span.measure(&frames, &mut measured)?;
 
-    let asks_bulk = [Observable::PackingFraction, Observable::CoordinationNumber, Observable::ContactForces];
-    let needs_bulk = asks_bulk.into_iter().any(asks);
-    let needs_bed = needs_bulk || asks(Observable::DynamicAngleOfRepose) || asks(Observable::DrumFlow);
-    let bed = if needs_bed { bed_of(&setting, frames)? } else { None };
-
-    // Quantities of the whole span: they rest on fields averaged over time.
-    if let Some(bed) = &bed {
-        if asks(Observable::DynamicAngleOfRepose) {
-            measurements.extend(dynamic_angle::measure(&setting, bed, frames.count()));
-        }
-        if asks(Observable::DrumFlow) {
-            measurements.extend(drum_flow::measure_span(&setting, bed, frames)?);
-        }
-    }
-    if asks(Observable::Discharge) {
-        measurements.extend(discharge::measure(&setting, frames)?);
-    }
-    let heap = heap_of(&setting, frames)?;
-    measurements.extend(heap.iter().flat_map(|heap| static_angle::measure(&setting, heap)));
-
-    // Quantities of single frames, averaged afterwards.
-    let bulk = match needs_bulk {
-        true => Bulk::new(&setting, bed.as_ref(), heap, frames)?,
-        false => Bulk::nowhere(),
-    };
     let mut readings = Readings::default();
     frames.each(&mut |frame| {
-        let view = View::new(&setting, &bulk, frame);
-        if asks(Observable::PackingFraction) {
-            packing_fraction::read(&view, &mut readings);
-        }
-        if asks(Observable::CoordinationNumber) {
-            coordination::read(&view, &mut readings);
-        }
-        if asks(Observable::ContactForces) {
-            contact_forces::read(&view, &mut readings);
-        }
-        if asks(Observable::DrumFlow) {
-            drum_flow::read(&view, &mut readings);
-        }
-        if asks(Observable::SizeMixing) {
-            mixing::read(&view, &mut readings);
-        }
-        if asks(Observable::DrivenWall) {
-            driven_wall::read(&view, &mut readings);
-        }
-        if asks(Observable::Intruder) {
-            intruder::read(&view, &mut readings);
-        }
-        if asks(Observable::Balances) {
-            balances::read(&view, &mut readings);
+        let setting = Setting::new(&properties, frame);
+        let view = View::new(&setting, frame);
+        for &group in &scene.measure.observables {
+            if let Err(why) = read(group, &view, &mut readings) {
+                measured.refuse(group, &why);
+            }
         }
     })?;
-    measurements.extend(readings.averages());
-    Ok(Some(measurements))
+    measured.measurements.extend(readings.averages());
+    Ok(Some(measured))
 }
 
-/// The setting at the first frame; `None` if there is none.
-fn setting_of<'a, F: Frames + ?Sized>(scene: &'a Scene, frames: &F) -> Result<Option<Setting<'a>>, F::Error> {
-    let mut setting = None;
-    frames.visit(0..frames.count().min(1), &mut |first| setting = Some(Setting::new(scene, first)))?;
-    Ok(setting)
+/// Adds what a group has of a single frame.
+///
+/// # Errors
+/// Why the frame has nothing of it.
+fn read(group: Observable, view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
+    match group {
+        Observable::PackingFraction => packing_fraction::read(view, readings)?,
+        Observable::CoordinationNumber => coordination::read(view, readings)?,
+        Observable::ContactForces => contact_forces::read(view, readings)?,
+        Observable::DrumFlow => drum_flow::read(view, readings),
+        Observable::SizeMixing => mixing::read(view, readings),
+        Observable::DrivenWall => driven_wall::read(view, readings),
+        Observable::Intruder => intruder::read(view, readings),
+        Observable::Balances => balances::read(view, readings),
+        Observable::DynamicAngleOfRepose | Observable::StaticAngleOfRepose | Observable::Discharge => {}
+    }
+    Ok(())
 }
 
-/// The bed in a drum, where there is one.
-fn bed_of<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Option<BedFields>, F::Error> {
-    setting.drum.as_ref().map_or(Ok(None), |drum| BedFields::new(setting, drum, frames))
+/// All measured frames together: quantities that rest on fields averaged over time, or on how grains got on.
+struct Span<'a> {
+    /// That of the first frame.
+    setting: Setting<'a>,
+    /// Whether all frames have the direction of gravity of the first one.
+    steady: bool,
 }
 
-/// The heap, where its angle is asked for.
-fn heap_of<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Option<HeapFields>, F::Error> {
-    match setting.scene.measure.observables.contains(&Observable::StaticAngleOfRepose) {
-        true => HeapFields::new(setting, frames),
-        false => Ok(None),
+impl<'a> Span<'a> {
+    /// Looks at gravity in all frames; absent if there is none.
+    fn new<F: Frames>(properties: &'a Properties<'a>, frames: &F) -> Result<Option<Self>, F::Error> {
+        let mut setting: Option<Setting<'a>> = None;
+        frames.visit(0..frames.count().min(1), &mut |first| setting = Some(Setting::new(properties, first)))?;
+        let Some(setting) = setting else { return Ok(None) };
+        let mut steady = true;
+        if properties.gravity_changes() {
+            frames.each(&mut |frame| steady &= setting.has_up_of(&Setting::new(properties, frame)))?;
+        }
+        Ok(Some(Self { setting, steady }))
+    }
+
+    fn measure<F: Frames>(&self, frames: &F, measured: &mut Measured) -> Result<(), F::Error> {
+        const UNSTEADY: &str = "the direction of gravity changes over the measured frames";
+        let setting = &self.setting;
+        let asks = |group: &Observable| setting.scene().measure.observables.contains(group);
+        let of_bed = [Observable::DynamicAngleOfRepose, Observable::DrumFlow];
+        for group in of_bed.iter().chain([&Observable::StaticAngleOfRepose]).filter(|group| asks(group) && !self.steady)
+        {
+            measured.refuse(*group, UNSTEADY);
+        }
+        if let Some(drum) = setting.drum.as_ref().filter(|_| self.steady && of_bed.iter().any(asks)) {
+            match BedFields::new(setting, drum, frames)? {
+                None => of_bed.iter().for_each(|group| {
+                    measured.refuse(*group, "grains are too small for the drum, or too unlike in size");
+                }),
+                Some(bed) => {
+                    if asks(&Observable::DynamicAngleOfRepose) {
+                        measured.measurements.extend(dynamic_angle::measure(setting, &bed, frames.count()));
+                    }
+                    if asks(&Observable::DrumFlow) {
+                        measured.measurements.extend(drum_flow::measure_span(setting, &bed, frames)?);
+                    }
+                }
+            }
+        }
+        if asks(&Observable::Discharge) {
+            match discharge::measure(setting.properties, frames)? {
+                Ok(found) => measured.measurements.extend(found),
+                Err(why) => measured.refuse(Observable::Discharge, &why),
+            }
+        }
+        if asks(&Observable::StaticAngleOfRepose) && self.steady {
+            match HeapFields::new(setting, frames)? {
+                Some(heap) => match static_angle::measure(setting, &heap) {
+                    Ok(found) => measured.measurements.extend(found),
+                    Err(why) => measured.refuse(Observable::StaticAngleOfRepose, why),
+                },
+                None => measured.refuse(Observable::StaticAngleOfRepose, "grains lie too far apart"),
+            }
+        }
+        Ok(())
     }
 }
 
@@ -201,15 +230,14 @@ fn heap_of<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Opti
 /// where the scene asks for them. Frames in which the bed has no surface yet are left out.
 pub fn series(scene: &Scene, recording: &Recording) -> Vec<Series> {
     let asks = |observable| scene.measure.observables.contains(&observable);
-    let Some(first) = recording.frames.first() else { return Vec::new() };
-    let setting = Setting::new(scene, first);
+    let properties = Properties::new(scene);
     let one = |observable: &str, points: Vec<(f64, f64)>| {
         let (time, value): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
         let (code, seed) = (recording.code.clone(), recording.seed);
         (!time.is_empty()).then(|| Series { code, seed, observable: observable.into(), time, value })
     };
-    let angle = || one(dynamic_angle::ANGLE, dynamic_angle::over_time(&setting, &recording.frames));
-    let height = || one(intruder::HEIGHT_NAME, intruder::over_time(&setting, &recording.frames));
+    let angle = || one(dynamic_angle::ANGLE, dynamic_angle::over_time(&properties, &recording.frames));
+    let height = || one(intruder::HEIGHT_NAME, intruder::over_time(&properties, &recording.frames));
     let asked = [
         asks(Observable::DynamicAngleOfRepose).then(angle).flatten(),
         asks(Observable::Intruder).then(height).flatten(),

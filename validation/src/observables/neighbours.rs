@@ -1,5 +1,6 @@
 //! Pairs of grains that are close to each other.
 
+use makadam::scene::Domain;
 use makadam::snapshot::Particle;
 use nalgebra::Vector3;
 
@@ -63,4 +64,52 @@ pub fn close_pairs(grains: &[Particle], reach: f64) -> Vec<Pair> {
         }
     }
     pairs
+}
+
+/// All pairs of grains whose gap is below `reach` (m), across the ends of periodic axes too; grains lie inside the domain along these.
+pub fn close_pairs_in(domain: &Domain, grains: &[Particle], reach: f64) -> Vec<Pair> {
+    let mut pairs = close_pairs(grains, reach);
+    let is_periodic = [0, 1, 2].map(|axis| domain.periodic.iter().any(|known| known.number() == axis));
+    let largest = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+    let near = 2.0 * largest + reach.max(0.0);
+    let is_at_end = |grain: &Particle| {
+        let at_end = |axis: usize| {
+            let place = grain.position[axis];
+            place - domain.min[axis] < near || domain.max[axis] - place < near
+        };
+        (0..3).any(|axis| is_periodic[axis] && at_end(axis))
+    };
+    // Grains near an end, then images of these beyond it: of two opposite shifts one, so that a pair is found once.
+    let own: Vec<usize> = (0..grains.len()).filter(|&place| is_at_end(&grains[place])).collect();
+    let mut sources = own.clone();
+    let mut all: Vec<Particle> = own.iter().map(|&place| grains[place]).collect();
+    for shift in shifts(is_periodic) {
+        for &place in &own {
+            let mut image = grains[place];
+            for (axis, laps) in shift.iter().enumerate() {
+                image.position[axis] += laps * (domain.max[axis] - domain.min[axis]);
+            }
+            let is_near =
+                |axis: usize| (domain.min[axis] - near..=domain.max[axis] + near).contains(&image.position[axis]);
+            if (0..3).all(|axis| shift[axis] == 0.0 || is_near(axis)) {
+                sources.push(place);
+                all.push(image);
+            }
+        }
+    }
+    let across = close_pairs(&all, reach).into_iter().filter(|pair| pair.first < own.len() && pair.second >= own.len());
+    pairs.extend(across.filter_map(|pair| {
+        let (one, other) = (sources[pair.first], sources[pair.second]);
+        (one != other).then(|| Pair { first: one.min(other), second: one.max(other), gap: pair.gap })
+    }));
+    pairs
+}
+
+/// Shifts by whole periods to the images next to the domain, one of each two opposite ones.
+fn shifts(is_periodic: [bool; 3]) -> impl Iterator<Item = [f64; 3]> {
+    let every = (0..27).map(|n| [n / 9, n / 3 % 3, n % 3].map(|lap| f64::from(lap) - 1.0));
+    every.filter(move |shift| {
+        let is_allowed = (0..3).all(|axis| is_periodic[axis] || shift[axis] == 0.0);
+        is_allowed && shift.iter().find(|lap| **lap != 0.0).is_some_and(|lap| *lap > 0.0)
+    })
 }

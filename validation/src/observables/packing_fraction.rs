@@ -3,6 +3,7 @@
 //! In a fixed box with a level bed the region is a box, two mean diameters inside its faces and below the free
 //! surface. In any other container it is made of cubes of half a diameter whose eight corners all lie in the bulk.
 
+use super::bulk::Bulk;
 use super::effort;
 use super::measurement::{Quantity, Readings};
 use super::sphere_volume::{sphere, sphere_in_box};
@@ -14,15 +15,18 @@ use std::collections::HashSet;
 
 const PACKING_FRACTION: Quantity = Quantity::mean("packing_fraction", "");
 
-/// Adds the packing fraction of a frame, if its bed has a bulk.
-pub fn read(view: &View<'_>, readings: &mut Readings) {
-    let fraction = match box_region(view) {
+/// Adds the packing fraction of a frame.
+///
+/// # Errors
+/// Why it has none.
+pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
+    let bulk = view.bulk()?;
+    let fraction = match box_region(view, bulk) {
         Some((min, max)) => fraction_in_box(&view.frame.particles, min, max),
-        None => fraction_in_cubes(view),
+        None => fraction_in_cubes(view, bulk),
     };
-    if let Some(fraction) = fraction {
-        readings.add(PACKING_FRACTION, fraction);
-    }
+    readings.add(PACKING_FRACTION, fraction.ok_or("no cube of half a diameter lies in the bulk")?);
+    Ok(())
 }
 
 /// Solid volume over volume in a box; absent for an empty box.
@@ -36,19 +40,19 @@ pub fn fraction_in_box(grains: &[Particle], min: [f64; 3], max: [f64; 3]) -> Opt
 }
 
 /// The box of the bulk, where the container is one fixed box and the free surface is level along an axis of it.
-fn box_region(view: &View<'_>) -> Option<([f64; 3], [f64; 3])> {
-    let [wall] = view.setting.scene.wall.as_slice() else {
+fn box_region(view: &View<'_>, bulk: &Bulk) -> Option<([f64; 3], [f64; 3])> {
+    let [wall] = view.setting.scene().wall.as_slice() else {
         return None;
     };
     let (Shape::Box { min, max, .. }, Motion::Fixed) = (&wall.shape, &wall.motion) else {
         return None;
     };
-    let (up, level) = (view.setting.up?, view.bulk.level()?);
+    let (up, level) = (view.setting.up?, bulk.level()?);
     let axis = up.iamax();
     if up[axis].abs() < 1.0 - 1e-9 {
         return None;
     }
-    let inset = view.bulk.inset;
+    let inset = bulk.inset;
     let (mut low, mut high) = (min.map(|x| x + inset), max.map(|x| x - inset));
     match up[axis] > 0.0 {
         true => high[axis] = high[axis].min(level - inset),
@@ -62,10 +66,14 @@ const FARTHEST: f64 = 1e15;
 
 /// Absent where no cube lies in the bulk, or where grains lie too far apart, or are too unlike, for cubes to be counted by
 /// [`effort::most`] visits.
-fn fraction_in_cubes(view: &View<'_>) -> Option<f64> {
+fn fraction_in_cubes(view: &View<'_>, bulk: &Bulk) -> Option<f64> {
     let size = 0.5 * view.setting.diameter;
+    let middle = view.setting.middle();
     let corner = |cube: [i64; 3]| Vector3::from(cube.map(|index| index as f64 * size));
-    let grains = &view.frame.particles;
+    // Places from the middle of the domain.
+    let grains: Vec<Particle> = (view.frame.particles.iter())
+        .map(|grain| Particle { position: (Vector3::from(grain.position) - middle).into(), ..*grain })
+        .collect();
     let index = |x: f64| (x / size).floor() as i64;
     let is_far = |grain: &Particle| grain.position.iter().any(|x| x.abs() / size > FARTHEST);
     if grains.iter().any(|grain| is_far(grain) || effort::too_large(grain.radius, size)) {
@@ -75,7 +83,7 @@ fn fraction_in_cubes(view: &View<'_>) -> Option<f64> {
     // Cubes near grains of the bulk, whose corners all lie in it.
     let mut nodes = std::collections::HashMap::new();
     let mut inside =
-        |node: [i64; 3]| *nodes.entry(node).or_insert_with(|| view.bulk.contains(&view.walls, &corner(node)));
+        |node: [i64; 3]| *nodes.entry(node).or_insert_with(|| bulk.contains(&view.walls, &(middle + corner(node))));
     let (mut cubes, mut seen) = (HashSet::new(), HashSet::new());
     let reach = 2;
     for grain in grains.iter().zip(view.in_bulk()).filter(|(_, bulk)| **bulk).map(|(grain, _)| grain) {
@@ -96,7 +104,7 @@ fn fraction_in_cubes(view: &View<'_>) -> Option<f64> {
     }
     let mut solid = 0.0;
     let mut left = effort::most(grains.len());
-    for grain in grains {
+    for grain in &grains {
         let (low, high) =
             (grain.position.map(|x| index(x - grain.radius)), grain.position.map(|x| index(x + grain.radius)));
         let sides: [f64; 3] = std::array::from_fn(|axis| (high[axis] - low[axis] + 1) as f64);

@@ -2,7 +2,7 @@
 
 use super::catalogue::{definitions, group_of, missing};
 use super::drum::Drum;
-use super::measurement::Measurement;
+use super::measurement::Measured;
 use crate::plan::{Observable, Scene};
 use crate::recording::Content;
 use makadam::scene::{DocumentPath, Finding, Severity, Shape};
@@ -38,7 +38,7 @@ fn lack(scene: &Scene, group: Observable) -> Option<(&'static str, &'static str)
     let any = |wanted: fn(&Shape) -> bool| scene.wall.iter().any(|wall| wanted(&wall.shape));
     let drum = "no cylinder turns about its own axis, across gravity";
     let (is_there, lacks) = match group {
-        Observable::DynamicAngleOfRepose | Observable::DrumFlow => (Drum::find(scene).is_some(), drum),
+        Observable::DynamicAngleOfRepose | Observable::DrumFlow => (has_drum(scene), drum),
         Observable::Discharge => {
             (any(|shape| matches!(shape, Shape::Disc { hole, .. } if *hole > 0.0)), "no wall is a disc with a hole")
         }
@@ -55,15 +55,22 @@ fn lack(scene: &Scene, group: Observable) -> Option<(&'static str, &'static str)
     (!is_there).then(|| (name.map_or("", |(name, _)| name), lacks))
 }
 
-/// What a scene measures and has no value of; `lacks` is what the frames did not tell.
-pub fn unmeasured(scene: &Scene, lacks: &[Content], measurements: &[Measurement]) -> Vec<Unmeasured> {
+/// Whether a scene has a drum under gravity as it is at some time.
+fn has_drum(scene: &Scene) -> bool {
+    let later = scene.gravity_changes.iter().map(|change| change.gravity);
+    std::iter::once(scene.gravity).chain(later).any(|gravity| Drum::find(scene, gravity.into()).is_some())
+}
+
+/// Numbers that a scene measures and that have no value, with the reason; `lacks` is content that the frames do not have.
+pub fn unmeasured(scene: &Scene, lacks: &[Content], measured: &Measured) -> Vec<Unmeasured> {
     let asked = |name: &str| group_of(name).filter(|(group, _)| scene.measure.observables.contains(group));
-    let has = |name: &str| measurements.iter().any(|measured| measured.observable == name);
+    let has = |name: &str| measured.measurements.iter().any(|measured| measured.observable == name);
+    let refusal = |group: Observable| measured.refusals.iter().find(|(refused, _)| *refused == group);
     let without = definitions().filter_map(|(_, definition)| Some((definition.name, asked(definition.name)?.0)));
-    let reason = |name: &str, group: Observable| match (missing(name, lacks), lack(scene, group)) {
+    let reason = |name: &str, group: Observable| match (missing(scene, name, lacks), lack(scene, group)) {
         (Some(content), _) => format!("the frames have no {}", content.words()),
         (None, Some((_, lacks))) => lacks.into(),
-        (None, None) => "it has no value in these frames".into(),
+        (None, None) => refusal(group).map_or_else(|| "it has no value in these frames".into(), |(_, why)| why.clone()),
     };
     let without = without.filter(|(name, _)| !has(name));
     without.map(|(observable, group)| Unmeasured { observable, reason: reason(observable, group) }).collect()
@@ -85,7 +92,7 @@ mod tests {
         let said: Vec<&str> = found.iter().filter_map(|one| one.problem.split(' ').nth(1)).collect();
         assert_eq!(said, ["dynamic-angle-of-repose", "drum-flow", "driven-wall", "intruder"]);
         assert!(found.iter().all(|one| one.line.is_some()), "{found:?}");
-        let left = unmeasured(&scene, &[Content::DrivenWalls], &[]);
+        let left = unmeasured(&scene, &[Content::DrivenWalls], &Measured::default());
         assert!(left.iter().any(|one| one.observable == "wall_torque" && one.reason.contains("cylinder")));
         assert!(left.iter().any(|one| one.observable == "driven_wall_displacement" && one.reason.contains("driven")));
         assert!(left.iter().all(|one| one.observable != "gini"), "it was not asked for");

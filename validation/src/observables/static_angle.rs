@@ -1,7 +1,8 @@
 //! Static angle of repose: the inclination of a heap's flank.
 //!
 //! The solid fraction is averaged over azimuth, in cells of one mean radius by one mean radius in (r, z) about the
-//! heap's axis (that of the tube it ran out of, else the median of the grains). The outline is the contour at half
+//! heap's axis (that of the tube it ran out of, else the median of the grains), from its foot upwards: the highest level plane or
+//! disc below the median height of the grains, at the axis, or else the lowest grain. The outline is the contour at half
 //! the heap's mean solid fraction; a grain that rolled away fills so little of its ring that it stays outside. The
 //! line is fitted by total least squares to the outline between 20% and 80% of the heap's height. Flanks that stand
 //! upright or lean outwards are those of grains that a wall still holds, and have no angle of repose. The standard error
@@ -14,6 +15,7 @@ use super::frames::Frames;
 use super::line::{Line, clip};
 use super::measurement::{Measurement, Quantity};
 use super::setting::Setting;
+use super::walls::PlacedWalls;
 use crate::statistics::{ranked, standard_error};
 use makadam::scene::Shape;
 use makadam::snapshot::Snapshot;
@@ -28,6 +30,9 @@ const SECTORS: usize = 6;
 
 /// A flank as steep as this stands at a wall, degrees.
 const UPRIGHT: f64 = 80.0;
+
+/// Cosine of the angle within which a wall is level, or a tube upright.
+const LEVEL: f64 = 0.999;
 
 /// Points a diameter by which a grain's volume is spread over rings.
 const POINTS: usize = 8;
@@ -46,19 +51,37 @@ impl HeapFrame {
         let helper = Vector3::ith(up.iamin(), 1.0);
         let first = up.cross(&helper).normalize();
         let across = [first, up.cross(&first)];
-        let tube = setting.scene.wall.iter().find_map(|wall| match &wall.shape {
-            Shape::Cylinder { base, axis, .. } if Vector3::from(*axis).normalize().dot(&up).abs() > 0.999 => {
-                Some(Vector3::from(*base))
+        let (walls, scene) = (PlacedWalls::at(setting.scene(), frame), setting.scene());
+        // A point of a wall and a direction, where its motion has brought them.
+        let placed = |wall: usize, point: &[f64; 3], along: &[f64; 3]| {
+            let (point, along) = (Vector3::from(*point), Vector3::from(*along).normalize());
+            let start = walls.point_of(wall, &point);
+            (start, walls.point_of(wall, &(point + along)) - start)
+        };
+        let tube = scene.wall.iter().enumerate().find_map(|(number, wall)| match &wall.shape {
+            Shape::Cylinder { base, axis, .. } => {
+                let (base, axis) = placed(number, base, axis);
+                (axis.dot(&up).abs() > LEVEL).then_some(base)
             }
             _ => None,
         });
         let middle = tube.unwrap_or_else(|| across.iter().map(|axis| axis * median_along(frame, axis)).sum());
-        let floor = setting.scene.wall.iter().find_map(|wall| match &wall.shape {
-            Shape::Plane { point, normal } if Vector3::from(*normal).normalize().dot(&up) > 0.999 => {
-                Some(Vector3::from(*point).dot(&up))
+        let from_axis = |point: &Vector3<f64>| across.map(|axis| (point - middle).dot(&axis));
+        let floors = scene.wall.iter().enumerate().filter_map(|(number, wall)| match &wall.shape {
+            Shape::Plane { point, normal } => {
+                let (point, normal) = placed(number, point, normal);
+                (normal.dot(&up) > LEVEL).then(|| point.dot(&up))
+            }
+            Shape::Disc { centre, normal, radius, hole } => {
+                let (centre, normal) = placed(number, centre, normal);
+                let [x, y] = from_axis(&centre);
+                let is_beneath = (*hole..=*radius).contains(&x.hypot(y));
+                (normal.dot(&up).abs() > LEVEL && is_beneath).then(|| centre.dot(&up))
             }
             _ => None,
         });
+        let half_up = median_along(frame, &up);
+        let floor = floors.filter(|height| *height < half_up).reduce(f64::max);
         let lowest = || {
             let bottoms = frame.particles.iter().map(|grain| Vector3::from(grain.position).dot(&up) - grain.radius);
             bottoms.fold(f64::INFINITY, f64::min)
@@ -80,26 +103,28 @@ impl HeapFrame {
     }
 }
 
+/// Median of the grains' centres along an axis, m; 0 without grains.
 fn median_along(frame: &Snapshot, axis: &Vector3<f64>) -> f64 {
     let mut places: Vec<f64> = frame.particles.iter().map(|grain| Vector3::from(grain.position).dot(axis)).collect();
     places.sort_by(f64::total_cmp);
-    places.get(places.len() / 2).copied().unwrap_or(0.0)
+    let at = |place: usize| places.get(place).copied().unwrap_or(0.0);
+    f64::midpoint(at(places.len() / 2), at(places.len().saturating_sub(1) / 2))
 }
 
-/// Angle (degrees) and height (m) of a heap; nothing where there is none.
-pub fn measure(setting: &Setting<'_>, fields: &HeapFields) -> Vec<Measurement> {
-    let Some(outline) = fields.outline() else {
-        return Vec::new();
-    };
-    let Some(angle) = flank_angle(&outline, setting.diameter) else {
-        return Vec::new();
-    };
+/// Measures angle (degrees) and height (m) of a heap.
+///
+/// # Errors
+/// Why there is no heap.
+pub fn measure(setting: &Setting<'_>, fields: &HeapFields) -> Result<Vec<Measurement>, &'static str> {
+    let outline = fields.outline().ok_or("the grains form no heap")?;
+    let angle = flank_angle(&outline, setting.diameter)
+        .ok_or("the heap is lower or narrower than two mean diameters, or walls hold its flanks upright")?;
     let of_sector = |field: &Field| flank_angle(&self::outline(field)?, setting.diameter);
     let sectors: Vec<f64> = fields.sectors.iter().filter_map(of_sector).collect();
-    vec![
+    Ok(vec![
         ANGLE.measured(angle, standard_error(&sectors), fields.frames),
         HEIGHT.measured(top(&outline), None, fields.frames),
-    ]
+    ])
 }
 
 /// Solid fraction of a heap in (r, z), averaged over frames, in each sector of azimuth.

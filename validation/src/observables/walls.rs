@@ -27,9 +27,14 @@ impl PlacedWalls {
         self.to_ends(point).fold(self.walls.distance(point), f64::min)
     }
 
-    /// Number of walls nearer than `radius` (m) to a point; a box counts once a face.
+    /// Number of walls nearer than `radius` (m) to a point; a box counts once a face, and ends of periodic axes do not count.
     pub fn within(&self, point: &Vector3<f64>, radius: f64) -> usize {
-        self.walls.within(point, radius) + self.to_ends(point).filter(|distance| *distance < radius).count()
+        self.walls.within(point, radius)
+    }
+
+    /// Point (m) to which the motion of a wall has brought a point of it that the scene places.
+    pub fn point_of(&self, wall: usize, point: &Vector3<f64>) -> Vector3<f64> {
+        self.walls.point_of(wall, point)
     }
 
     /// Distances of a point from both ends of every periodic axis, m; negative beyond them.

@@ -1,13 +1,18 @@
 //! What frames hold of grains, taken from a snapshot and the scene.
 
 use super::vtk::{Array, Cells, Kind, PolyData};
-use crate::plan::{GrainField, Output, Scene};
+use crate::plan::{GrainField, Output, Roster, Scene};
+use makadam::effects::gravity::Field;
 use makadam::effects::period::Period;
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 type Vector = Vector3<f64>;
+
+/// Arrays of a frame that hold the poses of driven walls, a tuple per wall: number in the scene, displacement (m or rad), and rate (m/s or
+/// rad/s).
+pub(crate) const DRIVEN_WALLS: [&str; 3] = ["driven_wall", "driven_wall_displacement", "driven_wall_rate"];
 
 /// What a scene says of its grains, by their numbers.
 pub(super) struct GrainTable {
@@ -16,12 +21,11 @@ pub(super) struct GrainTable {
     materials: Vec<String>,
     /// Density of each material, kg/m3.
     densities: Vec<f64>,
-    /// Numbers of grains from which on a population's grains, or those that are listed, have this material and population.
-    runs: Vec<(usize, u8, i32)>,
+    roster: Roster,
     period: Period,
     /// Lengths of the axes along which the scene repeats itself, zero for the others, and where they begin, m; none without such axes.
     repeats: Option<[[f64; 3]; 2]>,
-    gravity: [f64; 3],
+    gravity: Field,
     scene: String,
 }
 
@@ -38,49 +42,25 @@ struct Loads {
 
 impl GrainTable {
     pub fn new(scene: &Scene) -> GrainTable {
-        let materials: Vec<String> = scene.material.keys().cloned().collect();
-        // A checked scene names none that is not there.
-        let number = |name: &str| materials.iter().position(|material| material == name).unwrap_or(0) as u8;
-        let mut runs: Vec<(usize, u8, i32)> = Vec::new();
-        let mut count = 0;
-        for entry in &scene.grain {
-            let run = (count, number(&entry.material), -1);
-            if runs.last().is_none_or(|last| last.1 != run.1) {
-                runs.push(run);
-            }
-            count += 1;
-        }
-        for (place, population) in (0..).zip(&scene.population) {
-            runs.push((count, number(&population.material), place));
-            count += population.count;
-        }
         GrainTable {
             output: scene.output.clone().unwrap_or_default(),
             densities: scene.material.values().map(|material| material.density).collect(),
-            materials,
-            runs,
+            materials: scene.material.keys().cloned().collect(),
+            roster: Roster::new(scene),
             period: scene.domain.period(),
             repeats: (!scene.domain.periodic.is_empty()).then(|| repeats(scene)),
-            gravity: scene.gravity,
+            gravity: scene.gravity_field(),
             scene: scene.name.clone(),
         }
-    }
-
-    /// Number of the material, and of the population, of a grain.
-    fn origin(&self, id: u32) -> (u8, i32) {
-        let after = self.runs.partition_point(|(first, ..)| *first <= id as usize);
-        after.checked_sub(1).map_or((0, -1), |run| (self.runs[run].1, self.runs[run].2))
-    }
-
-    /// kg.
-    fn mass(&self, particle: &Particle) -> f64 {
-        self.densities[usize::from(self.origin(particle.id).0)] * volume(particle)
     }
 
     /// The grains of a frame: points with the fields that the scene asks for.
     pub fn grains(&self, frame: &Snapshot) -> PolyData {
         let particles = &frame.particles;
         let has = |field| self.output.has(field);
+        let kind = |particle: &Particle| self.roster.kind(frame, particle.id);
+        let population = |particle: &Particle| kind(particle).population.map_or(-1, |place| place as i32);
+        let mass = |particle: &Particle| self.densities[usize::from(kind(particle).material)] * volume(particle);
         let mut data = vec![
             Array::floats("diameter", 1, particles.iter().map(|p| 2.0 * p.radius)),
             Array::integers("id", particles.iter().map(|p| p.id as i32)),
@@ -88,14 +68,14 @@ impl GrainTable {
                 name: "material".into(),
                 components: 1,
                 kind: Kind::UInt8,
-                bytes: particles.iter().map(|p| self.origin(p.id).0).collect(),
+                bytes: particles.iter().map(|p| kind(p).material).collect(),
             },
         ];
         if has(GrainField::Population) {
-            data.push(Array::integers("population", particles.iter().map(|p| self.origin(p.id).1)));
+            data.push(Array::integers("population", particles.iter().map(population)));
         }
         if has(GrainField::Mass) {
-            data.push(Array::floats("mass", 1, particles.iter().map(|p| self.mass(p))));
+            data.push(Array::floats("mass", 1, particles.iter().map(mass)));
         }
         if has(GrainField::Speed) {
             data.push(Array::floats("speed", 1, particles.iter().map(|p| Vector::from(p.velocity).norm())));
@@ -116,7 +96,7 @@ impl GrainTable {
             cells: Cells::Vertices,
             point_data: data,
             cell_data: Vec::new(),
-            field_data: self.field_data(),
+            field_data: self.field_data(frame),
             texts: vec![
                 ("scene_name".into(), vec![self.scene.clone()]),
                 ("material_names".into(), self.materials.clone()),
@@ -124,8 +104,17 @@ impl GrainTable {
         }
     }
 
-    fn field_data(&self) -> Vec<Array> {
-        let mut data = vec![Array::doubles("gravity", 3, self.gravity.into_iter())];
+    /// Gravity at the frame's time, periods, and poses of the driven walls.
+    fn field_data(&self, frame: &Snapshot) -> Vec<Array> {
+        let gravity: [f64; 3] = self.gravity.at(frame.time).into();
+        let mut data = vec![Array::doubles("gravity", 3, gravity.into_iter())];
+        if !frame.driven_walls.is_empty() {
+            let [wall, displacement, rate] = DRIVEN_WALLS;
+            let walls = || frame.driven_walls.iter();
+            data.push(Array::integers(wall, walls().map(|driven| driven.wall as i32)));
+            data.push(Array::doubles(displacement, 1, walls().map(|driven| driven.displacement)));
+            data.push(Array::doubles(rate, 1, walls().map(|driven| driven.rate)));
+        }
         if let Some([lengths, starts]) = self.repeats {
             data.push(Array::doubles("period", 3, lengths.into_iter()));
             data.push(Array::doubles("period_start", 3, starts.into_iter()));

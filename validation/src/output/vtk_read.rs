@@ -206,6 +206,27 @@ fn root<'a, 'input>(
 /// Named texts.
 type Texts = Vec<(String, Vec<String>)>;
 
+/// Arrays of numbers of the whole file whose names are wanted.
+///
+/// # Errors
+/// What is wrong with the bytes.
+pub(crate) fn field_arrays(bytes: &[u8], wanted: &[&str]) -> Result<Vec<Array>, String> {
+    let (text, appended) = split(bytes)?;
+    let document = Document::parse(&text).map_err(|error| error.to_string())?;
+    let (root, source) = root(&document, appended)?;
+    let nodes = named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
+    let is_wanted = |node: &Node<'_, '_>| {
+        node.has_tag_name("DataArray") && node.attribute("Name").is_some_and(|name| wanted.contains(&name))
+    };
+    nodes.filter(is_wanted).map(|node| array(&source, node, tuples_of_field(node)?)).collect()
+}
+
+/// Number of tuples of an array of the whole file.
+fn tuples_of_field(node: Node<'_, '_>) -> Result<usize, String> {
+    let tuples = node.attribute("NumberOfTuples").unwrap_or("1").parse::<usize>();
+    tuples.ok().filter(|tuples| *tuples <= i32::MAX as usize).ok_or("a field has no number of tuples".to_string())
+}
+
 /// Arrays and texts of the whole file but for its time.
 fn fields(bytes: &[u8]) -> Result<(Vec<Array>, Texts), String> {
     let (text, appended) = split(bytes)?;
@@ -213,15 +234,10 @@ fn fields(bytes: &[u8]) -> Result<(Vec<Array>, Texts), String> {
     let (root, source) = root(&document, appended)?;
     let (mut arrays, mut texts) = (Vec::new(), Vec::new());
     for node in named(root, "FieldData").into_iter().flat_map(|fields| fields.children()) {
-        let tuples = || {
-            let tuples = node.attribute("NumberOfTuples").unwrap_or("1").parse::<usize>();
-            tuples
-                .ok()
-                .filter(|tuples| *tuples <= i32::MAX as usize)
-                .ok_or("a field has no number of tuples".to_string())
-        };
         match node.tag_name().name() {
-            "DataArray" if node.attribute("Name") != Some("TimeValue") => arrays.push(array(&source, node, tuples()?)?),
+            "DataArray" if node.attribute("Name") != Some("TimeValue") => {
+                arrays.push(array(&source, node, tuples_of_field(node)?)?)
+            }
             "Array" => texts.push((node.attribute("Name").unwrap_or_default().to_string(), strings(node)?)),
             _ => {}
         }

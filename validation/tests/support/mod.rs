@@ -3,3 +3,4 @@
 pub mod beds;
 pub mod sample;
 pub mod scaling_sample;
+pub mod turn;

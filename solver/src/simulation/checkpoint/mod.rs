@@ -43,7 +43,7 @@ const MARK: [u8; 8] = *b"makadam\x09";
 
 /// The same of a simulation in which grains have come or gone, walls are moved by the caller, or the ledger has something from outside or
 /// in tangential springs: what that is follows the state.
-const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x0a";
+const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x0b";
 
 /// Why a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]

@@ -55,6 +55,22 @@ struct Altered {
     booked: Booked,
     /// What tangential springs took up since the ledger was opened, J.
     springs: f64,
+    /// Numbers of the grains, by id, and of the next one to be inserted, where there are other grains than the scene has.
+    numbers: (Vec<u64>, u64),
+}
+
+impl Altered {
+    /// Whether each of the grains has a number of its own below the next one, where grains came or went, and none has elsewhere.
+    fn has_sound_numbers(&self, grains: usize) -> bool {
+        let (numbers, next) = &self.numbers;
+        match self.other_grains {
+            true => {
+                let rises = numbers.windows(2).all(|pair| pair[0] < pair[1]);
+                numbers.len() == grains && rises && numbers.last().is_none_or(|last| last < next)
+            }
+            false => numbers.is_empty() && *next == 0,
+        }
+    }
 }
 
 /// State of a driven wall.
@@ -187,6 +203,7 @@ impl State {
                 moved_walls: world.walls.steered().map(|(wall, steered)| (wall, *steered)).collect(),
                 booked: simulation.interventions.booked,
                 springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
+                numbers: simulation.interventions.numbering(),
             },
         }
     }
@@ -222,6 +239,7 @@ impl State {
             && torques.clone().all(|component| component.abs() < LARGEST)
             && drives.into_iter().all(|number| number.abs() < LARGEST)
             && state.altered.springs.abs() < LARGEST
+            && state.altered.has_sound_numbers(state.grains.len())
             && state.altered.moved_walls.iter().all(|(_, steered)| steered.is_sound())
             && [(&state.pairs, &state.pair_torques), (&state.walls, &state.wall_torques)]
                 .iter()
@@ -247,7 +265,6 @@ impl State {
         }
         self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
         self.put_moved_walls(&mut simulation.world, |steered| *steered)?;
-        simulation.interventions.other_grains = self.altered.other_grains;
         simulation.interventions.booked = self.altered.booked;
         simulation.steps = self.steps;
         simulation.contact_sweeps = self.contact_sweeps;
@@ -264,6 +281,9 @@ impl State {
             self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
         }
         self.give_impulses(&mut simulation, scene.solver.step / self.step)?;
+        if self.altered.other_grains {
+            simulation.interventions.renumber(self.altered.numbers.clone());
+        }
         Ok(simulation)
     }
 

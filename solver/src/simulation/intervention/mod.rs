@@ -112,6 +112,10 @@ pub(crate) struct Interventions {
     pub count: u64,
     /// Whether there are, or may be, other grains than the scene has.
     pub other_grains: bool,
+    /// Number of each grain, by id, that no other grain of the run has or had; empty unless `other_grains`.
+    numbers: Vec<u64>,
+    /// Number of the next grain that is inserted; 0 unless `other_grains`.
+    next_number: u64,
     /// What the ledger has under `outside`.
     pub booked: Booked,
     /// Whether positions and velocities may be written from outside.
@@ -121,6 +125,35 @@ pub(crate) struct Interventions {
 }
 
 impl Interventions {
+    /// Numbers of the grains by id, which stay with them; none where no grain was inserted or removed.
+    pub fn numbers(&self) -> &[u64] {
+        &self.numbers
+    }
+
+    /// The numbers and the next one, for a checkpoint.
+    pub fn numbering(&self) -> (Vec<u64>, u64) {
+        (self.numbers.clone(), self.next_number)
+    }
+
+    /// Takes over the numbers of a checkpoint in which grains came or went.
+    pub fn renumber(&mut self, (numbers, next_number): (Vec<u64>, u64)) {
+        (self.other_grains, self.numbers, self.next_number) = (true, numbers, next_number);
+    }
+
+    /// Numbers of the grains once some have come or gone, and the next number: those that stay keep theirs.
+    fn numbers_after(&self, new_ids: &[Option<u32>], grains: usize) -> (Vec<u64>, u64) {
+        let (numbered, mut next) = (self.other_grains, self.next_number);
+        if !numbered {
+            next = new_ids.len() as u64;
+        }
+        let old = |id: usize| if numbered { self.numbers[id] } else { id as u64 };
+        let mut numbers: Vec<u64> =
+            new_ids.iter().enumerate().filter(|(_, new_id)| new_id.is_some()).map(|(id, _)| old(id)).collect();
+        let inserted = (grains - numbers.len()) as u64;
+        numbers.extend(next..next + inserted);
+        (numbers, next + inserted)
+    }
+
     /// The same once grains have come or gone; `new_ids` tells who is who of the old ones.
     fn after(&self, new_ids: &[Option<u32>], grains: usize) -> Interventions {
         let renumbered = |list: &[[f64; 3]]| {
@@ -132,7 +165,10 @@ impl Interventions {
             }
             new
         };
+        let (numbers, next_number) = self.numbers_after(new_ids, grains);
         Interventions {
+            numbers,
+            next_number,
             forces: renumbered(&self.forces),
             torques: renumbered(&self.torques),
             count: self.count + 1,

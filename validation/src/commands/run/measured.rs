@@ -6,7 +6,7 @@
 
 use crate::commands::Failure;
 use crate::observables::frames::Frames;
-use crate::observables::{Measurement, measure_frames};
+use crate::observables::{Measured, measure_frames};
 use crate::output::WriteError;
 use crate::plan::Scene;
 use makadam::checkpoint::{open, seal};
@@ -18,7 +18,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// First bytes of a frame; the last one is the version of the format.
-const FRAME: [u8; 8] = *b"mkd-frm\x02";
+const FRAME: [u8; 8] = *b"mkd-frm\x03";
 
 /// Measured frames of a run under way.
 pub(super) struct MeasuredFrames {
@@ -125,7 +125,7 @@ impl MeasuredFrames {
     ///
     /// # Errors
     /// [`Failure`] if a frame cannot be read back.
-    pub fn measure(&self, scene: &Scene) -> Result<Option<Vec<Measurement>>, Failure> {
+    pub fn measure(&self, scene: &Scene) -> Result<Option<Measured>, Failure> {
         if scene.measure.from.is_some() {
             let lost = |problem| Failure::Running(format!("{} {problem}: nothing is measured", self.path.display()));
             return measure_frames(scene, self).map_err(lost);
@@ -204,7 +204,7 @@ mod tests {
         (scene, frames)
     }
 
-    fn in_memory(scene: &Scene, frames: &[Snapshot]) -> Vec<Measurement> {
+    fn in_memory(scene: &Scene, frames: &[Snapshot]) -> Measured {
         let late: Vec<&Snapshot> = frames.iter().filter(|frame| scene.measure.covers(frame.time)).collect();
         let Ok(measured) = measure_frames(scene, &late[..]);
         measured.unwrap()
@@ -215,7 +215,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (scene, frames) = frames();
         let expected = in_memory(&scene, &frames);
-        assert!(expected.iter().any(|one| one.observable == "coordination_number" && one.frames > 8), "{expected:?}");
+        let numbers = &expected.measurements;
+        assert!(numbers.iter().any(|one| one.observable == "coordination_number" && one.frames > 8), "{expected:?}");
 
         let mut kept = MeasuredFrames::begin(folder.path());
         for frame in &frames[..3] {

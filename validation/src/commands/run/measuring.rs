@@ -51,7 +51,7 @@ pub(super) fn measure(
     };
     let without = unmeasured(scene, &[], &measured).into_iter();
     let without_value = without.map(|one| (one.observable.to_string(), one.reason)).collect();
-    let finite = measured.into_iter().filter(|m| m.value.is_finite());
+    let finite = measured.measurements.into_iter().filter(|m| m.value.is_finite());
     let observables =
         finite.map(|m| (m.observable, Measured { value: m.value, standard_error: m.standard_error, unit: m.unit }));
     Ok(Measurements { observables: observables.collect(), not_measured: None, without_value })
@@ -61,6 +61,6 @@ pub(super) fn measure(
 pub(super) fn instant(scene: &Scene, frame: &Snapshot) -> Vec<(String, f64)> {
     let filled: Vec<&Snapshot> = [frame].into_iter().filter(|frame| !frame.particles.is_empty()).collect();
     let Ok(measured) = observables::measure_frames(scene, &filled[..]);
-    let measured = measured.into_iter().flatten();
+    let measured = measured.into_iter().flat_map(|measured| measured.measurements);
     measured.filter(|m| m.value.is_finite()).map(|m| (m.observable, m.value)).collect()
 }

@@ -1,7 +1,7 @@
 //! What a collapse leaves: where the deposit ends, by several definitions.
 
 use super::column::{DIAMETER, Part};
-use crate::observables::setting::Setting;
+use crate::observables::setting::{Properties, Setting};
 use crate::observables::static_angle::HeapFields;
 use crate::observables::{close_pairs, static_angle};
 use crate::plan::Scene;
@@ -129,9 +129,10 @@ pub(super) fn holding(frame: &Snapshot, share: f64) -> f64 {
 
 /// Inclination of a heap's flank ([`static_angle`]), degrees; not a number where there is none.
 pub(super) fn angle_of_repose(scene: &Scene, frame: &Snapshot) -> f64 {
-    let setting = Setting::new(scene, frame);
+    let properties = Properties::new(scene);
+    let setting = Setting::new(&properties, frame);
     let Ok(fields) = HeapFields::new(&setting, &[frame][..]);
-    let found = fields.map_or_else(Vec::new, |fields| static_angle::measure(&setting, &fields));
+    let found = fields.and_then(|fields| static_angle::measure(&setting, &fields).ok()).unwrap_or_default();
     found.first().map_or(f64::NAN, |angle| angle.value)
 }
 

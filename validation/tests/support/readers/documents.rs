@@ -258,7 +258,7 @@ fn frame(time: f64) -> Snapshot {
     };
     let contacts = vec![contact(0, Partner::Grain(1)), contact(1, Partner::Grain(2)), contact(2, Partner::Wall(0))];
     let driven_walls = vec![DrivenWall { wall: 1, displacement: 0.01 * time, rate: 0.01 }];
-    Snapshot { time, particles: particles.collect(), contacts, driven_walls }
+    Snapshot { time, particles: particles.collect(), contacts, driven_walls, ..Snapshot::default() }
 }
 
 /// Recordings of the walled scene.
