@@ -49,7 +49,7 @@ class Interventions(_core.Simulation):
         """Calls ``callback(simulation)`` before each step for the forces that act in it.
 
         It returns an array of forces, N, (n, 3); or a pair of forces and torques, N m, either of which may be None; or None for none.
-        Rows are those of the views. The forces of several callbacks are added.
+        Rows are those of the views. The forces of several callbacks are added, and act on top of those of ``apply_forces``.
         """
         if not callable(callback):
             raise TypeError("the force cannot be called; give a function of the simulation")
@@ -69,7 +69,7 @@ class Interventions(_core.Simulation):
                     array = numbers(part, shape, name)
                     before = sums[place]
                     sums[place] = array if before is None else before + array
-        self._apply(*sums)
+        self._apply(*sums, True)
 
     # Walls
 

@@ -312,13 +312,15 @@ impl Simulation {
         Ok(vectors(py, spins.into_iter()).into_any())
     }
 
-    /// Forces (N) and torques (N m) of the next step, row by row as the grains lie in memory.
-    #[pyo3(signature = (forces=None, torques=None))]
+    /// Forces (N) and torques (N m) of the next step, row by row as the grains lie in memory; in place of those that were applied before, or on
+    /// top of them.
+    #[pyo3(signature = (forces=None, torques=None, on_top=false))]
     fn _apply(
         &self,
         py: Python<'_>,
         forces: Option<PyReadonlyArray2<'_, f64>>,
         torques: Option<PyReadonlyArray2<'_, f64>>,
+        on_top: bool,
     ) -> PyResult<()> {
         let ids: Vec<u32> = self.0.with(py, |simulation| simulation.arrays().2.to_vec())?;
         let by_id = |what: &str, array: Option<PyReadonlyArray2<'_, f64>>| -> PyResult<Vec<[f64; 3]>> {
@@ -330,11 +332,11 @@ impl Simulation {
             Ok(list)
         };
         let (forces, torques) = (by_id("forces", forces)?, by_id("torques", torques)?);
-        let applied = self.0.with(py, |simulation| {
-            simulation.apply_forces(&forces)?;
-            simulation.apply_torques(&torques)
+        let given = self.0.with(py, |simulation| match on_top {
+            true => simulation.add_loads(&forces, &torques),
+            false => simulation.apply_loads(&forces, &torques),
         })?;
-        applied.map_err(|error| refused(py, &error))
+        given.map_err(|error| refused(py, &error))
     }
 
     /// Moves a wall along (velocity, m/s) or about an axis (rate, rad/s).

@@ -30,7 +30,7 @@ impl Simulation {
         self.goes_with(method)?;
         let mut copy = self.clone();
         copy.settings.method = method;
-        let team = copy.team.clone();
+        let team = copy.team.here();
         team.enter(|| {
             copy.pose_problem(&team);
             let mut solver = Solver::new(method);

@@ -107,7 +107,7 @@ pub use simulation::energy::Energy;
 pub use simulation::intervention::PairsInList;
 pub use simulation::intervention::{InterventionError, States};
 pub use simulation::ledger::Balance;
-pub use simulation::swept::Crossing;
+pub use simulation::swept::{Crossing, Passage};
 pub use simulation::{PhaseSeconds, Simulation, StepReport, checkpoint};
 pub use snapshot::{Contact, Partner, Snapshot};
 pub use solution_error::SolutionError;

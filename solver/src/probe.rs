@@ -27,25 +27,25 @@ impl Simulation {
     /// Builds the candidate list anew, whether it is stale or not. What was laid out before is gone: [`Self::constrain_once`]
     /// comes before the next sweep.
     pub fn detect_once(&mut self) {
-        let (set, team) = (self.relaxation.instruction_set, self.team.clone());
+        let (set, team) = (self.relaxation.instruction_set, self.team.here());
         // The groups name bodies by places that are about to change.
         self.layout.contacts = 0;
         for groups in &mut self.layout.groups {
             groups.empty(self.relaxation.effects);
         }
-        team.enter(|| self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, &team));
+        team.enter(|| self.candidates.rebuild(&mut self.world, &mut self.layout, set, &team));
     }
 
     /// Whether the candidate list is stale: what a step asks first.
     pub fn is_stale_once(&mut self) -> bool {
-        let team = self.team.clone();
+        let team = self.team.here();
         team.enter(|| self.candidates.are_stale(&self.world, &team))
     }
 
     /// Lays out the contacts of the present positions as constraints and gives bodies the impulses of the last step to start
     /// from; repeated, they receive these again and again. Returns the number of contacts.
     pub fn constrain_once(&mut self) -> usize {
-        let team = self.team.clone();
+        let team = self.team.here();
         if self.steps == 0 {
             // A first step does this before.
             self.detect_once();
@@ -73,7 +73,7 @@ impl Simulation {
     /// Relaxes the contacts that are laid out so many times, without over-relaxation and without measuring residuals. Returns
     /// the number of contact sweeps.
     pub fn sweep_times(&mut self, sweeps: u32) -> u64 {
-        let team = self.team.clone();
+        let team = self.team.here();
         let Simulation { world, layout, solver, relaxation, settings, .. } = self;
         let (single, mut nowhere) = (&mut solver.workspace.single, Vec::new());
         team.enter(|| {

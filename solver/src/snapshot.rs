@@ -24,6 +24,7 @@ use crate::Simulation;
 use crate::effects::drive::Drive;
 use crate::groups::{ContactLanes, SpringLanes};
 use crate::lanes::Eight;
+use crate::simulation::swept::Struck;
 pub use crate::wall::DrivenWall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -126,7 +127,7 @@ impl Simulation {
         };
         let particles = self.places_by_id().into_iter().enumerate().map(particle).collect();
         let laid_out = self.pair_contacts().chain(self.wall_contacts()).filter(|contact| contact.normal_force != 0.0);
-        let contacts = laid_out.chain(self.struck_walls());
+        let contacts = laid_out.chain(self.strikes());
         let driven = world.drives.iter().map(|drive| {
             let Drive { wall, displacement, rate, .. } = *drive;
             DrivenWall { wall, displacement, rate }
@@ -184,14 +185,17 @@ impl Simulation {
         })
     }
 
-    /// Impacts on walls that the solve of the last step did not know of.
-    fn struck_walls(&self) -> impl Iterator<Item = Contact> + '_ {
+    /// Impacts that the solve of the last step did not know of.
+    fn strikes(&self) -> impl Iterator<Item = Contact> + '_ {
         let (world, h) = (&self.world, self.settings.step);
         self.swept.strikes.iter().map(move |strike| {
             let sphere = &world.spheres[strike.place as usize];
             Contact {
                 first: world.ids[strike.place as usize],
-                second: Partner::Wall(world.walls.wall_of(strike.surface)),
+                second: match strike.struck {
+                    Struck::Face(surface) => Partner::Wall(world.walls.wall_of(surface)),
+                    Struck::Grain(place) => Partner::Grain(world.ids[place as usize]),
+                },
                 point: world.wrapped(&(sphere.centre + strike.normal * sphere.radius)).into(),
                 normal: strike.normal.into(),
                 normal_force: strike.along / h,

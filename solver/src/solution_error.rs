@@ -38,7 +38,7 @@ impl SolutionError {
 impl Simulation {
     /// How far the last step's solve stopped from the solution. To be asked before anything else is done to the simulation.
     pub fn solution_error(&mut self) -> SolutionError {
-        let team = self.team.clone();
+        let team = self.team.here();
         let Simulation { world, layout, relaxation, settings, solver, interrupt, .. } = self;
         let workspace = &mut solver.workspace;
         let unit = residual_unit(world, settings.step);

@@ -25,7 +25,7 @@ use crate::simulation::StepReport;
 use crate::simulation::energy::ContactEnergy;
 use crate::simulation::ledger::work_of_changing_gravity;
 use crate::solve::{StopReason, residual_unit};
-use crate::{Crossing, Simulation};
+use crate::{Crossing, Passage, Simulation};
 use nalgebra::Vector3;
 use std::fmt;
 
@@ -78,6 +78,11 @@ pub enum Trouble {
         /// Number of the wall in the scene.
         wall: u32,
     },
+    /// Two grains may have passed through each other.
+    Passage {
+        /// Their ids.
+        grains: [u32; 2],
+    },
     /// No solve since the last look has come close to a solution.
     Stagnation {
         /// Smallest residual since then, in units of g h.
@@ -97,6 +102,7 @@ impl Trouble {
             Trouble::Energy { .. } => "energy",
             Trouble::Escape { .. } => "escape",
             Trouble::Crossing { .. } => "crossing",
+            Trouble::Passage { .. } => "passage",
             Trouble::Stagnation { .. } => "stagnation",
         }
     }
@@ -150,6 +156,11 @@ impl fmt::Display for Alarm {
             Trouble::Crossing { grain, wall } => {
                 write!(out, "grain {grain} has crossed wall {wall}; lower solver.step, or close the walls")
             }
+            Trouble::Passage { grains: [first, second] } => write!(
+                out,
+                "grains {first} and {second} may have passed through each other: too many grains met within one step; lower solver.step, \
+                 so that no grain moves by more than a diameter in it"
+            ),
             Trouble::Stagnation { residual, bound } => write!(
                 out,
                 "no solve since the last look came below a residual of {residual:.2} g h, more than {bound}; raise the sweeps of \
@@ -208,11 +219,13 @@ impl Watchdog {
     ///
     /// It wants to see every step: after one that it has not seen, or in which grains came, went or were written to, it knows no longer
     /// what was given, and judges energy from there on. Between looks it allocates nothing, and a look no more than a pose a wall.
-    /// A grain that has crossed a wall is noticed in its step, whatever the scene asks for.
+    /// A grain that has crossed a wall, or may have passed through another one, is noticed in its step, whatever the scene asks for.
     pub fn observe(&mut self, simulation: &Simulation, report: &StepReport) -> Vec<Alarm> {
-        if let Some(Crossing { grain, wall }) = simulation.crossing() {
-            let (trouble, reaction) = (Trouble::Crossing { grain, wall }, Reaction::Stop);
-            return vec![Alarm { trouble, reaction, step: simulation.steps, time: simulation.world.time }];
+        let crossing = simulation.crossing().map(|Crossing { grain, wall }| Trouble::Crossing { grain, wall });
+        let passage = || simulation.passage().map(|Passage { grains }| Trouble::Passage { grains });
+        if let Some(trouble) = crossing.or_else(passage) {
+            let (step, time) = (simulation.steps, simulation.world.time);
+            return vec![Alarm { trouble, reaction: Reaction::Stop, step, time }];
         }
         if self.settings.every == 0 {
             return Vec::new();

@@ -2,8 +2,8 @@
 //!
 //! `MAKADAM_CONTAINERS=10000 cargo test --release -p makadam containment` tries as many.
 
-mod container;
-mod draw;
+pub mod container;
+pub mod draw;
 
 use draw::Drawn;
 use makadam::Simulation;

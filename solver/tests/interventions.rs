@@ -424,3 +424,109 @@ fn a_frame_states_who_its_grains_are() {
     assert_eq!(numbers(&resumed), expected);
     assert_eq!(resumed.snapshot().origins, simulation.snapshot().origins);
 }
+
+/// Grains rain into a bin and are taken out of it again, so that contacts open and close from outside all the time.
+#[test]
+fn the_ledger_closes_while_grains_come_and_go() {
+    let mut scene = bin(60);
+    scene.material.values_mut().for_each(|one| one.youngs_modulus = 1e6);
+    let mut simulation = start(&scene);
+    simulation.open_ledger();
+    for event in 0..30 {
+        steps(&mut simulation, 7 + event % 5);
+        match event % 3 {
+            0 => {
+                let at = |x: f64| [x, 0.01 + 0.02 * (event / 3 % 3) as f64, 0.28];
+                simulation.insert(&scene, &[grain(at(0.01)), grain(at(0.03)), grain(at(0.05))]).unwrap();
+            }
+            1 => drop(simulation.remove(&[event as u32, 2 * event as u32]).unwrap()),
+            _ => {
+                // Onto the bed, a little inside another grain.
+                let top =
+                    simulation.grain_entries(&scene).into_iter().max_by(|a, b| a.position[2].total_cmp(&b.position[2]));
+                let [x, y, z] = top.as_ref().unwrap().position;
+                let on_top = grain([x, y, z + 0.99 * (top.unwrap().radius + 0.005)]);
+                let _ = simulation.insert(&scene, &[on_top]);
+            }
+        }
+        let balance = simulation.balance().unwrap();
+        assert!(balance.closure.abs() < 1e-10 * balance.exchanged(), "event {event}: {balance:#?}");
+        simulation.step();
+        let balance = simulation.balance().unwrap();
+        assert!(balance.closure.abs() < 1e-10 * balance.exchanged(), "a step after event {event}: {balance:#?}");
+        assert!(balance.momentum_closure.iter().all(|open| open.abs() < 1e-12), "event {event}: {balance:#?}");
+    }
+    let balance = simulation.balance().unwrap();
+    assert!(balance.end.elastic > 0.0 && balance.outside > 0.0, "{balance:#?}");
+}
+
+/// What contacts of an inserted grain store comes from outside, and so does what those store that touched without bearing anything.
+#[test]
+fn an_inserted_grain_that_touches_stores_energy_from_outside() {
+    let floor = Wall::new("floor", "glass", Shape::Plane { point: [0.0; 3], normal: [0.0, 0.0, 1.0] });
+    let soft = Material { youngs_modulus: 1e6, ..Material::default() };
+    let scene = Scene::builder().material("glass", soft).domain([-1.0; 3], [1.0; 3]).wall(floor);
+    let scene = (0..4).fold(scene, |scene, k| scene.grain(grain([0.02 * f64::from(k), 0.0, 0.005]))).build().unwrap();
+    let mut simulation = Simulation::builder(&scene).time_step(5e-4).build().unwrap();
+    simulation.open_ledger();
+    simulation.step();
+    let before = simulation.balance().unwrap();
+    simulation.insert(&scene, &[grain([0.0, 0.0, 0.015 - 4e-5])]).unwrap();
+    simulation.step();
+    let after = simulation.balance().unwrap();
+    assert!(after.closure.abs() < 1e-12 * after.exchanged(), "{after:#?}");
+    assert!((after.first_touch - before.first_touch).abs() < 1e-3 * after.end.elastic, "{after:#?}");
+    assert!(after.outside > mass() * 9.81 * 0.014, "{after:#?}");
+}
+
+#[test]
+fn loads_are_taken_both_or_neither_and_add_up() {
+    let mut simulation = start(&in_space(&[grain([0.0; 3])]));
+    let (force, other) = ([1e-3, 0.0, 0.0], [0.0, 2e-3, 0.0]);
+    // Refused for its torques: the forces do not act either.
+    assert!(simulation.apply_loads(&[force], &[[f64::NAN, 0.0, 0.0]]).is_err());
+    simulation.step();
+    assert_eq!(simulation.frame().velocities()[0], [0.0; 3]);
+    simulation.apply_loads(&[force], &[]).unwrap();
+    simulation.add_loads(&[other], &[]).unwrap();
+    // What is on top is replaced by what is put on top, and what is applied stays.
+    simulation.add_loads(&[other], &[]).unwrap();
+    simulation.step();
+    let [x, y, z] = simulation.frame().velocities()[0];
+    assert!((x - 1e-3 * STEP / mass()).abs() < 1e-15 && (y - 2e-3 * STEP / mass()).abs() < 1e-15 && z == 0.0);
+    simulation.step();
+    assert_eq!(simulation.frame().velocities()[0], [x, y, z], "they act in one step");
+}
+
+/// The exported problem begins with the velocities that the step begins with, to the bit.
+#[test]
+fn the_contact_problem_has_the_free_velocities_of_the_step() {
+    let spread = (0..20).map(|k| {
+        let at = f64::from(k);
+        GrainEntry {
+            velocity: [0.1 * at, -0.3, 0.07 * at],
+            spin: [at, 2.0, -0.5 * at],
+            ..grain([0.02 * at - 0.2, 0.0, 0.0])
+        }
+    });
+    let mut scene = in_space(&spread.collect::<Vec<_>>());
+    scene.gravity = [0.3, -0.1, -9.81];
+    let mut simulation = start(&scene);
+    let push = |scale: f64| (0..20).map(|k| [scale * f64::from(k), 0.3 * scale, -scale / 7.0]).collect::<Vec<_>>();
+    for step in 0..20 {
+        simulation.apply_loads(&push(1e-3), &push(1e-6)).unwrap();
+        simulation.add_loads(&push(3e-4), &[]).unwrap();
+        let problem = simulation.contact_problem();
+        simulation.step();
+        let particles = simulation.snapshot().particles;
+        for (body, particle) in problem.bodies.iter().zip(&particles) {
+            // Nothing touches: the step ends with its free velocities.
+            assert_eq!(<[f64; 3]>::from(body.velocity), particle.velocity, "step {step}, grain {}", particle.id);
+            let spin: [f64; 3] = body.spin.into();
+            assert!(
+                (0..3).all(|axis| (spin[axis] - particle.spin[axis]).abs() <= 1e-15 * spin[axis].abs()),
+                "{spin:?}"
+            );
+        }
+    }
+}

@@ -7,7 +7,7 @@ use super::memory::{OldList, Remembered, resize};
 use super::reach::{Row, for_each_on_the_way};
 use super::search::{Found, PairSearch, WallSearch};
 use crate::lanes::{Available, LANES, TaskSlots};
-use crate::partition::{BoxGrid, DIRECTIONS, Plan, PlannedTask};
+use crate::partition::{BoxGrid, DIRECTIONS, Layout, Plan, PlannedTask};
 use crate::schedule::{Disjoint, Each, Phase, Team};
 use crate::wall::Pose;
 use crate::world::{World, chunk, chunks};
@@ -61,6 +61,8 @@ pub struct Candidates {
     largest_diameter: f64,
     reference: Vec<Vector3<f64>>,
     built_at: f64,
+    /// See [`Candidates::beyond`].
+    beyond: Vec<(u32, u32)>,
     drift: Drift,
     buffers: Buffers,
 }
@@ -115,6 +117,7 @@ impl Candidates {
             largest_diameter: 2.0 * largest_radius,
             reference: Vec::new(),
             built_at: 0.0,
+            beyond: Vec::new(),
             drift: Drift::default(),
             buffers: Buffers::default(),
         }
@@ -136,11 +139,6 @@ impl Candidates {
     /// Most boxes that the domain is ever cut into with as many grains.
     pub(crate) fn most_boxes(&self) -> usize {
         self.grid.boxes().most()
-    }
-
-    /// Number of tasks that its pairs can belong to, since the list was built.
-    pub(crate) fn tasks(&self) -> usize {
-        self.grid.boxes().tasks()
     }
 
     /// The candidates, and apart from them what they bore.
@@ -192,7 +190,40 @@ impl Candidates {
 
     /// Puts the grains in the order of boxes and cells, builds the list anew and plans its tasks, keeping the impulses of
     /// candidates that stay.
-    pub fn rebuild(&mut self, world: &mut World, plan: &mut Plan, set: Available, team: &Team) {
+    pub fn rebuild(&mut self, world: &mut World, layout: &mut Layout, set: Available, team: &Team) {
+        self.build(world, layout, set, team, None);
+    }
+
+    /// Builds the list that was there, given the grains and walls where they were and what it held [beyond](Candidates::beyond) them. Absent
+    /// if these are no candidates.
+    pub(crate) fn restore(
+        &mut self,
+        world: &mut World,
+        layout: &mut Layout,
+        set: Available,
+        team: &Team,
+        beyond: &[(u32, u32)],
+    ) -> Option<()> {
+        let known = beyond
+            .iter()
+            .all(|&(id, surface)| (id as usize) < world.grains() && (surface as usize) < world.walls.faces());
+        known.then(|| self.build(world, layout, set, team, Some(beyond)))
+    }
+
+    /// Grains and surfaces that are in the list although they were not near each other when it was built: grains that are too fast for the
+    /// step come to them within it. By id and number, in order.
+    pub(crate) fn beyond(&self) -> &[(u32, u32)] {
+        &self.beyond
+    }
+
+    fn build(
+        &mut self,
+        world: &mut World,
+        layout: &mut Layout,
+        set: Available,
+        team: &Team,
+        beyond: Option<&[(u32, u32)]>,
+    ) {
         let order = self.grid.sort(world, team);
         world.reorder(order, team);
         let new_places = &mut self.buffers.new_places;
@@ -203,10 +234,10 @@ impl Candidates {
             }
         });
         world.add_dummies(self.grid.boxes().boxes());
-        self.remember(world.grains(), plan, team);
-        self.search(world, set, team);
-        self.plan(plan, team);
-        self.fill(plan, team);
+        self.remember(world.grains(), &layout.plan, team);
+        self.search(world, set, team, beyond);
+        layout.replan(self.grid.boxes().tasks(), |plan| self.plan(plan, team));
+        self.fill(&layout.plan, team);
         team.alone(Phase::Detect, || {
             self.reference.clear();
             self.reference.extend(world.spheres[..world.grains()].iter().map(|sphere| sphere.centre));
@@ -233,8 +264,16 @@ impl Candidates {
         remembered_walls.collect(grains, &OldList { key, of_task, impulses, torques, plan }, team);
     }
 
-    /// Each box looks for pairs and walls.
-    fn search(&mut self, world: &World, set: Available, team: &Team) {
+    /// Each box looks for pairs and walls. Walls that grains come to within the step depend on velocities: they are looked for too, unless
+    /// those of a list that was there are given.
+    fn search(&mut self, world: &World, set: Available, team: &Team, beyond: Option<&[(u32, u32)]>) {
+        let look_ahead = beyond.is_none();
+        let mut given = Vec::new();
+        if let Some(beyond) = beyond.filter(|beyond| !beyond.is_empty()) {
+            let mut place_of = vec![0; world.grains()];
+            (0..).zip(&world.ids).for_each(|(place, &id)| place_of[id as usize] = place);
+            given.extend(beyond.iter().map(|&(id, surface)| WallCandidate { body: place_of[id as usize], surface }));
+        }
         let Buffers { found, poses, .. } = &mut self.buffers;
         poses.clear();
         poses.extend(world.walls.poses_over(world.time, self.step));
@@ -243,12 +282,20 @@ impl Candidates {
         let (grid, skin) = (&self.grid, self.skin);
         let (wall_skin, step, walls) = (WALL_SKINS * skin, self.step, world.walls.placed(poses));
         team.each_with(Phase::Detect, boxes, Each::of(found), |number, found| {
-            WallSearch { world, walls, skin: wall_skin, step }.run(grid.grains_of_box(number), &mut found.walls);
+            let places = grid.grains_of_box(number);
+            WallSearch { world, walls, skin: wall_skin, step, look_ahead }.run(places.clone(), found);
+            if !look_ahead {
+                found.add_beyond(given.iter().filter(|one| places.contains(&(one.body as usize))));
+            }
             match world.period.any() {
                 true => set.run(PairSearch::<true> { world, grid, number, skin, found }),
                 false => set.run(PairSearch::<false> { world, grid, number, skin, found }),
             }
         });
+        self.beyond.clear();
+        let beyond = self.buffers.found.iter().flat_map(|found| &found.beyond);
+        self.beyond.extend(beyond.map(|one| (world.ids[one.body as usize], one.surface)));
+        self.beyond.sort_unstable();
     }
 
     /// Counts the candidates of each task and finds their places in the list.
@@ -364,6 +411,7 @@ impl Candidates {
             + (self.impulses.pair_torques.capacity() + self.impulses.wall_torques.capacity())
                 * size_of::<AngularImpulse>()
             + self.reference.capacity() * size_of::<Vector3<f64>>()
+            + self.beyond.capacity() * size_of::<(u32, u32)>()
             + self.grid.memory_bytes()
             + buffers.found.iter().map(Found::memory_bytes).sum::<usize>()
             + buffers.remembered_pairs.memory_bytes()

@@ -20,22 +20,32 @@ pub(super) struct Found {
     pub counts: [u32; DIRECTIONS],
     /// Where the pairs of each direction go in the list.
     pub targets: [u32; DIRECTIONS],
-    /// Grains and faces.
+    /// Grains and faces, in the order of faces and grains.
     pub walls: Vec<WallCandidate>,
+    /// Those among them that are not near each other: the grain comes to the face within the step.
+    pub beyond: Vec<WallCandidate>,
 }
 
 impl Found {
+    /// Adds grains and faces that are not near each other.
+    pub fn add_beyond<'a>(&mut self, beyond: impl Iterator<Item = &'a WallCandidate>) {
+        self.beyond.extend(beyond);
+        self.walls.extend(&self.beyond);
+        self.walls.sort_unstable_by_key(|one| (one.surface, one.body));
+        self.walls.dedup();
+    }
+
     pub fn memory_bytes(&self) -> usize {
         size_of::<Found>()
             + self.pairs.capacity() * size_of::<PairCandidate>()
             + self.directions.capacity()
-            + self.walls.capacity() * size_of::<WallCandidate>()
+            + (self.walls.capacity() + self.beyond.capacity()) * size_of::<WallCandidate>()
     }
 }
 
 /// Finds the faces of walls that the grains of a box may touch.
 ///
-/// A grain too fast for the step also finds what it comes to within the step.
+/// A grain too fast for the step also finds what it comes to within the step, where that is asked for.
 pub(super) struct WallSearch<'a> {
     pub world: &'a World,
     pub walls: WallsAt<'a>,
@@ -43,12 +53,15 @@ pub(super) struct WallSearch<'a> {
     pub skin: f64,
     /// Time step, s.
     pub step: f64,
+    /// Whether to look for what grains come to within the step.
+    pub look_ahead: bool,
 }
 
 impl WallSearch<'_> {
     /// Lists the candidates of the grains at these places: face after face, and grain after grain.
-    pub fn run(&self, places: Range<usize>, found: &mut Vec<WallCandidate>) {
-        found.clear();
+    pub fn run(&self, places: Range<usize>, found: &mut Found) {
+        found.walls.clear();
+        found.beyond.clear();
         if places.is_empty() {
             return;
         }
@@ -60,15 +73,18 @@ impl WallSearch<'_> {
             }
             for surface in faces {
                 let face = self.walls.face(surface);
-                let ahead = crowd.ahead(face.largest_speed(&crowd.centre, crowd.half), self.step);
+                let ahead = self.ahead(&crowd, face.largest_speed(&crowd.centre, crowd.half));
                 // Whole boxes are far from most faces.
                 if !crowd.may_touch(&face, self.skin + ahead) {
                     continue;
                 }
                 for (grain, sphere, body) in crowd.grains() {
-                    let near = face.distance(&sphere.centre) < sphere.radius + self.skin;
-                    if near || (ahead > 0.0 && self.is_swept(&face, sphere, body)) {
-                        found.push(WallCandidate { body: grain as u32, surface });
+                    let candidate = WallCandidate { body: grain as u32, surface };
+                    if face.distance(&sphere.centre) < sphere.radius + self.skin {
+                        found.walls.push(candidate);
+                    } else if ahead > 0.0 && self.is_swept(&face, sphere, body) {
+                        found.walls.push(candidate);
+                        found.beyond.push(candidate);
                     }
                 }
             }
@@ -76,28 +92,39 @@ impl WallSearch<'_> {
     }
 
     /// Lists the same for a wall with an index, which each grain asks for its own faces.
-    fn search_index(&self, wall: u32, pose: &Pose, crowd: &Crowd<'_>, found: &mut Vec<WallCandidate>) {
-        let start = found.len();
-        let fast = crowd.ahead(pose.largest_speed(&crowd.centre, crowd.half), self.step) > 0.0;
+    fn search_index(&self, wall: u32, pose: &Pose, crowd: &Crowd<'_>, found: &mut Found) {
+        let start = found.walls.len();
+        let fast = self.ahead(crowd, pose.largest_speed(&crowd.centre, crowd.half)) > 0.0;
         for (grain, sphere, body) in crowd.grains() {
             let touch = sphere.radius + self.skin;
             let velocity = body.velocity.into();
             let path = if fast { pose.longest_path(&sphere.centre, &velocity, self.step) } else { 0.0 };
             let radius = touch.max(path + sphere.radius);
             self.walls.for_each_near_of(wall, &sphere.centre, radius, |surface, face| {
-                let near = face.distance(&sphere.centre) < touch;
                 let swept = || {
-                    let ahead = crowd.ahead(face.largest_speed(&crowd.centre, crowd.half), self.step);
+                    let ahead = self.ahead(crowd, face.largest_speed(&crowd.centre, crowd.half));
                     ahead > 0.0 && crowd.may_touch(face, self.skin + ahead) && self.is_swept(face, sphere, body)
                 };
-                if near || (fast && swept()) {
-                    found.push(WallCandidate { body: grain as u32, surface });
+                let candidate = WallCandidate { body: grain as u32, surface };
+                if face.distance(&sphere.centre) < touch {
+                    found.walls.push(candidate);
+                } else if fast && swept() {
+                    found.walls.push(candidate);
+                    // Once, however often the index comes upon the face.
+                    if !found.beyond.contains(&candidate) {
+                        found.beyond.push(candidate);
+                    }
                 }
             });
         }
         // In the order in which all faces would have been asked.
-        found[start..].sort_unstable_by_key(|one| (one.surface, one.body));
-        found.dedup();
+        found.walls[start..].sort_unstable_by_key(|one| (one.surface, one.body));
+        found.walls.dedup();
+    }
+
+    /// How far the grains may come against a face of a speed (m/s) within a step, m; nothing if none is too fast for it.
+    fn ahead(&self, crowd: &Crowd<'_>, speed: f64) -> f64 {
+        if self.look_ahead { crowd.ahead(speed, self.step) } else { 0.0 }
     }
 
     fn is_swept(&self, face: &PlacedFace<'_>, sphere: &Sphere, body: &Body) -> bool {

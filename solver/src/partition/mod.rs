@@ -75,9 +75,9 @@ const CACHE: usize = 1 << 20;
 /// All contacts of a step, laid out for relaxation.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// The tasks that have candidates, stage after stage.
+    /// The tasks that have candidates, stage after stage. They are replaced by [`Layout::replan`].
     pub plan: Plan,
-    /// Lane groups of every task that can be, by its number (`BoxGrid::task`).
+    /// Lane groups of every task that can be, by its number (`BoxGrid::task`): of every planned one at least.
     pub groups: Vec<TaskGroups>,
     /// The contacts with driven walls, in the order in which they are relaxed.
     pub driven: Vec<DrivenContact>,
@@ -121,8 +121,10 @@ impl Layout {
         Layout { groups: vec![TaskGroups::default(); tasks], ..Layout::default() }
     }
 
-    /// Makes room for so many tasks, or for more.
-    pub(crate) fn fit(&mut self, tasks: usize) {
+    /// Takes a plan of tasks whose numbers lie below `tasks`: each has its lane groups from then on, without a contact until they are laid
+    /// out.
+    pub(crate) fn replan(&mut self, tasks: usize, plan: impl FnOnce(&mut Plan)) {
+        plan(&mut self.plan);
         if tasks > self.groups.len() {
             self.groups.resize_with(tasks, TaskGroups::default);
         }

@@ -20,20 +20,18 @@ impl Simulation {
     /// Contacts are listed in the order in which a sweep relaxes them, those that neither bear nor pull anything in the step
     /// left out. Bodies are numbered by the ids of the grains; driven walls follow.
     pub fn contact_problem(&self) -> ContactProblem {
-        let mut posed = self.clone();
-        posed.pose_problem(&Team::default());
-        // Bodies as they are before the contacts act, which the posed ones are no more.
+        let (mut posed, team) = (self.clone(), Team::default());
+        // Bodies as they are before the contacts act, which start from the impulses of the last step.
+        posed.set_free(&team);
+        let bodies = bodies(&posed);
+        posed.lay_out(&team);
         let (world, step) = (&self.world, self.settings.step);
-        let mut drives = world.drives.clone();
-        drives.iter_mut().for_each(|drive| drive.begin(world.time, step, &world.gravity));
-        let falls = world.gravity * step;
-        let grains = self.places_by_id().into_iter().map(|place| grain(&self.pushed(place as usize), &falls));
         ContactProblem {
             time: world.time,
             step,
             unit: residual_unit(world, step),
             grains: world.grains(),
-            bodies: grains.chain(drives.iter().map(wall)).collect(),
+            bodies,
             contacts: contacts(&posed),
         }
     }
@@ -48,11 +46,7 @@ impl Simulation {
         copy.pose_problem(&team);
         let Simulation { world, settings, layout, relaxation, solver, interrupt, .. } = &mut copy;
         let report = solve(world, layout, relaxation, settings, &team, solver, interrupt);
-        let found = contacts(&copy);
-        let world = &copy.world;
-        let grains =
-            copy.places_by_id().into_iter().map(|place| grain(&world.bodies[place as usize], &Vector3::zeros()));
-        let bodies: Vec<Body> = grains.chain(world.drives.iter().map(wall)).collect();
+        let (found, bodies) = (contacts(&copy), bodies(&copy));
         let state = ContactState {
             velocities: bodies.iter().map(|body| body.velocity).collect(),
             spins: bodies.iter().map(|body| body.spin).collect(),
@@ -62,13 +56,19 @@ impl Simulation {
     }
 }
 
-/// A grain to which gravity has given a change of velocity.
-fn grain(body: &world::Body, falls: &Vector3<f64>) -> Body {
+/// The grains by id, then the driven walls, as they move now.
+fn bodies(simulation: &Simulation) -> Vec<Body> {
+    let world = &simulation.world;
+    let grains = simulation.places_by_id().into_iter().map(|place| grain(&world.bodies[place as usize]));
+    grains.chain(world.drives.iter().map(wall)).collect()
+}
+
+fn grain(body: &world::Body) -> Body {
     let inverse_inertia = INVERSE_INERTIA * body.inverse_mass * body.inverse_radius * body.inverse_radius;
     Body {
         inverse_mass: Matrix3::from_diagonal_element(body.inverse_mass),
         inverse_inertia: Matrix3::from_diagonal_element(inverse_inertia),
-        velocity: Vector3::from(body.velocity) + falls,
+        velocity: body.velocity.into(),
         spin: Vector3::from(body.scaled_spin) * body.inverse_radius,
     }
 }

@@ -51,9 +51,32 @@ impl Scheduler {
 pub struct Team {
     scheduler: Scheduler,
     /// Absent where there is one thread.
-    pool: Option<Arc<ThreadPool>>,
+    pool: Option<Arc<Pool>>,
     /// Where durations of tasks are written down; absent unless the team traces.
     tracer: Option<Arc<Mutex<Tracer>>>,
+}
+
+/// Threads of the process that has started them: one that is forked off has none of them.
+#[derive(Debug)]
+struct Pool {
+    /// Absent while it is dropped.
+    threads: Option<ThreadPool>,
+    process: u32,
+}
+
+impl Pool {
+    fn is_here(&self) -> bool {
+        self.process == std::process::id()
+    }
+}
+
+impl Drop for Pool {
+    fn drop(&mut self) {
+        // To end threads that are not there may take for ever.
+        if !self.is_here() {
+            std::mem::forget(self.threads.take());
+        }
+    }
 }
 
 impl Team {
@@ -65,14 +88,30 @@ impl Team {
     pub fn new(scheduler: Scheduler, threads: usize) -> Result<Team, ThreadPoolBuildError> {
         let pool = match (scheduler, threads) {
             (Scheduler::Serial, _) | (_, 0 | 1) => None,
-            _ => Some(Arc::new(ThreadPoolBuilder::new().num_threads(threads).build()?)),
+            _ => {
+                let threads = Some(ThreadPoolBuilder::new().num_threads(threads).build()?);
+                Some(Arc::new(Pool { threads, process: std::process::id() }))
+            }
         };
         Ok(Team { scheduler, pool, tracer: None })
     }
 
+    /// The team as this process can use it: one with threads of its own in a process that was forked off, and a team of one where the system
+    /// gives none, with the same bits.
+    pub(crate) fn here(&self) -> Team {
+        match &self.pool {
+            Some(pool) if !pool.is_here() => Team::new(self.scheduler, self.threads()).unwrap_or_default(),
+            _ => self.clone(),
+        }
+    }
+
+    fn pool(&self) -> Option<&ThreadPool> {
+        self.pool.as_ref()?.threads.as_ref()
+    }
+
     /// Number of threads.
     pub fn threads(&self) -> usize {
-        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
+        self.pool().map_or(1, ThreadPool::current_num_threads)
     }
 
     /// Who takes the next task.
@@ -82,7 +121,7 @@ impl Team {
 
     /// Runs `work` on a thread of the team, so that its regions start without waking a pool.
     pub(crate) fn enter<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
+        match self.pool() {
             Some(pool) => pool.install(work),
             None => work(),
         }
@@ -114,7 +153,7 @@ impl Team {
     }
 
     fn hand_out(&self, count: usize, task: impl Fn(usize) + Sync) {
-        match (&self.pool, self.scheduler) {
+        match (self.pool(), self.scheduler) {
             _ if count <= 1 => (0..count).for_each(task),
             (None, Scheduler::CentralQueue) => CentralQueue::new(count).drain(&task),
             (None, _) => (0..count).for_each(task),

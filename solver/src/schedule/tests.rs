@@ -46,3 +46,26 @@ fn a_team_traces_only_when_it_is_asked_to() {
     team.each(Phase::Detect, 3, |_| {});
     assert!(team.take_trace().regions.is_empty());
 }
+
+#[test]
+fn a_team_has_threads_of_its_own_in_a_process_that_was_forked_off() {
+    let parent = Team::new(Scheduler::WorkStealing, 2).unwrap();
+    // As a child finds it, in which none of the threads runs: to wait for one, or to end it, would take for ever.
+    let threads = Some(ThreadPoolBuilder::new().num_threads(2).build().unwrap());
+    let pool = Arc::new(Pool { threads, process: std::process::id().wrapping_add(1) });
+    let forked = Team { scheduler: Scheduler::WorkStealing, pool: Some(pool), tracer: None };
+    let here = forked.here();
+    assert_eq!((here.threads(), here.scheduler()), (2, Scheduler::WorkStealing));
+    assert!(here.pool.as_ref().is_some_and(|pool| pool.is_here()));
+    let done = AtomicUsize::new(0);
+    here.enter(|| {
+        here.each(Phase::Sweep, 10, |_| {
+            done.fetch_add(1, Ordering::Relaxed);
+        });
+    });
+    assert_eq!(done.into_inner(), 10);
+    assert!(
+        Arc::ptr_eq(parent.here().pool.as_ref().unwrap(), parent.pool.as_ref().unwrap()),
+        "no fork, no new threads"
+    );
+}

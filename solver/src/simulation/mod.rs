@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! step.rs         the time step: detect, constrain, solve, move
-//! swept.rs        grains that would pass a wall within a step
+//! swept/          grains that would pass a wall or another grain within a step
 //! interrupted.rs  a step that is given up
 //! intervention/   what the caller does between steps: forces, states written, grains that come and go, walls that are moved
 //! settings.rs     threads, instruction set, precision, method, stop
@@ -109,6 +109,7 @@ impl Simulation {
             prefetch: None,
             candidates: Candidates::new(&boxes, &world, skin, settings.step, effects.torques()),
             constrainer: Constrainer::new(&world, settings),
+            swept: Swept::new(&world),
             world,
             settings: settings.clone(),
             layout: Layout::new(boxes.tasks()),
@@ -117,7 +118,6 @@ impl Simulation {
             steps: 0,
             contact_sweeps: 0,
             ledger: None,
-            swept: Swept::default(),
             interrupt: Interrupt::new(),
             interventions: Interventions::default(),
             work_outside_of_the_solve: 0.0,
@@ -134,7 +134,7 @@ impl Simulation {
         self.team = other.team.clone();
         (self.steps, self.contact_sweeps) = (other.steps, other.contact_sweeps);
         self.ledger = other.ledger.clone();
-        self.swept.remember_crossing(&other.swept);
+        self.swept.remember_failures(&other.swept);
         self.interrupt = other.interrupt.clone();
         self.phases = other.phases;
     }

@@ -11,12 +11,14 @@ use std::time::Instant;
 impl Simulation {
     /// Advances by one time step, unless it is [interrupted](crate::interrupt): then all is as before it, and the report says so.
     pub fn step(&mut self) -> StepReport {
+        self.team = self.team.here();
         let team = self.team.clone();
         team.enter(|| self.step_of(&team))
     }
 
     /// Advances by one time step and tells how long each task took.
     pub fn trace_step(&mut self) -> (StepReport, StepTrace) {
+        self.team = self.team.here();
         let team = self.team.traced();
         let report = team.enter(|| self.step_of(&team));
         (report, team.take_trace())
@@ -40,11 +42,11 @@ impl Simulation {
             self.ledger = Some(ledger);
         }
         self.account_for_forces();
-        // Walls that grains would pass within the step.
-        let stopped = self.stop_ahead(team);
+        // Walls and grains that grains would pass within the step.
+        self.stop_ahead(team);
         // Motion with the new velocities.
         self.remember_impulses(team);
-        self.move_bodies(stopped, team);
+        self.move_bodies(team);
         clock.lap(&mut self.phases.integrate);
         let sweeps = u64::from(solve.sweeps) * u64::from(self.settings.sweeps_per_iteration());
         self.contact_sweeps += sweeps * self.layout.contacts as u64;
@@ -54,22 +56,35 @@ impl Simulation {
     /// Poses the next step's contact problem: contacts laid out with the impulses that they start from, and bodies with the
     /// velocities that go with these.
     pub(crate) fn pose_problem(&mut self, team: &Team) {
+        self.set_free(team);
+        self.lay_out(team);
+    }
+
+    /// Begins the next step: looks which grains and walls may touch, and gives bodies their free velocities, those that they would have at
+    /// its end without contacts.
+    pub(crate) fn set_free(&mut self, team: &Team) {
         let set = self.relaxation.instruction_set;
         let clock = Clock::start();
-        // Which grains and walls may touch.
         let unknown = self.may_be_swift() && self.candidates.miss_a_wall(&self.world, team);
-        if unknown || self.candidates.are_stale(&self.world, team) {
-            self.candidates.rebuild(&mut self.world, &mut self.layout.plan, set, team);
+        let rebuilt = unknown || self.candidates.are_stale(&self.world, team);
+        if rebuilt {
+            self.candidates.rebuild(&mut self.world, &mut self.layout, set, team);
         }
         let clock = clock.lap(&mut self.phases.detect);
+        let disturbed = std::mem::take(&mut self.interventions.disturbed);
         if let Some(ledger) = &mut self.ledger {
-            ledger.begin(&self.world, &self.candidates, self.constrainer.scheme());
+            let scheme = self.constrainer.scheme();
+            let found = ledger.begin(&self.world, &self.candidates, scheme, [rebuilt, disturbed]);
+            self.interventions.booked.energy += found;
         }
-        // Forces.
         self.apply_gravity(self.settings.step, team);
         self.act_from_outside();
-        let clock = clock.lap(&mut self.phases.integrate);
-        // Which do, as constraints laid out in boxes, stages and lane groups; they start from their last impulses.
+        clock.lap(&mut self.phases.integrate);
+    }
+
+    /// Lays out which of those that may touch do, as constraints in boxes, stages and lane groups; they start from their last impulses.
+    pub(crate) fn lay_out(&mut self, team: &Team) {
+        let clock = Clock::start();
         self.constrain(team);
         start_driven(&self.layout, &mut self.world.drives);
         clock.lap(&mut self.phases.constrain);
@@ -107,7 +122,6 @@ impl Simulation {
     }
 
     pub(crate) fn constrain(&mut self, team: &Team) {
-        self.layout.fit(self.candidates.tasks());
         // Bodies, and contacts about as many as in the last step.
         self.constrainer.fetches = self.layout.prefetch(self.world.bodies.len()) > 0;
         let Simulation { world, candidates, relaxation, constrainer, layout, .. } = self;
@@ -121,9 +135,9 @@ impl Simulation {
         self.relaxation.prefetch = self.prefetch.unwrap_or(pays);
     }
 
-    fn move_bodies(&mut self, stopped: bool, team: &Team) {
+    fn move_bodies(&mut self, team: &Team) {
         let h = self.settings.step;
-        self.move_grains(stopped, team);
+        self.move_grains(team);
         self.world.drives.iter_mut().for_each(|drive| drive.advance(h));
         self.world.place_driven_walls();
         self.world.walls.advance_steered(h);

@@ -128,6 +128,11 @@ impl Container {
         }
     }
 
+    /// Whether it goes on beyond the ends of the domain.
+    pub fn repeats(&self) -> bool {
+        matches!(self.shape, Shape::Pipe { .. })
+    }
+
     /// The walls as a scene says them.
     pub fn text(&self) -> String {
         let mut text = String::new();

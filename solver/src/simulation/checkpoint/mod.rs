@@ -2,7 +2,8 @@
 //!
 //! What the next step depends on is the state of the grains, the impulses that contacts bore, and the candidate list: the order
 //! of its pairs is the order in which contacts are relaxed. The list itself is not written. It follows from where the grains
-//! were when it was built, so these places are, and reading builds it again.
+//! were when it was built, so these places are, and reading builds it again. What it holds besides, because grains were too fast for the step,
+//! is written as it is: it came from velocities that nobody knows any more.
 //!
 //! ```
 //! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
@@ -41,9 +42,9 @@ use std::path::{Path, PathBuf};
 /// First bytes of a file; the last one is the version of the format.
 const MARK: [u8; 8] = *b"makadam\x09";
 
-/// The same of a simulation in which grains have come or gone, walls are moved by the caller, or the ledger has something from outside or
-/// in tangential springs: what that is follows the state.
-const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x0b";
+/// The same of a simulation in which grains have come or gone, walls are moved by the caller, the candidate list holds more than what was
+/// near when it was built, or the ledger has something from outside or in tangential springs: what that is follows the state.
+const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x0c";
 
 /// Why a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]

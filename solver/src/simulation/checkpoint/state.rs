@@ -3,7 +3,7 @@
 use super::{MARK, MARK_OF_ALTERED, open, seal};
 use crate::Simulation;
 use crate::detect::{AngularImpulse, Impulse, PairCandidate, WallCandidate};
-use crate::partition::Plan;
+use crate::partition::{Layout, Plan};
 use crate::scene::{GrainEntry, Scene};
 use crate::schedule::Team;
 use crate::simulation::intervention::Booked;
@@ -44,7 +44,8 @@ pub(in crate::simulation) struct State {
     altered: Altered,
 }
 
-/// What few simulations have: what the caller has done to one, as far as later steps depend on it, and what springs took up.
+/// What few simulations have: what the caller has done to one, as far as later steps depend on it, what the candidate list holds beyond what
+/// was near, and what springs took up.
 #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Altered {
     /// Whether there may be other grains than the scene has.
@@ -53,10 +54,14 @@ struct Altered {
     moved_walls: Vec<(u32, Steered)>,
     /// What the ledger has from outside.
     booked: Booked,
+    /// Whether contacts that the next candidate list finds were made by the caller, where a ledger is kept.
+    disturbed: bool,
     /// What tangential springs took up since the ledger was opened, J.
     springs: f64,
     /// Numbers of the grains, by id, and of the next one to be inserted, where there are other grains than the scene has.
     numbers: (Vec<u64>, u64),
+    /// Ids and surfaces that the candidate list holds although they were not near each other when it was built.
+    beyond: Vec<(u32, u32)>,
 }
 
 impl Altered {
@@ -194,7 +199,10 @@ impl State {
                 .map(|drive| DriveState {
                     displacement: drive.displacement,
                     rate: drive.rate,
-                    displacement_in_list: world.walls.displacement_in_list(drive.wall),
+                    displacement_in_list: match candidates.built_from() {
+                        Some(_) => world.walls.displacement_in_list(drive.wall),
+                        None => 0.0,
+                    },
                 })
                 .collect(),
             ledger: simulation.ledger.clone(),
@@ -202,6 +210,8 @@ impl State {
                 other_grains: simulation.interventions.other_grains,
                 moved_walls: world.walls.steered().map(|(wall, steered)| (wall, *steered)).collect(),
                 booked: simulation.interventions.booked,
+                disturbed: simulation.interventions.disturbed,
+                beyond: candidates.beyond().to_vec(),
                 springs: simulation.ledger.as_ref().map_or(0.0, Ledger::springs),
                 numbers: simulation.interventions.numbering(),
             },
@@ -266,6 +276,7 @@ impl State {
         self.put_driven_walls(&mut simulation.world, |wall| wall.displacement);
         self.put_moved_walls(&mut simulation.world, |steered| *steered)?;
         simulation.interventions.booked = self.altered.booked;
+        simulation.interventions.disturbed = self.altered.disturbed;
         simulation.steps = self.steps;
         simulation.contact_sweeps = self.contact_sweeps;
         simulation.ledger = self.ledger.clone().map(|ledger| ledger.with_springs(self.altered.springs));
@@ -317,7 +328,7 @@ impl State {
             candidates.impulses.pair_torques.resize(self.pairs.len(), AngularImpulse::default());
             candidates.impulses.wall_torques.resize(self.walls.len(), AngularImpulse::default());
         }
-        simulation.layout.plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32);
+        simulation.layout.replan(1, |plan| *plan = Plan::single(self.pairs.len() as u32, self.walls.len() as u32));
         simulation.candidates.find_borne(&simulation.layout.plan);
         Ok(())
     }
@@ -431,8 +442,9 @@ impl State {
         // The start has put its own candidates there, by id.
         (candidates.pairs, candidates.walls) = (Vec::new(), Vec::new());
         candidates.impulses.pairs.clear();
-        layout.plan = Plan::single(0, 0);
-        candidates.rebuild(world, &mut layout.plan, relaxation.instruction_set, team);
+        *layout = Layout::new(0);
+        let set = relaxation.instruction_set;
+        candidates.restore(world, layout, set, team, &self.altered.beyond).ok_or(OTHER)?;
         candidates.rebuilds = list.rebuilds;
         let same = (candidates.pairs.len() as u32, candidates.walls.len() as u32) == (list.pairs, list.walls);
         if !same || world.ids != places {

@@ -40,9 +40,8 @@ impl Simulation {
     /// [`InterventionError::Length`] if the list is neither empty nor as long as there are grains, [`InterventionError::Number`] if a force
     /// is not finite.
     pub fn apply_forces(&mut self, forces: &[[f64; 3]]) -> Result<(), InterventionError> {
-        check("the list of forces", "the force", forces, self.world.grains())?;
-        self.interventions.forces.clear();
-        self.interventions.forces.extend_from_slice(forces);
+        self.check_forces(forces)?;
+        replace(&mut self.interventions.loads[APPLIED].forces, forces);
         Ok(())
     }
 
@@ -51,33 +50,56 @@ impl Simulation {
     /// # Errors
     /// As for [`apply_forces`](Simulation::apply_forces).
     pub fn apply_torques(&mut self, torques: &[[f64; 3]]) -> Result<(), InterventionError> {
-        check("the list of torques", "the torque", torques, self.world.grains())?;
-        self.interventions.torques.clear();
-        self.interventions.torques.extend_from_slice(torques);
+        self.check_torques(torques)?;
+        replace(&mut self.interventions.loads[APPLIED].torques, torques);
         Ok(())
+    }
+
+    /// Both at once, in place of all forces and torques that were applied before for the same step. If one list is refused, neither acts.
+    ///
+    /// # Errors
+    /// As for [`apply_forces`](Simulation::apply_forces).
+    pub fn apply_loads(&mut self, forces: &[[f64; 3]], torques: &[[f64; 3]]) -> Result<(), InterventionError> {
+        self.give_loads(APPLIED, forces, torques)
+    }
+
+    /// Forces and torques on top of those that are applied, for the step to come; in place of those that were added before for the same step.
+    ///
+    /// # Errors
+    /// As for [`apply_forces`](Simulation::apply_forces).
+    pub fn add_loads(&mut self, forces: &[[f64; 3]], torques: &[[f64; 3]]) -> Result<(), InterventionError> {
+        self.give_loads(ADDED, forces, torques)
+    }
+
+    fn give_loads(&mut self, which: usize, forces: &[[f64; 3]], torques: &[[f64; 3]]) -> Result<(), InterventionError> {
+        self.check_forces(forces)?;
+        self.check_torques(torques)?;
+        replace(&mut self.interventions.loads[which].forces, forces);
+        replace(&mut self.interventions.loads[which].torques, torques);
+        Ok(())
+    }
+
+    fn check_forces(&self, forces: &[[f64; 3]]) -> Result<(), InterventionError> {
+        check("the list of forces", "the force", forces, self.world.grains())
+    }
+
+    fn check_torques(&self, torques: &[[f64; 3]]) -> Result<(), InterventionError> {
+        check("the list of torques", "the torque", torques, self.world.grains())
     }
 
     /// Has the forces and torques of the step act, after velocities at its start were kept.
     pub(crate) fn act_from_outside(&mut self) {
-        if self.interventions.forces.is_empty() && self.interventions.torques.is_empty() {
-            return;
+        let Interventions { loads, spins_before, .. } = &mut self.interventions;
+        spins_before.clear();
+        if loads.iter().any(|loads| !loads.torques.is_empty()) {
+            spins_before.extend(self.world.bodies.iter().map(|body| body.scaled_spin));
         }
-        let h = self.settings.step;
         let World { bodies, ids, .. } = &mut self.world;
-        self.interventions.spins_before.clear();
-        if !self.interventions.torques.is_empty() {
-            self.interventions.spins_before.extend(bodies.iter().map(|body| body.scaled_spin));
+        for loads in loads.iter().filter(|loads| !loads.are_none()) {
+            for (body, &id) in bodies.iter_mut().zip(&*ids) {
+                loads.push(body, id, self.settings.step);
+            }
         }
-        for (body, &id) in bodies.iter_mut().zip(&*ids) {
-            self.interventions.push(body, id, h);
-        }
-    }
-
-    /// The grain at a place as the forces and torques of the step to come leave it.
-    pub(crate) fn pushed(&self, place: usize) -> Body {
-        let mut body = self.world.bodies[place];
-        self.interventions.push(&mut body, self.world.ids[place], self.settings.step);
-        body
     }
 
     /// Takes the torques of a step that is given up back; it is taken again with the same.
@@ -91,40 +113,57 @@ impl Simulation {
     /// then.
     pub(crate) fn account_for_forces(&mut self) {
         self.interventions.work = 0.0;
-        if self.interventions.forces.is_empty() && self.interventions.torques.is_empty() {
-            return;
-        }
-        let (h, ledger) = (self.settings.step, self.ledger.is_some());
-        let (mut work, mut impulse, mut angular_impulse) = (0.0, [0.0; 3], [0.0; 3]);
-        for (place, &id) in self.world.ids.iter().enumerate() {
-            let body = &self.world.bodies[place];
-            if let Some(force) = self.interventions.forces.get(id as usize) {
-                let [x, y, z, _] = self.world.before[place].0;
-                work += h * dot(*force, times(plus([x, y, z], body.velocity), 0.5));
-                impulse = plus(impulse, times(*force, h));
-                let centre = self.world.spheres[place].centre.into();
-                angular_impulse = plus(angular_impulse, times(cross(centre, *force), h));
+        let Simulation { world, interventions, settings, ledger, .. } = self;
+        let h = settings.step;
+        for loads in interventions.loads.iter_mut().filter(|loads| !loads.are_none()) {
+            let (mut work, mut impulse, mut angular_impulse) = (0.0, [0.0; 3], [0.0; 3]);
+            for (place, &id) in world.ids.iter().enumerate() {
+                let body = &world.bodies[place];
+                if let Some(force) = loads.forces.get(id as usize) {
+                    let [x, y, z, _] = world.before[place].0;
+                    work += h * dot(*force, times(plus([x, y, z], body.velocity), 0.5));
+                    impulse = plus(impulse, times(*force, h));
+                    let centre = world.spheres[place].centre.into();
+                    angular_impulse = plus(angular_impulse, times(cross(centre, *force), h));
+                }
+                if let Some(torque) = loads.torques.get(id as usize) {
+                    let mean = times(plus(interventions.spins_before[place], body.scaled_spin), 0.5);
+                    work += h * dot(*torque, times(mean, body.inverse_radius));
+                    angular_impulse = plus(angular_impulse, times(*torque, h));
+                }
             }
-            if let Some(torque) = self.interventions.torques.get(id as usize) {
-                let mean = times(plus(self.interventions.spins_before[place], body.scaled_spin), 0.5);
-                work += h * dot(*torque, times(mean, body.inverse_radius));
-                angular_impulse = plus(angular_impulse, times(*torque, h));
+            interventions.work += work;
+            if ledger.is_some() {
+                let booked = &mut interventions.booked;
+                booked.energy += work;
+                booked.impulse = plus(booked.impulse, impulse);
+                booked.angular_impulse = plus(booked.angular_impulse, angular_impulse);
             }
+            loads.forces.clear();
+            loads.torques.clear();
         }
-        self.interventions.work = work;
-        if ledger {
-            let booked = &mut self.interventions.booked;
-            booked.energy += work;
-            booked.impulse = plus(booked.impulse, impulse);
-            booked.angular_impulse = plus(booked.angular_impulse, angular_impulse);
-        }
-        self.interventions.forces.clear();
-        self.interventions.torques.clear();
-        self.interventions.spins_before.clear();
+        interventions.spins_before.clear();
     }
 }
 
-impl Interventions {
+/// Forces (N) and torques (N m) of a step, by id; empty where there are none.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Loads {
+    pub forces: Vec<[f64; 3]>,
+    pub torques: Vec<[f64; 3]>,
+}
+
+/// Number of the loads that are applied.
+const APPLIED: usize = 0;
+
+/// Number of those on top of them.
+const ADDED: usize = 1;
+
+impl Loads {
+    fn are_none(&self) -> bool {
+        self.forces.is_empty() && self.torques.is_empty()
+    }
+
     /// Has a grain's force and torque act on it for a step of length `h`, s.
     fn push(&self, body: &mut Body, id: u32, h: f64) {
         if let Some(force) = self.forces.get(id as usize) {
@@ -135,6 +174,11 @@ impl Interventions {
             body.scaled_spin = plus(body.scaled_spin, times(*torque, turned));
         }
     }
+}
+
+fn replace(list: &mut Vec<[f64; 3]>, new: &[[f64; 3]]) {
+    list.clear();
+    list.extend_from_slice(new);
 }
 
 fn check(list: &'static str, what: &'static str, given: &[[f64; 3]], grains: usize) -> Result<(), InterventionError> {

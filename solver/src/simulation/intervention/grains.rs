@@ -124,10 +124,8 @@ impl Simulation {
         next.go_on_as(self);
         next.interventions = self.interventions.after(new_ids, grains);
         *self = next;
-        self.restart_stored_energy();
         if self.ledger.is_some() {
-            let after = Booked::of(self);
-            self.interventions.booked.add_change(&before, &after);
+            self.book_disturbance(&before);
         }
         self.note_known_energy();
     }

@@ -22,6 +22,7 @@ mod walls;
 
 #[doc(hidden)]
 pub use contacts::PairsInList;
+use forces::Loads;
 pub use states::States;
 
 use crate::Simulation;
@@ -101,9 +102,8 @@ pub enum InterventionError {
 /// What was done so far, and what acts in the step to come.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Interventions {
-    /// Forces (N) and torques (N m) of the step to come, by id; empty where there are none.
-    forces: Vec<[f64; 3]>,
-    torques: Vec<[f64; 3]>,
+    /// Forces and torques of the step to come: those that are applied, and those on top of them.
+    loads: [Loads; 2],
     /// Scaled spins at the start of the step in which these act, m/s, by place.
     spins_before: Vec<[f64; 3]>,
     /// Work of forces and torques in the last step, J.
@@ -118,6 +118,8 @@ pub(crate) struct Interventions {
     next_number: u64,
     /// What the ledger has under `outside`.
     pub booked: Booked,
+    /// Whether grains came, went or were written since the last step, where a ledger is kept.
+    pub disturbed: bool,
     /// Whether positions and velocities may be written from outside.
     handed_out: bool,
     /// What there was of each when nobody had written yet; only where a ledger is kept and states were handed out.
@@ -169,12 +171,15 @@ impl Interventions {
         Interventions {
             numbers,
             next_number,
-            forces: renumbered(&self.forces),
-            torques: renumbered(&self.torques),
+            loads: self
+                .loads
+                .each_ref()
+                .map(|loads| Loads { forces: renumbered(&loads.forces), torques: renumbered(&loads.torques) }),
             count: self.count + 1,
             other_grains: true,
             handed_out: self.handed_out,
             booked: self.booked,
+            disturbed: self.disturbed,
             ..Interventions::default()
         }
     }

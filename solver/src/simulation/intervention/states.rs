@@ -1,6 +1,6 @@
 //! Positions, velocities and spins as they lie in memory, to be read and written between steps.
 
-use super::Booked;
+use super::{Booked, Interventions};
 use crate::Simulation;
 use crate::world::{Body, Sphere};
 use std::collections::TryReserveError;
@@ -132,14 +132,23 @@ impl Simulation {
     fn book_what_was_written(&mut self) {
         let Some(before) = self.interventions.known else { return };
         self.note_known_energy();
-        if let Some(after) = self.interventions.known {
-            self.interventions.booked.add_change(&before, &after);
+        self.book_disturbance(&before);
+    }
+
+    /// Enters how energy, momentum and angular momentum were changed by the caller, given what they were before.
+    pub(super) fn book_disturbance(&mut self, before: &Booked) {
+        let after = Booked::of(self);
+        if after == *before {
+            return;
         }
+        let Interventions { booked, disturbed, .. } = &mut self.interventions;
+        booked.add_change(before, &after);
+        *disturbed = true;
         self.restart_stored_energy();
     }
 
-    /// Has the ledger go on from what contacts store now.
-    pub(super) fn restart_stored_energy(&mut self) {
+    /// Has the ledger go on from what contacts store now, as far as the candidate list knows of them.
+    fn restart_stored_energy(&mut self) {
         if let Some(ledger) = &mut self.ledger {
             ledger.restart_stored(&self.world, &self.candidates, self.constrainer.scheme());
         }

@@ -73,8 +73,9 @@ pub struct Balance {
     /// Angular impulse of the walls.
     #[serde(default)]
     pub wall_angular_impulse: [f64; 3],
-    /// Angular momentum from friction between grains, which acts on arms of full radii although centres are closer by the overlap: the
-    /// error of the method, of first order in the overlap.
+    /// Angular momentum from friction between grains, which acts on arms of full radii although centres are closer by the overlap, and from
+    /// impacts of fast grains, which act where the two are at the start of the step: the error of the method, of first order in the overlap,
+    /// and in the path of a step.
     #[serde(default)]
     pub overlap_angular_impulse: [f64; 3],
     /// Angular momentum from contacts across a period, whose two impulses act a period apart.

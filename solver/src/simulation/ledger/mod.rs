@@ -63,9 +63,6 @@ pub(crate) struct Ledger {
     stored: Stored,
     /// Whether there was no candidate list yet, so that nobody knew what contacts stored, when the ledger was opened.
     unlisted: bool,
-    /// Number of the candidate list that the last step went by.
-    #[serde(skip)]
-    list: u64,
     /// What contacts should store at the end of the step.
     #[serde(skip)]
     expectations: Expectations,
@@ -129,22 +126,33 @@ impl Ledger {
         self
     }
 
-    /// Notes the state at the start of a step, after grains were put in order and before anything acts on them.
-    pub fn begin(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
+    /// Notes the state at the start of a step, after grains were put in order and before anything acts on them. A list that was `rebuilt` may
+    /// know of contacts that the one before did not: what these store is a first touch, or, if the caller has `disturbed` the state since the
+    /// last step, the caller's. Returns what is the caller's, J.
+    pub fn begin(
+        &mut self,
+        world: &World,
+        candidates: &Candidates,
+        scheme: &NormalScheme,
+        [rebuilt, disturbed]: [bool; 2],
+    ) -> f64 {
         self.scaled_spins.clear();
         self.scaled_spins.extend(world.bodies.iter().map(|body| body.scaled_spin));
-        if self.list == candidates.rebuilds && !self.unlisted {
-            return;
+        if !rebuilt && !self.unlisted {
+            return 0.0;
         }
-        // A new list may know of contacts that the one before did not.
-        self.list = candidates.rebuilds;
         let stored = Stored::of_all(world, candidates, scheme.law);
+        let found = stored.total() - self.stored.total();
+        self.stored = stored;
         if std::mem::take(&mut self.unlisted) {
             (self.start.elastic, self.start.cohesive) = (stored.elastic, stored.cohesive);
-        } else {
-            self.entries.first_touch += stored.total() - self.stored.total();
+            return 0.0;
         }
-        self.stored = stored;
+        if disturbed {
+            return found;
+        }
+        self.entries.first_touch += found;
+        0.0
     }
 
     /// Goes on from what contacts store now, after somebody has changed the state from outside.
@@ -209,6 +217,18 @@ impl Ledger {
             add(&mut self.entries.wall_impulse, impulse);
             add(&mut self.entries.wall_angular_impulse, minus(cross(point, impulse), one.angular_impulse));
         });
+    }
+
+    /// Enters what an impact of two grains takes that the solve did not know of, J.
+    pub fn lose_in_impact(&mut self, restitution: f64, friction: f64) {
+        self.entries.restitution += restitution;
+        self.entries.friction += friction;
+    }
+
+    /// Enters the angular momentum that such an impact does not keep, and what of it comes from a period between the two, kg m2/s.
+    pub fn turn_in_impact(&mut self, overlap: [f64; 3], period: [f64; 3]) {
+        add(&mut self.entries.overlap_angular_impulse, overlap);
+        add(&mut self.entries.period_angular_impulse, period);
     }
 
     /// Compares what contacts store once grains and walls have moved with what was expected.

@@ -1,9 +1,8 @@
-//! Grains whose path in a step leads through a wall: they are stopped there, after the solve and before anything moves.
+//! Grains whose path in a step leads through a wall.
 //!
 //! A solve knows the contacts at the start of a step, and what grains meet that fly on as they are. A grain that another one pushes, that
-//! leaves one wall for the next within the step, or that a load presses through a thin wall goes where the solve has not looked. So with
-//! the velocities of the solve the path of a grain's centre `x + s h u`, 0 <= s <= 1, as seen from each face of the walls, must not come
-//! nearer to the face than a level,
+//! leaves one wall for the next within the step, or that a load presses through a thin wall goes where the solve has not looked. So the path
+//! of a grain's centre as seen from each face of the walls must not come nearer to the face than a level,
 //!
 //! ```text
 //! level = 9/10 min(r, d)    where the path is longer than r/2         d: distance from the centre to the face at the start
@@ -12,23 +11,17 @@
 //!
 //! A shorter path from farther off cannot cross. A grain that does come nearer takes an impulse of Newton's and Coulomb's impact from the
 //! face that it comes to first, in the one-contact solution, and its new path is looked at again. Prescribed walls take no notice;
-//! driven ones take the opposite impulse at once. No other grain feels it before the next step.
+//! driven ones take the opposite impulse at once. No other grain feels it, unless it is in the way.
 
-use super::ledger::WallImpulse;
+use super::{Crossing, INVERSE_INERTIA, LONG_LEVEL, Look, Pace, Strike, Struck, Swept, Vector, friction};
 use crate::Simulation;
 use crate::detect::{Row, for_each_on_the_way};
 use crate::effects::friction::slip_speed;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
 use crate::schedule::{Each, Phase, Team};
+use crate::simulation::ledger::WallImpulse;
 use crate::wall::{Impact, PlacedFace, Pose, SHORT_WAY, WallsAt};
-use crate::world::{Body, Sphere, World, by_chunk, chunk, chunk_of, chunks};
-use nalgebra::Vector3;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-
-type Vector = Vector3<f64>;
-
-/// Level of a long path over the distance at the start, or over the radius.
-const LONG_LEVEL: f64 = 0.9;
+use crate::world::{Sphere, World, chunk};
 
 /// Level of a short path over the distance at the start.
 const SHORT_LEVEL: f64 = 0.1;
@@ -42,95 +35,7 @@ const MOST_STRIKES: usize = 16;
 /// Times that all grains are looked at again because driven walls have taken impulses; then these take no notice, either.
 const ROUNDS: usize = 8;
 
-/// One over the moment of inertia of a solid sphere, over that of its mass at the radius.
-const INVERSE_INERTIA: f64 = 2.5;
-
-/// A grain that crossed a wall although everything was done to hold it: walls that close on each other leave it no place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Crossing {
-    /// Id of the grain.
-    pub grain: u32,
-    /// Number of the wall in the scene.
-    pub wall: u32,
-}
-
-/// An impact that a solve did not know of.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Strike {
-    /// Place of the grain.
-    pub place: u32,
-    /// Number of the face.
-    pub surface: u32,
-    /// Unit normal towards the wall.
-    pub normal: Vector,
-    /// Normal impulse, N s.
-    pub along: f64,
-    /// Tangential impulse on the wall, N s.
-    pub tangential: Vector,
-}
-
-/// What is kept from step to step.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Swept {
-    /// Impacts of the last step.
-    pub strikes: Vec<Strike>,
-    /// The speed of faces at which all grains of the last step were slow, m/s; none where some were swift, or it is not known.
-    slow_at: Option<f64>,
-    /// The first grain that could not be held.
-    crossing: Option<Crossing>,
-    poses: Vec<Pose>,
-    /// Which grains of each chunk are looked at.
-    look: Vec<Look>,
-    /// Places of the grains of each chunk that meet something.
-    met: Vec<Vec<u32>>,
-}
-
-/// Which grains of a chunk may cross a wall.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Look {
-    /// None.
-    #[default]
-    None,
-    /// Those that are swift.
-    Swift,
-    /// Any: some are pressed deep into walls.
-    All,
-}
-
-/// What of a step decides which grains are looked at.
-#[derive(Clone, Copy)]
-struct Pace {
-    step: f64,
-    /// Largest speed of a face, m/s.
-    walls: f64,
-}
-
 impl Pace {
-    fn of(world: &World, step: f64) -> Pace {
-        let (low, high) = world.domain;
-        let moving = world.walls.moving();
-        let poses =
-            moving.flat_map(|wall| [world.walls.pose_over(wall, world.time, step), world.pose_through(wall, step)]);
-        let speeds = poses.map(|pose| pose.largest_speed(&((low + high) * 0.5), (high - low).norm()));
-        Pace { step, walls: speeds.fold(0.0, f64::max) }
-    }
-
-    /// Whether a grain may move against a wall by more than its share of a radius.
-    #[inline(always)]
-    fn is_swift(&self, sphere: &Sphere, body: &Body) -> bool {
-        let [x, y, z] = body.velocity;
-        let limit = sphere.radius * (SHORT_WAY / self.step) - self.walls;
-        limit <= 0.0 || x * x + y * y + z * z > limit * limit
-    }
-
-    /// Which of these grains must be looked at.
-    fn look(&self, spheres: &[Sphere], bodies: &[Body]) -> Look {
-        match spheres.iter().zip(bodies).any(|(sphere, body)| self.is_swift(sphere, body)) {
-            true => Look::Swift,
-            false => Look::None,
-        }
-    }
-
     /// Lists the places of the grains of a row that meet something, of those that are looked at.
     fn find_impacts(&self, look: Look, row: Row<'_>, walls: &WallsAt<'_>, met: &mut Vec<u32>) {
         met.clear();
@@ -209,103 +114,7 @@ fn crossed(walls: &WallsAt<'_>, centre: &Vector, velocity: &Vector, step: f64) -
     first
 }
 
-impl Swept {
-    /// No longer counts on grains being slow.
-    pub fn forget_pace(&mut self) {
-        self.slow_at = None;
-    }
-
-    /// Keeps in mind what another one has seen.
-    pub fn remember_crossing(&mut self, other: &Swept) {
-        self.crossing = other.crossing;
-    }
-}
-
 impl Simulation {
-    /// The first grain that crossed a wall although everything was done to hold it, if there is one: what follows is worthless.
-    pub fn crossing(&self) -> Option<Crossing> {
-        self.swept.crossing
-    }
-
-    /// Whether some grain may be too fast for the step that comes, so that it may meet a wall that no list knows.
-    pub(crate) fn may_be_swift(&self) -> bool {
-        let walls = || Pace::of(&self.world, self.settings.step).walls;
-        self.swept.slow_at.is_none_or(|known| walls() > known)
-    }
-
-    /// Stops grains at walls before any has moved, where that cannot wait: somebody wants to know of all impulses, driven walls may
-    /// change their minds, or grains are pressed deep into walls. Whether it was done.
-    pub(crate) fn stop_ahead(&mut self, team: &Team) -> bool {
-        self.swept.strikes.clear();
-        let deep = self.layout.tasks().any(|(_, task)| task.deep_walls);
-        if !deep && self.ledger.is_none() && self.world.drives.is_empty() {
-            return false;
-        }
-        let Simulation { world, swept, layout, settings, .. } = self;
-        let (pace, grains) = (Pace::of(world, settings.step), world.grains());
-        swept.look.clear();
-        swept.look.extend((0..chunks(grains)).map(|number| {
-            let places = chunk(number, grains);
-            pace.look(&world.spheres[places.clone()], &world.bodies[places])
-        }));
-        swept.slow_at = (!swept.look.contains(&Look::Swift)).then_some(pace.walls);
-        for (_, task) in layout.tasks().filter(|(_, task)| task.deep_walls) {
-            for (group, sources) in task.walls.iter().zip(&task.wall_sources) {
-                for (lane, _) in sources.occupied() {
-                    swept.look[chunk_of(group.body[lane] as usize)] = Look::All;
-                }
-            }
-        }
-        self.stop_at_walls(pace, team);
-        true
-    }
-
-    /// Moves the grains by a step; unless that was done ahead, stops those at walls that are too fast for it.
-    pub(crate) fn move_grains(&mut self, stopped: bool, team: &Team) {
-        let (h, grains) = (self.settings.step, self.world.grains());
-        let pace = (!stopped).then(|| Pace::of(&self.world, h));
-        if !stopped {
-            self.place_walls();
-        }
-        let Simulation { world, swept, .. } = self;
-        let World { spheres, bodies, walls, period, domain, .. } = world;
-        let Swept { poses, look, met, .. } = swept;
-        let walls = walls.placed(poses);
-        look.clear();
-        look.resize(chunks(grains), Look::None);
-        met.resize_with(chunks(grains), Vec::new);
-        let swift = AtomicBool::new(false);
-        let shares = (by_chunk(&mut spheres[..grains]), (Each::of(look), Each::of(met)));
-        // What meets nothing moves at once, while it is at hand.
-        team.each_with(Phase::Integrate, chunks(grains), shares, |number, (spheres, (look, met))| {
-            let places = chunk(number, grains);
-            let bodies = &bodies[places.clone()];
-            if let Some(pace) = pace {
-                *look = pace.look(spheres, bodies);
-                swift.fetch_or(*look == Look::Swift, Relaxed);
-                let row = Row { first: places.start, spheres, bodies, period, low: &domain.0 };
-                pace.find_impacts(*look, row, &walls, met);
-                if !met.is_empty() {
-                    return;
-                }
-                *look = Look::None;
-            }
-            move_by(spheres, bodies, h);
-        });
-        let Some(pace) = pace else { return };
-        self.swept.slow_at = (!swift.into_inner()).then_some(pace.walls);
-        let waiting: Vec<usize> =
-            (0..chunks(grains)).filter(|&number| self.swept.look[number] == Look::Swift).collect();
-        if waiting.is_empty() {
-            return;
-        }
-        self.stop_at_walls(pace, team);
-        let World { spheres, bodies, .. } = &mut self.world;
-        for places in waiting.into_iter().map(|number| chunk(number, grains)) {
-            move_by(&mut spheres[places.clone()], &bodies[places], h);
-        }
-    }
-
     /// Keeps how the walls go through the step.
     fn place_walls(&mut self) {
         let (world, poses) = (&self.world, &mut self.swept.poses);
@@ -314,7 +123,7 @@ impl Simulation {
     }
 
     /// Stops the grains that are looked at.
-    fn stop_at_walls(&mut self, pace: Pace, team: &Team) {
+    pub(super) fn stop_at_walls(&mut self, pace: Pace, team: &Team) {
         self.place_walls();
         for round in 0..=ROUNDS {
             self.find_impacts(pace, team);
@@ -396,12 +205,9 @@ impl Simulation {
         let slip = slip - normal * normal.dot(&slip);
         let across = (jacobian.norm_squared() - share * share).max(0.0);
         let sliding = slip.norm() > slip_speed(world.field.largest(), h);
-        let friction = if sliding { material.kinetic_friction } else { material.friction };
+        let coefficient = if sliding { material.kinetic_friction } else { material.friction };
         let sticking = 1.0 / (body.inverse_mass * (1.0 + INVERSE_INERTIA) + yields * across);
-        let tangential = match slip.norm() * sticking {
-            most if most > friction * borne => slip * (friction * borne / slip.norm()),
-            _ => slip * sticking,
-        };
+        let tangential = friction(slip, sticking, coefficient * borne);
         let impulse = tangential - normal * borne;
         let before = wall_velocity - velocity - spin.cross(&normal);
         let body = &mut world.bodies[place];
@@ -469,13 +275,12 @@ impl Simulation {
             arm: arm.into(),
             shift: [0.0; 3],
         });
-        self.swept.strikes.push(Strike { place: place as u32, surface, normal, along, tangential });
-    }
-}
-
-/// Moves grains for a step of length `h` (s).
-fn move_by(spheres: &mut [Sphere], bodies: &[Body], h: f64) {
-    for (sphere, body) in spheres.iter_mut().zip(bodies) {
-        sphere.centre += Vector::from(body.velocity) * h;
+        self.swept.strikes.push(Strike {
+            place: place as u32,
+            struck: Struck::Face(surface),
+            normal,
+            along,
+            tangential,
+        });
     }
 }

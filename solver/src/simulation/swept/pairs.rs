@@ -1,0 +1,268 @@
+//! Grains whose paths in a step lead through each other.
+//!
+//! Seen from a grain j the centre of a grain i moves along `s h (v_i - v_j)`, 0 <= s <= 1. Where that path is longer than the smaller of their
+//! radii r <= q, it must not come nearer to the centre of j than
+//!
+//! ```text
+//! R = r + q            where the two do not overlap at the start
+//! q + 9/10 (d - q)     where they do                                  d: distance of their centres at the start
+//! 9/10 d               where the larger one holds the other's centre
+//! ```
+//!
+//! A shorter path from outside ends before the point of closest approach, or passes at 0.86 R or more: the next step finds an overlap, or a
+//! grazing one was missed. Two grains that do come nearer take the impulse of Newton's and Coulomb's impact along the normal that they have
+//! there, in the order in which pairs meet. They have the velocities after the impact for the whole step: these are exact, and places are known
+//! to the path of a step.
+//!
+//! Paths are looked for in two levels: blocks of grains that lie together in memory, and so in space, and then grains. Two blocks are apart if
+//! no path between them is long enough, or none leads from the one to the other. Grains that fly together are far from any path to each other,
+//! however fast they fly.
+
+use super::{INVERSE_INERTIA, LONG_LEVEL, PairImpulse, Passage, Strike, Struck, Vector, friction};
+use crate::Simulation;
+use crate::effects::friction::slip_speed;
+use crate::effects::period::Period;
+use crate::effects::restitution::at_speed;
+use crate::schedule::{Each, Phase, Team};
+use crate::world::World;
+use std::ops::Range;
+
+/// Grains of a block.
+const BLOCK: usize = 32;
+
+/// What rounding may do to a distance, over the length that it is compared with.
+const SLACK: f64 = 1e-9;
+
+/// Pieces of the shortest period in which a path is followed: the nearest image at the start of a piece is the nearest all along it.
+const PIECES: f64 = 8.0;
+
+/// Two grains that meet within the step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// Share of the step after which they do.
+    share: f64,
+    /// Places of the two; the first has the smaller id.
+    places: [u32; 2],
+}
+
+/// Where the paths of two grains come too near to each other.
+struct PairImpact {
+    share: f64,
+    /// Unit normal from the first to the second.
+    normal: Vector,
+}
+
+/// Bounds of grains: where they are, m, how they move, m/s, and how large they are, m.
+struct Bounds {
+    low: Vector,
+    high: Vector,
+    slow: Vector,
+    fast: Vector,
+    radii: [f64; 2],
+}
+
+impl Bounds {
+    fn of(world: &World, places: Range<usize>) -> Bounds {
+        let infinite = Vector::repeat(f64::INFINITY);
+        let none =
+            Bounds { low: infinite, high: -infinite, slow: infinite, fast: -infinite, radii: [f64::INFINITY, 0.0] };
+        places.fold(none, |all, place| {
+            let (sphere, body) = (&world.spheres[place], &world.bodies[place]);
+            let (centre, velocity) = (world.wrapped(&sphere.centre), Vector::from(body.velocity));
+            Bounds {
+                low: all.low.inf(&centre),
+                high: all.high.sup(&centre),
+                slow: all.slow.inf(&velocity),
+                fast: all.fast.sup(&velocity),
+                radii: [all.radii[0].min(sphere.radius), all.radii[1].max(sphere.radius)],
+            }
+        })
+    }
+
+    /// Whether a path between a grain of these and one of others may be long, and lead from the one to the other.
+    fn may_meet(&self, other: &Bounds, period: &Period, step: f64) -> bool {
+        let path = (self.fast - other.slow).sup(&(other.fast - self.slow)).norm() * step * (1.0 + SLACK);
+        if path <= self.radii[0].min(other.radii[0]) {
+            return false;
+        }
+        let gaps: [f64; 3] = std::array::from_fn(|axis| {
+            let (ahead, behind) = (other.low[axis] - self.high[axis], self.low[axis] - other.high[axis]);
+            let gap = ahead.max(behind).max(0.0);
+            // Around a periodic axis the way may be shorter.
+            let length = period.length(axis);
+            if length > 0.0 { gap.min((ahead.min(behind) + length).max(0.0)) } else { gap }
+        });
+        let reach = (self.radii[1] + other.radii[1] + path) * (1.0 + SLACK);
+        Vector::from(gaps).norm_squared() <= reach * reach
+    }
+}
+
+/// When a path from a point, less `arm` from the middle of a ball, first comes within a radius of the middle, having begun farther away.
+fn time_within(arm: &Vector, path: &Vector, radius: f64) -> Option<f64> {
+    let (square, half, beyond) = (path.norm_squared(), arm.dot(path), arm.norm_squared() - radius * radius);
+    let root = half * half - square * beyond;
+    if root < 0.0 || beyond <= 0.0 || half <= 0.0 {
+        return None;
+    }
+    // The smaller root of a quadratic, without the difference of large numbers.
+    let share = beyond / (half + root.sqrt());
+    (share <= 1.0).then_some(share)
+}
+
+impl PairImpact {
+    fn of(world: &World, [i, j]: [usize; 2], step: f64) -> Option<PairImpact> {
+        let velocity = |place: usize| Vector::from(world.bodies[place].velocity);
+        let [own, other] = [i, j].map(|place| world.spheres[place].radius);
+        let (sum, larger) = (own + other, own.max(other));
+        let path = (velocity(i) - velocity(j)) * step;
+        let length = path.norm();
+        if length <= own.min(other) || !length.is_finite() {
+            return None;
+        }
+        let (touch, start) = (sum * (1.0 - SLACK), world.arm(i, j));
+        let distance = start.norm();
+        if !world.period.any() && distance > length + sum {
+            return None;
+        }
+        let periods = (0..3).map(|axis| world.period.length(axis)).filter(|&length| length > 0.0);
+        let pieces = (PIECES * length / periods.fold(f64::INFINITY, f64::min)).ceil().max(1.0);
+        let piece = path / pieces;
+        let mut number = 0.0;
+        while number < pieces {
+            let moved = start - piece * number;
+            let [x, y, z] = world.period.shortest([moved.x, moved.y, moved.z]);
+            let arm = if world.period.any() { Vector::new(x, y, z) } else { moved };
+            let radius = match distance {
+                _ if arm.norm() > touch => touch,
+                deep if deep <= larger => LONG_LEVEL * deep,
+                _ => larger + LONG_LEVEL * (distance.min(sum) - larger),
+            };
+            if let Some(share) = time_within(&arm, &piece, radius) {
+                let normal = (arm - piece * share) / radius;
+                return Some(PairImpact { share: (number + share) / pieces, normal });
+            }
+            number += 1.0;
+        }
+        None
+    }
+}
+
+/// Lists the grains of a block that meet each other, or those of blocks behind it.
+fn find_meetings(world: &World, blocks: &[Bounds], number: usize, step: f64, found: &mut Vec<Meeting>) {
+    found.clear();
+    let (own, grains) = (&blocks[number], world.grains());
+    let places = |block: usize| BLOCK * block..(BLOCK * (block + 1)).min(grains);
+    for (other, bounds) in blocks.iter().enumerate().skip(number) {
+        if !own.may_meet(bounds, &world.period, step) {
+            continue;
+        }
+        for i in places(number) {
+            if other != number && !Bounds::of(world, i..i + 1).may_meet(bounds, &world.period, step) {
+                continue;
+            }
+            let first = if other == number { i + 1 } else { places(other).start };
+            for j in first..places(other).end {
+                let pair = if world.ids[i] < world.ids[j] { [i, j] } else { [j, i] };
+                if let Some(PairImpact { share, .. }) = PairImpact::of(world, pair, step) {
+                    found.push(Meeting { share, places: pair.map(|place| place as u32) });
+                }
+            }
+        }
+    }
+}
+
+impl Simulation {
+    /// Stops grains that would pass through each other within the step. Whether there were any; at the `last` try they are noted and go on.
+    pub(super) fn stop_at_grains(&mut self, last: bool, team: &Team) -> bool {
+        let mut meetings = self.find_meetings(team);
+        let ids = |one: &Meeting| one.places.map(|place| self.world.ids[place as usize]);
+        meetings.sort_unstable_by(|a, b| a.share.total_cmp(&b.share).then_with(|| ids(a).cmp(&ids(b))));
+        let Some(first) = meetings.first() else { return false };
+        if last {
+            let grains = ids(first);
+            self.swept.passage.get_or_insert(Passage { grains });
+            return true;
+        }
+        for Meeting { places, .. } in meetings {
+            let pair = places.map(|place| place as usize);
+            // An impact before it may have changed their paths.
+            if let Some(impact) = PairImpact::of(&self.world, pair, self.settings.step) {
+                self.strike_grain(pair, &impact);
+            }
+        }
+        true
+    }
+
+    fn find_meetings(&mut self, team: &Team) -> Vec<Meeting> {
+        let Simulation { world, swept, settings, .. } = self;
+        let grains = world.grains();
+        let blocks: Vec<Bounds> = (0..grains.div_ceil(BLOCK))
+            .map(|number| Bounds::of(world, BLOCK * number..(BLOCK * (number + 1)).min(grains)))
+            .collect();
+        let (world, step) = (&*world, settings.step);
+        swept.meetings.resize_with(blocks.len(), Vec::new);
+        team.each_with(Phase::Integrate, blocks.len(), Each::of(&mut swept.meetings), |number, found| {
+            find_meetings(world, &blocks, number, step, found);
+        });
+        swept.meetings.iter().flatten().copied().collect()
+    }
+
+    /// The impact of two grains.
+    fn strike_grain(&mut self, pair: [usize; 2], impact: &PairImpact) {
+        let (h, normal, world) = (self.settings.step, impact.normal, &self.world);
+        let bodies = pair.map(|place| world.bodies[place]);
+        let [first, second] = bodies.map(|body| Vector::from(body.velocity));
+        let [spin, other_spin] = bodies.map(|body| Vector::from(body.scaled_spin));
+        let inverse_mass = bodies[0].inverse_mass + bodies[1].inverse_mass;
+        let along = normal.dot(&(second - first));
+        let [own, other] = pair.map(|place| world.materials[place]);
+        let material = world.table.between_grains(own, other);
+        let speed = (-along).max(0.0);
+        let restitution = at_speed(material.restitution, material.restitution_speed, speed);
+        let threshold = self.constrainer.scheme().restitution_threshold;
+        let bias = Some(restitution * speed).filter(|bias| *bias > threshold).unwrap_or(0.0);
+        let borne = (bias - along).max(0.0) / inverse_mass;
+        // Friction, at the velocity of the surfaces, which the normal impulse leaves as it is.
+        let surfaces = |velocities: [Vector; 2], spins: [Vector; 2]| {
+            velocities[1] - velocities[0] - (spins[0] + spins[1]).cross(&normal)
+        };
+        let before = surfaces([first, second], [spin, other_spin]);
+        let slip = before - normal * normal.dot(&before);
+        let sliding = slip.norm() > slip_speed(world.field.largest(), h);
+        let coefficient = if sliding { material.kinetic_friction } else { material.friction };
+        let sticking = 1.0 / (inverse_mass * (1.0 + INVERSE_INERTIA));
+        let tangential = friction(slip, sticking, coefficient * borne);
+        let impulse = tangential - normal * borne;
+        let turned = normal.cross(&tangential) * INVERSE_INERTIA;
+        for (place, sign) in pair.into_iter().zip([1.0, -1.0]) {
+            let body = &mut self.world.bodies[place];
+            let (velocity, spin) = (Vector::from(body.velocity), Vector::from(body.scaled_spin));
+            body.velocity = (velocity + impulse * (sign * body.inverse_mass)).into();
+            // Each turns the same way: the arms of the two are as opposite as the impulses.
+            body.scaled_spin = (spin + turned * body.inverse_mass).into();
+        }
+        let bodies = pair.map(|place| self.world.bodies[place]);
+        let [velocities, spins] =
+            [bodies.map(|body| Vector::from(body.velocity)), bodies.map(|body| Vector::from(body.scaled_spin))];
+        let relative = [before, surfaces(velocities, spins)];
+        self.book_pair_impulse(&PairImpulse { places: pair, normal, relative, impulse });
+        let [place, partner] = pair.map(|place| place as u32);
+        let (struck, tangential) = (Struck::Grain(partner), -tangential);
+        self.swept.strikes.push(Strike { place, struck, normal, along: borne, tangential });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_come_within_a_radius_once() {
+        let path = Vector::new(4.0, 0.0, 0.0);
+        assert_eq!(time_within(&Vector::new(3.0, 0.0, 0.0), &path, 1.0), Some(0.5));
+        assert_eq!(time_within(&Vector::new(3.0, 1.5, 0.0), &path, 1.0), None, "it passes beside");
+        assert_eq!(time_within(&Vector::new(-3.0, 0.0, 0.0), &path, 1.0), None, "it leads away");
+        assert_eq!(time_within(&Vector::new(0.5, 0.0, 0.0), &path, 1.0), None, "it begins inside");
+        assert_eq!(time_within(&Vector::new(6.0, 0.0, 0.0), &path, 1.0), None, "it ends before");
+    }
+}
