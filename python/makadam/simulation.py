@@ -9,7 +9,7 @@ import math
 import os
 import threading
 import warnings
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Literal, Mapping, NoReturn, Optional, Sequence, Union
 
 import numpy as np
@@ -18,7 +18,7 @@ from . import _core
 from ._core import Frame, Scene
 from .arrays import whole
 from .callbacks import Handle, Observer
-from .errors import BusyError, MakadamWarning, SettingError
+from .errors import BusyError, Error, MakadamWarning, SettingError
 from .interventions import Interventions
 from .state import State
 
@@ -146,8 +146,10 @@ class Simulation(State, Interventions):
         try:
             yield
         except BaseException:
-            # Whatever ends the steps answers a request to stop, too.
-            self._forget_interrupt()
+            # Whatever ends the steps answers a request to stop, too; forces of callbacks were for the step that was not taken.
+            with suppress(Error):
+                self._forget_interrupt()
+                self._apply(None, None, True)
             raise
         finally:
             self._busy.release()
@@ -207,7 +209,7 @@ class Simulation(State, Interventions):
 
         Times are counted from the start of the simulation: with ``seconds=0.1`` it is called after the first step at or after each
         multiple of 0.1 s. What it raises ends ``step``. It may read and write views, apply forces, move walls, and insert and remove
-        grains, but not step. Forces that it applies act in the step after it.
+        grains, but not step. Forces that it applies act in the step after it, together with those of ``add_force``.
         """
         if (steps is None) == (seconds is None):
             raise SettingError("give either steps or seconds between two calls")

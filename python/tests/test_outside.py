@@ -102,3 +102,30 @@ def test_a_forked_child_steps(threads):
         os.waitpid(child, 0)
         pytest.fail("the child hangs")
     simulation.step(5)
+
+
+def test_forces_of_a_step_that_was_not_taken_are_over():
+    simulation = makadam.Simulation(space([{"position": [0.0, 0.0, 0.0]}]), watch=False)
+    handle = simulation.add_force(lambda one: [[1e-3, 0, 0]])
+    simulation.interrupt()
+    with pytest.raises(makadam.Interrupted):
+        simulation.step()
+    handle.remove()
+    copy = simulation.copy()
+    for one in (simulation, copy):
+        one.step()
+        assert one.steps == 1 and one.velocities[0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_a_frame_shows_grains_that_just_came():
+    scene = bin_scene(count=1500, domain={"min": [-0.2, -0.2, 0.0], "max": [0.3, 0.3, 3.0]})
+    scene["wall"][0]["shape"]["max"][2] = 2.9
+    scene["population"][0]["region"]["max"][2] = 2.0
+    simulation = makadam.Simulation(scene, watch=False)
+    simulation.step(20)
+    frames = []
+    simulation.observe(lambda one: one.insert([0.03, 0.03, 2.7 - 0.02 * len(frames)], 0.004), steps=5)
+    simulation.observe(lambda one: frames.append(one.frame()), steps=5)
+    simulation.step(15)
+    assert [len(frame) for frame in frames] == [1501, 1502, 1503]
+    assert len(makadam.Simulation.resume(scene, simulation.checkpoint()).frame()) == 1503
