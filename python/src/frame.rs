@@ -42,7 +42,7 @@ pub fn check_frames(py: Python<'_>, scene: &Scene, frames: &[Arc<Snapshot>]) -> 
     })
 }
 
-/// Returns the scene of frames of a simulation: with the grains that there are now. Refuses walls that the caller moved, where they count:
+/// Returns the scene of frames of a simulation. Refuses walls that the caller moved, where they count:
 /// frames do not hold where these stand. `purpose` is what the frames are for.
 pub fn scene_of_frames(
     py: Python<'_>,
@@ -52,7 +52,7 @@ pub fn scene_of_frames(
     purpose: &str,
 ) -> PyResult<plan::Scene> {
     let refuse = |message: String| Err(exception(py, "JudgeError", &message));
-    let mut plan = shared.scene.plan.clone();
+    let plan = shared.scene.plan.clone();
     let (moved, others) = shared.with(py, |simulation| {
         // A wall that turns is measured as it stands only where turning leaves it in place, which the scene then says.
         let moved = plan.wall.iter().enumerate().find(|(number, wall)| {
@@ -60,30 +60,17 @@ pub fn scene_of_frames(
                 shift != [0.0; 3] || (angle != 0.0 && !matches!(wall.motion, makadam::Motion::Rotating { .. }))
             })
         });
-        let others = simulation.has_other_grains().then(|| simulation.grain_entries(&plan));
-        (moved.map(|(_, wall)| wall.name.clone()), others)
+        (moved.map(|(_, wall)| wall.name.clone()), simulation.has_other_grains())
     })?;
     if let Some(wall) = moved.filter(|_| walls) {
         return refuse(format!(
             "wall '{wall}' was moved by the caller, and frames take walls where the scene has them; {purpose}"
         ));
     }
-    let Some(grains) = others else {
+    // Frames state which grains they have once some came or went.
+    if !others {
         check_frames(py, &shared.scene, frames)?;
-        return Ok(plan);
-    };
-    let other = frames.iter().find(|frame| frame.particles.len() != grains.len());
-    if let Some(frame) = other.filter(|_| plan.material.len() > 1) {
-        return refuse(format!(
-            "the frame at {} s has {} grains and the simulation has {}: which materials they were of is not known; take frames before \
-             grains come or go",
-            frame.time,
-            frame.particles.len(),
-            grains.len()
-        ));
     }
-    plan.grain = grains;
-    plan.population.clear();
     Ok(plan)
 }
 
