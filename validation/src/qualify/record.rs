@@ -117,7 +117,7 @@ mod tests {
         let on_record = fingerprint_on_record("packing", "YADE");
         runs.runs[3].measurements[0].value *= 1.0 + 1e-12;
         assert!(on_record.is_some() && on_record != Some(runs.fingerprint()));
-        assert_eq!(fingerprint_on_record("packing-100", "YADE"), None);
+        assert_eq!(fingerprint_on_record("drum-100k", "YADE"), None);
     }
 
     #[test]
