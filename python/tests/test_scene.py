@@ -125,7 +125,7 @@ def test_a_file_is_told_with_its_line(tmp_path):
 
 
 def test_what_is_no_scene_is_refused(tmp_path):
-    with pytest.raises(makadam.SceneNotFoundError, match="drum-50k"):
+    with pytest.raises(makadam.SceneNotFoundError, match="did you mean drum"):
         makadam.Scene("drumm")
     with pytest.raises(FileNotFoundError):
         makadam.Scene(tmp_path / "nothing.toml")
