@@ -56,7 +56,9 @@ fn a_grain_that_comes_over_the_rim_of_a_driven_plate_stays_finite() {
 #[test]
 fn numbers_that_are_worthless_end_a_run() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, reason) in [("watch-last-steps", "grain 0 left the domain"), ("drum20", "may have passed through each other")] {
+    for (name, reason) in
+        [("watch-last-steps", "grain 0 left the domain"), ("drum20", "may have passed through each other")]
+    {
         let (code, message, summary) = run(folder.path(), name);
         assert_eq!((code, &summary["complete"]), (1, &false.into()), "{name}: {message}");
         assert!(message.contains(reason), "{name}: {message}");
