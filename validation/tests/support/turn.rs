@@ -17,7 +17,7 @@ impl Turn {
     pub fn drawn(number: usize, shift: Vector3<f64>) -> Turn {
         let axes = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
         let order = axes[number % 6];
-        let signs = [number / 6 & 1, number / 12 & 1].map(|bit| if bit == 0 { 1.0 } else { -1.0 });
+        let signs = [(number / 6) & 1, (number / 12) & 1].map(|bit| if bit == 0 { 1.0 } else { -1.0 });
         let columns = |last: f64| {
             let signs = [signs[0], signs[1], last];
             Matrix3::from_columns(&[0, 1, 2].map(|n| signs[n] * Vector3::ith(order[n], 1.0)))
