@@ -75,7 +75,7 @@ const CACHE: usize = 1 << 20;
 /// All contacts of a step, laid out for relaxation.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// The tasks that have candidates, stage after stage. They are replaced by [`Layout::replan`].
+    /// The tasks that have candidates, stage after stage. They are replaced by `Layout::replan`.
     pub plan: Plan,
     /// Lane groups of every task that can be, by its number (`BoxGrid::task`): of every planned one at least.
     pub groups: Vec<TaskGroups>,

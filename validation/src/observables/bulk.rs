@@ -7,7 +7,7 @@
 //! - otherwise the outline of a heap, averaged over azimuth;
 //! - without gravity none: grains have to fill the room between the walls.
 //!
-//! A bulk region must hold no [hole](super::holes): a bed of another form (a slope, a block that stands free, a funnel) has none of these
+//! A bulk region must hold no hole: a bed of another form (a slope, a block that stands free, a funnel) has none of these
 //! surfaces, and no bulk.
 
 use super::bed_surface::MeanField;
