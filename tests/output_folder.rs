@@ -313,7 +313,7 @@ fn a_run_that_its_watch_has_stopped_goes_on_under_another_watch_to_the_same_bits
     let scene = tiny(folder);
     let text = std::fs::read_to_string(&scene).unwrap();
     let watched = |on: &str| {
-        let watch = format!("\n[watch]\nevery = 520\nresidual = 1e-12\non_stagnation = '{on}'\n");
+        let watch = format!("\n[watch]\nevery = 520\nresidual = 1e-9\non_stagnation = '{on}'\n");
         std::fs::write(&scene, text.clone() + &watch).unwrap();
     };
     watched("ignore");

@@ -17,5 +17,5 @@ pub(crate) use candidates::CandidateList;
 pub use candidates::{Candidates, PairCandidate, WallCandidate};
 pub use grid::CellGrid;
 pub(crate) use impulses::ImpulsesOfTask;
-pub use impulses::{AngularImpulse, ContactImpulses, ImpactMemory, Impulse};
+pub use impulses::{AngularImpulse, ContactImpulses, Impulse};
 pub(crate) use reach::{Row, for_each_on_the_way};

@@ -9,7 +9,6 @@ pub mod compliance;
 pub mod drive;
 pub mod friction;
 pub mod gravity;
-pub mod impact;
 pub mod period;
 pub mod resistance;
 pub mod restitution;

@@ -11,7 +11,6 @@ mod motion;
 mod pace;
 mod ray;
 mod shear;
-mod slow;
 mod units;
 mod vain;
 
@@ -99,7 +98,6 @@ impl Scene {
         warnings.extend(impact::fault(self, &grains, &bed, beforehand));
         warnings.extend(shear::faults(self, &grains));
         warnings.extend(pace::fault(self, &grains, beforehand));
-        warnings.extend(slow::fault(self, &grains, &bed));
         warnings
     }
 
