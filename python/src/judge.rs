@@ -238,7 +238,7 @@ impl Recording {
     }
 }
 
-/// Whether a frame has the radii that the scene draws with a seed; if not, what is wrong.
+/// Checks that a frame has the radii that the scene draws with a seed, and names the first difference.
 fn check_seed(scene: &Scene, seed: u64, frame: &Snapshot) -> Result<(), String> {
     let grains = populate(&scene.plan, seed).map_err(|error| error.to_string())?;
     let mut pairs = frame.particles.iter().zip(&grains);

@@ -24,7 +24,7 @@ struct Label {
     remainder: f64,
 }
 
-/// What is continued from.
+/// State that a simulation resumes from.
 pub struct Kept<'a> {
     /// The solver's checkpoint.
     pub simulation: &'a [u8],
@@ -42,7 +42,7 @@ pub fn keep(scene: &Scene, seed: u64, remainder: f64, simulation: &[u8]) -> Vec<
     seal(MARK, &bytes)
 }
 
-/// What bytes hold, if they are of the scene, and of the seed where one is given.
+/// Reads the state in bytes, which must be of the scene, and of the seed where one is given.
 pub fn unkeep<'a>(py: Python<'_>, scene: &Scene, seed: Option<u64>, bytes: &'a [u8]) -> PyResult<Kept<'a>> {
     let refuse = |problem: String| exception(py, "CheckpointError", &problem);
     if bytes.starts_with(b"makadam") {

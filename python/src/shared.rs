@@ -64,7 +64,7 @@ impl Shared {
         }
     }
 
-    /// The same with what an earlier run left below a step, s.
+    /// Adds the remainder below a step that an earlier run has left, s.
     pub fn with_remainder(self, remainder: f64) -> Shared {
         Shared { remainder: Mutex::new(remainder), ..self }
     }

@@ -362,7 +362,7 @@ impl Simulation {
         self.0.with(py, |simulation| simulation.moved_by(wall))
     }
 
-    /// How far any wall stands along (m) and is turned (rad) from where the scene places it.
+    /// Displacement (m) and rotation (rad) of a wall from its place in the scene.
     fn _displacement(&self, py: Python<'_>, wall: u32) -> PyResult<([f64; 3], f64)> {
         self.0.with(py, |simulation| simulation.wall_displacement(wall))?.map_err(|error| refused(py, &error))
     }

@@ -74,7 +74,7 @@ struct StepContext<'a> {
     effects: EffectSet,
     /// Whether what a step touches is too large for the cache, and fetched ahead.
     fetches: bool,
-    /// Whether some wall turns, so that contacts with it drift.
+    /// True if some wall turns, so that contacts with it drift.
     drifts: bool,
     /// The contact material of all pairs of grains, if there is only one.
     material: Option<&'a ContactMaterial>,

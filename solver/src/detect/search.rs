@@ -22,7 +22,7 @@ pub(super) struct Found {
     pub targets: [u32; DIRECTIONS],
     /// Grains and faces, in the order of faces and grains.
     pub walls: Vec<WallCandidate>,
-    /// Those among them that are not near each other: the grain comes to the face within the step.
+    /// Candidates among them that are apart: the grain reaches the face within the step.
     pub beyond: Vec<WallCandidate>,
 }
 
@@ -53,7 +53,7 @@ pub(super) struct WallSearch<'a> {
     pub skin: f64,
     /// Time step, s.
     pub step: f64,
-    /// Whether to look for what grains come to within the step.
+    /// True if faces that grains reach within the step are searched as well.
     pub look_ahead: bool,
 }
 
@@ -122,7 +122,7 @@ impl WallSearch<'_> {
         found.walls.dedup();
     }
 
-    /// How far the grains may come against a face of a speed (m/s) within a step, m; nothing if none is too fast for it.
+    /// Distance that the grains may travel towards a face of a speed (m/s) within a step, m; zero if none is too fast for it.
     fn ahead(&self, crowd: &Crowd<'_>, speed: f64) -> f64 {
         if self.look_ahead { crowd.ahead(speed, self.step) } else { 0.0 }
     }

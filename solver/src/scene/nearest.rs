@@ -43,7 +43,7 @@ fn letters_of(name: &str) -> Vec<char> {
     name.chars().filter(|letter| *letter != '-').collect()
 }
 
-/// Whether one name is a run of whole parts, between hyphens, of another one.
+/// Returns true if one name is a run of whole parts, between hyphens, of another one.
 fn is_part(part: &str, name: &str) -> bool {
     !part.is_empty() && format!("-{name}-").contains(&format!("-{part}-"))
 }

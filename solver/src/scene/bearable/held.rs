@@ -36,7 +36,7 @@ pub(super) fn fault(scene: &Scene, grains: &[Grain], bed: &Bed) -> Option<Fault>
     Some(Fault::new(origin(scene, first), problem, remedy))
 }
 
-/// Whether grains of a material cohere with any wall or grain of the scene.
+/// Returns true if grains of a material cohere with any wall or grain of the scene.
 fn coheres(scene: &Scene, material: &str) -> bool {
     let with = |other: &str, wall: bool| scene.contact_coefficients(material, other, wall).cohesion.is_some();
     scene.wall.iter().any(|wall| with(&wall.material, true)) || scene.material.keys().any(|other| with(other, false))

@@ -24,7 +24,7 @@ const STICKIEST: f64 = 4.0;
 /// Largest acceleration of geotechnical centrifuges, m/s2. Gravity of the Earth in mm/s2 is twice this number.
 const CENTRIFUGE: f64 = 5_000.0;
 
-/// What the scene has that no known material or machine has.
+/// Findings on values that no known material or machine has.
 pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
     let root = DocumentPath::default();
     let mut faults: Vec<Fault> = sizes(scene).into_iter().collect();
