@@ -184,3 +184,33 @@ pub(crate) fn residual_unit(world: &World, h: f64) -> f64 {
     let gravity = world.field.largest();
     if gravity > 0.0 { gravity * h } else { 1.0 }
 }
+
+/// Name of the unit of residuals in a run with this largest gravity (m/s2): g h, or m/s where there is none.
+pub fn residual_unit_name(gravity: f64) -> &'static str {
+    if gravity > 0.0 { "g h" } else { "m/s" }
+}
+
+/// Text of a residual or of a bound on one, in a [unit](residual_unit_name): two significant digits, with an exponent where they would need
+/// leading zeros.
+pub fn residual_text(value: f64, unit: &str) -> String {
+    match value {
+        _ if !(0.1..1e3).contains(&value) => format!("{value:.1e} {unit}"),
+        _ if value < 1.0 => format!("{value:.2} {unit}"),
+        _ if value < 10.0 => format!("{value:.1} {unit}"),
+        _ => format!("{value:.0} {unit}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn residuals_show_two_digits() {
+        let text = |value: f64| residual_text(value, residual_unit_name(9.81));
+        assert_eq!(text(4.04e-5), "4.0e-5 g h");
+        assert_eq!(text(1e-9), "1.0e-9 g h");
+        assert_eq!((text(0.25), text(1.0), text(31.4)), ("0.25 g h".into(), "1.0 g h".into(), "31 g h".into()));
+        assert_eq!(residual_text(2e7, residual_unit_name(0.0)), "2.0e7 m/s");
+    }
+}

@@ -24,7 +24,7 @@ use crate::scene::{Reaction, Watch};
 use crate::simulation::StepReport;
 use crate::simulation::energy::ContactEnergy;
 use crate::simulation::ledger::work_of_changing_gravity;
-use crate::solve::{StopReason, residual_unit};
+use crate::solve::{StopReason, residual_text, residual_unit, residual_unit_name};
 use crate::{Crossing, Passage, Simulation};
 use nalgebra::Vector3;
 use std::fmt;
@@ -85,10 +85,12 @@ pub enum Trouble {
     },
     /// No solve since the last look has come close to a solution.
     Stagnation {
-        /// Smallest residual since then, in units of g h.
+        /// Smallest residual since then, in the unit of residuals.
         residual: f64,
         /// What is tolerated.
         bound: f64,
+        /// Name of the unit: g h, or m/s where there is no gravity.
+        unit: &'static str,
     },
 }
 
@@ -161,10 +163,12 @@ impl fmt::Display for Alarm {
                 "grains {first} and {second} may have passed through each other: too many grains met within one step; lower solver.step, \
                  so that no grain moves by more than a diameter in it"
             ),
-            Trouble::Stagnation { residual, bound } => write!(
+            Trouble::Stagnation { residual, bound, unit } => write!(
                 out,
-                "no solve since the last look came below a residual of {residual:.2} g h, more than {bound}; raise the sweeps of \
-                 solver.stop or lower solver.step"
+                "no solve since the last look came below a residual of {}, more than {}; raise the sweeps of solver.stop or lower \
+                 solver.step",
+                residual_text(residual, unit),
+                residual_text(bound, unit)
             ),
         }?;
         write!(out, " (step {}, {:.6} s)", self.step, self.time)
@@ -248,7 +252,7 @@ impl Watchdog {
         let mut troubles = self.look(simulation);
         if self.settings.every > 0 && self.settings.on_stagnation != Reaction::Ignore {
             let (reaction, step, time) = (self.settings.on_stagnation, simulation.steps, simulation.world.time);
-            troubles.extend(self.stagnation().map(|trouble| Alarm { trouble, reaction, step, time }));
+            troubles.extend(self.stagnation(simulation).map(|trouble| Alarm { trouble, reaction, step, time }));
         }
         self.residual = f64::INFINITY;
         troubles
@@ -329,11 +333,14 @@ impl Watchdog {
         (Some(Trouble::Overlap { grain, share, bound }), on_overlap)
     }
 
-    fn stagnation(&self) -> Option<Trouble> {
-        let bound = self.settings.residual;
+    fn stagnation(&self, simulation: &Simulation) -> Option<Trouble> {
+        let (bound, unit) = (self.settings.residual, residual_unit_name(simulation.world.field.largest()));
         // Infinite where no step was seen.
-        (self.residual > bound && self.residual < f64::INFINITY)
-            .then_some(Trouble::Stagnation { residual: self.residual, bound })
+        (self.residual > bound && self.residual < f64::INFINITY).then_some(Trouble::Stagnation {
+            residual: self.residual,
+            bound,
+            unit,
+        })
     }
 
     fn escape(&self, simulation: &Simulation) -> Option<Trouble> {

@@ -5,6 +5,7 @@ use crate::plan::Scene;
 use crate::provenance::Provenance;
 use crate::statistics::median;
 use makadam::scene::SolverMethod;
+use makadam::solve::residual_unit_name;
 use makadam::sweep::{Residual, Residuals};
 use makadam::{ConvergencePoint, Simulation};
 use serde::{Serialize, Serializer};
@@ -87,7 +88,7 @@ impl Problem {
             particles: simulation.snapshot().particles.len(),
             contacts: copy.step().contacts,
             residual_unit: unit,
-            residual_unit_name: if scene.gravity_field().largest() == 0.0 { "m/s" } else { "g h" }.into(),
+            residual_unit_name: residual_unit_name(scene.gravity_field().largest()).into(),
         }
     }
 }

@@ -15,6 +15,7 @@ use crate::observables::impossible;
 use crate::plan::Scene;
 use crate::stepping::steps_in;
 use makadam::scene::{DocumentPath, Finding, NormalLaw, Reaction, Stop, TangentialLaw, populate};
+use makadam::solve::{residual_text, residual_unit_name};
 use pace::{Pace, Work};
 use scales::Bed;
 use serde::Serialize;
@@ -146,8 +147,8 @@ fn stop_of(scene: &Scene) -> String {
     match &scene.solver.stop {
         Stop::Sweeps { sweeps } => format!("{sweeps} sweeps"),
         Stop::Residual { tolerance, max_sweeps } => {
-            let unit = if scene.gravity_field().largest() > 0.0 { "g h" } else { "m/s" };
-            format!("residual below {tolerance:.1e} {unit}, at most {max_sweeps} sweeps")
+            let bound = residual_text(*tolerance, residual_unit_name(scene.gravity_field().largest()));
+            format!("residual below {bound}, at most {max_sweeps} sweeps")
         }
         Stop::TimeBudget { seconds, max_sweeps } => {
             format!("{seconds} s of wall time, at most {max_sweeps} sweeps: not reproducible")
