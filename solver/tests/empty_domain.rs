@@ -1,8 +1,9 @@
-//! A domain that is mostly empty changes neither what touches nor what it costs to find it.
+//! A domain that is mostly empty changes neither what touches nor what it costs to find it; nor do grains that leave their domain.
 
 use crate::common::bits::{same_bits_everywhere, start, steps};
 use crate::common::lattice::{CLOSED, CONTACTS, lattice};
-use makadam::scene::Scene;
+use makadam::Simulation;
+use makadam::scene::{Precision, Scene};
 
 /// A cube around the origin, m.
 fn cube(half: f64) -> [[f64; 3]; 2] {
@@ -62,4 +63,56 @@ fn an_empty_domain_takes_no_memory() {
     // A lone grain costs its own box.
     let scattered = bytes(&lattice(cube(900_000.0), "", &[[0.0; 3]], &lone(100)));
     assert!(scattered < 2.0 * small, "{scattered} bytes, {small} in a tight domain");
+}
+
+/// Grains of a stream.
+const STREAM: usize = 400;
+
+/// A block at rest, and a stream below it that gathers in a plane after so many seconds and flies apart from there: each grain is faster
+/// than the one before, down where `sign` is -1.
+fn stream(half: f64, sign: f64, after: f64) -> Scene {
+    let at = |number: usize| [number % 20, number / 20].map(|place| 0.012 * (place as f64 - 9.5));
+    let speed = |number: usize| sign * (5.0 + 0.1 * number as f64);
+    let places = (0..STREAM).map(|number| (at(number), speed(number)));
+    let places: Vec<[f64; 3]> = places.map(|([x, y], speed)| [x, y, -0.1 - after * speed]).collect();
+    let mut scene = lattice(cube(half), "", &[[0.0; 3]], &places);
+    let block = scene.grain.len() - STREAM;
+    scene.grain[..block].iter_mut().for_each(|grain| grain.velocity = [0.0; 3]);
+    for (number, grain) in scene.grain[block..].iter_mut().enumerate() {
+        grain.velocity = [0.0, 0.0, speed(number)];
+    }
+    scene
+}
+
+#[test]
+fn escaping_grains_cost_their_own_boxes() {
+    for half in [0.13, 30.0] {
+        let mut simulation = start(&stream(half, -1.0, 0.0));
+        simulation.step();
+        let before = simulation.memory_bytes();
+        steps(&mut simulation, 200);
+        let each = simulation.memory_bytes().saturating_sub(before) / STREAM;
+        assert!(each < 6_000, "{each} bytes per grain that left the block, domain of {half} m");
+        let tasks = simulation.layout().plan.tasks().len();
+        assert!(tasks < 200, "{tasks} tasks: lone grains have none");
+    }
+}
+
+#[test]
+fn escaped_grains_resume_to_the_same_bits() {
+    same_bits_everywhere(&stream(0.13, -1.0, 0.0), 45);
+}
+
+#[test]
+fn single_precision_follows_fewer_boxes() {
+    // The stream comes from afar, so that there are ever fewer boxes, and strikes the block.
+    let mut scene = stream(30.0, 1.0, 0.05);
+    scene.solver.precision = Precision::Single;
+    let mut simulation = start(&scene);
+    steps(&mut simulation, 100);
+    let mut resumed = Simulation::resume(&scene, &simulation.checkpoint()).unwrap();
+    steps(&mut simulation, 20);
+    steps(&mut resumed, 20);
+    assert!(simulation.layout().contacts > 100, "the stream strikes the block");
+    assert_eq!(resumed.state_hash(), simulation.state_hash());
 }

@@ -98,15 +98,15 @@ impl CellGrid {
         }
     }
 
-    /// Sorts the grains of a world; grains outside the domain count to its outermost cells, or where their image is inside, unless
-    /// boxes are cut where grains are. Returns the old place of the grain that belongs at each new place. Grains of a cell keep
+    /// Sorts the grains of a world. Returns the old place of the grain that belongs at each new place. Grains of a cell keep
     /// their order.
     pub fn sort(&mut self, world: &World, team: &Team) -> &[u32] {
         let grains = world.grains();
         let mut cell_of = std::mem::take(&mut self.cell_of);
         cell_of.resize(grains, 0);
+        let followed = self.boxes.follows();
         let follows = team.alone(Phase::Detect, || self.boxes.follow(&world.spheres[..grains], &mut cell_of));
-        if follows {
+        if follows || followed {
             self.cut_boxes(grains);
         }
         team.each_with(Phase::Detect, chunks(grains), by_chunk(&mut cell_of), |number, cells| {
@@ -403,6 +403,8 @@ mod tests {
         assert!(lone.comparisons * 10 <= tight.comparisons * 12, "one escaped: {lone:?}, {tight:?}");
         let lone = work(9e5, &[[0.0; 3]], &scattered(100));
         assert!(lone.comparisons * 10 <= tight.comparisons * 20, "a hundred: {lone:?}, {tight:?}");
+        let fled = work(0.1, &[[0.0; 3]], &scattered(400));
+        assert!(fled.comparisons <= tight.comparisons * 6, "four hundred outside: {fled:?}, {tight:?}");
         let two = work(9e5, &[[0.0; 3], [7e5, -3e5, 20.0]], &[]);
         assert!(two.comparisons * 10 <= 2 * tight.comparisons * 12, "two blocks: {two:?}, {tight:?}");
         // Grains that are everywhere apart share wider boxes, and are compared with none.

@@ -28,7 +28,7 @@ const FURTHEST: f64 = 1e9;
 /// Stage of a contact by the set of axes (x = 1, y = 2, z = 4) along which its two boxes differ.
 const STAGE_OF_AXES: [usize; 8] = [0, 1, 2, 4, 3, 6, 5, 7];
 
-/// The boxes that cut the domain: all of it, or, where it is mostly empty, what holds grains.
+/// The boxes that cut the domain: all of it, or, where it is mostly empty or grains have left it, what holds grains.
 #[derive(Clone, Debug)]
 pub struct BoxGrid {
     origin: Vector3<f64>,
@@ -38,6 +38,8 @@ pub struct BoxGrid {
     period: Period,
     /// Least width of a box, m.
     narrowest: f64,
+    /// Width of the boxes that cut all of the domain, m; absent where it is mostly empty.
+    whole: Option<f64>,
     /// Boxes that are worth their while.
     affordable: usize,
     /// Those that are numbered where not all of them are.
@@ -68,6 +70,7 @@ impl BoxGrid {
             count: [0; 3],
             period: *period,
             narrowest,
+            whole: None,
             affordable: boxes as usize,
             occupied: None,
         };
@@ -78,6 +81,8 @@ impl BoxGrid {
         }
         if grains >= FEW && width > EMPTY_FROM * narrowest {
             (grid.occupied, width) = (Some(Box::default()), narrowest);
+        } else {
+            grid.whole = Some(width);
         }
         grid.set_width(width);
         grid
@@ -100,11 +105,17 @@ impl BoxGrid {
         self.count = count.map(|count| count as u32);
     }
 
-    /// Cuts boxes anew where grains are, if not everywhere: as narrow as boxes may be, or wider by powers of two if grains are so
-    /// scattered that there would be more boxes than it pays to have. Leaves the number of each grain's box in `number_of`; returns
-    /// whether boxes are cut where grains are. It all depends on the places of the grains alone.
+    /// Cuts boxes anew where grains are, if the domain is mostly empty or does not hold all of them: as narrow as boxes may be, or wider by
+    /// powers of two if grains are so scattered that there would be more boxes than it pays to have. Leaves the number of each grain's
+    /// box in `number_of`; returns whether boxes are cut where grains are. It all depends on the places of the grains alone.
     pub(crate) fn follow(&mut self, spheres: &[Sphere], number_of: &mut [u32]) -> bool {
-        let Some(mut occupied) = self.occupied.take() else { return false };
+        if let Some(width) = self.whole.filter(|_| self.hold(spheres)) {
+            if self.occupied.take().is_some() {
+                self.set_width(width);
+            }
+            return false;
+        }
+        let mut occupied = self.occupied.take().unwrap_or_default();
         let mut width = self.narrowest;
         loop {
             self.occupied = Some(Box::default());
@@ -119,6 +130,20 @@ impl BoxGrid {
         }
         self.occupied = Some(occupied);
         true
+    }
+
+    /// Reports whether the domain holds the centres of all grains.
+    fn hold(&self, spheres: &[Sphere]) -> bool {
+        let far = self.origin + self.size;
+        spheres.iter().all(|Sphere { centre, .. }| {
+            let outside = |axis: usize| centre[axis] < self.origin[axis] || centre[axis] > far[axis];
+            (0..3).all(|axis| self.period.is_periodic(axis) || !outside(axis))
+        })
+    }
+
+    /// Reports whether boxes are cut where grains are.
+    pub(crate) fn follows(&self) -> bool {
+        self.occupied.is_some()
     }
 
     /// Coordinates of the box of a point that is wrapped into the domain.
@@ -153,10 +178,9 @@ impl BoxGrid {
     /// Most boxes that there ever are with as many grains: where they follow the grains, those that hold some are at most as many as are
     /// affordable, and each brings up to seven that tasks between them belong to.
     pub(crate) fn most(&self) -> usize {
-        match &self.occupied {
-            Some(_) => 8 * self.affordable.max(1),
-            None => self.boxes(),
-        }
+        let whole =
+            self.whole.map_or(0.0, |width| self.count_at(width).iter().map(|count| count.min(1024.0)).product());
+        (8 * self.affordable.max(1)).max(whole as usize)
     }
 
     /// Number of boxes along each axis, empty ones among them.

@@ -77,8 +77,11 @@ const CACHE: usize = 1 << 20;
 pub struct Layout {
     /// The tasks that have candidates, stage after stage. They are replaced by `Layout::replan`.
     pub plan: Plan,
-    /// Lane groups of every task that can be, by its number (`BoxGrid::task`): of every planned one at least.
+    /// Lane groups of every task that can be, by its number ([`PlannedTask::number`]): of every planned one at least. Those of a box
+    /// lie together, so that a box that keeps its number finds the memory that it had.
     pub groups: Vec<TaskGroups>,
+    /// Number of boxes that the tasks of the plan are of; there may have been more.
+    pub(crate) boxes: usize,
     /// The contacts with driven walls, in the order in which they are relaxed.
     pub driven: Vec<DrivenContact>,
     /// Number of contacts, padding lanes left out.
@@ -118,13 +121,14 @@ impl TaskGroups {
 impl Layout {
     /// An empty layout for so many tasks.
     pub fn new(tasks: usize) -> Layout {
-        Layout { groups: vec![TaskGroups::default(); tasks], ..Layout::default() }
+        Layout { groups: vec![TaskGroups::default(); tasks], boxes: tasks / STAGES, ..Layout::default() }
     }
 
     /// Takes a plan of tasks whose numbers lie below `tasks`: each has its lane groups from then on, without a contact until they are laid
     /// out.
     pub(crate) fn replan(&mut self, tasks: usize, plan: impl FnOnce(&mut Plan)) {
         plan(&mut self.plan);
+        self.boxes = tasks / STAGES;
         if tasks > self.groups.len() {
             self.groups.resize_with(tasks, TaskGroups::default);
         }

@@ -30,7 +30,7 @@ impl Portion {
 /// A task that has candidates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlannedTask {
-    /// Its number: stage times boxes plus box.
+    /// Number of its lane groups: box times stages plus stage.
     pub number: u32,
     /// The box that it belongs to, the lowest of those that its bodies are in.
     pub home: u32,
@@ -45,7 +45,7 @@ pub struct PlannedTask {
 impl PlannedTask {
     /// Whether its pairs are of grains of one box.
     pub(crate) fn is_interior(&self) -> bool {
-        self.number == self.home
+        (self.number as usize).is_multiple_of(STAGES)
     }
 
     /// Its blocks of eight pairs.
@@ -102,7 +102,7 @@ impl Plan {
                 if !pairs.is_empty() || !walls.is_empty() {
                     let first_block = self.blocks() as u32;
                     self.tasks.push(PlannedTask {
-                        number: number as u32,
+                        number: (home * STAGES + stage) as u32,
                         home: home as u32,
                         pairs,
                         first_block,

@@ -4,7 +4,7 @@
 //! that follow each other become one where they share no body. Afterwards impulses go back as they are, and each body
 //! receives the change of its velocity, so that what no contact touches is not rounded.
 
-use super::{ByNumber, Layout, STAGES, TaskGroups};
+use super::{ByNumber, Layout, TaskGroups};
 use crate::effects::Effects;
 use crate::groups::{ContactLanes, FrictionLanes, PairGroup, Tangential, WallGroup, padding_places, with_pairs};
 use crate::lanes::{Available, Eight, Kernel, LANES, Lanes, SINGLE_LANES, Sixteen};
@@ -88,7 +88,7 @@ impl SingleCopy {
     /// Rounds bodies and the lane groups that a step has laid out.
     pub fn take(&mut self, bodies: &[Body], layout: &Layout, set: Available, team: &Team) {
         // Behind the grains lie the dummies of the boxes.
-        let grains = bodies.len() - layout.groups.len() / STAGES * DUMMIES;
+        let grains = bodies.len() - layout.boxes * DUMMIES;
         self.bodies.resize(bodies.len(), SingleBody::default());
         self.groups.resize_with(layout.groups.len(), SingleGroups::default);
         team.each_with(Phase::Sweep, chunks(bodies.len()), by_chunk(&mut self.bodies), |number, copies| {

@@ -55,7 +55,7 @@ pub struct Forecast {
     pub wall_seconds: f64,
     /// Threads that a run takes by itself.
     pub threads: usize,
-    /// What costs more than is expected, with what to set.
+    /// Causes of a cost beyond the expected one, with the setting to change.
     pub notes: Vec<String>,
     /// What the settings are not expected to bear.
     pub findings: Vec<Finding>,
@@ -129,11 +129,11 @@ fn frames(scene: &Scene) -> u64 {
     1 + (scene.duration / interval - 1e-6).ceil().max(1.0) as u64
 }
 
-/// What a run of the scene costs beyond what is expected of it, with what to set.
+/// Lists causes of a cost beyond the expected one, with the setting to change.
 fn notes(scene: &Scene) -> Vec<String> {
     let ignores_escapes = scene.watch.on_escape == Reaction::Ignore || scene.watch.every == 0;
-    let fall = "grains that leave the domain are simulated on, and each costs more time and memory than one in a bed: a wall that \
-                catches them (a plane below the outlet) keeps them cheap";
+    let fall = "grains that leave the domain are simulated on, and the faster they fly, the more often contacts are searched: a wall \
+                that catches them (a plane below the outlet) keeps steps cheap";
     ignores_escapes.then(|| format!("watch.on_escape is ignored: {fall}")).into_iter().collect()
 }
 
