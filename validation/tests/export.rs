@@ -68,7 +68,7 @@ fn a_vtkhdf_file_says_where_each_frame_begins() {
     }
 }
 
-/// The numbers of a chunk of a frame of a GSD file: single precision, or whole numbers of eight bytes.
+/// The numbers of a chunk of a frame of a GSD file.
 fn chunk(bytes: &[u8], frame: u64, wanted: &str) -> Option<Vec<f64>> {
     let long = |place: usize| u64::from_le_bytes(bytes[place..place + 8].try_into().unwrap());
     let (index, entries, names) = (long(8) as usize, long(16) as usize, long(24) as usize);
@@ -80,7 +80,12 @@ fn chunk(bytes: &[u8], frame: u64, wanted: &str) -> Option<Vec<f64>> {
     let columns = u32::from_le_bytes(bytes[at + 24..at + 28].try_into().unwrap()) as usize;
     let (count, place) = (long(at + 8) as usize * columns, long(at + 16) as usize);
     Some(match bytes[at + 30] {
+        3 => bytes[place..place + 4 * count]
+            .chunks(4)
+            .map(|bytes| f64::from(u32::from_le_bytes(bytes.try_into().unwrap())))
+            .collect(),
         4 => (0..count).map(|number| long(place + 8 * number) as f64).collect(),
+        10 => (0..count).map(|number| f64::from_bits(long(place + 8 * number))).collect(),
         9 => bytes[place..place + 4 * count]
             .chunks(4)
             .map(|bytes| f64::from(f32::from_le_bytes(bytes.try_into().unwrap())))
@@ -180,4 +185,41 @@ fn a_gsd_file_has_the_layout_of_its_schema() {
         }
     }
     assert_eq!(seen, 2);
+}
+
+#[test]
+fn exports_hold_poses_of_driven_walls() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml");
+    let lid = "[[wall]]\nname = \"lid\"\nmaterial = \"wall\"\nshape = { kind = \"disc\", centre = [0.0, 0.0, 0.29], \
+               normal = [0.0, 0.0, -1.0], radius = 0.01 }\n\
+               motion = { kind = \"force-driven\", axis = [0.0, 0.0, -1.0], force = 1.0, mass = 1.0 }\n[[population]]";
+    let scene = Scene::parse(&std::fs::read_to_string(file).unwrap().replacen("[[population]]", lid, 1)).unwrap();
+    let mut simulation = Simulation::builder(&scene).time_step(1e-3).build().unwrap();
+    let mut frames = FrameWriter::create(folder.path(), &scene).unwrap();
+    let mut poses = Vec::new();
+    for _ in 0..FRAMES {
+        let frame = simulation.snapshot();
+        poses.extend(frame.driven_walls.clone());
+        frames.write(&frame).unwrap();
+        (0..20).for_each(|_| {
+            simulation.step();
+        });
+    }
+    assert!(poses.len() == FRAMES && poses[2].displacement > 1e-4, "{poses:?}");
+    let run = RunFrames::open(folder.path()).unwrap();
+    let [gsd, hdf] = ["grains.gsd", "grains.vtkhdf"].map(|name| folder.path().join(name));
+    write_gsd(&gsd, &run, &|_| {}).unwrap();
+    write_vtkhdf(&hdf, &run, Kind::Grains, &|_| {}).unwrap();
+    let (bytes, hdf) = (std::fs::read(&gsd).unwrap(), File::open(&hdf).unwrap());
+    let of_hdf = |name: &str| hdf.dataset(&format!("VTKHDF/{name}")).unwrap().read_f64().unwrap();
+    assert_eq!(of_hdf("Steps/FieldDataSizes/driven_wall"), [1.0; 2 * FRAMES]);
+    for (number, pose) in poses.iter().enumerate() {
+        let values = [f64::from(pose.wall), pose.displacement, pose.rate];
+        for (name, value) in ["driven_wall", "driven_wall_displacement", "driven_wall_rate"].iter().zip(values) {
+            assert_eq!(chunk(&bytes, number as u64, &format!("log/{name}")), Some(vec![value]));
+            let first = of_hdf(&format!("Steps/FieldDataOffsets/{name}"))[number] as usize;
+            assert_eq!(of_hdf(&format!("FieldData/{name}"))[first], value);
+        }
+    }
 }

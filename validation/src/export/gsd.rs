@@ -9,9 +9,10 @@
 //! store among them; what is written here is little.
 
 use super::ExportError;
-use crate::output::WriteError;
+use crate::output::{DRIVEN_WALLS, WriteError};
 use crate::provenance::VERSION;
 use crate::run_frames::{RunFrame, RunFrames};
+use makadam::snapshot::DrivenWall;
 use std::fs::File;
 use std::io::{BufWriter, Error, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -123,7 +124,7 @@ impl Gsd {
 
 /// Writes the grains of all frames into one file and returns how many frames there are. The origin of a GSD file is the middle of its box,
 /// which is as long as the period along axes along which the scene repeats itself, and holds all grains of all frames along the others;
-/// `log/middle` says where that lies (m). `progress` is told the share that is done.
+/// `log/middle` says where that lies (m), and `log/driven_wall...` where driven walls stand, a row per wall. `progress` is told the share that is done.
 ///
 /// # Errors
 /// [`ExportError`] if a frame cannot be read, or the system refuses.
@@ -207,6 +208,15 @@ fn put(gsd: &mut Gsd, frame: &RunFrame, step: u64, middle: [f64; 3], sides: [f64
         if let Some(array) = field(name) {
             gsd.singles(&format!("log/particles/{name}"), array.components as u32, array.values().into_iter())?;
         }
+    }
+    if !frame.driven_walls.is_empty() {
+        let (walls, rows) = (&frame.driven_walls, frame.driven_walls.len() as u64);
+        let [wall, displacement, rate] = DRIVEN_WALLS.map(|name| format!("log/{name}"));
+        let doubles =
+            |of: fn(&DrivenWall) -> f64| walls.iter().flat_map(|one| of(one).to_le_bytes()).collect::<Vec<u8>>();
+        gsd.chunk(&wall, WHOLE, 1, rows, &walls.iter().flat_map(|one| one.wall.to_le_bytes()).collect::<Vec<u8>>())?;
+        gsd.chunk(&displacement, DOUBLE, 1, rows, &doubles(|one| one.displacement))?;
+        gsd.chunk(&rate, DOUBLE, 1, rows, &doubles(|one| one.rate))?;
     }
     gsd.chunk("log/time", DOUBLE, 1, 1, &frame.time.to_le_bytes())?;
     gsd.chunk("log/middle", DOUBLE, 1, 3, &middle.map(f64::to_le_bytes).concat())

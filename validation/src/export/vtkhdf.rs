@@ -7,7 +7,7 @@
 
 use super::ExportError;
 use crate::output::vtk::{Array, Kind as Number};
-use crate::output::{Outline, WriteError};
+use crate::output::{DRIVEN_WALLS, FIELD_DATA, Outline, WriteError};
 use crate::run_frames::RunFrames;
 use hdf5_pure::{AttrValue, DatasetBuilder, File, FileBuilder};
 use std::path::{Path, PathBuf};
@@ -73,12 +73,13 @@ pub fn write_vtkhdf(path: &Path, run: &RunFrames, kind: Kind, progress: &dyn Fn(
         return Ok(0);
     }
     let (survey, arrays) = survey(run, files)?;
+    let poses = if kind == Kind::Grains { poses(run, files)? } else { Vec::new() };
     let failed =
         |error: hdf5_pure::Error| ExportError::Format { file: path.display().to_string(), problem: error.to_string() };
     let mut name = path.as_os_str().to_owned();
     name.push(format!(".part{}", std::process::id()));
     let draft = PathBuf::from(name);
-    let written = skeleton(&survey, &arrays).write(&draft).and_then(|()| File::open_rw(&draft)).map_err(failed);
+    let written = skeleton(&survey, &arrays, &poses).write(&draft).and_then(|()| File::open_rw(&draft)).map_err(failed);
     let filled = written.and_then(|file| {
         // Arrays, and the connectivity.
         let count = arrays.len() + 1;
@@ -140,6 +141,33 @@ fn survey(run: &RunFrames, files: &[(f64, PathBuf)]) -> Result<(Survey, Grouped)
     Ok((survey, arrays))
 }
 
+/// Poses of driven walls, in arrays over all frames, each with the number of its tuples in each frame; none where no wall is driven.
+fn poses(run: &RunFrames, files: &[(f64, PathBuf)]) -> Result<Vec<(Array, Vec<i64>)>, ExportError> {
+    let mut all: Vec<(Array, Vec<i64>)> = Vec::new();
+    for (_, file) in files {
+        let data = run.read_some(file, &|section, name| section == FIELD_DATA && DRIVEN_WALLS.contains(&name))?;
+        let own =
+            data.sections.into_iter().filter(|(section, _)| *section == FIELD_DATA).flat_map(|(_, arrays)| arrays);
+        for array in own {
+            let tuples = array.tuples() as i64;
+            match all.iter_mut().find(|(known, _)| known.name == array.name) {
+                Some((known, counts)) => {
+                    known.bytes.extend(as_kind(&array, known.kind));
+                    counts.push(tuples);
+                }
+                None => all.push((array, vec![tuples])),
+            }
+        }
+    }
+    match all.iter().all(|(_, counts)| counts.len() == files.len()) {
+        true => Ok(all),
+        false => Err(ExportError::Format {
+            file: files[0].1.display().to_string(),
+            problem: format!("not all frames have {}", DRIVEN_WALLS.join(", ")),
+        }),
+    }
+}
+
 /// Arrays that go into the file, each with its group below `VTKHDF`.
 fn arrays_of(data: &Outline) -> impl Iterator<Item = (&'static str, &Array)> {
     let group = |section: &str| match section {
@@ -161,7 +189,7 @@ fn as_kind(array: &Array, kind: Number) -> Vec<u8> {
 }
 
 /// The file without its arrays: how many points and cells there are, and where each frame begins.
-fn skeleton(survey: &Survey, arrays: &[(&'static str, Array)]) -> FileBuilder {
+fn skeleton(survey: &Survey, arrays: &[(&'static str, Array)], poses: &[(Array, Vec<i64>)]) -> FileBuilder {
     let frames = survey.times.len();
     let starts = |counts: &[i64]| -> Vec<i64> {
         let mut sum = 0;
@@ -197,6 +225,13 @@ fn skeleton(survey: &Survey, arrays: &[(&'static str, Array)]) -> FileBuilder {
         }
         root.add_group(group.finish());
     }
+    if !poses.is_empty() {
+        let mut group = root.create_group(FIELD_DATA);
+        for (array, _) in poses {
+            numbers(group.create_dataset(&array.name), &array.bytes, array.kind);
+        }
+        root.add_group(group.finish());
+    }
     let mut steps = root.create_group("Steps");
     steps.set_attr("NSteps", AttrValue::I64(frames as i64));
     steps.create_dataset("Values").with_f64_data(&survey.times);
@@ -219,6 +254,18 @@ fn skeleton(survey: &Survey, arrays: &[(&'static str, Array)]) -> FileBuilder {
             group.create_dataset(&array.name).with_i64_data(starts);
         }
         steps.add_group(group.finish());
+    }
+    if !poses.is_empty() {
+        let [mut firsts, mut sizes] =
+            ["Offsets", "Sizes"].map(|name| steps.create_group(&format!("{FIELD_DATA}{name}")));
+        for (array, counts) in poses {
+            firsts.create_dataset(&array.name).with_i64_data(&starts(counts));
+            let size = counts.iter().flat_map(|count| [array.components as i64, *count]);
+            let size: Vec<i64> = size.collect();
+            sizes.create_dataset(&array.name).with_i64_data(&size).with_shape(&[frames as u64, 2]);
+        }
+        steps.add_group(firsts.finish());
+        steps.add_group(sizes.finish());
     }
     root.add_group(steps.finish());
     builder.add_group(root.finish());

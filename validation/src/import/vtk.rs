@@ -4,8 +4,7 @@ use super::arrays::{Named, is_wanted, table_of};
 use super::frame_table::{FrameTable, ImportError};
 use super::stated::StatedColumns;
 use crate::output::vtk::Array;
-use crate::output::{DRIVEN_WALLS, outline_vtk, vtk_field_arrays};
-use makadam::snapshot::DrivenWall;
+use crate::output::{DRIVEN_WALLS, FIELD_DATA, driven_walls, outline_vtk};
 use std::path::Path;
 
 /// Files that list others: the root's type, and what to give instead.
@@ -40,7 +39,8 @@ pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<V
     let is_read = |section: &str, name: &str| {
         let components = heads.unread.iter().find(|(of, known, _)| *of == section && known == name);
         let components = components.map_or(1, |(.., components)| *components);
-        sections.contains(&section) && is_wanted(&named(section, name), components, stated)
+        let is_pose = section == FIELD_DATA && DRIVEN_WALLS.contains(&name);
+        is_pose || sections.contains(&section) && is_wanted(&named(section, name), components, stated)
     };
     let outline = outline_vtk(bytes, &is_read).map_err(fault)?;
     let of_section = |section: &str| sections.contains(&section);
@@ -51,19 +51,9 @@ pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<V
     let unread = unread.map(|(section, name, components)| Named::new(named(section, name), *components, None));
     let arrays: Vec<Named> = read.chain(unread).collect();
     let first_id = outline.of_run.then_some(0);
-    let driven_walls = if outline.of_run { driven_walls(bytes).map_err(fault)? } else { Vec::new() };
+    let of_whole =
+        || outline.sections.iter().filter(|(section, _)| *section == FIELD_DATA).flat_map(|(_, arrays)| arrays);
+    let pose = |name: &str| of_whole().find(|array| array.name == name).map(Array::values);
+    let driven_walls = if outline.of_run { driven_walls(pose).map_err(fault)? } else { Vec::new() };
     Ok(vec![FrameTable { time: outline.time, first_id, driven_walls, ..table_of(file, count, &arrays, stated)? }])
-}
-
-/// Poses of driven walls that a frame of a run states; none where it has none.
-fn driven_walls(bytes: &[u8]) -> Result<Vec<DrivenWall>, String> {
-    let arrays = vtk_field_arrays(bytes, &DRIVEN_WALLS)?;
-    let values = |name: &str| arrays.iter().find(|array| array.name == name).map(Array::values);
-    let [Some(walls), Some(displacements), Some(rates)] = DRIVEN_WALLS.map(values) else { return Ok(Vec::new()) };
-    let all = walls.iter().chain(&displacements).chain(&rates);
-    if [displacements.len(), rates.len()] != [walls.len(); 2] || !all.into_iter().all(|number| number.is_finite()) {
-        return Err(format!("{} are not as many finite numbers each", DRIVEN_WALLS.join(", ")));
-    }
-    let poses = walls.iter().zip(displacements.iter().zip(&rates));
-    Ok(poses.map(|(&wall, (&displacement, &rate))| DrivenWall { wall: wall as u32, displacement, rate }).collect())
 }

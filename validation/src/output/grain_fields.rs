@@ -4,7 +4,7 @@ use super::vtk::{Array, Cells, Kind, PolyData};
 use crate::plan::{GrainField, Output, Roster, Scene};
 use makadam::effects::gravity::Field;
 use makadam::effects::period::Period;
-use makadam::snapshot::{Particle, Partner, Snapshot};
+use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -13,6 +13,20 @@ type Vector = Vector3<f64>;
 /// Arrays of a frame that hold the poses of driven walls, a tuple per wall: number in the scene, displacement (m or rad), and rate (m/s or
 /// rad/s).
 pub(crate) const DRIVEN_WALLS: [&str; 3] = ["driven_wall", "driven_wall_displacement", "driven_wall_rate"];
+
+/// Poses of driven walls from the values of these arrays: none where one of them is absent.
+///
+/// # Errors
+/// The problem, in names of the arrays.
+pub(crate) fn driven_walls(values: impl Fn(&str) -> Option<Vec<f64>>) -> Result<Vec<DrivenWall>, String> {
+    let [Some(walls), Some(displacements), Some(rates)] = DRIVEN_WALLS.map(values) else { return Ok(Vec::new()) };
+    let all = walls.iter().chain(&displacements).chain(&rates);
+    if [displacements.len(), rates.len()] != [walls.len(); 2] || !all.into_iter().all(|number| number.is_finite()) {
+        return Err(format!("{} are not as many finite numbers each", DRIVEN_WALLS.join(", ")));
+    }
+    let poses = walls.iter().zip(displacements.iter().zip(&rates));
+    Ok(poses.map(|(&wall, (&displacement, &rate))| DrivenWall { wall: wall as u32, displacement, rate }).collect())
+}
 
 /// What a scene says of its grains, by their numbers.
 pub(super) struct GrainTable {

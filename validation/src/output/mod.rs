@@ -18,7 +18,7 @@ mod wall_mesh;
 
 pub use cache::{cache_folder, run_folder};
 pub use frames::{FrameWriter, FramesWritten};
-pub(crate) use grain_fields::DRIVEN_WALLS;
+pub(crate) use grain_fields::{DRIVEN_WALLS, driven_walls};
 pub use lock::{FolderLock, LockError};
 pub use names::file_stem;
 pub use record::record_folder;
@@ -26,7 +26,7 @@ pub use run_files::RunFiles;
 pub(crate) use shown::shown;
 pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
 pub use table::{TableWritten, TimeTable};
-pub(crate) use vtk_read::{Outline, decode as decode_vtk, field_arrays as vtk_field_arrays, outline as outline_vtk};
+pub(crate) use vtk_read::{FIELD_DATA, Outline, decode as decode_vtk, outline as outline_vtk};
 
 /// How every HDF5 file begins.
 pub(crate) const HDF5: [u8; 8] = *b"\x89HDF\r\n\x1a\n";

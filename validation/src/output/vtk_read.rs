@@ -25,7 +25,7 @@ struct Source<'a> {
     compressor: Option<Compressor>,
     /// Bytes of the integers in front of an array.
     header: usize,
-    /// Whether numbers are in big endian.
+    /// True if numbers are in big endian.
     is_big: bool,
 }
 
@@ -72,6 +72,9 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
     })
 }
 
+/// Section of the arrays of a whole file.
+pub(crate) const FIELD_DATA: &str = "FieldData";
+
 /// What a file holds, as far as it was asked for.
 #[derive(Debug)]
 pub(crate) struct Outline {
@@ -89,7 +92,7 @@ pub(crate) struct Outline {
     pub sections: Vec<(&'static str, Vec<Array>)>,
     /// Sections, names and components of arrays that were not wanted.
     pub unread: Vec<(&'static str, String, usize)>,
-    /// Whether the file names the scene of a run of Makadam, which numbers grains as its scene does.
+    /// True if the file names the scene of a run of Makadam, which numbers grains as its scene does.
     pub of_run: bool,
 }
 
@@ -147,6 +150,11 @@ pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str, &str) -> bool) -> Resu
         sections.push((name, arrays));
     }
     let fields = || named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
+    let of_whole = |node: &Node<'_, '_>| {
+        node.has_tag_name("DataArray") && wanted(FIELD_DATA, node.attribute("Name").unwrap_or_default())
+    };
+    let of_whole = fields().filter(of_whole).map(|node| array(&source, node, tuples_of_field(node)?));
+    sections.push((FIELD_DATA, of_whole.collect::<Result<_, _>>()?));
     let of_run = fields().any(|node| node.has_tag_name("Array") && node.attribute("Name") == Some("scene_name"));
     let time = fields().find(|node| node.attribute("Name") == Some("TimeValue"));
     let time = time.map(|node| array(&source, node, 1)).transpose()?.and_then(|array| array.values().first().copied());
@@ -205,21 +213,6 @@ fn root<'a, 'input>(
 
 /// Named texts.
 type Texts = Vec<(String, Vec<String>)>;
-
-/// Arrays of numbers of the whole file whose names are wanted.
-///
-/// # Errors
-/// What is wrong with the bytes.
-pub(crate) fn field_arrays(bytes: &[u8], wanted: &[&str]) -> Result<Vec<Array>, String> {
-    let (text, appended) = split(bytes)?;
-    let document = Document::parse(&text).map_err(|error| error.to_string())?;
-    let (root, source) = root(&document, appended)?;
-    let nodes = named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
-    let is_wanted = |node: &Node<'_, '_>| {
-        node.has_tag_name("DataArray") && node.attribute("Name").is_some_and(|name| wanted.contains(&name))
-    };
-    nodes.filter(is_wanted).map(|node| array(&source, node, tuples_of_field(node)?)).collect()
-}
 
 /// Number of tuples of an array of the whole file.
 fn tuples_of_field(node: Node<'_, '_>) -> Result<usize, String> {
@@ -360,7 +353,7 @@ fn in_words(kind: Kind, text: &str, count: usize) -> Result<Vec<u8>, String> {
     }
 }
 
-/// What an array of `size` bytes is made from: a size and bytes, or compressed blocks behind the table of their sizes.
+/// Unpacks the `size` bytes of an array: stored as a size and bytes, or as compressed blocks behind the table of their sizes.
 fn blocks(source: &Source<'_>, bytes: &[u8], size: usize) -> Result<Vec<u8>, String> {
     let header = source.header;
     let number = |place: usize| header_number(source, bytes, place);

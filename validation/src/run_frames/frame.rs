@@ -1,6 +1,8 @@
 //! One frame of a run in memory.
 
+use crate::output::driven_walls;
 use crate::output::vtk::{Array, Cells, PolyData};
+use makadam::snapshot::DrivenWall;
 
 /// One frame of a run.
 #[derive(Clone, Debug)]
@@ -15,6 +17,8 @@ pub struct RunFrame {
     pub walls: Option<Walls>,
     /// Acceleration of gravity, m/s2; zero where it is not known.
     pub gravity: [f64; 3],
+    /// Poses of the walls that forces drive.
+    pub driven_walls: Vec<DrivenWall>,
     /// The axes along which the scene repeats itself; none where there are no such, or an earlier version wrote the frame.
     pub repeats: Option<Repeats>,
 }
@@ -84,6 +88,8 @@ pub(super) fn assemble(
         }
         _ => None,
     };
+    let pose = |name: &str| grains.field_data.iter().find(|array| array.name == name).map(Array::values);
+    let driven_walls = driven_walls(pose)?;
     let materials = texts(&grains, "material_names");
     let positions = triples(&grains.points);
     let sizes = |name: &str| grains.point_data.iter().find(|array| array.name == name && array.components == 1);
@@ -104,6 +110,7 @@ pub(super) fn assemble(
         grains: Grains { positions, radii, fields: grains.point_data, materials },
         contacts: contacts.map(|contacts| lines(&contacts)).transpose()?,
         walls: walls.map(surfaces).transpose()?,
+        driven_walls,
         repeats,
     })
 }
