@@ -7,6 +7,7 @@ mod images;
 mod scene;
 mod uniqueness;
 
+use self::conservation::Seen;
 use self::contacts::{Laws, Stepped, step};
 use self::images::Image;
 use self::scene::{Container, Drawn, Solves, scenes};
@@ -153,7 +154,14 @@ fn ledgers_close_with_all_effects() {
 #[test]
 fn moving_frames_change_nothing() {
     let boosted = (conservation::with_effects(12), conservation::boosts());
-    let counts = check(boosted, |(scene, boost)| conservation::check_boost(scene, *boost));
+    let counts = check(boosted, |(scene, boost)| conservation::check_seen(scene, Seen::Moving(*boost)));
+    println!("{counts:?} steps with contacts, with solves to the end");
+    assert!(counts[1] > 100, "{counts:?}");
+}
+
+#[test]
+fn mirrors_change_nothing_with_all_effects() {
+    let counts = check(conservation::with_effects(12), |scene| conservation::check_seen(scene, Seen::Mirrored));
     println!("{counts:?} steps with contacts, with solves to the end");
     assert!(counts[1] > 100, "{counts:?}");
 }
