@@ -190,7 +190,7 @@ fn escaped_grains_are_judged_where_the_scene_lets_them() {
     assert!(code == 4 && text.contains("1 of 100 grains lie outside the domain"), "{code}: {text}{errors}");
 }
 
-/// What is measured and has no margin is listed, too.
+/// Numbers without a margin are listed, too.
 #[test]
 fn values_without_a_margin_are_listed() {
     let (_, text, errors) = judged(&described("none", OUT), &["--seeds", "2", "--json"]);

@@ -460,7 +460,7 @@ fn the_ledger_closes_while_grains_come_and_go() {
     assert!(balance.end.elastic > 0.0 && balance.outside > 0.0, "{balance:#?}");
 }
 
-/// What contacts of an inserted grain store comes from outside, and so does what those store that touched without bearing anything.
+/// Energy that contacts of an inserted grain store comes from outside, and so does that of contacts that touched without an impulse.
 #[test]
 fn an_inserted_grain_that_touches_stores_energy_from_outside() {
     let floor = Wall::new("floor", "glass", Shape::Plane { point: [0.0; 3], normal: [0.0, 0.0, 1.0] });

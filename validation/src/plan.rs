@@ -331,7 +331,7 @@ impl Measure {
         OFF_DUE * self.interval
     }
 
-    /// Whether runs at rest are told from others by an energy that is not measured.
+    /// Reports whether runs at rest are told from others by an energy that is not measured.
     fn lacks_energy(&self) -> bool {
         self.rest_energy.is_some() && !self.observables.contains(&Observable::Balances)
     }

@@ -93,7 +93,7 @@ impl WallSearch<'_> {
 
     /// Lists the same for a wall with an index, which each grain asks for its own faces.
     fn search_index(&self, wall: u32, pose: &Pose, crowd: &Crowd<'_>, found: &mut Found) {
-        let start = found.walls.len();
+        let (start, beyond) = (found.walls.len(), found.beyond.len());
         let fast = self.ahead(crowd, pose.largest_speed(&crowd.centre, crowd.half)) > 0.0;
         for (grain, sphere, body) in crowd.grains() {
             let touch = sphere.radius + self.skin;
@@ -110,16 +110,15 @@ impl WallSearch<'_> {
                     found.walls.push(candidate);
                 } else if fast && swept() {
                     found.walls.push(candidate);
-                    // Once, however often the index comes upon the face.
-                    if !found.beyond.contains(&candidate) {
-                        found.beyond.push(candidate);
-                    }
+                    found.beyond.push(candidate);
                 }
             });
         }
-        // In the order in which all faces would have been asked.
+        // In the order in which all faces would have been asked, and once, however often the index comes upon a face.
         found.walls[start..].sort_unstable_by_key(|one| (one.surface, one.body));
         found.walls.dedup();
+        found.beyond[beyond..].sort_unstable_by_key(|one| (one.surface, one.body));
+        found.beyond.dedup();
     }
 
     /// Distance that the grains may travel towards a face of a speed (m/s) within a step, m; zero if none is too fast for it.

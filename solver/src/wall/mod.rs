@@ -405,7 +405,7 @@ impl PlacedFace<'_> {
         self.pose.velocity_at(point, self.in_place)
     }
 
-    /// What the wall's velocity has gained since the step before without a jump, m/s, besides what comes of drifts: no approach of what
+    /// Gain of the wall's velocity since the step before without a jump, m/s, besides what comes of drifts: no approach of what
     /// rests on it.
     pub(crate) fn gain(&self) -> Vector {
         self.pose.gain()

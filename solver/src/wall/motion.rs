@@ -411,7 +411,7 @@ impl Pose {
         if in_place { drift - normal * normal.dot(&drift) } else { drift }
     }
 
-    /// Whether a face of the wall may drift in the step.
+    /// Reports whether a face of the wall may drift in the step.
     #[inline]
     pub(crate) fn drifts(&self) -> bool {
         self.turning.chord[1] != 0.0 || self.in_place.chord[1] != 0.0

@@ -128,7 +128,7 @@ impl Container {
         }
     }
 
-    /// Whether it goes on beyond the ends of the domain.
+    /// True if it goes on beyond the ends of the domain.
     pub fn repeats(&self) -> bool {
         matches!(self.shape, Shape::Pipe { .. })
     }

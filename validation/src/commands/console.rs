@@ -10,9 +10,9 @@ use std::io::{ErrorKind, IsTerminal, Write};
 pub struct Console {
     quiet: bool,
     verbose: bool,
-    /// Whether standard output wants colours.
+    /// True if standard output wants colours.
     colour: bool,
-    /// Whether standard error wants colours.
+    /// True if standard error wants colours.
     colour_of_errors: bool,
     bars: MultiProgress,
 }
@@ -97,7 +97,7 @@ impl Console {
         Bar { bar }
     }
 
-    /// Whether standard output wants colours.
+    /// True if standard output wants colours.
     pub fn colour(&self) -> bool {
         self.colour
     }
@@ -108,7 +108,7 @@ impl Console {
     }
 }
 
-/// Whether a stream is coloured: a terminal, unless `NO_COLOR` is set and not empty.
+/// Reports whether a stream is coloured: a terminal, unless `NO_COLOR` is set and not empty.
 fn wants_colour(is_terminal: bool, no_colour: Option<&OsStr>) -> bool {
     is_terminal && no_colour.is_none_or(OsStr::is_empty)
 }

@@ -46,7 +46,7 @@ fn rows(scene: &Scene, expectation: &Expectation, codes: &[CodeRuns]) -> Vec<Row
     rows
 }
 
-/// Whether a code was run with the seeds that the scene has registered.
+/// Reports whether a code was run with the seeds that the scene has registered.
 fn is_registered(scene: &Scene, judged: &CodeRuns) -> bool {
     let seeds = judged.runs.iter().map(|run| run.seed).chain(judged.failed.iter().copied());
     unregistered(scene, seeds).is_none()
@@ -89,7 +89,7 @@ struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    /// What the runs of a code have that are at rest, where the scene asks for that.
+    /// Values of the runs of a code that are at rest, where the scene asks for that.
     fn of(scene: &Scene, code_runs: &'a CodeRuns, observable: &str) -> Asked<'a> {
         let CodeRuns { code, runs, failed, discarded, .. } = code_runs;
         let settled = Settled::of(scene, runs);

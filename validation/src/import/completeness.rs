@@ -1,4 +1,8 @@
-//! Whether the contacts that are told are all that there are: spheres that overlap touch.
+//! Evidence that a list of contacts is not complete: spheres that overlap touch.
+//!
+//! A file that lists contacts states that these are all, and lists that lacked some were written by people who took them to be complete. So no
+//! statement of the caller replaces the check, and none overrides it: a list is refused for what overlaps and is not in it, beyond the
+//! fractions below, which allow for positions a step younger than contacts and for walls made of triangles.
 
 use crate::observables::close_pairs;
 use crate::plan::Scene;

@@ -68,12 +68,8 @@ impl Manifest {
         if manifest.grains.is_empty() {
             return refused("manifest: grains names no file");
         }
-        let times = [manifest.time_step, manifest.interval];
-        if times.into_iter().flatten().any(|time| !time.is_finite() || time <= 0.0) {
-            return refused("manifest: time-step and interval are times above zero, in seconds");
-        }
-        if times.iter().all(Option::is_some) {
-            return refused("manifest: give either time-step or interval");
+        if let Err(problem) = Stated::check_times(manifest.time_step, manifest.interval) {
+            return refused(&format!("manifest: {problem}"));
         }
         Ok(Manifest { file: file.to_path_buf(), ..manifest })
     }

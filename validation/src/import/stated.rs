@@ -28,6 +28,23 @@ pub struct Stated {
     pub walls: Vec<u32>,
 }
 
+impl Stated {
+    /// Checks the two times by which frames are dated.
+    ///
+    /// # Errors
+    /// The problem, in names of keys of a file.
+    pub fn check_times(time_step: Option<f64>, interval: Option<f64>) -> Result<(), &'static str> {
+        let is_time = |time: f64| time.is_finite() && time > 0.0;
+        match (time_step, interval) {
+            (Some(_), Some(_)) => Err("give either time-step or interval"),
+            (Some(time), None) | (None, Some(time)) if !is_time(time) => {
+                Err("time-step and interval are times above zero, in seconds")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Names of columns: of each file, or of the columns that a file numbers under one name, such as `c_pairs[1]`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(from = "Written")]

@@ -19,7 +19,7 @@ pub struct Definition {
     pub source: &'static str,
     /// What frames must hold beside the places and sizes of their grains.
     pub needs: &'static [Content],
-    /// Whether all measured frames give it together. The value of any other number is the mean over the measured frames of what each gives
+    /// True if all measured frames give it together. The value of any other number is the mean over the measured frames of what each gives
     /// by itself, or the maximum.
     #[serde(skip)]
     pub span: bool,
@@ -31,7 +31,7 @@ impl Definition {
         Definition { needs, ..self }
     }
 
-    /// The same, where all measured frames give the number together.
+    /// A number that all measured frames give together.
     const fn of_span(self) -> Definition {
         Definition { span: true, ..self }
     }

@@ -33,7 +33,7 @@ struct Outlet {
 struct PlacedOutlet {
     point: Vector3<f64>,
     normal: Vector3<f64>,
-    /// Whether that is the side that the scene's normal points to.
+    /// True if that is the side that the scene's normal points to.
     as_placed: bool,
 }
 
@@ -64,7 +64,7 @@ impl PlacedOutlet {
     }
 }
 
-/// What is known of a grain.
+/// State of a grain in the frames so far.
 struct Known {
     /// Mass, kg.
     mass: f64,

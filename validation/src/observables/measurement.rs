@@ -46,7 +46,7 @@ impl Quantity {
     }
 }
 
-/// What frames were measured for: numbers, and why groups of numbers have none.
+/// Numbers measured of frames, and reasons why groups of numbers have none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// The numbers.

@@ -166,7 +166,7 @@ fn read(group: Observable, view: &View<'_>, readings: &mut Readings) -> Result<(
 struct Span<'a> {
     /// That of the first frame.
     setting: Setting<'a>,
-    /// Whether all frames have the direction of gravity of the first one.
+    /// True if all frames have the direction of gravity of the first one.
     steady: bool,
 }
 

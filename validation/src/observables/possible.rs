@@ -55,7 +55,7 @@ fn lack(scene: &Scene, group: Observable) -> Option<(&'static str, &'static str)
     (!is_there).then(|| (name.map_or("", |(name, _)| name), lacks))
 }
 
-/// Whether a scene has a drum under gravity as it is at some time.
+/// Reports whether a scene has a drum under gravity as it is at some time.
 fn has_drum(scene: &Scene) -> bool {
     let later = scene.gravity_changes.iter().map(|change| change.gravity);
     std::iter::once(scene.gravity).chain(later).any(|gravity| Drum::find(scene, gravity.into()).is_some())

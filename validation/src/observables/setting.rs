@@ -33,13 +33,13 @@ impl<'a> Properties<'a> {
         }
     }
 
-    /// Whether grains of the scene rub against each other at all.
+    /// Reports whether grains of the scene rub against each other at all.
     pub fn frictional(&self) -> bool {
         let rubs = |a: usize| self.roster.materials().any(|b| self.grain_contacts[a][b].friction > 0.0);
         self.roster.materials().any(rubs)
     }
 
-    /// Whether the direction of gravity, or its absence, may change over time.
+    /// Reports whether the direction of gravity, or its absence, may change over time.
     pub fn gravity_changes(&self) -> bool {
         !self.scene.gravity_changes.is_empty()
     }
@@ -84,7 +84,7 @@ impl<'a> Setting<'a> {
         0.5 * (Vector3::from(domain.min) + Vector3::from(domain.max))
     }
 
-    /// Whether "up" is the same in another frame, to a millionth of a radian.
+    /// Reports whether "up" is the same in another frame, to a millionth of a radian.
     pub fn has_up_of(&self, other: &Setting<'_>) -> bool {
         match (self.up, other.up) {
             (Some(one), Some(other)) => (one - other).norm() < SAME_DIRECTION,

@@ -5,6 +5,10 @@ use super::process::{Run, disk_has_room, io};
 use super::{CodeError, Job};
 use crate::import::{DumpFrame, contact_from_force};
 use crate::recording::Recording;
+use makadam::effects::catalogue::{
+    COMPLIANCE, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN, TANGENTIAL_SPRING, VISCOSITY,
+    WALL_MOTION,
+};
 use makadam::scene::Grain;
 use makadam::snapshot::{Particle, Partner, Snapshot};
 use nalgebra::Vector3;
@@ -12,6 +16,22 @@ use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+
+/// Effects that the decks of both codes express; a scene with any other effect is refused. Three that LIGGGHTS has differ from the scene's:
+/// its servo wall has a controller in place of a mass, the pull of its cohesion goes with the area of the overlap, and its twisting
+/// resistance is tied to the rolling one.
+pub(super) const HAS: [&Effect; 10] = [
+    &GRAVITY,
+    &WALL_MOTION,
+    &SIZE_SPREAD,
+    &COMPLIANCE,
+    &VISCOSITY,
+    &RESTITUTION,
+    &FRICTION,
+    &TANGENTIAL_SPRING,
+    &SPIN,
+    &ROLLING,
+];
 
 /// A run of `deck.in`, which stands in the job's folder.
 pub(super) struct DeckRun<'a> {

@@ -344,9 +344,7 @@ fn read_description(file: &Path) -> Result<Description, DescriptionError> {
         return Err(fault("grains names no file; give at least one, such as out/*.csv".into()));
     }
     grains.iter().chain(contacts).try_for_each(|pattern| check_pattern(pattern)).map_err(fault)?;
-    if [*time_step, *interval].into_iter().flatten().any(|time| !time.is_finite() || time <= 0.0) {
-        return Err(fault("time-step and interval are times above zero, in seconds".into()));
-    }
+    Stated::check_times(*time_step, *interval).map_err(|problem| fault(problem.into()))?;
     Ok(description)
 }
 

@@ -306,29 +306,16 @@ mod tests {
     use super::*;
     use crate::scenes::{find, load};
 
-    /// Effects that each reference code is refused for.
-    const REFUSED: [(&str, &[&Effect], &[&str]); 3] = [
+    /// Effects that reference codes have, and those that they are refused for.
+    const REFUSED: [(&str, &[&Effect], &[&str]); 2] = [
         (
             "YADE",
             &yade::HAS,
             &["changing gravity", "periodic axes", "falling restitution", "kinetic friction", "twisting resistance"],
         ),
         (
-            "LIGGGHTS",
-            &liggghts::HAS,
-            &[
-                "changing gravity",
-                "driven walls",
-                "periodic axes",
-                "falling restitution",
-                "kinetic friction",
-                "cohesion",
-                "twisting resistance",
-            ],
-        ),
-        (
-            "LAMMPS",
-            &lammps::HAS,
+            "LIGGGHTS and LAMMPS",
+            &deck_run::HAS,
             &[
                 "changing gravity",
                 "driven walls",

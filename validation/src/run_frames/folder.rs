@@ -255,7 +255,7 @@ fn is_below(name: &str) -> bool {
     Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)))
 }
 
-/// What `run.json`, or the first frame, says of a run: the name of its scene, its time step (s), why it is not sound, and the hash of its physics.
+/// Statements of `run.json`, or of the first frame, about a run: the name of its scene, its time step (s), why it is not sound, and the hash of its physics.
 struct Told {
     scene: String,
     time_step: Option<f64>,

@@ -97,7 +97,7 @@ impl Change {
         self.key.join(".")
     }
 
-    /// Whether it changes a value of a table of the scene, such as `compare`.
+    /// Reports whether it changes a value of a table of the scene, such as `compare`.
     pub fn is_of(&self, table: &str) -> bool {
         self.key.first().is_some_and(|first| first == table)
     }

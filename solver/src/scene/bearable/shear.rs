@@ -58,14 +58,14 @@ pub(super) fn longest_step(scene: &Scene, grains: &[Grain]) -> f64 {
     steps.fold(f64::INFINITY, f64::min)
 }
 
-/// Whether a wall can drive grains into others as fast as its fastest point in the domain: how far from its axis the grains of a plane
+/// Reports whether a wall can drive grains into others as fast as its fastest point in the domain: how far from its axis the grains of a plane
 /// that turns are is not known.
 fn drives(wall: &Wall, grains: &[Grain]) -> bool {
     let endless = matches!((&wall.shape, &wall.motion), (Shape::Plane { .. }, Motion::Rotating { .. }));
     grains.len() >= 2 && !endless
 }
 
-/// Whether a wall can run into a bed, or pass grains even where they are few: what has no inside can.
+/// Reports whether a wall can run into a bed, or pass grains even where they are few: what has no inside can.
 fn can_pass(wall: &Wall, grains: &[Grain]) -> bool {
     let thin = !matches!(wall.shape, Shape::Plane { .. } | Shape::Box { .. }) && !stays(wall);
     thin || grains.len() >= BED

@@ -174,7 +174,7 @@ impl Simulation {
         }
     }
 
-    /// Whether a scene may list the grains to insert beside those that are there, of which the largest of each material stands for all.
+    /// Checks whether a scene may list the grains to insert beside those that are there, of which the largest of each material stands for all.
     fn check_rules(&self, scene: &Scene, grains: &[GrainEntry]) -> Result<(), InterventionError> {
         let mut largest: BTreeMap<u8, f64> = BTreeMap::new();
         for (material, sphere) in self.world.materials[..self.world.grains()].iter().zip(&self.world.spheres) {

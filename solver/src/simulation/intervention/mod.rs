@@ -118,11 +118,11 @@ pub(crate) struct Interventions {
     next_number: u64,
     /// What the ledger has under `outside`.
     pub booked: Booked,
-    /// Whether grains came, went or were written since the last step, where a ledger is kept.
+    /// True if grains came, went or were written since the last step, where a ledger is kept.
     pub disturbed: bool,
     /// Whether positions and velocities may be written from outside.
     handed_out: bool,
-    /// What there was of each when nobody had written yet; only where a ledger is kept and states were handed out.
+    /// Energy, momentum and angular momentum before the caller wrote; only where a ledger is kept and states were handed out.
     known: Option<Booked>,
 }
 
@@ -194,7 +194,7 @@ pub(crate) struct Booked {
 }
 
 impl Booked {
-    /// What a simulation has of each.
+    /// Energy, momentum and angular momentum of a simulation.
     fn of(simulation: &Simulation) -> Booked {
         Booked {
             energy: simulation.energy_half_a_step_earlier().total(),

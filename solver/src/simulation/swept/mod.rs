@@ -46,7 +46,7 @@ pub struct Passage {
     pub grains: [u32; 2],
 }
 
-/// What a grain has struck.
+/// Face or grain that a grain has struck.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Struck {
     /// A face of a wall, by its number.
@@ -69,7 +69,7 @@ pub(crate) struct Strike {
     pub tangential: Vector,
 }
 
-/// What is kept from step to step.
+/// Impacts of the last step, and buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Swept {
     /// Impacts of the last step.
@@ -99,13 +99,13 @@ enum Look {
     /// None.
     #[default]
     None,
-    /// Those that are swift.
+    /// Swift grains.
     Swift,
     /// Any: some are pressed deep into walls.
     All,
 }
 
-/// What of a step decides which grains are looked at.
+/// Step and speed of walls, which decide which grains are swept.
 #[derive(Clone, Copy)]
 struct Pace {
     step: f64,
@@ -123,7 +123,7 @@ impl Pace {
         Pace { step, walls: speeds.fold(0.0, f64::max) }
     }
 
-    /// Whether a grain may move against a wall by more than its share of a radius.
+    /// Reports whether a grain may move against a wall by more than its share of a radius.
     #[inline(always)]
     fn is_swift(&self, sphere: &Sphere, body: &Body) -> bool {
         let [x, y, z] = body.velocity;
@@ -172,7 +172,7 @@ impl Simulation {
         self.swept.passage
     }
 
-    /// Whether some grain may be too fast for the step that comes, so that it may meet a wall that no list knows.
+    /// Reports whether some grain may be too fast for the step that comes, so that it may meet a wall that no list knows.
     pub(crate) fn may_be_swift(&self) -> bool {
         let walls = || Pace::of(&self.world, self.settings.step).walls;
         self.swept.slow_at.is_none_or(|known| walls() > known)
@@ -219,7 +219,7 @@ impl Simulation {
         }
     }
 
-    /// Whether some grain moves by more than half the smallest radius: if none does, no path from one to another is longer than that.
+    /// Reports whether some grain moves by more than half the smallest radius: if none does, no path from one to another is longer than that.
     fn may_pass_grains(&self) -> bool {
         let Simulation { world, swept, settings, .. } = self;
         // Walls may have struck some meanwhile.

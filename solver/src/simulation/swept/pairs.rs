@@ -30,7 +30,7 @@ use std::ops::Range;
 /// Grains of a block.
 const BLOCK: usize = 32;
 
-/// What rounding may do to a distance, over the length that it is compared with.
+/// Rounding of a distance, over the length that it is compared with.
 const SLACK: f64 = 1e-9;
 
 /// Pieces of the shortest period in which a path is followed: the nearest image at the start of a piece is the nearest all along it.
@@ -79,7 +79,7 @@ impl Bounds {
         })
     }
 
-    /// Whether a path between a grain of these and one of others may be long, and lead from the one to the other.
+    /// Reports whether a path between a grain of these and one of others may be long, and lead from the one to the other.
     fn may_meet(&self, other: &Bounds, period: &Period, step: f64) -> bool {
         let path = (self.fast - other.slow).sup(&(other.fast - self.slow)).norm() * step * (1.0 + SLACK);
         if path <= self.radii[0].min(other.radii[0]) {

@@ -100,7 +100,7 @@ pub struct SweepArguments {
     /// Start again: repeat runs whose results are stored, and replace the tables of another sweep in the folder.
     #[arg(long)]
     pub restart: bool,
-    /// How many runs at the same time.
+    /// Number of runs at the same time.
     #[command(flatten)]
     pub jobs: JobArguments,
     /// Where the results go.

@@ -112,7 +112,7 @@ pub struct QualifyArguments {
     /// Wall time after which a run is stopped, s; Makadam's own runs have no limit here.
     #[arg(long, default_value_t = 900.0, value_parser = time_limit)]
     pub time_limit: f64,
-    /// How many runs at the same time.
+    /// Number of runs at the same time.
     #[command(flatten)]
     pub jobs: JobArguments,
     /// Where the results go.

@@ -111,7 +111,7 @@ pub struct CodeRunArguments {
     /// Wall time after which a run is stopped, s; Makadam's own runs have no limit here.
     #[arg(long, default_value_t = 7200.0, value_parser = time_limit)]
     pub time_limit: f64,
-    /// How many runs at the same time.
+    /// Number of runs at the same time.
     #[command(flatten)]
     pub jobs: JobArguments,
     /// Folder for report.html, report.json, rows.csv, junit.xml and badge.svg, and the CSV files that figures link to; if absent, nothing is written.

@@ -144,7 +144,7 @@ pub struct StabilityArguments {
     /// Start again: repeat cases whose outcomes are stored.
     #[arg(long)]
     pub restart: bool,
-    /// How many runs at the same time.
+    /// Number of runs at the same time.
     #[command(flatten)]
     pub jobs: JobArguments,
     /// Where the results go.
@@ -176,7 +176,7 @@ pub struct EffectsArguments {
     /// Start again: repeat runs of --ablate whose results are stored.
     #[arg(long)]
     pub restart: bool,
-    /// How many runs at the same time.
+    /// Number of runs at the same time.
     #[command(flatten)]
     pub jobs: JobArguments,
     /// Where the results go.
@@ -204,7 +204,7 @@ pub struct LawsArguments {
     /// Start again: repeat runs whose results are stored.
     #[arg(long)]
     pub restart: bool,
-    /// How many runs at the same time.
+    /// Number of runs at the same time.
     #[command(flatten)]
     pub jobs: JobArguments,
     /// Where the results go.

@@ -3,7 +3,7 @@
 mod deck;
 mod surfaces;
 
-use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
+use super::deck_run::{DeckRun, HAS, contact, open, particle, particles_of, vector};
 use super::palette::Palette;
 use super::plan::Plan;
 use super::process::Program;
@@ -11,10 +11,6 @@ use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
-use makadam::effects::catalogue::{
-    COMPLIANCE, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN, TANGENTIAL_SPRING, VISCOSITY,
-    WALL_MOTION,
-};
 use makadam::scene::Grain;
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
 use nalgebra::Vector3;
@@ -24,19 +20,6 @@ use std::path::{Path, PathBuf};
 use surfaces::{Surface, surfaces};
 
 const NAME: &str = "LAMMPS";
-/// Effects that its input expresses; a scene with any other effect is refused.
-pub(super) const HAS: [&Effect; 10] = [
-    &GRAVITY,
-    &WALL_MOTION,
-    &SIZE_SPREAD,
-    &COMPLIANCE,
-    &VISCOSITY,
-    &RESTITUTION,
-    &FRICTION,
-    &TANGENTIAL_SPRING,
-    &SPIN,
-    &ROLLING,
-];
 
 /// LAMMPS with its package GRANULAR, an explicit soft-sphere code.
 pub struct Lammps {
@@ -118,7 +101,7 @@ fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
     Ok(Input { grains, largest_step, plan, dumps })
 }
 
-/// What the dumps of a run do not state themselves, for `makadam measure`.
+/// Writes a manifest for `makadam measure` with the statements that the dumps of a run lack.
 fn manifest(seed: u64, plan: &Plan, dumps: &[String]) -> String {
     let contacts: Vec<&String> = dumps.iter().filter(|name| *name != "grains.dump").collect();
     format!(

@@ -4,17 +4,13 @@ mod deck;
 mod turn;
 mod walls;
 
-use super::deck_run::{DeckRun, contact, open, particle, particles_of, vector};
+use super::deck_run::{DeckRun, HAS, contact, open, particle, particles_of, vector};
 use super::plan::Plan;
 use super::process::Program;
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
 use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
-use makadam::effects::catalogue::{
-    COMPLIANCE, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN, TANGENTIAL_SPRING, VISCOSITY,
-    WALL_MOTION,
-};
 use makadam::scene::Grain;
 use makadam::snapshot::{Partner, Snapshot};
 use nalgebra::Vector3;
@@ -25,21 +21,6 @@ use turn::Turn;
 use walls::Walls;
 
 const NAME: &str = "LIGGGHTS";
-/// Effects that its input expresses; a scene with any other effect is refused. Three that LIGGGHTS has differ from the scene's: its servo
-/// wall has a controller in place of a mass, the pull of its cohesion goes with the area of the overlap, and its twisting resistance is tied
-/// to the rolling one.
-pub(super) const HAS: [&Effect; 10] = [
-    &GRAVITY,
-    &WALL_MOTION,
-    &SIZE_SPREAD,
-    &COMPLIANCE,
-    &VISCOSITY,
-    &RESTITUTION,
-    &FRICTION,
-    &TANGENTIAL_SPRING,
-    &SPIN,
-    &ROLLING,
-];
 
 /// LIGGGHTS, an explicit soft-sphere code.
 pub struct Liggghts {
@@ -139,7 +120,7 @@ fn write_input(job: &Job<'_>) -> Result<Input, CodeError> {
     Ok(Input { grains, plan, walls, turn })
 }
 
-/// What the dumps of a run do not state themselves, for `makadam measure`: its local computes have no names of columns.
+/// Writes a manifest for `makadam measure` with the statements that the dumps of a run lack: its local computes have no names of columns.
 fn manifest(seed: u64, plan: &Plan, walls: &Walls) -> String {
     let dumps = if walls.are_told() { "\"pairs.dump\", \"walls.dump\"" } else { "\"pairs.dump\"" };
     let meshes: Vec<usize> = walls.meshes.iter().map(|(wall, _)| *wall).collect();
