@@ -313,13 +313,15 @@ fn a_run_that_its_watch_has_stopped_goes_on_under_another_watch_to_the_same_bits
     let scene = tiny(folder);
     let text = std::fs::read_to_string(&scene).unwrap();
     let watched = |on: &str| {
-        let watch = format!("\n[watch]\nevery = 520\nresidual = 1e-9\non_stagnation = '{on}'\n");
+        let watch = format!(
+            "\n[solver]\nstop = {{ kind = 'sweeps', sweeps = 1 }}\n[watch]\nevery = 520\nresidual = 1e-9\non_stagnation = '{on}'\n"
+        );
         std::fs::write(&scene, text.clone() + &watch).unwrap();
     };
     watched("ignore");
     said(&run(folder, &["--steps", "1500"]), 0, &[]);
     let expected = summary(folder)["state_hash"].clone();
-    // The first look meets grains that fall: what is held then is gone on from.
+    // The first look finds nothing, and holds a state; the second one meets solves of one sweep each.
     watched("stop");
     let stopped = run(folder, &["--steps", "1500", "--restart"]);
     said(&stopped, 1, &["residual", "run.checkpoint", "--resume", "another [watch]", "--restart"]);

@@ -98,7 +98,7 @@ fn a_stiff_packing_needs_no_small_step() {
 
 #[test]
 fn drum_agrees_with_the_recorded_codes() {
-    for run in regression("drum", 2) {
+    for run in regression("drum", 4) {
         let excess = run.value("coulomb_excess").unwrap();
         assert!(excess < 1e-12, "seed {}: a contact exceeds Coulomb's bound by {excess}", run.seed);
     }

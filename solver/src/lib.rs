@@ -103,9 +103,9 @@ pub use scene::{
 };
 pub use schedule::{Scheduler, StepTrace};
 pub use simulation::energy::Energy;
-#[doc(hidden)]
-pub use simulation::intervention::PairsInList;
 pub use simulation::intervention::{InterventionError, States};
+#[doc(hidden)]
+pub use simulation::intervention::{KeptContact, PairsInList};
 pub use simulation::ledger::Balance;
 pub use simulation::swept::{Crossing, Passage};
 pub use simulation::{PhaseSeconds, Simulation, StepReport, checkpoint};

@@ -198,8 +198,8 @@ pub struct Watchdog {
     available: f64,
     /// Largest kinetic energy so far, J.
     kinetic: f64,
-    /// Smallest residual since the last look, in units of g h.
-    residual: f64,
+    /// Smallest residual since the last look, in units of g h; none where no step was seen.
+    residual: Option<f64>,
 }
 
 impl Watchdog {
@@ -214,7 +214,7 @@ impl Watchdog {
             supplied: 0.0,
             available: f64::INFINITY,
             kinetic: 0.0,
-            residual: f64::INFINITY,
+            residual: None,
             noticed: Vec::new(),
         }
     }
@@ -236,7 +236,8 @@ impl Watchdog {
         }
         let unit = residual_unit(&simulation.world, simulation.settings.step);
         let solved = report.solve.reason != StopReason::NoContacts;
-        self.residual = self.residual.min(if solved { report.solve.residuals.rms() / unit } else { 0.0 });
+        let residual = if solved { report.solve.residuals.rms() / unit } else { 0.0 };
+        self.residual = Some(self.residual.map_or(residual, |least| least.min(residual)));
         if self.settings.on_energy != Reaction::Ignore {
             self.note_supply(simulation);
         }
@@ -254,7 +255,7 @@ impl Watchdog {
             let (reaction, step, time) = (self.settings.on_stagnation, simulation.steps, simulation.world.time);
             troubles.extend(self.stagnation(simulation).map(|trouble| Alarm { trouble, reaction, step, time }));
         }
-        self.residual = f64::INFINITY;
+        self.residual = None;
         troubles
     }
 
@@ -335,12 +336,8 @@ impl Watchdog {
 
     fn stagnation(&self, simulation: &Simulation) -> Option<Trouble> {
         let (bound, unit) = (self.settings.residual, residual_unit_name(simulation.world.field.largest()));
-        // Infinite where no step was seen.
-        (self.residual > bound && self.residual < f64::INFINITY).then_some(Trouble::Stagnation {
-            residual: self.residual,
-            bound,
-            unit,
-        })
+        let stagnates = self.residual.filter(|residual| *residual > bound);
+        stagnates.map(|residual| Trouble::Stagnation { residual, bound, unit })
     }
 
     fn escape(&self, simulation: &Simulation) -> Option<Trouble> {
@@ -369,7 +366,9 @@ impl Watchdog {
         let speeds = world.bodies[..world.grains()].iter().map(|body| Vector3::from(body.velocity).norm());
         let step = half * speeds.fold(0.0, f64::max);
         let scale = self.kinetic + weight * world.largest_and_mean_radius().1.max(step);
-        let (share, bound) = ((mechanical - self.available) / scale, self.settings.energy);
+        // Beyond the range of numbers an energy is infinite, or a difference of two that are.
+        let share = if mechanical.is_finite() { (mechanical - self.available) / scale } else { f64::INFINITY };
+        let bound = self.settings.energy;
         let gained = share > bound;
         // What was said is not said again.
         let present = mechanical + contacts.elastic;

@@ -260,7 +260,8 @@ fn every_file_of_an_effect_has_descriptors_and_all_are_listed() {
     let mut count = 0;
     for entry in std::fs::read_dir(&folder).unwrap() {
         let path = entry.unwrap().path();
-        if ["mod.rs", "catalogue.rs"].iter().any(|name| path.ends_with(name)) {
+        // The law of impacts is that of restitution, whose descriptor stands with its coefficients.
+        if ["mod.rs", "catalogue.rs", "impact.rs"].iter().any(|name| path.ends_with(name)) {
             continue;
         }
         let text = read(&path);

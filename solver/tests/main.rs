@@ -27,6 +27,7 @@ mod problem;
 mod random_scenes;
 mod resistance;
 mod rest;
+mod restitution;
 mod restitution_speed;
 mod resume;
 mod ring;

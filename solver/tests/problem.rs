@@ -110,7 +110,7 @@ fn reference_lanes_and_direct_solution_agree() {
         }
         let problem = start.contact_problem();
         let mut simulation = start.clone();
-        let stop = Stop::Residual { tolerance: 1e-11, max_sweeps: 100_000 };
+        let stop = Stop::Residual { tolerance: 1e-11, max_sweeps: 1_000_000 };
         simulation.use_stop(stop);
         simulation.step();
         let (lanes, report) = start.solution_in_lanes(stop);
@@ -119,7 +119,8 @@ fn reference_lanes_and_direct_solution_agree() {
         assert!(found < 1e-15, "{name}, a copy: {found:e} m/s");
         assert!(problem.residuals(&lanes).max() < 1e-12, "{name}: {:?}", problem.residuals(&lanes));
         let mut state = problem.start();
-        let ending = problem.solve(&mut state, &Reference { relaxation: 1.3, tolerance: 1e-14, most_sweeps: 100_000 });
+        let ending =
+            problem.solve(&mut state, &Reference { relaxation: 1.3, tolerance: 1e-14, most_sweeps: 1_000_000 });
         let residuals = problem.residuals(&state);
         assert!(residuals.max() < 1e-12 && residuals.cone.max < 1e-15, "{name}: {ending:?}, {residuals:?}");
         // Residuals of 1e-11 g h are 5e-14 m/s; the operator's condition, some 1e4, stands between them and velocities.

@@ -174,6 +174,28 @@ fn numbers_in_messages_are_short() {
 }
 
 #[test]
+fn unusual_values_need_the_key_that_accepts_them() {
+    refused("step = 5e-4", "step = 1e-10", 7, &["solver.step", "from 0.000000001 to 0.1 s", "unusual_values = true"]);
+    let accepted = |from: &str, to: &str| {
+        let text = sketch(from, to).replace("duration = 0.2", "duration = 0.2\nunusual_values = true");
+        parse(&text)
+    };
+    assert!(accepted("step = 5e-4", "step = 1e-10").is_ok());
+    let density = "density = 2500.0";
+    assert!(sketch("step", "step").contains(density));
+    for value in ["density = 2.7e6", "density = 1e-3"] {
+        assert!(parse(&sketch(density, value)).unwrap_err().contains("unusual_values"), "{value}");
+        assert!(accepted(density, value).is_ok(), "{value}");
+    }
+    // There are limits to what can be computed with.
+    assert!(accepted("step = 5e-4", "step = 1e-16").unwrap_err().contains("from 1e-15 to 0.1 s"));
+    // Written scenes keep it, and say nothing of it where it is off.
+    let written = toml::to_string(&accepted("step = 5e-4", "step = 1e-10").unwrap()).unwrap();
+    assert!(written.contains("unusual_values = true") && parse(&written).is_ok());
+    assert!(!toml::to_string(&parse(&sketch("step", "step")).unwrap()).unwrap().contains("unusual_values"));
+}
+
+#[test]
 fn sweeps_of_a_step_are_bounded() {
     refused("step = 5e-4", "inner_sweeps = 4294967295", 7, &["solver.inner_sweeps", "from 1 to 1000"]);
     refused("step = 5e-4", "inner_sweeps = 0", 7, &["solver.inner_sweeps"]);

@@ -159,14 +159,15 @@ impl Scene {
         let root = DocumentPath::default();
         if let Some(prepare) = &self.prepare {
             root.key("prepare").key("duration").range(prepare.duration, 0.0, 1e5, "s")?;
-            root.key("prepare").key("step").range(prepare.step, 1e-9, 0.1, "s")?;
+            let at = root.key("prepare").key("step");
+            at.usual(prepare.step, [1e-9, 0.1], [1e-15, 0.1], self.unusual_values, "s")?;
         }
         let (at, duration) = (root.key("measure"), self.duration);
         let Measure { interval, from, .. } = self.measure;
         at.key("from").range(from.unwrap_or(0.0), 0.0, duration, "s")?;
         for (table, interval) in [("measure", interval), ("output", self.output_interval())] {
             let at = root.key(table).key("interval");
-            at.range(interval, 1e-6, 1e5, "s")?;
+            at.usual(interval, [1e-6, 1e5], [1e-15, 1e5], self.unusual_values, "s")?;
             if duration / interval > MOST_FRAMES {
                 let problem = format!("{interval} s within {duration} s are too many frames");
                 return Err(at.fault(problem, &format!("give one that leaves at most {MOST_FRAMES:e}")));
@@ -205,6 +206,8 @@ struct Document<'s> {
     domain: &'s Domain,
     #[serde(skip_serializing_if = "Option::is_none")]
     largest_start_overlap: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unusual_values: Option<bool>,
     material: &'s BTreeMap<String, Material>,
     pair: &'s [PairRule],
     wall: &'s [Wall],
@@ -253,6 +256,7 @@ impl Serialize for Scene {
             seed,
             domain,
             largest_start_overlap,
+            unusual_values,
             material,
             pair,
             wall,
@@ -271,6 +275,7 @@ impl Serialize for Scene {
             seed: *seed,
             domain,
             largest_start_overlap: Some(*largest_start_overlap).filter(|overlap| *overlap != SLIGHT_OVERLAP),
+            unusual_values: Some(true).filter(|_| *unusual_values),
             material,
             pair,
             wall,

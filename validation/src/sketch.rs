@@ -42,6 +42,7 @@ impl Sketch {
             seed: 1,
             domain: Domain { min: [-0.5, -0.5, -0.1], max: [0.5, 0.5, 0.9], periodic: Vec::new() },
             largest_start_overlap: 0.01,
+            unusual_values: false,
             material: materials.into_iter().map(|(name, material)| (name.to_string(), material)).collect(),
             pair: Vec::new(),
             wall: Vec::new(),

@@ -79,11 +79,11 @@ impl<L: Lanes> LaneMaterial<L> {
         self.stiffness_ratio = Some(contacts.property(context, |material| material.stiffness_ratio));
     }
 
-    /// Restitution at the speed at which the contacts close.
+    /// Restitution at the speed of the contacts' impacts, m/s.
     #[inline(always)]
-    pub fn at_speed(&mut self, context: &StepContext<'_>, contacts: &impl Contacts, velocity: L) {
+    pub fn at_speed(&mut self, context: &StepContext<'_>, contacts: &impl Contacts, speed: L) {
         let limit = contacts.property(context, |material| material.restitution_speed);
-        self.restitution = at_speed(self.restitution, limit, -velocity);
+        self.restitution = at_speed(self.restitution, limit, speed);
     }
 
     /// Friction at the velocity at which the contacts slide, without the spin of the grains: their surfaces move with the cross

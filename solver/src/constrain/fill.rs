@@ -4,8 +4,9 @@ use super::coefficients::{LaneMaterial, OnSurfaces};
 use super::{StepContext, write_contacts};
 use crate::contact::ContactGeometry;
 use crate::detect::Impulse;
+use crate::effects::impact::Impact;
 use crate::effects::restitution::{at_speed, impact_on_the_way};
-use crate::groups::{PairGroup, Sources, Tangential};
+use crate::groups::{ImpactLanes, ImpactMemory, PairGroup, Sources, Tangential};
 use crate::lanes::{
     Eight, Kernel, Lanes, PREFETCH, Slots, dot, minus, prefetch_lines, prefetch_places, prefetch_range,
 };
@@ -18,7 +19,9 @@ pub(super) struct FillPairs<'a, const PERIODIC: bool, T> {
     pub task: &'a PlannedTask,
     pub pairs: &'a mut [PairGroup<T>],
     pub sources: &'a [Sources],
+    pub impacts: &'a mut [ImpactLanes],
     pub impulses: Slots<'a, Impulse>,
+    pub known_impacts: Slots<'a, ImpactMemory>,
 }
 
 impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> {
@@ -29,7 +32,7 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
         let StepContext { world, spheres, before, .. } = self.context;
         let impulses = self.impulses;
         let nothing = self.context.candidates.pairs.len() as u32;
-        let (groups, sources) = (self.pairs, self.sources);
+        let (groups, sources, impacts) = (self.pairs, self.sources, self.impacts);
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
         let interior = self.task.is_interior();
         if self.context.fetches && interior {
@@ -69,9 +72,13 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
                 }),
             };
             let velocity = [u, v, w];
-            let remembered = impulses.load_quads(&sources.or(nothing));
+            let motion = [dot(normal, velocity), inverse_mass];
+            let candidates = sources.or(nothing);
+            let remembered = impulses.load_quads(&candidates);
+            let known = ImpactLanes::load::<L>(self.known_impacts, &candidates);
+            let impact = Impact::of([geometry.overlap, motion[0]], known, remembered[0] * inverse_mass);
             if self.context.effects.falling_restitution() {
-                material.at_speed(self.context, group, dot(normal, velocity));
+                material.at_speed(self.context, group, impact.speed_of_restitution(motion[0]));
             }
             if self.context.effects.kinetic_friction() {
                 let spin = self.context.spins_of_pairs(group);
@@ -80,8 +87,9 @@ impl<const PERIODIC: bool, T: Tangential> Kernel for FillPairs<'_, PERIODIC, T> 
             if self.context.effects.spring() {
                 material.with_springs(self.context, group);
             }
-            let motion = [dot(normal, velocity), inverse_mass];
-            write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, &self.context.constants);
+            let constants = &self.context.constants;
+            impacts[number] =
+                write_contacts(&mut group.contacts, &geometry, motion, &material, (remembered, &impact), constants);
         }
     }
 }
@@ -91,6 +99,7 @@ pub(super) struct FillWalls<'a> {
     pub context: &'a StepContext<'a>,
     pub groups: &'a mut TaskGroups,
     pub impulses: Slots<'a, Impulse>,
+    pub known_impacts: Slots<'a, ImpactMemory>,
 }
 
 impl Kernel for FillWalls<'_> {
@@ -103,7 +112,8 @@ impl Kernel for FillWalls<'_> {
         let falling = world.gravity * constants.scheme.step;
         // Padding lanes are far from everything.
         let far = [Eight([1e6; 8]), Eight::default(), Eight::default(), Eight([1.0; 8]), Eight([1.0; 8])];
-        for (number, (group, sources)) in self.groups.walls.iter_mut().zip(&self.groups.wall_sources).enumerate() {
+        let TaskGroups { walls, wall_sources, wall_impacts, wall_drifts, .. } = self.groups;
+        for (number, ((group, sources), impacts)) in walls.iter_mut().zip(wall_sources).zip(wall_impacts).enumerate() {
             // Faces differ from lane to lane, so their geometry is done one by one.
             let [mut distances, mut normal_x, mut normal_y, mut normal_z, mut radii] = far;
             let [mut wall_velocity, mut wall_before] = [[Eight::default(); 3]; 2];
@@ -116,7 +126,7 @@ impl Kernel for FillWalls<'_> {
                 let (state, step) = ([&sphere.centre, &Vector3::new(u, v, w)], constants.scheme.step);
                 let (distance, normal, is_swept, [velocity, gain, drift]) =
                     placed.contact(wall.surface, state, sphere.radius, step, &falling);
-                if let Some(drifts) = self.groups.wall_drifts.get_mut(number) {
+                if let Some(drifts) = wall_drifts.get_mut(number) {
                     (0..3).for_each(|axis| drifts[axis].0[lane] = drift[axis]);
                 }
                 swept |= u8::from(is_swept) << lane;
@@ -132,15 +142,21 @@ impl Kernel for FillWalls<'_> {
             }
             group.wall_velocity = wall_velocity;
             // Lanes name grains or dummies, and candidates or the zero behind them.
-            let (body, remembered): ([L; 4], _) =
-                (before.load_quads(&group.body), self.impulses.load_quads(&sources.or(nothing)));
+            let candidates_of_lanes = sources.or(nothing);
+            let (body, remembered): ([L; 4], [L; 4]) =
+                (before.load_quads(&group.body), self.impulses.load_quads(&candidates_of_lanes));
             let normal = [&normal_x, &normal_y, &normal_z].map(L::load);
             let (distance, radius) = (L::load(&distances), L::load(&radii));
             let mut material =
                 LaneMaterial::of_each(|lane| world.wall_material(group.body[lane] as usize, surfaces[lane]));
             let velocity = minus(wall_before.each_ref().map(L::load), [body[0], body[1], body[2]]);
+            let geometry = ContactGeometry::with_wall(distance, normal, radius);
+            let motion = [dot(normal, velocity), body[3]];
+            let known = ImpactLanes::load::<L>(self.known_impacts, &candidates_of_lanes);
+            let impact = Impact::of([geometry.overlap, motion[0]], known, remembered[0] * body[3]);
             if self.context.effects.falling_restitution() {
-                material.at_speed(self.context, &OnSurfaces(group, &surfaces), dot(normal, velocity));
+                let surfaces = OnSurfaces(group, &surfaces);
+                material.at_speed(self.context, &surfaces, impact.speed_of_restitution(motion[0]));
             }
             if self.context.effects.kinetic_friction() {
                 let spin = self.context.spins_at_walls(group);
@@ -150,9 +166,8 @@ impl Kernel for FillWalls<'_> {
             if self.context.effects.spring() {
                 material.with_springs(self.context, &OnSurfaces(group, &surfaces));
             }
-            let geometry = ContactGeometry::with_wall(distance, normal, radius);
-            let motion = [dot(normal, velocity), body[3]];
-            write_contacts(&mut group.contacts, &geometry, motion, &material, remembered, constants);
+            *impacts =
+                write_contacts(&mut group.contacts, &geometry, motion, &material, (remembered, &impact), constants);
             // Few grains are so fast, and few scenes have any.
             for lane in (0..crate::lanes::LANES).filter(|lane| swept >> lane & 1 == 1) {
                 let [u, v, w, _] = world.before[group.body[lane] as usize].0;

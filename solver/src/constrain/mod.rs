@@ -13,10 +13,10 @@ use crate::contact::ContactGeometry;
 use crate::detect::{CandidateList, Candidates, ImpulsesOfTask, WallCandidate};
 use crate::effects::compliance::{NormalContact, NormalScheme};
 use crate::effects::friction::slip_speed;
-use crate::effects::restitution::{bears, with_restitution};
+use crate::effects::impact::{Decision, Impact, bears};
 use crate::effects::spring::tangential_compliance;
 use crate::effects::{EffectSet, with_effects};
-use crate::groups::{ContactLanes, Tangential, WallGroup, with_pairs};
+use crate::groups::{ContactLanes, ImpactLanes, Tangential, WallGroup, with_pairs};
 use crate::lanes::{Available, Eight, Lanes, Number, Quad, Slots, TaskSlots, dot, minus, times};
 use crate::partition::{
     ByBodies, ByNumber, DrivenContact, FindWaits, LaneAssigner, Layout, PlannedTask, Taken, TakenGroups, TaskGroups,
@@ -94,7 +94,7 @@ impl Constrainer {
             law: settings.normal_law,
             step: settings.step,
             damping_steps: settings.damping_steps,
-            restitution_threshold: settings.restitution_threshold,
+            restitution_threshold: settings.slowest_impact(world.largest_and_mean_radius().1, world.field.largest()),
             gravity: world.gravity.norm(),
         };
         let (stiffest, range_of_cohesion) = (world.stiffest_contact(), world.range_of_cohesion());
@@ -220,27 +220,29 @@ impl StepContext<'_> {
         let Own { task, impulses: remembered, borne } = own;
         let dummies = self.world.dummies_of(task.home as usize);
         let (assigner, periodic) = (LaneAssigner::new(taken, base, task.pairs.len()), self.world.period.any());
-        let impulses = remembered.pairs;
+        let (impulses, known) = (remembered.pairs, remembered.pair_impacts);
         let mut next = if periodic {
-            set.run(AssignPairs::<true> { context: self, task, dummies, assigner, groups, impulses, borne })
+            set.run(AssignPairs::<true> { context: self, task, dummies, assigner, groups, impulses, known, borne })
         } else {
-            set.run(AssignPairs::<false> { context: self, task, dummies, assigner, groups, impulses, borne })
+            set.run(AssignPairs::<false> { context: self, task, dummies, assigner, groups, impulses, known, borne })
         };
         groups.restart_walls(dummies);
-        next = self.assign_walls(task, false, LaneAssigner::new(taken, next, 0), groups, remembered.walls);
+        next = self.assign_walls(task, false, LaneAssigner::new(taken, next, 0), groups, &remembered);
         if !self.world.drives.is_empty() {
             let prescribed = groups.wall_groups();
-            next = self.assign_walls(task, true, LaneAssigner::new(taken, next, 0), groups, remembered.walls);
+            next = self.assign_walls(task, true, LaneAssigner::new(taken, next, 0), groups, &remembered);
             groups.driven_walls = groups.wall_groups() - prescribed;
         }
         groups.finish(self.effects, self.drifts);
         set.run(FindWaits { groups, effects: self.effects, grains: self.world.grains() as u32 });
-        let sources = &*groups.pair_sources;
+        let (impulses, known_impacts) = (impulses.to_read(), known.to_read());
+        let (context, sources, impacts) = (self, &*groups.pair_sources, &mut *groups.pair_impacts);
         with_pairs!(&mut groups.pairs, pairs => match periodic {
-            true => set.run(FillPairs::<true, _> { context: self, task, pairs, sources, impulses: impulses.to_read() }),
-            false => set.run(FillPairs::<false, _> { context: self, task, pairs, sources, impulses: impulses.to_read() }),
+            true => set.run(FillPairs::<true, _> { context, task, pairs, sources, impacts, impulses, known_impacts }),
+            false => set.run(FillPairs::<false, _> { context, task, pairs, sources, impacts, impulses, known_impacts }),
         });
-        set.run(FillWalls { context: self, groups, impulses: remembered.walls.to_read() });
+        let (impulses, known_impacts) = (remembered.walls.to_read(), remembered.wall_impacts.to_read());
+        set.run(FillWalls { context, groups, impulses, known_impacts });
         if self.effects.cohesion() {
             self.fill_pulls(groups);
         }
@@ -255,8 +257,8 @@ impl StepContext<'_> {
     }
 }
 
-/// Constraint data and starting impulses of eight contacts, context their velocities along the normals (m/s) and the sums of their
-/// inverse masses (1/kg).
+/// Constraint data and starting impulses of eight contacts, given their velocities along the normals (m/s) and the sums of their
+/// inverse masses (1/kg); what they are to remember of their impacts.
 ///
 /// The remembered tangential impulse is projected onto the new tangent plane. There it is also the load of the spring, if there is one.
 #[inline(always)]
@@ -265,14 +267,16 @@ fn write_contacts<L: Lanes, T: Tangential>(
     geometry: &ContactGeometry<L>,
     [velocity, inverse_mass]: [L; 2],
     material: &LaneMaterial<L>,
-    remembered: [L; 4],
+    (remembered, impact): ([L; 4], &Impact<L>),
     constants: &StepConstants,
-) {
+) -> ImpactLanes {
     let ContactGeometry { normal, overlap, .. } = *geometry;
     let scheme = &constants.scheme;
     let LaneMaterial { effective_modulus, damping_ratio, restitution, .. } = *material;
     let contact = geometry.normal_contact(velocity, inverse_mass, effective_modulus, damping_ratio);
-    let constraint = with_restitution(contact.constraint(scheme), scheme, overlap, velocity, restitution);
+    let constraint = contact.constraint(scheme, impact.speed);
+    let Decision { constraint, speed } =
+        impact.decide(constraint, scheme, [overlap, velocity], inverse_mass, restitution);
     let bears = bears(&constraint);
     let share = L::select(bears, L::splat(constants.warm_start), <L as Number>::zero());
     let [impulse, x, y, z] = remembered;
@@ -292,4 +296,5 @@ fn write_contacts<L: Lanes, T: Tangential>(
     (impulse * share).store(&mut contacts.impulse_normal);
     constraint.bias.store(&mut contacts.bias);
     constraint.regularisation.store(&mut contacts.regularisation);
+    ImpactLanes::of(speed, velocity)
 }

@@ -1,7 +1,8 @@
 //! Which candidates touch, and the lane that each gets.
 
 use super::StepContext;
-use crate::detect::{Impulse, PairCandidate};
+use crate::detect::{Impulse, ImpulsesOfTask, PairCandidate};
+use crate::groups::ImpactMemory;
 use crate::lanes::{Kernel, LANES, Lanes, PREFETCH, Slots, TaskSlots, dot, lanes_of, prefetch_places, prefetch_range};
 use crate::partition::{LaneAssigner, PlannedTask, TaskGroups};
 use crate::world::Sphere;
@@ -15,6 +16,7 @@ pub(super) struct AssignPairs<'a, const PERIODIC: bool> {
     pub assigner: LaneAssigner<'a>,
     pub groups: &'a mut TaskGroups,
     pub impulses: TaskSlots<'a, Impulse>,
+    pub known: TaskSlots<'a, ImpactMemory>,
     /// Which of the task's pairs bore an impulse, as bits: a byte a block.
     pub borne: &'a mut [u8],
 }
@@ -25,7 +27,7 @@ impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
-        let AssignPairs { context, task, dummies, mut assigner, groups, impulses, borne } = self;
+        let AssignPairs { context, task, dummies, mut assigner, groups, impulses, known, borne } = self;
         let start = task.pairs.start;
         let candidates = &context.candidates.pairs[start as usize..task.pairs.end as usize];
         // The grains of an interior lie together; those of a face, an edge or a corner here and there.
@@ -56,7 +58,7 @@ impl<const PERIODIC: bool> Kernel for AssignPairs<'_, PERIODIC> {
                 for (block, (&mask, borne)) in touching.iter().zip(borne).enumerate() {
                     let first = (batch * BATCH + block) * LANES;
                     listed.append(first as u32, mask);
-                    forget(impulses, start as usize + first, mask & !*borne);
+                    forget(impulses, known, start as usize + first, mask & !*borne);
                     *borne = mask;
                 }
                 for &number in listed.list() {
@@ -169,12 +171,13 @@ fn touching<L: Lanes, const PERIODIC: bool>(context: &StepContext<'_>, block: &[
     L::bits(dot(arm, arm).below(touch * touch)) as u8
 }
 
-/// Forgets what those of eight candidates bore that a mask names: a contact that closes, for the first time or again, starts from
-/// nothing.
+/// Forgets what those of eight candidates bore that a mask names, and their impacts: a contact that closes, for the first time or again,
+/// starts from nothing.
 #[inline(always)]
-fn forget(impulses: TaskSlots<'_, Impulse>, first: usize, closing: u8) {
+fn forget(impulses: TaskSlots<'_, Impulse>, impacts: TaskSlots<'_, ImpactMemory>, first: usize, closing: u8) {
     for lane in lanes_of(closing) {
         impulses.set((first + lane) as u32, Impulse::default());
+        impacts.set((first + lane) as u32, ImpactMemory::default());
     }
 }
 
@@ -187,8 +190,9 @@ impl StepContext<'_> {
         driven: bool,
         mut assigner: LaneAssigner<'_>,
         groups: &mut TaskGroups,
-        impulses: TaskSlots<'_, Impulse>,
+        known: &ImpulsesOfTask<'_>,
     ) -> u32 {
+        let (impulses, impacts) = (known.walls, known.wall_impacts);
         let dummies = self.world.dummies_of(task.home as usize);
         let before = groups.wall_groups();
         let walls = &self.candidates.walls[task.walls.start as usize..task.walls.end as usize];
@@ -205,8 +209,9 @@ impl StepContext<'_> {
                 groups.put_wall((before + group, lane), wall.body, candidate, dummies);
                 groups.wall_contacts += 1;
                 groups.deep_walls |= distance < DEEP * radius;
-            } else if impulses.get(candidate).normal != 0.0 {
+            } else if impulses.get(candidate).normal != 0.0 || impacts.get(candidate).touches() {
                 impulses.set(candidate, Impulse::default());
+                impacts.set(candidate, ImpactMemory::default());
             }
         }
         assigner.next()

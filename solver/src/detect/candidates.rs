@@ -6,6 +6,7 @@ use super::impulses::{AngularImpulse, ContactImpulses, Impulse, ImpulsesOfTask};
 use super::memory::{OldList, Remembered, resize};
 use super::reach::{Row, for_each_on_the_way};
 use super::search::{Found, PairSearch, WallSearch};
+use crate::groups::ImpactMemory;
 use crate::lanes::{Available, LANES, TaskSlots};
 use crate::partition::{BoxGrid, DIRECTIONS, Layout, Plan, PlannedTask};
 use crate::schedule::{Disjoint, Each, Phase, Team};
@@ -256,12 +257,12 @@ impl Candidates {
             (places[first as usize], places[second as usize])
         };
         let of_task = |task: &PlannedTask| task.named(&self.impulses.borne);
-        let (impulses, torques) = (&self.impulses.pairs, &self.impulses.pair_torques);
-        remembered_pairs.collect(grains, &OldList { key, of_task, impulses, torques, plan }, team);
+        let ContactImpulses { pairs: impulses, pair_impacts: impacts, pair_torques: torques, .. } = &self.impulses;
+        remembered_pairs.collect(grains, &OldList { key, of_task, impulses, impacts, torques, plan }, team);
         let key = |candidate: usize| (places[walls[candidate].body as usize], walls[candidate].surface);
         let of_task = |task: &PlannedTask| task.walls.start as usize..task.walls.end as usize;
-        let (impulses, torques) = (&self.impulses.walls, &self.impulses.wall_torques);
-        remembered_walls.collect(grains, &OldList { key, of_task, impulses, torques, plan }, team);
+        let ContactImpulses { walls: impulses, wall_impacts: impacts, wall_torques: torques, .. } = &self.impulses;
+        remembered_walls.collect(grains, &OldList { key, of_task, impulses, impacts, torques, plan }, team);
     }
 
     /// Each box looks for pairs and walls. Walls that grains come to within the step depend on velocities: they are looked for too, unless
@@ -338,6 +339,10 @@ impl Candidates {
         resize(&mut self.impulses.pairs, pairs + 1, Impulse::default());
         resize(&mut self.impulses.walls, walls + 1, Impulse::default());
         (self.impulses.pairs[pairs], self.impulses.walls[walls]) = (Impulse::default(), Impulse::default());
+        for (impacts, count) in [(&mut self.impulses.pair_impacts, pairs), (&mut self.impulses.wall_impacts, walls)] {
+            resize(impacts, count + 1, ImpactMemory::default());
+            impacts[count] = ImpactMemory::default();
+        }
         self.bear_torques(self.torques);
         resize(&mut self.impulses.borne, plan.blocks(), 0);
         let Buffers { found, wall_starts, remembered_pairs, remembered_walls, .. } = &mut self.buffers;
@@ -378,14 +383,16 @@ impl Candidates {
                 }
                 for &(candidate, known) in &found[..count] {
                     let known = remembered_pairs.recall(known);
-                    give(known, candidate, impulses.pairs, torques.then_some(impulses.pair_torques));
+                    let torques = torques.then_some(impulses.pair_torques);
+                    give(known, candidate, (impulses.pairs, impulses.pair_impacts), torques);
                 }
             }
             let range = task.walls.start as usize..task.walls.end as usize;
             for (candidate, wall) in range.clone().zip(&walls[range]) {
                 let known = remembered_walls.find((wall.body, wall.surface));
                 let borne = known.map(|place| remembered_walls.recall(place)).unwrap_or_default();
-                give(borne, candidate, impulses.walls, torques.then_some(impulses.wall_torques));
+                let torques = torques.then_some(impulses.wall_torques);
+                give(borne, candidate, (impulses.walls, impulses.wall_impacts), torques);
             }
         });
     }
@@ -394,10 +401,11 @@ impl Candidates {
     pub(crate) fn find_borne(&mut self, plan: &Plan) {
         self.impulses.borne.clear();
         for task in plan.tasks() {
-            let impulses = &self.impulses.pairs[task.pairs.start as usize..task.pairs.end as usize];
-            self.impulses.borne.extend(impulses.chunks(LANES).map(|block| {
-                let bits = block.iter().enumerate().map(|(lane, impulse)| u8::from(!impulse.is_blank()) << lane);
-                bits.sum::<u8>()
+            let range = task.pairs.start as usize..task.pairs.end as usize;
+            let (impulses, impacts) = (&self.impulses.pairs[range.clone()], &self.impulses.pair_impacts[range]);
+            self.impulses.borne.extend(impulses.chunks(LANES).zip(impacts.chunks(LANES)).map(|(impulses, impacts)| {
+                let known = impulses.iter().zip(impacts).map(|(one, impact)| !one.is_blank() || impact.touches());
+                known.enumerate().map(|(lane, known)| u8::from(known) << lane).sum::<u8>()
             }));
         }
     }
@@ -408,6 +416,8 @@ impl Candidates {
             + self.walls.capacity() * size_of::<WallCandidate>()
             + (self.impulses.pairs.capacity() + self.impulses.walls.capacity()) * size_of::<Impulse>()
             + self.impulses.borne.capacity()
+            + (self.impulses.pair_impacts.capacity() + self.impulses.wall_impacts.capacity())
+                * size_of::<ImpactMemory>()
             + (self.impulses.pair_torques.capacity() + self.impulses.wall_torques.capacity())
                 * size_of::<AngularImpulse>()
             + self.reference.capacity() * size_of::<Vector3<f64>>()
@@ -422,15 +432,16 @@ impl Candidates {
     }
 }
 
-/// Gives a candidate what it bore before.
+/// Gives a candidate what it bore before, and the impact that it is in.
 #[inline(always)]
 fn give(
-    (impulse, torque): (Impulse, AngularImpulse),
+    (impulse, impact, torque): (Impulse, ImpactMemory, AngularImpulse),
     candidate: usize,
-    impulses: TaskSlots<'_, Impulse>,
+    (impulses, impacts): (TaskSlots<'_, Impulse>, TaskSlots<'_, ImpactMemory>),
     torques: Option<TaskSlots<'_, AngularImpulse>>,
 ) {
     impulses.set(candidate as u32, impulse);
+    impacts.set(candidate as u32, impact);
     if let Some(torques) = torques {
         torques.set(candidate as u32, torque);
     }

@@ -1,5 +1,6 @@
-//! What candidates bore in the last step, from which the next one starts.
+//! What candidates keep from step to step: impulses, from which the next step starts, and the impacts that are in progress.
 
+use crate::groups::ImpactMemory;
 use crate::lanes::TaskSlots;
 use crate::partition::{ByBlocks, ByCandidates};
 use bytemuck::{Pod, Zeroable};
@@ -37,6 +38,10 @@ pub struct ContactImpulses {
     pub(crate) borne: Vec<u8>,
     /// Impulse of each grain and surface, and one of zero behind them.
     pub walls: Vec<Impulse>,
+    /// Impacts of the same pairs, and an empty one behind them.
+    pub pair_impacts: Vec<ImpactMemory>,
+    /// Impacts of each grain and surface, and an empty one behind them.
+    pub wall_impacts: Vec<ImpactMemory>,
     /// Angular impulses of the same, where contacts bear torques; empty elsewhere. They mean nothing where the normal impulse
     /// is zero.
     pub pair_torques: Vec<AngularImpulse>,
@@ -47,7 +52,9 @@ pub struct ContactImpulses {
 impl Default for ContactImpulses {
     fn default() -> ContactImpulses {
         let (pairs, walls) = (vec![Impulse::default()], vec![Impulse::default()]);
-        ContactImpulses { pairs, borne: Vec::new(), walls, pair_torques: Vec::new(), wall_torques: Vec::new() }
+        let [pair_impacts, wall_impacts] = [0, 1].map(|_| vec![ImpactMemory::default()]);
+        let (borne, pair_torques, wall_torques) = (Vec::new(), Vec::new(), Vec::new());
+        ContactImpulses { pairs, borne, walls, pair_impacts, wall_impacts, pair_torques, wall_torques }
     }
 }
 
@@ -56,30 +63,34 @@ impl Default for ContactImpulses {
 pub(crate) struct ImpulsesOfTask<'a> {
     pub pairs: TaskSlots<'a, Impulse>,
     pub walls: TaskSlots<'a, Impulse>,
+    pub pair_impacts: TaskSlots<'a, ImpactMemory>,
+    pub wall_impacts: TaskSlots<'a, ImpactMemory>,
     pub pair_torques: TaskSlots<'a, AngularImpulse>,
     pub wall_torques: TaskSlots<'a, AngularImpulse>,
 }
 
 /// How tasks that run at the same time share them out: each candidate belongs to one task.
-type ImpulseShares<'a> = ([ByCandidates<'a, Impulse>; 2], [ByCandidates<'a, AngularImpulse>; 2]);
+type ImpulseShares<'a> =
+    ([ByCandidates<'a, Impulse>; 2], [ByCandidates<'a, ImpactMemory>; 2], [ByCandidates<'a, AngularImpulse>; 2]);
+
+/// What one of them gets.
+type OwnImpulses<'a> =
+    ([TaskSlots<'a, Impulse>; 2], [TaskSlots<'a, ImpactMemory>; 2], [TaskSlots<'a, AngularImpulse>; 2]);
 
 impl ContactImpulses {
     /// What the candidates of each task bore, and for each block of its pairs which of them did.
     pub(crate) fn shares(&mut self) -> (ImpulseShares<'_>, ByBlocks<'_, u8>) {
-        let ContactImpulses { pairs, borne, walls, pair_torques, wall_torques } = self;
+        let ContactImpulses { pairs, borne, walls, pair_impacts, wall_impacts, pair_torques, wall_torques } = self;
         let impulses = [pairs, walls].map(|impulses| ByCandidates::of(impulses));
+        let impacts = [pair_impacts, wall_impacts].map(|impacts| ByCandidates::of(impacts));
         let torques = [pair_torques, wall_torques].map(|torques| ByCandidates::of(torques));
-        ((impulses, torques), ByBlocks::of(borne))
+        ((impulses, impacts, torques), ByBlocks::of(borne))
     }
 }
 
-impl<'a> From<([TaskSlots<'a, Impulse>; 2], [TaskSlots<'a, AngularImpulse>; 2])> for ImpulsesOfTask<'a> {
-    fn from(
-        ([pairs, walls], [pair_torques, wall_torques]): (
-            [TaskSlots<'a, Impulse>; 2],
-            [TaskSlots<'a, AngularImpulse>; 2],
-        ),
-    ) -> ImpulsesOfTask<'a> {
-        ImpulsesOfTask { pairs, walls, pair_torques, wall_torques }
+impl<'a> From<OwnImpulses<'a>> for ImpulsesOfTask<'a> {
+    fn from((impulses, impacts, torques): OwnImpulses<'a>) -> ImpulsesOfTask<'a> {
+        let ([pairs, walls], [pair_impacts, wall_impacts], [pair_torques, wall_torques]) = (impulses, impacts, torques);
+        ImpulsesOfTask { pairs, walls, pair_impacts, wall_impacts, pair_torques, wall_torques }
     }
 }

@@ -1,16 +1,18 @@
 //! Impulses carried over from one candidate list to the next.
 
 use super::{AngularImpulse, Impulse};
+use crate::groups::ImpactMemory;
 use crate::lanes::prefetch_places;
 use crate::partition::{ByBodies, Plan, PlannedTask};
 use crate::schedule::{Phase, Team};
 
-/// Non-zero impulses of an old list, grouped by their first grain's new place.
+/// Impulses and impacts of the contacts of an old list, grouped by their first grain's new place.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Remembered {
     start: Vec<u32>,
     partners: Vec<u32>,
     impulses: Vec<Impulse>,
+    impacts: Vec<ImpactMemory>,
     /// Empty where contacts bear no torques.
     torques: Vec<AngularImpulse>,
 }
@@ -22,6 +24,7 @@ pub(super) struct OldList<'a, K, T> {
     pub key: K,
     pub of_task: T,
     pub impulses: &'a [Impulse],
+    pub impacts: &'a [ImpactMemory],
     /// Empty where contacts bear no torques.
     pub torques: &'a [AngularImpulse],
     pub plan: &'a Plan,
@@ -37,7 +40,8 @@ impl Remembered {
     {
         self.start.clear();
         self.start.resize(grains + 1, 0);
-        let live = |task: &PlannedTask| (old.of_task)(task).filter(|&candidate| old.impulses[candidate].normal > 0.0);
+        let is_live = |candidate: &usize| old.impulses[*candidate].normal > 0.0 || old.impacts[*candidate].touches();
+        let live = |task: &PlannedTask| (old.of_task)(task).filter(is_live);
         let counts = ByBodies::of(&mut self.start[1..]);
         old.plan.run_stages(
             team,
@@ -57,23 +61,26 @@ impl Remembered {
             }
             resize(&mut self.partners, self.start[grains] as usize, 0);
             resize(&mut self.impulses, self.start[grains] as usize, Impulse::default());
+            resize(&mut self.impacts, self.start[grains] as usize, ImpactMemory::default());
             let torques = if old.torques.is_empty() { 0 } else { self.start[grains] as usize };
             resize(&mut self.torques, torques, AngularImpulse::default());
         });
         // A grain's entries are its own, as the grain is its task's.
         let grouped = [&mut self.start, &mut self.partners].map(|numbers| ByBodies::of(numbers));
-        let borne = (ByBodies::of(&mut self.impulses), ByBodies::of(&mut self.torques));
+        let impacts = ByBodies::of(&mut self.impacts);
+        let borne = (ByBodies::of(&mut self.impulses), impacts, ByBodies::of(&mut self.torques));
         old.plan.run_stages(
             team,
             Phase::Detect,
             |_| {},
             (grouped, borne),
-            |_, task, ([starts, partners], (impulses, torques))| {
+            |_, task, ([starts, partners], (impulses, impacts, torques))| {
                 for candidate in live(task) {
                     let (first, partner) = (old.key)(candidate);
                     let entry = starts.get(first);
                     partners.set(entry, partner);
                     impulses.set(entry, old.impulses[candidate]);
+                    impacts.set(entry, old.impacts[candidate]);
                     if let Some(torque) = old.torques.get(candidate) {
                         torques.set(entry, *torque);
                     }
@@ -96,16 +103,17 @@ impl Remembered {
         Some(place as u32)
     }
 
-    /// The impulses that were found at a place.
+    /// The impulses and the impact that were found at a place.
     #[inline]
-    pub fn recall(&self, place: u32) -> (Impulse, AngularImpulse) {
+    pub fn recall(&self, place: u32) -> (Impulse, ImpactMemory, AngularImpulse) {
         let place = place as usize;
-        (self.impulses[place], self.torques.get(place).copied().unwrap_or_default())
+        (self.impulses[place], self.impacts[place], self.torques.get(place).copied().unwrap_or_default())
     }
 
     pub fn memory_bytes(&self) -> usize {
         (self.start.capacity() + self.partners.capacity()) * size_of::<u32>()
             + self.impulses.capacity() * size_of::<Impulse>()
+            + self.impacts.capacity() * size_of::<ImpactMemory>()
             + self.torques.capacity() * size_of::<AngularImpulse>()
     }
 }

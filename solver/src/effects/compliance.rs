@@ -64,6 +64,10 @@ const SMALLEST_RELATIVE_OVERLAP: f64 = 1e-5;
 /// more than 30 of them.
 const SHORT_STEP: f64 = 0.1;
 
+/// Square of the frequency of a contact times h at which an impact goes just as deep as it comes in a step: by Hertz's law it takes 2.9
+/// steps. Beyond, no damping resolves it.
+const LARGEST_SQUARED_ADVANCE: f64 = 1.5625;
+
 /// Hertz's dF/dd = 3/2 k_H sqrt(d) over the stiffness 5/4 k_H sqrt(d) of the constraint's measure.
 const HERTZ_TANGENT: f64 = 1.2;
 
@@ -100,7 +104,7 @@ impl NormalScheme {
     pub fn contact_margin(&self, stiffest: &NormalContact<f64>) -> f64 {
         match self.law {
             NormalLaw::Rigid => (self.restitution_threshold + self.gravity * self.step) * self.step,
-            _ if stiffest.constraint(self).resolves_impact => 0.0,
+            _ if stiffest.constraint(self, 0.0).resolves_impact => 0.0,
             _ => MARGIN_IN_FALLS * self.fall(),
         }
     }
@@ -115,8 +119,12 @@ pub struct NormalConstraint<N: Number> {
     pub bias: N,
     /// Stiffness dF/dd at the depth that the constraint goes by, N/m; infinite where it is rigid.
     pub stiffness: N,
-    /// Whether the step resolves an impact, so that compliance and damping give the restitution by themselves.
+    /// Whether the step resolves an impact, so that compliance and damping give the restitution.
     pub resolves_impact: N::Mask,
+    /// Whether the step is long against the contact, so that an impact takes few steps if it takes any.
+    pub is_coarse: N::Mask,
+    /// Twice the elastic energy that the overlap stores, J; zero where it is rigid.
+    pub stored: N,
 }
 
 /// Geometry and material of one contact, or of eight.
@@ -179,17 +187,22 @@ fn log_restitution(z: f64) -> f64 {
 }
 
 impl<N: Number> NormalContact<N> {
-    /// Regularisation and bias by the scheme's law.
+    /// Regularisation and bias by the scheme's law, given the speed of the impact that the contact is in (m/s), or 0.
+    ///
+    /// An impact is resolved or not by the depth `v0 h` that its speed reaches in a step, as long as it lasts. Of that depth, the
+    /// frequency of the contact times h tells the number of steps that the impact takes, whatever the speed: for Hertz's law
+    /// `(2.94/n)^(5/4) 5/4`, and `pi/n` for a linear spring. A contact at rest goes by its present depth.
     ///
     /// The damping time is that of the impact law, `c/k`, wherever the step resolves it or is short against the contact, and
     /// `damping_steps h` where it is not: small steps converge to the viscoelastic contact of soft-sphere codes, large ones stay
     /// stable. Across a gap a contact is as stiff as at the depth that it can reach in this step.
     #[inline(always)]
-    pub fn constraint(&self, scheme: &NormalScheme) -> NormalConstraint<N> {
+    pub fn constraint(&self, scheme: &NormalScheme, impact_speed: N) -> NormalConstraint<N> {
         // Divisions and roots are what this costs, so there is one of each where there could be several.
         let (h, damping_steps) = (scheme.step, scheme.damping_steps);
         let one = N::splat(1.0);
-        let ahead = self.overlap.larger(-self.velocity * N::splat(h)).larger(N::splat(scheme.fall()));
+        let (fall, impact) = (N::splat(scheme.fall()), N::zero().below(impact_speed));
+        let ahead = self.overlap.larger(-self.velocity * N::splat(h)).larger(fall);
         let depth = N::select(self.overlap.below(N::zero()), ahead, self.overlap);
         let smallest = N::splat(SMALLEST_RELATIVE_OVERLAP) * self.effective_radius;
         // Stiffness at a depth; overlap in the constraint's measure.
@@ -203,6 +216,8 @@ impl<N: Number> NormalContact<N> {
                     bias: N::splat(4.0 / h) * damping * self.overlap + damping * self.velocity,
                     stiffness: N::splat(f64::INFINITY),
                     resolves_impact: one.below(N::zero()),
+                    is_coarse: N::zero().below(one),
+                    stored: N::zero(),
                 };
             }
             NormalLaw::Linear { stiffness } => (N::splat(stiffness), self.overlap),
@@ -216,21 +231,24 @@ impl<N: Number> NormalContact<N> {
         let far = N::splat(1.0 + 1e-9) * critical * critical;
         let stiff = stiffness * self.inverse_mass;
         let unresolved = far.below(stiff * damping_time_squared) & (N::splat(1.0 + 1e-9) * short).below(stiff);
-        let (steps, resolves_impact) = if N::all(unresolved) {
-            (N::splat(damping_steps), one.below(N::zero()))
+        let (steps, resolves_impact, is_coarse) = if N::all(unresolved & !impact) {
+            (N::splat(damping_steps), one.below(N::zero()), N::zero().below(one))
         } else {
             let frequency = stiff.sqrt() * N::splat(h);
-            // The depth that the approach will reach decides.
+            // The depth that the approach reaches decides.
+            let reached = N::select(impact, (impact_speed * N::splat(h)).larger(fall), ahead);
             let stiffness_ahead = match scheme.law {
-                NormalLaw::Hertz => hertz(ahead),
+                NormalLaw::Hertz => hertz(reached),
                 _ => stiffness,
             };
             let ahead = stiffness_ahead * self.inverse_mass;
             let long = !ahead.below(short);
-            let unresolved = long & !(ahead * damping_time_squared).below(critical * critical);
-            // A step that is short against the contact needs no damping but the contact's own.
-            let least = N::select(long, N::splat(damping_steps), N::zero());
-            ((critical / frequency).larger(least), !unresolved)
+            let shallow = !(ahead * N::splat(h * h)).below(N::splat(LARGEST_SQUARED_ADVANCE));
+            let damped = (ahead * damping_time_squared).below(critical * critical) & !(impact & shallow);
+            let unresolved = long & !damped;
+            // A step that is short against the contact, or resolves its impact, needs no damping but the contact's own.
+            let least = N::select(long & !(impact & !unresolved), N::splat(damping_steps), N::zero());
+            ((critical / frequency).larger(least), !unresolved, long)
         };
         let softened = one / ((one + N::splat(4.0) * steps) * stiffness);
         let damping = softened * stiffness;
@@ -242,6 +260,8 @@ impl<N: Number> NormalContact<N> {
                 _ => stiffness,
             },
             resolves_impact,
+            is_coarse,
+            stored: stiffness * overlap * overlap,
         }
     }
 }

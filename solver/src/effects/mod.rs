@@ -9,6 +9,7 @@ pub mod compliance;
 pub mod drive;
 pub mod friction;
 pub mod gravity;
+pub mod impact;
 pub mod period;
 pub mod resistance;
 pub mod restitution;

@@ -82,11 +82,10 @@ fn mindlin_ratio(materials: [&Material; 2]) -> f64 {
 }
 
 /// Sigma_t (1/kg) of contacts whose stiffness is a `ratio` of that along the normal, in a step h (s); zero for an impact that is over
-/// within the step, which has no compliance along the normal either.
+/// within the step, which is infinitely stiff along the normal too.
 #[inline(always)]
 pub fn tangential_compliance<N: Number>(constraint: &NormalConstraint<N>, ratio: N, step: f64) -> N {
-    let springy = N::zero().below(constraint.regularisation);
-    N::select(springy, N::splat(1.0 / (step * step)) / (ratio * constraint.stiffness), N::zero())
+    N::splat(1.0 / (step * step)) / (ratio * constraint.stiffness)
 }
 
 #[cfg(test)]

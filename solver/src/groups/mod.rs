@@ -5,7 +5,8 @@ mod tangential;
 pub(crate) use tangential::{ContactLayout, with_pairs};
 pub use tangential::{FrictionLanes, PairGroups, SpringLanes, SpringTerms, Tangential};
 
-use crate::lanes::{Eight, LANES};
+use crate::lanes::{Eight, LANES, Lanes, Slots};
+use bytemuck::{Pod, Zeroable};
 
 /// Marks a lane that holds no contact.
 const NO_SOURCE: u32 = u32::MAX;
@@ -73,6 +74,33 @@ pub struct WallGroup {
     pub contacts: ContactLanes<Eight, SpringLanes>,
 }
 
+/// Impact that a candidate is in, kept until its two sides separate: see `effects/impact.rs`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ImpactMemory {
+    /// Speed of first touch, m/s, positive; -1 where the two rest on each other, 0 where they are apart.
+    pub speed: f32,
+    /// Normal velocity at the start of the last step, m/s; positive where the two separate; without meaning where the speed is 0.
+    pub velocity: f32,
+}
+
+impl ImpactMemory {
+    /// Whether the two touch.
+    pub(crate) fn touches(&self) -> bool {
+        self.speed != 0.0
+    }
+}
+
+/// Impacts of eight contacts, as their candidates are to remember them. Kept beside the group, because sweeps need none of it.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct ImpactLanes {
+    /// Speeds: see [`ImpactMemory`].
+    pub speed: [f32; LANES],
+    /// Normal velocities at the start of the step, m/s.
+    pub velocity: [f32; LANES],
+}
+
 /// Candidates that the contacts of a lane group came from. Kept beside the group, because sweeps need none of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Sources([u32; LANES]);
@@ -97,6 +125,36 @@ impl<T: Tangential> ContactLanes<Eight, T> {
     /// Normal of the contact in a lane.
     pub fn normal(&self, lane: usize) -> [f64; 3] {
         std::array::from_fn(|axis| self.normal[axis].0[lane])
+    }
+}
+
+impl ImpactLanes {
+    /// Reads what the candidates of eight contacts remember: speeds, and velocities at the start of the last step.
+    #[inline(always)]
+    pub(crate) fn load<L: Lanes>(impacts: Slots<'_, ImpactMemory>, candidates: &[u32; LANES]) -> [L; 2] {
+        let known = candidates.map(|candidate| impacts.get_trusted(candidate));
+        [known.map(|one| f64::from(one.speed)), known.map(|one| f64::from(one.velocity))]
+            .map(|eight| L::load(&Eight(eight)))
+    }
+
+    /// What eight contacts are to remember. A speed is rounded downwards, so that no impact leaves faster for it; one that has been
+    /// rounded stays.
+    #[inline(always)]
+    pub(crate) fn of<L: Lanes>(speed: L, velocity: L) -> ImpactLanes {
+        let downwards = |number: f64| {
+            let nearest = number as f32;
+            if f64::from(nearest) > number { nearest.next_down() } else { nearest }
+        };
+        let [mut speeds, mut velocities] = [Eight::default(); 2];
+        speed.store(&mut speeds);
+        velocity.store(&mut velocities);
+        ImpactLanes { speed: speeds.0.map(downwards), velocity: velocities.0.map(|number| number as f32) }
+    }
+
+    /// What the contact in a lane is to remember.
+    #[inline(always)]
+    pub(crate) fn memory(&self, lane: usize) -> ImpactMemory {
+        ImpactMemory { speed: self.speed[lane], velocity: self.velocity[lane] }
     }
 }
 

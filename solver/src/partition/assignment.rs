@@ -258,8 +258,10 @@ impl TaskGroups {
         self.pair_sources.truncate(self.pairs_used);
         self.walls.truncate(self.walls_used);
         self.wall_sources.truncate(self.walls_used);
+        // As much room as the groups have, so that it grows no oftener.
+        grow(&mut self.pair_impacts, self.pairs_used, self.pairs.capacity());
+        grow(&mut self.wall_impacts, self.walls_used, self.walls.capacity());
         if effects.torques() {
-            // As much room as the groups have, so that it grows no oftener.
             grow(&mut self.pair_torques, self.pairs_used, self.pairs.capacity());
             grow(&mut self.wall_torques, self.walls_used, self.walls.capacity());
         }

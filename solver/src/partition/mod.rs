@@ -28,7 +28,7 @@ pub(crate) use shares::{ByBlocks, ByBodies, ByCandidates, ByNumber, ByPlace, ByS
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
 pub(crate) use waits::{FindWaits, overlapped};
 
-use crate::groups::{PairGroup, PairGroups, Sources, TorqueLanes, WallGroup, WallTorqueLanes};
+use crate::groups::{ImpactLanes, PairGroup, PairGroups, Sources, TorqueLanes, WallGroup, WallTorqueLanes};
 use crate::lanes::{Eight, LANES, PREFETCH};
 use crate::world::Body;
 
@@ -45,6 +45,10 @@ pub struct TaskGroups {
     pub walls: Vec<WallGroup>,
     /// Where their contacts came from.
     pub wall_sources: Vec<Sources>,
+    /// Impacts of the pairs, a group each.
+    pub pair_impacts: Vec<ImpactLanes>,
+    /// The same of the contacts with walls.
+    pub wall_impacts: Vec<ImpactLanes>,
     /// Torques of the pairs, a group each; empty where contacts bear none.
     pub pair_torques: Vec<TorqueLanes>,
     /// Torques of the contacts with walls, a group each; empty where contacts bear none.
@@ -160,6 +164,7 @@ impl Layout {
                 + task.pair_waits.capacity()
                 + task.touching.capacity()
                 + (task.pair_sources.capacity() + task.wall_sources.capacity()) * size_of::<Sources>()
+                + (task.pair_impacts.capacity() + task.wall_impacts.capacity()) * size_of::<ImpactLanes>()
                 + task.pair_torques.capacity() * size_of::<TorqueLanes>()
                 + task.wall_torques.capacity() * size_of::<WallTorqueLanes>()
                 + (task.pair_pulls.capacity() + task.wall_pulls.capacity()) * size_of::<Eight>()

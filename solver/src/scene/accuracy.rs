@@ -153,7 +153,7 @@ impl Bed {
 
 impl RadiusDistribution {
     /// Mean radius, m; of a normal distribution before it is cut.
-    fn mean(&self) -> f64 {
+    pub(super) fn mean(&self) -> f64 {
         match self {
             RadiusDistribution::Fixed { value } => *value,
             RadiusDistribution::Uniform { mean, .. } | RadiusDistribution::Normal { mean, .. } => *mean,

@@ -29,6 +29,7 @@ impl Scene {
             seed: first_seed(),
             domain: Domain { min: [0.0; 3], max: [0.0; 3], periodic: Vec::new() },
             largest_start_overlap: slight_overlap(),
+            unusual_values: false,
             material: BTreeMap::new(),
             pair: Vec::new(),
             wall: Vec::new(),

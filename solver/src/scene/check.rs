@@ -75,7 +75,7 @@ fn materials(scene: &Scene) -> Checked {
     }
     for (name, material) in &scene.material {
         let at = DocumentPath::default().key("material").name(name);
-        at.key("density").range(material.density, 1.0, 30_000.0, "kg/m3")?;
+        at.key("density").usual(material.density, [1.0, 3e4], [1e-6, 1e9], scene.unusual_values, "kg/m3")?;
         at.key("youngs_modulus").range(material.youngs_modulus, 1e2, 1e13, "Pa")?;
         at.key("poisson_ratio").range(material.poisson_ratio, 0.0, 0.4999, "(no unit)")?;
         for one in coefficients() {
@@ -298,10 +298,10 @@ fn radii(at: &DocumentPath, distribution: &RadiusDistribution) -> Checked {
 pub(super) fn solver(scene: &Scene) -> Checked {
     let at = DocumentPath::default().key("solver");
     let settings = &scene.solver;
-    at.key("step").range(settings.step, 1e-9, 0.1, "s")?;
+    at.key("step").usual(settings.step, [1e-9, 0.1], [1e-15, 0.1], scene.unusual_values, "s")?;
     at.key("over_relaxation").range(settings.over_relaxation, 0.1, 1.9, "(no unit)")?;
     at.key("damping_steps").range(settings.damping_steps, 0.0, 1e3, "time steps")?;
-    at.key("restitution_threshold").range(settings.restitution_threshold, 0.0, 1e3, "m/s")?;
+    at.key("restitution_threshold").range(settings.restitution_threshold.unwrap_or(0.0), 0.0, 1e3, "m/s")?;
     at.key("skin").range(settings.skin, 1e-3, 10.0, "mean radii")?;
     at.key("warm_start").range(settings.warm_start, 0.0, 1.0, "(no unit)")?;
     if let NormalLaw::Linear { stiffness } = settings.normal_law {

@@ -29,6 +29,8 @@ pub(super) struct Document {
     domain: Domain,
     #[serde(default = "slight_overlap")]
     largest_start_overlap: f64,
+    #[serde(default)]
+    unusual_values: bool,
     material: BTreeMap<String, Material>,
     #[serde(default)]
     pair: Vec<PairRule>,
@@ -69,6 +71,7 @@ impl From<Document> for Scene {
             seed: document.seed,
             domain: document.domain,
             largest_start_overlap: document.largest_start_overlap,
+            unusual_values: document.unusual_values,
             material: document.material,
             pair: document.pair,
             wall: document.wall,

@@ -60,6 +60,27 @@ impl DocumentPath {
         }
     }
 
+    /// Refuses a number outside the range that it has in most scenes, or, where the scene accepts unusual values, outside one in which it
+    /// can be computed with. `unit` is named in the remedy.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn usual(&self, value: f64, usual: [f64; 2], possible: [f64; 2], unusual_values: bool, unit: &str) -> Checked {
+        let [low, high] = if unusual_values { possible } else { usual };
+        if value.is_finite() && value >= low && value <= high {
+            return Ok(());
+        }
+        let [value, low, high, least, most] = [value, low, high, possible[0], possible[1]].map(short);
+        let remedy = match unusual_values {
+            true => format!("give a number from {low} to {high} {unit}"),
+            false => format!(
+                "give a number from {low} to {high} {unit}; if it is meant, unusual_values = true at the top of the scene accepts \
+                 {least} to {most} {unit}"
+            ),
+        };
+        Err(self.fault(format!("{value} is out of range"), &remedy))
+    }
+
     /// Refuses a vector that is not of three SI numbers below 1e6.
     ///
     /// # Errors

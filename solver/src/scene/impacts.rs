@@ -26,6 +26,17 @@ impl Scene {
         pairs.into_iter().find_map(|((first, radius), (second, other))| self.resolved(first, *radius, second, *other))
     }
 
+    /// Speed (m/s) from which on an impact that the step does not resolve has its restitution: see [`SolverSettings::slowest_impact`],
+    /// here with the mean of the radii that the scene gives.
+    ///
+    /// [`SolverSettings::slowest_impact`]: super::SolverSettings::slowest_impact
+    pub fn slowest_impact(&self) -> f64 {
+        let placed = self.population.iter().map(|group| (group.count as f64, group.radius.mean()));
+        let all = placed.chain(self.grain.iter().map(|grain| (1.0, grain.radius)));
+        let (count, sum) = all.fold((0.0, 0.0), |(count, sum), (own, radius)| (count + own, sum + own * radius));
+        self.solver.slowest_impact(sum / f64::max(count, 1.0), self.gravity_field().largest())
+    }
+
     /// The fault of impacts of a grain of a radius (m) and another one, or a wall.
     fn resolved(&self, first: &str, radius: f64, second: &str, other: Option<f64>) -> Option<Fault> {
         let pair = self.contact_coefficients(first, second, other.is_none());
@@ -37,7 +48,7 @@ impl Scene {
             law: settings.normal_law,
             step: settings.step,
             damping_steps: settings.damping_steps,
-            restitution_threshold: settings.restitution_threshold,
+            restitution_threshold: self.slowest_impact(),
             gravity: Vector3::from(self.gravity).norm(),
         };
         let (one, two) = (&self.material[first], &self.material[second]);
@@ -46,7 +57,7 @@ impl Scene {
         let inverse_mass =
             |density: f64, radius: f64| 0.75 / (std::f64::consts::PI * density * radius * radius * radius);
         // What closes slower is at rest.
-        let speed = pair.restitution_speed.max(settings.restitution_threshold);
+        let speed = pair.restitution_speed.max(scheme.restitution_threshold);
         let impact = NormalContact {
             overlap: 0.0,
             velocity: -speed,
@@ -56,7 +67,7 @@ impl Scene {
                 + other.map_or(0.0, |other| inverse_mass(two.density, other)),
             damping_ratio: damping_ratio(pair.restitution),
         };
-        let resolved = impact.constraint(&scheme).resolves_impact;
+        let resolved = impact.constraint(&scheme, speed).resolves_impact;
         resolved.then(|| {
             let problem = format!(
                 "restitution_speed: the step of {:e} s resolves an impact of '{first}' and '{second}' at {speed} m/s, whose \

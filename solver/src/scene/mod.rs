@@ -121,6 +121,10 @@ pub struct Scene {
     /// Largest overlap of two grains, or of a grain and a wall, that is accepted at the start, over the smaller radius.
     #[serde(skip_serializing_if = "types::is_slight")]
     pub largest_start_overlap: f64,
+    /// Accepts values that are a mistake in most scenes: steps and intervals of frames down to 1e-15 s, densities from 1e-6 to
+    /// 1e9 kg/m3.
+    #[serde(skip_serializing_if = "settings::is_default")]
+    pub unusual_values: bool,
     /// Materials by name.
     pub material: BTreeMap<String, Material>,
     /// Friction and restitution of particular pairs of materials.

@@ -31,8 +31,10 @@ pub struct SolverSettings {
     pub tangential_law: TangentialLaw,
     /// Damping time of the stabilisation over the time step (tau / h).
     pub damping_steps: f64,
-    /// Contacts that approach slower than this are inelastic, m/s.
-    pub restitution_threshold: f64,
+    /// Impacts slower than this that a step does not resolve are no impacts, but contacts at rest, m/s; by the scales of the scene if
+    /// absent: see [`SolverSettings::slowest_impact`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub restitution_threshold: Option<f64>,
     /// Least reach of the candidate list beyond contact, over the mean radius; lists that reach further live longer. A long step
     /// takes more: see [`SolverSettings::reach`].
     pub skin: f64,
@@ -52,7 +54,7 @@ impl Default for SolverSettings {
             normal_law: NormalLaw::Hertz,
             tangential_law: TangentialLaw::Rigid,
             damping_steps: 1.0,
-            restitution_threshold: 0.05,
+            restitution_threshold: None,
             skin: 0.6,
             warm_start: 1.0,
         }
@@ -65,7 +67,23 @@ const REACH: f64 = 4.0;
 /// The most that is taken for long steps, over the mean radius: no longer step was measured.
 const LONGEST_REACH: f64 = 1.5;
 
+/// Speed of the slowest impact over what gravity gives in a step: its bounce lasts for ten steps.
+const SLOWEST_BOUNCE: f64 = 5.0;
+/// Speed of the slowest impact over `sqrt(g d)`: its grain has fallen by 1/78 of a diameter.
+const SHORTEST_FALL: f64 = 0.16;
+
 impl SolverSettings {
+    /// Speed of approach (m/s) from which on a contact whose impact the step does not resolve has its restitution, for grains of a mean
+    /// radius (m) under gravity (m/s2).
+    ///
+    /// It is `restitution_threshold`. If that is absent, it is the larger of `5 g h`, because a bounce of fewer than ten steps is none,
+    /// and `0.16 sqrt(g d)`, because a bed at rest moves at such speeds while its grains settle by a hundredth of a diameter. Without
+    /// gravity there is no rest to protect: it is 0.
+    pub fn slowest_impact(&self, radius: f64, gravity: f64) -> f64 {
+        let by_scales = (SLOWEST_BOUNCE * gravity * self.step).max(SHORTEST_FALL * (gravity * 2.0 * radius).sqrt());
+        self.restitution_threshold.unwrap_or(by_scales)
+    }
+
     /// How far the candidate list reaches beyond contact, m, for grains of a mean radius (m) under gravity (m/s2).
     ///
     /// Neighbours part at speeds of the order of `sqrt(g r)`, so that a list of reach `s` lives for some `s / (h sqrt(g r))` steps,

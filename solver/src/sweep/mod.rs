@@ -21,7 +21,8 @@ pub(crate) use stages::{SweepOperands, SweepPass};
 
 use crate::detect::{AngularImpulse, Impulse, ImpulsesOfTask};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
-use crate::groups::{ContactLanes, ContactLayout, Sources, Tangential, WallTorqueLanes, with_pairs};
+use crate::groups::ImpactMemory;
+use crate::groups::{ContactLanes, ContactLayout, ImpactLanes, Sources, Tangential, WallTorqueLanes, with_pairs};
 use crate::lanes::{Available, Eight, Kernel, Lanes, Number, PREFETCH, TaskSlots, cross, prefetch_places, times};
 use crate::partition::{TaskGroups, overlapped};
 use crate::world::Body;
@@ -66,7 +67,7 @@ struct Pull<'a> {
     groups: &'a TaskGroups,
 }
 
-/// Keeps a task's impulses with the candidates that its contacts came from.
+/// Keeps a task's impulses and impacts with the candidates that its contacts came from.
 struct Remember<'a> {
     groups: &'a TaskGroups,
     impulses: ImpulsesOfTask<'a>,
@@ -242,13 +243,15 @@ impl Kernel for Remember<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let TaskGroups { pairs, pair_sources, walls, wall_sources, .. } = self.groups;
+        let TaskGroups { pairs, pair_sources, pair_impacts, walls, wall_sources, wall_impacts, .. } = self.groups;
         with_pairs!(pairs, pairs => for (group, sources) in pairs.iter().zip(pair_sources) {
             remember::<L, _>(&group.contacts, sources, self.impulses.pairs, self.springs);
         });
         for (group, sources) in walls.iter().zip(wall_sources) {
             remember::<L, _>(&group.contacts, sources, self.impulses.walls, self.springs);
         }
+        remember_impacts(pair_impacts, pair_sources, self.impulses.pair_impacts);
+        remember_impacts(wall_impacts, wall_sources, self.impulses.wall_impacts);
     }
 }
 
@@ -276,6 +279,16 @@ fn remember<L: Lanes, T: Tangential>(
             let springy = spring.is_none_or(|spring| spring.compliance.0[lane] > 0.0);
             let tangential = if springy { contacts.tangential_impulse(lane) } else { [0.0; 3] };
             impulses.set(candidate as u32, Impulse { normal: contacts.normal_impulse(lane), tangential });
+        }
+    }
+}
+
+/// Keeps the impacts of a task's contacts.
+#[inline(always)]
+fn remember_impacts(groups: &[ImpactLanes], sources: &[Sources], impacts: TaskSlots<'_, ImpactMemory>) {
+    for (group, sources) in groups.iter().zip(sources) {
+        for (lane, candidate) in sources.occupied() {
+            impacts.with_trusted(candidate as u32, |one| *one = group.memory(lane));
         }
     }
 }

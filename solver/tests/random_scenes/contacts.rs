@@ -3,11 +3,11 @@
 
 use super::scene::{Container, Drawn};
 use makadam::effects::compliance::{NormalContact, NormalScheme, damping_ratio};
-use makadam::effects::restitution::with_restitution;
+use makadam::effects::impact::Impact;
 use makadam::scene::Scene;
 use makadam::snapshot::{Partner, Snapshot};
 use makadam::wall::PlacedWalls;
-use makadam::{Simulation, SolutionError};
+use makadam::{KeptContact, Simulation, SolutionError};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -147,11 +147,12 @@ impl Laws {
     /// The laws of a scene as its text says them.
     pub fn new(drawn: &Drawn, scene: &Scene) -> Laws {
         let settings = &scene.solver;
+        let mean_radius = drawn.grains.iter().map(|grain| grain.radius).sum::<f64>() / drawn.grains.len() as f64;
         let scheme = NormalScheme {
             law: settings.normal_law,
             step: settings.step,
             damping_steps: settings.damping_steps,
-            restitution_threshold: settings.restitution_threshold,
+            restitution_threshold: settings.slowest_impact(mean_radius, drawn.gravity.norm()),
             gravity: drawn.gravity.norm(),
         };
         let masses = (0..drawn.grains.len()).map(|grain| drawn.mass(grain)).collect();
@@ -177,7 +178,14 @@ impl Laws {
     ///
     /// It jumps where an overlap begins, and at the threshold of impacts: contacts that were stopped at touch lie there up to
     /// rounding. Of the laws within rounding the one is taken that fits best.
-    fn fitting_law(&self, [overlap, velocity]: [f64; 2], rest: [f64; 2], farthest: f64, ended: [f64; 2]) -> Law {
+    fn fitting_law(
+        &self,
+        [overlap, velocity]: [f64; 2],
+        rest: [f64; 2],
+        kept: Option<&KeptContact>,
+        farthest: f64,
+        ended: [f64; 2],
+    ) -> Law {
         let [along, opening] = ended;
         let gap = |law: &Law| opening - law.bias + law.regularisation * along;
         let off = |law: &Law| if along > 0.0 { gap(law).abs() } else { -gap(law) };
@@ -185,23 +193,27 @@ impl Laws {
         let near = [-1.0, 0.0, 1.0]
             .into_iter()
             .flat_map(|a| [-1.0, 0.0, 1.0].map(|b| (overlap + a * far, velocity + b * fast)));
-        let laws = near.map(|(overlap, velocity)| self.law(overlap, velocity, rest[0], rest[1]));
+        let laws = near.map(|(overlap, velocity)| self.law([overlap, velocity], rest, kept));
         laws.min_by(|a, b| off(a).total_cmp(&off(b))).expect("there are nine")
     }
 
-    fn law(&self, overlap: f64, velocity: f64, effective_radius: f64, inverse_mass: f64) -> Law {
+    fn law(&self, state: [f64; 2], [effective_radius, inverse_mass]: [f64; 2], kept: Option<&KeptContact>) -> Law {
+        let [overlap, velocity] = state;
         // Both sides of a contact are of one material, with Poisson's ratio 0.3.
         let effective_modulus = self.drawn.youngs_modulus.unwrap_or(1e7) / (2.0 * (1.0 - 0.3 * 0.3));
         let (restitution, damping_ratio) = (self.drawn.restitution, self.damping_ratio);
         let contact =
             NormalContact { overlap, velocity, effective_modulus, effective_radius, inverse_mass, damping_ratio };
-        let constraint = contact.constraint(&self.scheme);
-        let constraint = with_restitution(constraint, &self.scheme, overlap, velocity, restitution);
+        let known = kept.map_or([0.0; 2], |one| [one.impact.speed, one.impact.velocity].map(f64::from));
+        let impact = Impact::of(state, known, kept.map_or(0.0, |one| one.impulse) * inverse_mass);
+        let constraint = contact.constraint(&self.scheme, impact.speed);
+        let constraint = impact.decide(constraint, &self.scheme, state, inverse_mass, restitution).constraint;
         Law { bias: constraint.bias, regularisation: constraint.regularisation }
     }
 
-    /// All contacts of a step that bear, and those of grains that overlap before it and bear nothing.
-    pub fn touches(&self, before: &Snapshot, after: &Snapshot) -> Vec<Touch> {
+    /// All contacts of a step that bear, and those of grains that overlap before it and bear nothing, given what contacts kept from
+    /// the step before.
+    pub fn touches(&self, before: &Snapshot, after: &Snapshot, kept: &[KeptContact]) -> Vec<Touch> {
         let h = self.scheme.step;
         // Impulses by pair of grains, on the second; and by grain and normal at walls.
         let (mut pairs, mut walls) = (BTreeMap::new(), Vec::new());
@@ -247,7 +259,11 @@ impl Laws {
                 let effective_radius = a.radius * b.radius / (a.radius + b.radius);
                 let after = relative(after);
                 let (state, rest) = ([overlap, normal.dot(&own)], [effective_radius, inverse_mass]);
-                let law = Some(self.fitting_law(state, rest, farthest, [along, normal.dot(&after)]));
+                let ids = [first as u32, second as u32];
+                let own_kept = kept
+                    .iter()
+                    .find(|one| one.second.is_some_and(|other| [one.first, other] == ids || [other, one.first] == ids));
+                let law = Some(self.fitting_law(state, rest, own_kept, farthest, [along, normal.dot(&after)]));
                 let second = Some(second);
                 touches.push(Touch { first, second, normal, inverse_mass, law, before: own, after, along, tangential });
             }
@@ -262,7 +278,7 @@ impl Laws {
         let faces: Vec<_> = walls_placed.faces().map(|(_, face)| face).take(shells).collect();
         for (first, grain) in grains.iter().enumerate() {
             let centre = Vector::from(grain.position);
-            for face in &faces {
+            for (number, face) in faces.iter().enumerate() {
                 let travel = || velocity(before, first) + self.drawn.gravity * h - face.velocity_at(&centre);
                 let (gap, own_normal) = face.nearest(&centre, travel);
                 let overlap = grain.radius - gap;
@@ -281,7 +297,9 @@ impl Laws {
                 let (own, inverse_mass) = (relative(before), 1.0 / self.masses[first]);
                 let after = relative(after);
                 let (state, rest) = ([overlap, normal.dot(&own)], [grain.radius, inverse_mass]);
-                let law = self.fitting_law(state, rest, farthest, [along, normal.dot(&after)]);
+                let of_face = |one: &&KeptContact| one.first == first as u32 && one.face == Some(number as u32);
+                let own_kept = kept.iter().find(of_face);
+                let law = self.fitting_law(state, rest, own_kept, farthest, [along, normal.dot(&after)]);
                 let law = (!fast).then_some(law);
                 touches.push(Touch {
                     first,
@@ -306,17 +324,19 @@ pub struct Stepped {
     pub after: Snapshot,
     pub touches: Vec<Touch>,
     pub inexact: Inexact,
+    /// What contacts kept from the step before.
+    pub kept: Vec<KeptContact>,
 }
 
 /// Takes a step.
 pub fn step(simulation: &mut Simulation, laws: &Laws) -> Stepped {
-    let before = simulation.snapshot();
+    let (before, kept) = (simulation.snapshot(), simulation.kept_contacts());
     simulation.step();
     let error = simulation.solution_error();
     let after = simulation.snapshot();
-    let touches = laws.touches(&before, &after);
+    let touches = laws.touches(&before, &after, &kept);
     let inexact = Inexact::of(&error).rounded(&touches, laws.scheme.step, farthest(&before));
-    Stepped { before, after, touches, inexact }
+    Stepped { before, after, touches, inexact, kept }
 }
 
 /// Largest distance of a grain's surface from the origin, m.

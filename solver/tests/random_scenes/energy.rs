@@ -66,7 +66,7 @@ pub fn check(drawn: &Drawn, solves: Solves) -> Result<[u64; 3], TestCaseError> {
     let (h, g) = (drawn.step, drawn.gravity);
     let mut counts = [0; 3];
     for number in 0..STEPS {
-        let Stepped { before, after, touches, inexact } = step(&mut simulation, &laws);
+        let Stepped { before, after, touches, inexact, .. } = step(&mut simulation, &laws);
         let bearing: Vec<&Touch> = touches.iter().filter(|touch| touch.along > 0.0).collect();
         if bearing.is_empty() {
             continue;

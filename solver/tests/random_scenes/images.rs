@@ -165,9 +165,9 @@ pub fn check(drawn: &Drawn, image: &Image) -> Result<[u64; 3], TestCaseError> {
         counts[0] += 1;
         // The image's solution as one of the original's problem; what it misses the laws by stays what it was.
         let after = image.back(&mapped.after);
-        let touches = laws.touches(&one.before, &after);
+        let touches = laws.touches(&one.before, &after, &one.kept);
         let inexact = mapped.inexact.rounded(&touches, drawn.step, farthest(&one.before));
-        let other = Stepped { before: one.before.clone(), after, touches, inexact };
+        let other = Stepped { before: one.before.clone(), after, touches, inexact, kept: one.kept.clone() };
         for solution in [&one, &other] {
             for touch in &solution.touches {
                 let (Some(law), Some(asked)) = (touch.law, touch.asked()) else { continue };

@@ -120,10 +120,13 @@ fn other_window(scene: &Scene, measured: &[&Snapshot]) -> Option<String> {
         let is_other = (last - end).abs() > slack;
         return is_other.then(|| format!("the last frame is measured, at {last} s, and the scene ends at {end} s"));
     };
-    let gap = measured.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max);
-    let is_other = (last - end).abs() > slack || first > from + interval + slack || gap > interval + slack;
+    let gaps: Vec<f64> = measured.windows(2).map(|pair| pair[1].time - pair[0].time).collect();
+    let gap = gaps.iter().copied().fold(0.0, f64::max);
+    // The end may lie within an interval of the frame before it.
+    let is_finer = gaps.iter().rev().skip(1).any(|gap| gap + slack < interval);
+    let is_other = (last - end).abs() > slack || first > from + interval + slack || gap > interval + slack || is_finer;
     is_other.then(|| {
-        let widest = if measured.len() > 1 { format!(", up to {gap} s apart") } else { String::new() };
+        let widest = if measured.len() > 1 { format!(", up to {gap:.6} s apart") } else { String::new() };
         format!(
             "the measured frames are from {first} to {last} s{widest}, and the scene is measured from {from} to {end} s, each {interval} s"
         )

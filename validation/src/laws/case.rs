@@ -6,6 +6,9 @@ use std::collections::BTreeMap;
 /// Named numbers; SI units unless the name says otherwise.
 pub(crate) type Values = BTreeMap<String, f64>;
 
+/// Restitution threshold of all cases, m/s: they are of grains of 10 mm in gravity, so it is that of their scales, rounded.
+const RESTITUTION_THRESHOLD: f64 = 0.05;
+
 /// One simulation of a law, before a seed is chosen.
 pub(crate) struct Case {
     /// Name, unique within the law; a part of file names.
@@ -18,7 +21,8 @@ pub(crate) struct Case {
 
 impl Case {
     /// A case.
-    pub(crate) fn new<const N: usize>(scene: Scene, given: [(&str, f64); N]) -> Case {
+    pub(crate) fn new<const N: usize>(mut scene: Scene, given: [(&str, f64); N]) -> Case {
+        scene.solver.restitution_threshold = Some(RESTITUTION_THRESHOLD);
         Case { name: scene.name.clone(), scene, given: values(given) }
     }
 

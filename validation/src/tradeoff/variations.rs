@@ -124,7 +124,8 @@ fn calm_contacts(settings: &mut SolverSettings) {
     /// 5 g on Earth, m/s2.
     const SLOWEST_IMPACT_OVER_STEP: f64 = 50.0;
     settings.damping_steps = 2.0;
-    settings.restitution_threshold = settings.restitution_threshold.max(SLOWEST_IMPACT_OVER_STEP * settings.step);
+    let slowest = SLOWEST_IMPACT_OVER_STEP * settings.step;
+    settings.restitution_threshold = Some(settings.restitution_threshold.map_or(slowest, |own| own.max(slowest)));
     settings.stop = down_to(0.1, settings);
 }
 

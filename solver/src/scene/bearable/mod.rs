@@ -11,6 +11,7 @@ mod motion;
 mod pace;
 mod ray;
 mod shear;
+mod slow;
 mod units;
 mod vain;
 
@@ -98,6 +99,7 @@ impl Scene {
         warnings.extend(impact::fault(self, &grains, &bed, beforehand));
         warnings.extend(shear::faults(self, &grains));
         warnings.extend(pace::fault(self, &grains, beforehand));
+        warnings.extend(slow::fault(self, &grains, &bed));
         warnings
     }
 

@@ -40,11 +40,11 @@ use state::State;
 use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the last one is the version of the format.
-const MARK: [u8; 8] = *b"makadam\x09";
+const MARK: [u8; 8] = *b"makadam\x0d";
 
 /// The same of a simulation in which grains have come or gone, walls are moved by the caller, the candidate list holds more than what was
 /// near when it was built, or the ledger has something from outside or in tangential springs: what that is follows the state.
-const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x0c";
+const MARK_OF_ALTERED: [u8; 8] = *b"makadam\x0e";
 
 /// Why a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]

@@ -3,6 +3,7 @@
 use super::{MARK, MARK_OF_ALTERED, open, seal};
 use crate::Simulation;
 use crate::detect::{AngularImpulse, Impulse, PairCandidate, WallCandidate};
+use crate::groups::ImpactMemory;
 use crate::partition::{Layout, Plan};
 use crate::scene::{GrainEntry, Scene};
 use crate::schedule::Team;
@@ -123,12 +124,19 @@ struct Remembered {
     second: u32,
     /// Normal and tangential impulse, N s.
     impulse: [f64; 4],
+    /// Speed and last normal velocity of the impact that it is in, m/s.
+    impact: [f32; 2],
 }
 
 impl Remembered {
     fn scaled(&self, scale: f64) -> Impulse {
         let [normal, x, y, z] = self.impulse.map(|component| component * scale);
         Impulse { normal, tangential: [x, y, z] }
+    }
+
+    fn impact(&self) -> ImpactMemory {
+        let [speed, velocity] = self.impact;
+        ImpactMemory { speed, velocity }
     }
 }
 
@@ -139,16 +147,20 @@ fn give_torque(torques: &mut [AngularImpulse], known: &Remembered, torque: Optio
     }
 }
 
-/// Impulses of these candidates that are not zero to the last bit, each with its place in the list.
+/// Impulses and impacts of the candidates that have any, each with its place in the list. Impulses count that are not zero to the
+/// last bit.
 fn remembered<'a>(
     candidates: impl Iterator<Item = usize> + 'a,
-    impulses: &'a [Impulse],
+    (impulses, impacts): (&'a [Impulse], &'a [ImpactMemory]),
     name: impl Fn(usize) -> (u32, u32) + 'a,
 ) -> impl Iterator<Item = Remembered> + 'a {
-    candidates.filter(|&candidate| !impulses[candidate].is_blank()).map(move |candidate| {
+    let known = |&candidate: &usize| !impulses[candidate].is_blank() || impacts[candidate].touches();
+    candidates.filter(known).map(move |candidate| {
         let Impulse { normal, tangential: [x, y, z] } = impulses[candidate];
+        let ImpactMemory { speed, velocity } = impacts[candidate];
         let (first, second) = name(candidate);
-        Remembered { candidate: candidate as u32, first, second, impulse: [normal, x, y, z] }
+        let (candidate, impulse, impact) = (candidate as u32, [normal, x, y, z], [speed, velocity]);
+        Remembered { candidate, first, second, impulse, impact }
     })
 }
 
@@ -177,8 +189,9 @@ impl State {
         let pairs_named = tasks.iter().flat_map(|task| task.named(&candidates.impulses.borne));
         let pair = |c: usize| (id(pairs[c].first), id(pairs[c].second));
         let wall = |c: usize| (id(walls[c].body), walls[c].surface);
-        let pairs_borne: Vec<_> = remembered(pairs_named, &candidates.impulses.pairs, pair).collect();
-        let walls_borne: Vec<_> = remembered(0..walls.len(), &candidates.impulses.walls, wall).collect();
+        let impulses = &candidates.impulses;
+        let pairs_borne: Vec<_> = remembered(pairs_named, (&impulses.pairs, &impulses.pair_impacts), pair).collect();
+        let walls_borne: Vec<_> = remembered(0..walls.len(), (&impulses.walls, &impulses.wall_impacts), wall).collect();
         State {
             pair_torques: torques_of(&pairs_borne, &candidates.impulses.pair_torques),
             wall_torques: torques_of(&walls_borne, &candidates.impulses.wall_torques),
@@ -239,6 +252,7 @@ impl State {
         let impulses = state.pairs.iter().chain(&state.walls).flat_map(|known| &known.impulse);
         let drives =
             state.driven_walls.iter().flat_map(|wall| [wall.displacement, wall.rate, wall.displacement_in_list]);
+        let impacts = state.pairs.iter().chain(&state.walls).flat_map(|known| &known.impact);
         let torques = state.pair_torques.iter().chain(&state.wall_torques).flatten();
         let sound = rest.is_empty()
             && state.step.is_finite()
@@ -246,6 +260,7 @@ impl State {
             && state.steps.max(state.contact_sweeps) < LARGEST_COUNT
             && state.list.as_ref().is_none_or(|list| list.built_at.is_finite() && list.rebuilds < LARGEST_COUNT)
             && impulses.clone().all(|component| component.abs() < LARGEST)
+            && impacts.clone().all(|number| number.abs() < LARGEST as f32)
             && torques.clone().all(|component| component.abs() < LARGEST)
             && drives.into_iter().all(|number| number.abs() < LARGEST)
             && state.altered.springs.abs() < LARGEST
@@ -304,12 +319,15 @@ impl State {
         let candidates = &mut simulation.candidates;
         candidates.impulses.pairs.clear();
         candidates.impulses.walls.clear();
+        candidates.impulses.pair_impacts.clear();
+        candidates.impulses.wall_impacts.clear();
         for known in &self.pairs {
             if known.first >= grains || known.second >= grains {
                 return Err("names a grain that is not there".into());
             }
             candidates.pairs.push(PairCandidate { first: known.first, second: known.second });
             candidates.impulses.pairs.push(known.scaled(scale));
+            candidates.impulses.pair_impacts.push(known.impact());
         }
         for known in &self.walls {
             if known.first >= grains || known.second >= surfaces {
@@ -317,9 +335,12 @@ impl State {
             }
             candidates.walls.push(WallCandidate { body: known.first, surface: known.second });
             candidates.impulses.walls.push(known.scaled(scale));
+            candidates.impulses.wall_impacts.push(known.impact());
         }
         candidates.impulses.pairs.push(Impulse::default());
         candidates.impulses.walls.push(Impulse::default());
+        candidates.impulses.pair_impacts.push(ImpactMemory::default());
+        candidates.impulses.wall_impacts.push(ImpactMemory::default());
         // A scene that bears torques may start from one that bore none, and the other way round.
         if simulation.relaxation.effects.torques() {
             let scaled = |torque: &[f64; 3]| AngularImpulse(torque.map(|component| component * scale));
@@ -442,6 +463,7 @@ impl State {
         // The start has put its own candidates there, by id.
         (candidates.pairs, candidates.walls) = (Vec::new(), Vec::new());
         candidates.impulses.pairs.clear();
+        candidates.impulses.pair_impacts.clear();
         *layout = Layout::new(0);
         let set = relaxation.instruction_set;
         candidates.restore(world, layout, set, team, &self.altered.beyond).ok_or(OTHER)?;
@@ -460,6 +482,7 @@ impl State {
                 return Err(OTHER.into());
             }
             candidates.impulses.pairs[known.candidate as usize] = known.scaled(1.0);
+            candidates.impulses.pair_impacts[known.candidate as usize] = known.impact();
             give_torque(&mut candidates.impulses.pair_torques, known, self.pair_torques.get(number));
         }
         candidates.find_borne(&layout.plan);
@@ -469,6 +492,7 @@ impl State {
                 return Err(OTHER.into());
             }
             candidates.impulses.walls[known.candidate as usize] = known.scaled(1.0);
+            candidates.impulses.wall_impacts[known.candidate as usize] = known.impact();
             give_torque(&mut candidates.impulses.wall_torques, known, self.wall_torques.get(number));
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use crate::Simulation;
 use crate::detect::{Impulse, PairCandidate, WallCandidate};
+use crate::groups::ImpactMemory;
 
 /// Pairs of a candidate list and what they bore in the last step, entry by entry.
 #[doc(hidden)]
@@ -17,7 +18,41 @@ pub struct PairsInList {
     pub wall_impulses: Vec<Impulse>,
 }
 
+/// What a contact keeps from one step to the next.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct KeptContact {
+    /// Id of the first grain.
+    pub first: u32,
+    /// Id of the second one, or none for a wall.
+    pub second: Option<u32>,
+    /// Number of the face, for a wall.
+    pub face: Option<u32>,
+    /// The impact that it is in.
+    pub impact: ImpactMemory,
+    /// Normal impulse of the last step, N s.
+    pub impulse: f64,
+}
+
 impl Simulation {
+    /// What the contacts of the last step keep for the next one.
+    #[doc(hidden)]
+    pub fn kept_contacts(&self) -> Vec<KeptContact> {
+        let (candidates, ids) = (&self.candidates, &self.world.ids);
+        let (impulses, id) = (&candidates.impulses, |place: u32| ids[place as usize]);
+        let named = self.layout.plan.tasks().iter().flat_map(|task| task.named(&impulses.borne));
+        let pairs = named.map(|candidate| {
+            let PairCandidate { first, second } = candidates.pairs[candidate];
+            let (impact, impulse) = (impulses.pair_impacts[candidate], impulses.pairs[candidate].normal);
+            KeptContact { first: id(first), second: Some(id(second)), face: None, impact, impulse }
+        });
+        let walls = candidates.walls.iter().enumerate().map(|(candidate, wall)| {
+            let (impact, impulse) = (impulses.wall_impacts[candidate], impulses.walls[candidate].normal);
+            KeptContact { first: id(wall.body), second: None, face: Some(wall.surface), impact, impulse }
+        });
+        pairs.chain(walls).collect()
+    }
+
     /// The pairs that may touch, and the impulses that they bore, as they lie in memory.
     #[doc(hidden)]
     pub fn pairs_in_list(&mut self) -> (&[PairCandidate], &[Impulse], &[WallCandidate], &[Impulse]) {

@@ -21,7 +21,7 @@ mod states;
 mod walls;
 
 #[doc(hidden)]
-pub use contacts::PairsInList;
+pub use contacts::{KeptContact, PairsInList};
 use forces::Loads;
 pub use states::States;
 

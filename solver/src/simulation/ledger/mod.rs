@@ -186,7 +186,8 @@ impl Ledger {
                     let after = minus(second.after, first.after);
                     let (contact, pull) = world.pair_contact(&candidates.pairs[source]);
                     let contact = NormalContact { velocity: dot(normal, before), ..contact };
-                    let borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
+                    let mut borne = Borne::of(&group.contacts, lane, task.pair_pulls.get(number));
+                    borne.in_impact = task.pair_impacts[number].speed[lane] > 0.0;
                     self.turn_pair(world, [i, j], &borne);
                     self.expectations.pairs[source] = self.contact(&borne, contact, pull, [before, after], scheme);
                 }
@@ -204,7 +205,7 @@ impl Ledger {
             let contacts = &one.group.contacts;
             let tangential = contacts.tangential_impulse(one.lane);
             let springs = into_spring(&contacts.tangential.spring, one.lane, tangential);
-            let borne = Borne { normal, along: one.along(), tangential, springs };
+            let borne = Borne { normal, along: one.along(), tangential, springs, in_impact: one.in_impact };
             let passages = [minus(before, grain.before), minus(after, grain.after)];
             let expected = self.contact(&borne, contact, pull, passages, scheme);
             self.expectations.walls[one.source] = expected;
@@ -292,7 +293,7 @@ impl Ledger {
         [before, after]: [[f64; 3]; 2],
         scheme: &NormalScheme,
     ) -> Expected {
-        let Borne { normal, along, tangential, springs } = *borne;
+        let Borne { normal, along, tangential, springs, in_impact } = *borne;
         let mean = times(plus(before, after), 0.5);
         let entries = &mut self.entries;
         entries.friction -= dot(tangential, mean) + springs;
@@ -307,8 +308,8 @@ impl Ledger {
         let gained = expected.elastic.map_or(0.0, |then| then - now.elastic)
             + expected.cohesive.map_or(0.0, |then| then - now.cohesive);
         let loss = -along * dot(normal, mean) - gained;
-        let impact = contact.velocity < -scheme.restitution_threshold;
-        match impact || contact.constraint(scheme).resolves_impact {
+        let impact = in_impact || contact.velocity < -scheme.restitution_threshold;
+        match impact || contact.constraint(scheme, 0.0).resolves_impact {
             true => entries.restitution += loss,
             false => entries.stabilisation += loss,
         }
@@ -323,6 +324,8 @@ struct Borne {
     tangential: [f64; 3],
     /// Energy that its tangential spring took up, J.
     springs: f64,
+    /// Whether it is in an impact.
+    in_impact: bool,
 }
 
 /// Energy (J) that a tangential spring takes up in a step in which it comes to bear an impulse (N s).
@@ -338,6 +341,7 @@ impl Borne {
             along: lanes.normal_impulse(lane) - pulls.map_or(0.0, |pulls| pulls.0[lane]),
             tangential,
             springs: into_spring(&lanes.tangential.spring, lane, tangential),
+            in_impact: false,
         }
     }
 }

@@ -15,6 +15,8 @@ pub(crate) struct WallContact<'a> {
     pub lane: usize,
     /// What cohesion pulled, N s.
     pub pull: f64,
+    /// Whether it is in an impact.
+    pub in_impact: bool,
     /// Angular impulse on the wall, N m s.
     pub angular_impulse: [f64; 3],
     /// Velocities of the wall at the contact when the step began and in the end, m/s: two only where it is driven or turns.
@@ -103,6 +105,7 @@ impl Simulation {
                         group,
                         lane,
                         pull: pulls.map_or(0.0, |pulls| pulls.0[lane]),
+                        in_impact: groups.wall_impacts[number].speed[lane] > 0.0,
                         angular_impulse: torques.map_or([0.0; 3], |lanes| lanes.torques.angular_impulse(lane)),
                         velocities: [before, after],
                         spins: [spin_before, spin],
