@@ -2,6 +2,7 @@
 
 mod support;
 
+mod drums_and_heaps;
 mod engines;
 mod export;
 mod frames;

@@ -44,6 +44,23 @@ shape = { kind = "box", min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 0.3], open = 
 }
 
 #[test]
+fn a_box_ends_with_the_domain_along_a_periodic_axis() {
+    let fraction = |half: f64| {
+        let walls = format!(
+            "[[wall]]\nname = \"box\"\nmaterial = \"grain\"\n\
+             shape = {{ kind = \"box\", min = [-{half}, -0.1, -0.1], max = [{half}, 0.1, 0.1], open = [\"-x\", \"+x\"] }}\n"
+        );
+        let mut scene = scene(&walls, r#"["packing-fraction"]"#, "");
+        scene.gravity = [0.0; 3];
+        scene.domain = Domain { min: [-0.1, -1.0, -1.0], max: [0.1, 1.0, 1.0], periodic: vec![Axis::X] };
+        let grains = particles(fcc(0.01, 0.0999, Rotation3::identity(), Vector3::zeros()), 0.005);
+        value(&measure(&scene, &recording(vec![frame(0.0, grains)])), "packing_fraction")
+    };
+    assert_abs_diff_eq!(fraction(0.1), PI / (3.0 * SQRT_2), epsilon = 0.01);
+    assert_eq!([0.05, 0.15, 0.4].map(fraction), [fraction(0.1); 3]);
+}
+
+#[test]
 fn packing_fraction_by_cubes_matches_the_crystal() {
     // A drum full to the brim: no box, so the bulk is made of cubes.
     let scene = drum_scene(1.0, r#"["packing-fraction"]"#);
@@ -192,6 +209,18 @@ fn a_contact_across_a_periodic_end_lies_there() {
     left_out([(0.07, 0.0301), (-0.07, 0.0301)]);
     counted([(-0.04, 0.085), (0.0701, 0.005)]);
     counted([(0.02, 0.005), (0.029, 0.005)]);
+}
+
+#[test]
+fn contacts_at_the_kinetic_limit_slide() {
+    // A quarter of the contacts is at the static limit of 0.5, the others at 0.1.
+    let (mut scene, run) = exponential_forces();
+    for (kinetic, sliding) in [(0.3, 0.25), (0.1, 1.0), (0.1005, 1.0), (0.102, 0.25), (0.498, 0.25)] {
+        scene.material.values_mut().for_each(|material| material.kinetic_friction = Some(kinetic));
+        let measured = measure(&scene, &run);
+        assert_abs_diff_eq!(value(&measured, "sliding_share"), sliding, epsilon = 5e-3);
+        assert_abs_diff_eq!(value(&measured, "friction_mobilisation"), 0.4, epsilon = 5e-3);
+    }
 }
 
 #[test]

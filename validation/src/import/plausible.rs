@@ -4,8 +4,9 @@ use crate::plan::{Scene, setup_hash};
 use crate::recording::{grains_belong_to, outside_domain};
 use crate::run_frames::RunFrames;
 use makadam::effects::period::Period;
-use makadam::scene::{Domain, Reaction};
+use makadam::scene::{Domain, Reaction, Shape, Wall};
 use makadam::snapshot::{Contact, Particle, Partner, Snapshot};
+use makadam::wall::{PlacedFace, PlacedWalls};
 use nalgebra::Vector3;
 
 /// Gap over the smaller radius beyond which no law of contacts acts. Contacts are told of positions up to a step ago.
@@ -78,6 +79,7 @@ pub(crate) fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapsho
     let mut notes: Vec<String> = filled().find_map(|frame| grains_belong_to(frame, scene).err()).into_iter().collect();
     let is_meant = scene.watch.on_escape == Reaction::Ignore;
     notes.extend(filled().find_map(|frame| outside_domain(frame, scene)).filter(|_| !is_meant));
+    notes.extend(filled().find_map(|frame| behind_walls(frame, scene)));
     let contacts = || filled().flat_map(|frame| &frame.contacts);
     if contacts().next().is_some() && !contacts().any(|contact| contact.normal_force > 0.0) {
         notes.push(
@@ -96,6 +98,33 @@ pub(crate) fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapsho
         );
     }
     notes
+}
+
+/// That grains of a frame lie behind planes and faces of boxes by more than their radius, in a sentence, if some do. Walls that a force
+/// or a torque drives count where the frame tells where they are, boxes where no grain is meant to leave the scene.
+fn behind_walls(frame: &Snapshot, scene: &Scene) -> Option<String> {
+    let placed = PlacedWalls::at(&scene.wall, &scene.domain, frame.time, &frame.driven_walls);
+    let is_told = |wall: usize| frame.driven_walls.iter().any(|driven| driven.wall as usize == wall);
+    let counts = |wall: usize| match &scene.wall[wall] {
+        Wall { motion, .. } if motion.is_driven() && !is_told(wall) => false,
+        Wall { shape: Shape::Box { .. }, .. } => scene.watch.on_escape != Reaction::Ignore,
+        Wall { shape, .. } => matches!(shape, Shape::Plane { .. }),
+    };
+    let faces: Vec<(usize, PlacedFace<'_>)> = placed.faces().filter(|(wall, _)| counts(*wall)).collect();
+    let deepest = |grain: &Particle| {
+        let depths = faces.iter().map(|(wall, face)| (-face.distance(&grain.position.into()), *wall));
+        depths.max_by(|one, other| one.0.total_cmp(&other.0)).filter(|(depth, _)| *depth > grain.radius)
+    };
+    let (grain, (depth, wall)) = frame.particles.iter().find_map(|grain| Some((grain.id, deepest(grain)?)))?;
+    let count = frame.particles.iter().filter(|grain| deepest(grain).is_some()).count();
+    Some(format!(
+        "in the frame at {} s {count} of {} grains lie behind walls of '{}' by more than their radius, the first of them grain {grain}, \
+         {depth:.3e} m behind '{}': axes, units and origin have to be those of the scene",
+        frame.time,
+        frame.particles.len(),
+        scene.name,
+        scene.wall[wall].name
+    ))
 }
 
 /// That measured frames are the same as the one before, to the last bit, if some are.

@@ -20,7 +20,7 @@ const TOO_WEAK: f64 = 1e-6;
 ///   weight; 1 in balance.
 /// - `largest_overlap`, `mean_overlap`: of grain pairs that overlap, across periodic ends too, over the smaller radius. Walls are left out, as
 ///   a code that makes a round wall of facets has overlaps of its own there.
-/// - `coulomb_excess`: largest ft/(mu fn) - 1 over all contacts with friction.
+/// - `coulomb_excess`: largest ft/(mu fn) - 1 over all contacts with friction, by the static coefficient.
 /// - `kinetic_energy`: translation and spin of solid spheres.
 pub fn read(view: &View<'_>, readings: &mut Readings) {
     let setting = view.setting;
@@ -37,13 +37,13 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
         .map(|pair| -pair.gap / grains[pair.first].radius.min(grains[pair.second].radius))
         .collect();
     readings.add(LARGEST_OVERLAP, overlaps.iter().copied().fold(0.0, f64::max));
-    readings.add(MEAN_OVERLAP, overlaps.iter().sum::<f64>() / overlaps.len().max(1) as f64);
+    readings.add(MEAN_OVERLAP, overlaps.iter().fold(0.0, |sum, overlap| sum + overlap) / overlaps.len().max(1) as f64);
 
     let pushing = || view.frame.contacts.iter().filter(|contact| contact.normal_force > 0.0);
     let mean_force = pushing().map(|contact| contact.normal_force).sum::<f64>() / pushing().count().max(1) as f64;
     let excess = pushing()
         .filter(|contact| contact.normal_force > TOO_WEAK * mean_force)
-        .filter_map(|contact| Some((setting.coulomb_bound(view.frame, contact)?, contact)))
+        .filter_map(|contact| Some((setting.coulomb_bounds(view.frame, contact)?[0], contact)))
         .filter(|(bound, _)| *bound > 0.0)
         .map(|(bound, contact)| Vector3::from(contact.tangential_force).norm() / bound - 1.0)
         .fold(f64::NEG_INFINITY, f64::max);

@@ -154,7 +154,7 @@ fn in_drum(setting: &Setting<'_>, drum: &Drum, frame: &Snapshot) -> Result<FreeS
 
 fn heap(setting: &Setting<'_>, frame: &Snapshot) -> Result<FreeSurface, String> {
     let Ok(fields) = HeapFields::new(setting, &[frame][..]);
-    let fields = fields.ok_or("grains lie too far apart")?;
+    let fields = fields?;
     let outline = fields.outline().ok_or("it has no outline")?;
     let foot = outline.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
     let free = pieces(&outline, |point| point[1] > foot + setting.diameter);

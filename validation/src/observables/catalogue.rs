@@ -4,7 +4,7 @@ pub use super::definitions::Definition;
 use super::definitions::GROUPS;
 use crate::plan::{Observable, Scene};
 use crate::recording::Content;
-use makadam::scene::{SceneFileError, Shape, Wall, line_of, suggestion};
+use makadam::scene::{Motion, SceneFileError, Shape, Wall, line_of, suggestion};
 use std::path::Path;
 
 /// Names of all quantities that can be measured.
@@ -23,7 +23,7 @@ pub fn definition(quantity: &str) -> Option<&'static Definition> {
 }
 
 /// Content that a quantity needs of frames of a scene and that these lack, if any. Quantities that rest on distances from walls need the
-/// poses of those that a force or a torque drives.
+/// poses of those that a force or a torque drives, those of drums the rates of walls that a torque drives.
 pub fn missing(scene: &Scene, quantity: &str, lacks: &[Content]) -> Option<Content> {
     let definition = definition(quantity)?;
     let is_driven = |wall: &&Wall| wall.motion.is_driven();
@@ -32,6 +32,9 @@ pub fn missing(scene: &Scene, quantity: &str, lacks: &[Content]) -> Option<Conte
         Observable::Discharge => {
             let outlet = scene.wall.iter().find(|wall| matches!(wall.shape, Shape::Disc { hole, .. } if hole > 0.0));
             outlet.as_ref().is_some_and(is_driven)
+        }
+        Observable::DynamicAngleOfRepose | Observable::DrumFlow => {
+            scene.wall.iter().any(|wall| matches!(wall.motion, Motion::TorqueDriven { .. }))
         }
         _ => false,
     };
@@ -53,7 +56,11 @@ pub fn page() -> String {
          The free surface of a frame is the outline of the bed in a drum; elsewhere a level, where the bed is level between walls; otherwise \
          the outline of a heap, averaged over azimuth. Without gravity there is none, and grains have to fill the room between the walls. \
          A bulk that holds a hole (a point farther than a mean diameter from the surface of every grain) is that of another kind of bed, \
-         such as a slope or a block that stands free: its packing fraction, coordination and contact forces are not measured.\n",
+         such as a slope or a block that stands free: its packing fraction, coordination and contact forces are not measured.\n\n\
+         A drum is the first cylinder that turns about its own axis, at least 45 degrees from gravity. Speed ratio and torque are of the \
+         frames in which it turns, by its sense of rotation then; angles, flowing layer and surface speed are measured where it turns in one \
+         sense in all measured frames. The axis of a heap is that of the upright cylinders, which must have one and must not have moved \
+         sideways; without any, it goes through the median of the grains.\n",
     );
     let mut group = "";
     for (own, Definition { name, symbol, unit, formula, source, .. }) in definitions() {

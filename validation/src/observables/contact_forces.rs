@@ -2,7 +2,8 @@
 //!
 //! The shape of the distribution of normal forces: share of contacts below the mean, Gini coefficient, second moment
 //! `<f^2>/<f>^2`, share of the load that the contacts below the mean carry (the weak network of Radjai et al., Phys. Rev.
-//! Lett. 77, 274, 1996). Friction: mean of ft/(mu fn), and the share of contacts at 99% of Coulomb's bound or above.
+//! Lett. 77, 274, 1996). Friction: mean of ft/(mu fn) by the static coefficient, and the share of contacts whose force of
+//! friction is at a limit, as that of a contact that slides: within 1% of the kinetic limit, or no more than 1% below the static one.
 //! Fabric: with F the mean of n n^T over contacts, a = 15/2 (F - 1/3) is the second-order coefficient of the
 //! distribution of contact directions, and its size is sqrt(3/2 a:a) (Guo & Zhao, J. Mech. Phys. Solids 61, 1, 2013).
 
@@ -23,8 +24,8 @@ const MEAN_FORCE: Quantity = Quantity::mean("mean_normal_force", "N");
 /// Fewest contacts of which a distribution is taken.
 const FEWEST: usize = 20;
 
-/// A contact slides if its tangential force is above this part of Coulomb's bound.
-const SLIDES: f64 = 0.99;
+/// Share of a limit of friction within which a tangential force is at it.
+const AT_LIMIT: f64 = 0.01;
 
 /// Adds the statistics of a frame's contacts.
 ///
@@ -42,14 +43,18 @@ pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     readings.add(SECOND_MOMENT, second_moment(&forces));
     readings.add(WEAK_LOAD_SHARE, weak_load_share(&forces));
 
-    let mobilised: Vec<f64> = (contacts.iter())
-        .filter_map(|contact| Some((view.setting.coulomb_bound(view.frame, contact)?, contact.tangential_force)))
-        .filter(|(bound, _)| *bound > 0.0)
-        .map(|(bound, tangential)| Vector3::from(tangential).norm() / bound)
+    // Tangential forces over the static limit, and the kinetic limits over it.
+    let mobilised: Vec<[f64; 2]> = (contacts.iter())
+        .filter_map(|contact| Some((view.setting.coulomb_bounds(view.frame, contact)?, contact.tangential_force)))
+        .filter(|([bound, _], _)| *bound > 0.0)
+        .map(|([bound, kinetic], tangential)| [Vector3::from(tangential).norm() / bound, kinetic / bound])
         .collect();
     if !mobilised.is_empty() {
-        readings.add(MOBILISATION, mean(&mobilised));
-        let sliding = mobilised.iter().filter(|share| **share >= SLIDES).count();
+        readings.add(MOBILISATION, mean(&mobilised.iter().map(|[share, _]| *share).collect::<Vec<f64>>()));
+        let slides = |[share, kinetic]: &&[f64; 2]| {
+            *share >= 1.0 - AT_LIMIT || (*kinetic > 0.0 && (share / kinetic - 1.0).abs() <= AT_LIMIT)
+        };
+        let sliding = mobilised.iter().filter(slides).count();
         readings.add(SLIDING, sliding as f64 / mobilised.len() as f64);
     }
 

@@ -1,9 +1,18 @@
 //! Discharge: the mass that passes through the hole of a disc, such as the floor of a silo, and its rate.
 //!
-//! Grains have passed whose centres lie below the disc, wherever it has moved to; without gravity across it, on the side that its normal
-//! points away from. Grains are told apart by their lasting numbers: one that passed and was deleted later has passed. A grain that is
-//! gone and had not passed in the frame before leaves open how much passed, and nothing is measured. The rate is what has passed between
-//! the first frame and the last one, over the time between them; its standard error is over blocks of time.
+//! Grains have passed whose centres lie below the disc, wherever it has moved to, unless they came there over its outer edge; without
+//! gravity across it, "below" is the side that its normal points away from. Nothing goes over the edge where a shell stands on the disc.
+//! Elsewhere a grain has gone through the hole
+//!
+//! - if it lies within the outer edge in the frame before it is below and in that frame;
+//! - or if the straight way between crosses the disc nearer to the rim of the hole than to the outer edge. The way has to be shorter than
+//!   half the distance of the two, or else nothing is measured.
+//!
+//! How grains came below the disc that lie there in the first frame is not known: they have passed.
+//!
+//! Grains are told apart by their lasting numbers: one that passed and was deleted later has passed. A grain that is gone and had not
+//! come below in the frame before leaves open how much passed, and nothing is measured. The rate is what has passed between the first
+//! frame and the last one, over the time between them; its standard error is over blocks of time.
 
 use super::frames::Frames;
 use super::measurement::{Measurement, Quantity};
@@ -11,7 +20,7 @@ use super::setting::{Properties, Setting};
 use super::walls::PlacedWalls;
 use crate::plan::{Scene, lasting_number};
 use crate::statistics::{block_count, standard_error};
-use makadam::scene::Shape;
+use makadam::scene::{Shape, Wall};
 use makadam::snapshot::Snapshot;
 use nalgebra::Vector3;
 use std::collections::HashMap;
@@ -22,11 +31,18 @@ const MASS: Quantity = Quantity::largest("discharged_mass", "kg");
 /// Share of gravity across a disc from which on it has a side below it.
 const ACROSS: f64 = 1e-6;
 
-/// A plane with a hole: a point of it and its unit normal, as the scene places it.
+/// Sine of an angle, and share of a disc's radius, within which a shell stands on it.
+const ROUNDING: f64 = 1e-6;
+
+/// A disc with a hole: its middle and its unit normal, as the scene places it, and the radii of its edges.
 struct Outlet {
     wall: usize,
     point: Vector3<f64>,
     normal: Vector3<f64>,
+    hole: f64,
+    radius: f64,
+    /// Whether a shell stands on it.
+    closed: bool,
 }
 
 /// The outlet in a frame: a point, and the unit normal towards the grains that have not passed.
@@ -41,11 +57,25 @@ impl Outlet {
     /// The scene's first disc with a hole; absent where there is none.
     fn find(scene: &Scene) -> Option<Outlet> {
         scene.wall.iter().enumerate().find_map(|(wall, known)| match &known.shape {
-            Shape::Disc { centre, normal, hole, .. } if *hole > 0.0 => {
-                Some(Outlet { wall, point: Vector3::from(*centre), normal: Vector3::from(*normal).normalize() })
+            Shape::Disc { centre, normal, hole, radius } if *hole > 0.0 => {
+                let (point, normal) = (Vector3::from(*centre), Vector3::from(*normal).normalize());
+                let outlet = Outlet { wall, point, normal, hole: *hole, radius: *radius, closed: false };
+                let closed = scene.wall.iter().any(|shell| shell.motion == known.motion && outlet.carries(shell));
+                Some(Outlet { closed, ..outlet })
             }
             _ => None,
         })
+    }
+
+    /// Whether a wall is a shell about the disc's axis that stands on its ring or goes through it.
+    fn carries(&self, wall: &Wall) -> bool {
+        let Shape::Cylinder { base, axis, radius, length } = &wall.shape else { return false };
+        let (axis, arm) = (Vector3::from(*axis).normalize(), self.point - Vector3::from(*base));
+        let slack = ROUNDING * self.radius;
+        axis.cross(&self.normal).norm() <= ROUNDING
+            && arm.cross(&axis).norm() <= slack
+            && (-slack..=length + slack).contains(&arm.dot(&axis))
+            && (self.hole..=self.radius + slack).contains(radius)
     }
 
     /// Where it stands in a frame.
@@ -59,8 +89,11 @@ impl Outlet {
 }
 
 impl PlacedOutlet {
-    fn is_beyond(&self, place: [f64; 3]) -> bool {
-        (Vector3::from(place) - self.point).dot(&self.normal) < 0.0
+    /// Height of a place over the disc, and where it lies across the axis, m.
+    fn place(&self, place: [f64; 3]) -> (f64, Vector3<f64>) {
+        let arm = Vector3::from(place) - self.point;
+        let height = arm.dot(&self.normal);
+        (height, arm - self.normal * height)
     }
 }
 
@@ -68,9 +101,39 @@ impl PlacedOutlet {
 struct Known {
     /// Mass, kg.
     mass: f64,
-    /// Number of the last frame that has it, and whether it lay beyond the outlet there.
+    /// Number of the last frame that has it, and its place over the outlet and across its axis there, m.
     last: usize,
-    passed: bool,
+    place: (f64, Vector3<f64>),
+    way: Way,
+}
+
+/// Where a grain has gone.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    NotYet,
+    ThroughHole,
+    OverEdge,
+}
+
+impl Outlet {
+    /// The way of a grain from one place to the next; absent where these do not tell.
+    fn way(&self, from: Option<&Known>, to: (f64, Vector3<f64>)) -> Option<Way> {
+        let Some(from) = from.filter(|_| to.0 < 0.0) else {
+            return Some(if to.0 < 0.0 { Way::ThroughHole } else { Way::NotYet });
+        };
+        if from.way != Way::NotYet {
+            return Some(from.way);
+        }
+        let (above, start) = from.place;
+        if self.closed || start.norm().max(to.1.norm()) < self.radius {
+            return Some(Way::ThroughHole);
+        }
+        let (fall, along) = (above - to.0, to.1 - start);
+        let crossing = (start + along * (above / fall)).norm();
+        let is_at_hole = crossing < 0.5 * (self.hole + self.radius);
+        let is_told = fall.hypot(along.norm()) < 0.5 * (self.radius - self.hole);
+        is_told.then_some(if is_at_hole { Way::ThroughHole } else { Way::OverEdge })
+    }
 }
 
 /// Measures mass and rate; nothing where no disc has a hole, and no rate of a single frame. The inner error says why neither is known.
@@ -88,27 +151,36 @@ pub fn measure<F: Frames + ?Sized>(
     let mut refused = None;
     frames.each(&mut |frame| {
         let setting = Setting::new(properties, frame);
-        let (outlet, number) = (outlet.at(&setting, frame), passed.len());
-        if *side.get_or_insert(outlet.as_placed) != outlet.as_placed {
+        let (placed, number) = (outlet.at(&setting, frame), passed.len());
+        if *side.get_or_insert(placed.as_placed) != placed.as_placed {
             refused.get_or_insert_with(|| format!("gravity turns to the other side of the disc by {} s", frame.time));
         }
         for grain in &frame.particles {
-            let known =
-                Known { mass: setting.mass(frame, grain), last: number, passed: outlet.is_beyond(grain.position) };
-            grains.insert(lasting_number(frame, grain.id), known);
+            let (lasting, place) = (lasting_number(frame, grain.id), placed.place(grain.position));
+            let way = outlet.way(grains.get(&lasting), place).unwrap_or_else(|| {
+                refused.get_or_insert_with(|| {
+                    format!(
+                        "grain {lasting} is below the disc by {} s, and frames are too far apart to tell whether it went through the hole or \
+                         over the outer edge: measure.interval or that of the frames has to be shorter",
+                        frame.time
+                    )
+                });
+                Way::NotYet
+            });
+            grains.insert(lasting, Known { mass: setting.mass(frame, grain), last: number, place, way });
         }
         // In the order of their numbers, so that a sum has the same bits in every run.
         let mut beyond: Vec<(u64, f64)> = Vec::new();
         for (&grain, known) in &grains {
-            match known.passed {
-                true => beyond.push((grain, known.mass)),
-                false if known.last < number => {
+            match known.way {
+                Way::ThroughHole => beyond.push((grain, known.mass)),
+                Way::NotYet if known.last < number => {
                     refused.get_or_insert_with(|| {
                         let time = frame.time;
                         format!("grain {grain} is gone by {time} s, and had not passed the disc in the frame before")
                     });
                 }
-                false => {}
+                Way::NotYet | Way::OverEdge => {}
             }
         }
         beyond.sort_unstable_by_key(|(grain, _)| *grain);
@@ -248,5 +320,47 @@ mod tests {
         // One that was above the disc may have passed before it was deleted, or not.
         let refused = deleted(&[before, half, &[(3, -0.03)]]).unwrap_err();
         assert!(refused.contains("grain 2 is gone by 2 s"), "{refused}");
+    }
+
+    #[test]
+    fn what_falls_over_the_outer_edge_has_not_passed() {
+        let text = include_str!("../../templates/silo.toml");
+        let mut scene = Scene::parse(text).unwrap();
+        let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3);
+        // The hole has a radius of 40 mm, the disc of 80 mm.
+        let frame = |(number, places): (usize, &Vec<[f64; 2]>)| Snapshot {
+            time: 0.01 * number as f64,
+            particles: (0..)
+                .zip(places)
+                .map(|(id, &[x, z])| Particle {
+                    id,
+                    position: [x, 0.0, z],
+                    radius: 0.005,
+                    velocity: [0.0; 3],
+                    spin: [0.0; 3],
+                })
+                .collect(),
+            ..Snapshot::default()
+        };
+        let measured = |scene: &Scene, places: &[Vec<[f64; 2]>]| {
+            let frames: Vec<Snapshot> = places.iter().enumerate().map(frame).collect();
+            let Ok(found) = measure(&Properties::new(scene), &frames.iter().collect::<Vec<_>>()[..]);
+            found.map(|found| found.iter().find(|one| one.observable == "discharged_mass").unwrap().value)
+        };
+        // One through the hole, which then lies far off; one over the edge; one that jumps back onto the disc and falls over the edge.
+        let near = [
+            vec![[0.03, 0.003], [0.078, 0.005], [0.079, 0.005]],
+            vec![[0.032, -0.005], [0.084, -0.004], [0.081, -0.002]],
+            vec![[0.1, -0.1], [0.1, -0.1], [0.079, 0.004]],
+            vec![[0.2, -0.2], [0.2, -0.2], [0.084, -0.003]],
+        ];
+        let far = [vec![[0.07, 0.1]], vec![[0.15, -0.195]]];
+        assert_eq!(measured(&scene, &near), Ok(3.0 * mass), "a shell stands on the disc");
+        assert_eq!(measured(&scene, &far), Ok(mass));
+        scene.wall.retain(|wall| wall.name != "shell");
+        assert_eq!(measured(&scene, &near), Ok(mass));
+        assert!(measured(&scene, &far).unwrap_err().contains("frames are too far apart to tell"));
+        // Inside the outer edge before and after there is but one way.
+        assert_eq!(measured(&scene, &[vec![[0.07, 0.1]], vec![[0.02, -0.195]]]), Ok(mass));
     }
 }

@@ -35,11 +35,17 @@ const HALF_STRIP: f64 = 2.0;
 /// - `shell_layer_speed_ratio`: angular speed about the drum's axis of the grains at the shell over the drum's, both
 ///   at the grains' centres: 1 where they turn with the shell. Grains count whose centres lie within 1.1 radii of the
 ///   shell, within 30 degrees of the bed's middle, and two diameters from the ends.
-/// - `wall_torque`: torque (N m) of the turning walls on the grains about the axis, positive in the sense of rotation.
-pub fn read(view: &View<'_>, readings: &mut Readings) {
+/// - `wall_torque`: torque (N m) of the walls that turn with the shell on the grains about the axis, positive in the sense of rotation.
+///
+/// # Errors
+/// Where the drum does not turn.
+pub fn read(view: &View<'_>, readings: &mut Readings) -> Result<(), String> {
     let Some(drum) = &view.setting.drum else {
-        return;
+        return Ok(());
     };
+    if drum.sense() == 0.0 {
+        return Err(format!("the drum does not turn at {} s", view.frame.time));
+    }
     if let Some(ratio) = speed_ratio(view, drum) {
         readings.add(SPEED_RATIO, ratio);
     }
@@ -49,13 +55,9 @@ pub fn read(view: &View<'_>, readings: &mut Readings) {
         .map(|contact| (Vector3::from(contact.point) - drum.centre).cross(&contact.force_on_partner()).dot(&drum.axis))
         .sum();
     if !view.frame.contacts.is_empty() {
-        readings.add(TORQUE, -torque * sense(drum));
+        readings.add(TORQUE, -torque * drum.sense());
     }
-}
-
-/// Sense of rotation about the axis.
-fn sense(drum: &Drum) -> f64 {
-    if drum.rate < 0.0 { -1.0 } else { 1.0 }
+    Ok(())
 }
 
 fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
@@ -77,20 +79,19 @@ fn speed_ratio(view: &View<'_>, drum: &Drum) -> Option<f64> {
             ratios.push(Vector3::from(grain.velocity).dot(&tangent) / (distance * distance * drum.rate));
         }
     }
-    (!ratios.is_empty() && drum.rate != 0.0).then(|| mean(&ratios))
+    (!ratios.is_empty()).then(|| mean(&ratios))
 }
 
-/// Measures what rests on an average over the whole span; nothing where there is no drum.
+/// Measures the flow, which rests on an average over the whole span, in all of which the drum turns in one sense; nothing where there is
+/// no drum.
 ///
 /// - `flowing_layer_thickness` (mean diameters): depth below the surface, on the line across it through its middle,
 ///   at which the velocity along the surface changes sign.
 /// - `surface_speed` (m/s): velocity down the slope of the uppermost half diameter there.
-/// - `lacey_mixing_index`: of the grains on either side of their median across the drum at the first measured frame,
-///   at the last ([`mixing`](super::mixing)).
 ///
 /// # Errors
 /// Where a frame cannot be shown.
-pub fn measure_span<F: Frames + ?Sized>(
+pub fn measure_flow<F: Frames + ?Sized>(
     setting: &Setting<'_>,
     bed: &BedFields,
     frames: &F,
@@ -101,18 +102,11 @@ pub fn measure_span<F: Frames + ?Sized>(
     let profile = |field: &Field| Some(Profile::new(setting, drum, surface(setting, drum, field)?.line));
     let mut whole = profile(&bed.whole);
     let mut parts: Vec<Option<Profile<'_>>> = bed.fields.iter().map(profile).collect();
-    let mut ends: [Option<Snapshot>; 2] = [None, None];
     let mut number = 0;
     frames.each(&mut |frame| {
         let block = bed.blocks.iter().position(|block| block.contains(&number));
         number += 1;
         whole.iter_mut().chain(block.and_then(|block| parts[block].as_mut())).for_each(|profile| profile.add(frame));
-        if number == 1 {
-            ends[0] = Some(frame.clone());
-        }
-        if number == frames.count() {
-            ends[1] = Some(frame.clone());
-        }
     })?;
     let mut measurements = Vec::new();
     if let Some((thickness, speed)) = whole.and_then(|profile| profile.flowing_layer()) {
@@ -121,12 +115,24 @@ pub fn measure_span<F: Frames + ?Sized>(
         measurements.push(THICKNESS.measured(thickness, error(|part| part.0), number));
         measurements.push(SURFACE_SPEED.measured(speed, error(|part| part.1), number));
     }
-    if let [Some(first), Some(last)] = &ends
-        && let Some(index) = mixing_of_sides(setting, drum, first, last)
-    {
-        measurements.push(LACEY.measured(index, None, number));
-    }
     Ok(measurements)
+}
+
+/// Measures `lacey_mixing_index`: of the grains on either side of their median across the drum at the first measured frame, at the
+/// last ([`mixing`](super::mixing)), however the drum turns; nothing where there is no drum.
+///
+/// # Errors
+/// Where a frame cannot be shown.
+pub fn measure_mixing<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Option<Measurement>, F::Error> {
+    let (Some(drum), count) = (&setting.drum, frames.count()) else {
+        return Ok(None);
+    };
+    let mut ends: Vec<Snapshot> = Vec::with_capacity(2);
+    for place in [0, count - 1] {
+        frames.visit(place..place + 1, &mut |frame| ends.push(frame.clone()))?;
+    }
+    let index = mixing_of_sides(setting, drum, &ends[0], &ends[1]);
+    Ok(index.map(|index| LACEY.measured(index, None, count)))
 }
 
 /// Velocity down the slope against depth below a surface, in bins of half a mean diameter.

@@ -45,28 +45,33 @@ pub fn measure(setting: &Setting<'_>, bed: &BedFields, frames: usize) -> Vec<Mea
     ]
 }
 
-/// Time (s) and angle by the circle (degrees) of each frame, the field averaged over five frames about it.
+/// Time (s) and angle by the circle (degrees) of each frame, the field averaged over five frames about it, in all of which the drum
+/// turns in one sense.
 ///
 /// Nothing where there is no drum, and where the direction of gravity changes: its fields are then of no one cross-section.
 pub fn over_time(properties: &Properties<'_>, frames: &[Snapshot]) -> Vec<(f64, f64)> {
-    let settings = frames.iter().map(|frame| Setting::new(properties, frame));
-    let Some(setting) = settings.clone().next() else { return Vec::new() };
-    let Some(drum) = setting.drum.as_ref().filter(|_| settings.clone().all(|other| setting.has_up_of(&other))) else {
+    let settings: Vec<Setting<'_>> = frames.iter().map(|frame| Setting::new(properties, frame)).collect();
+    let Some(setting) = settings.first() else { return Vec::new() };
+    if !settings.iter().all(|other| setting.has_up_of(other)) {
         return Vec::new();
-    };
-    let field = |frame: &Snapshot| {
-        let mut mean = MeanField::new(&setting, drum, frame.particles.len());
+    }
+    let field = |(frame, own): (&Snapshot, &Setting<'_>)| {
+        let mut mean = MeanField::new(setting, own.drum.as_ref()?, frame.particles.len());
         mean.add(frame);
         mean.finish()
     };
-    let fields: Vec<Option<Field>> = frames.iter().map(field).collect();
+    let fields: Vec<Option<Field>> = frames.iter().zip(&settings).map(field).collect();
     let at = |index: usize| {
         let reach = (WINDOW / 2).min(index).min(frames.len() - 1 - index);
+        let about = index - reach..=index + reach;
+        if !settings[about.clone()].iter().all(|other| settings[index].turns_as(other)) {
+            return None;
+        }
         let mut field = fields[index - reach].clone()?;
-        for more in &fields[index - reach + 1..=index + reach] {
+        for more in &fields[about][1..] {
             field.add(more.as_ref()?);
         }
-        let surface = surface(&setting, drum, &field)?;
+        let surface = surface(setting, settings[index].drum.as_ref()?, &field)?;
         Some((frames[index].time, surface.circle_angle))
     };
     (0..frames.len()).filter_map(at).collect()

@@ -152,7 +152,7 @@ fn read(group: Observable, view: &View<'_>, readings: &mut Readings) -> Result<(
         Observable::PackingFraction => packing_fraction::read(view, readings)?,
         Observable::CoordinationNumber => coordination::read(view, readings)?,
         Observable::ContactForces => contact_forces::read(view, readings)?,
-        Observable::DrumFlow => drum_flow::read(view, readings),
+        Observable::DrumFlow => drum_flow::read(view, readings)?,
         Observable::SizeMixing => mixing::read(view, readings),
         Observable::DrivenWall => driven_wall::read(view, readings),
         Observable::Intruder => intruder::read(view, readings),
@@ -168,23 +168,30 @@ struct Span<'a> {
     setting: Setting<'a>,
     /// True if all frames have the direction of gravity of the first one.
     steady: bool,
+    /// Whether the drum turns in all frames, in the sense of the first one.
+    turning: bool,
 }
 
 impl<'a> Span<'a> {
-    /// Looks at gravity in all frames; absent if there is none.
+    /// Looks at gravity and the drum in all frames; absent if there is none.
     fn new<F: Frames>(properties: &'a Properties<'a>, frames: &F) -> Result<Option<Self>, F::Error> {
         let mut setting: Option<Setting<'a>> = None;
         frames.visit(0..frames.count().min(1), &mut |first| setting = Some(Setting::new(properties, first)))?;
         let Some(setting) = setting else { return Ok(None) };
-        let mut steady = true;
-        if properties.gravity_changes() {
-            frames.each(&mut |frame| steady &= setting.has_up_of(&Setting::new(properties, frame)))?;
+        let (mut steady, mut turning) = (true, true);
+        if properties.gravity_changes() || setting.drum.is_some() {
+            frames.each(&mut |frame| {
+                let other = Setting::new(properties, frame);
+                steady &= setting.has_up_of(&other);
+                turning &= setting.turns_as(&other);
+            })?;
         }
-        Ok(Some(Self { setting, steady }))
+        Ok(Some(Self { setting, steady, turning }))
     }
 
     fn measure<F: Frames>(&self, frames: &F, measured: &mut Measured) -> Result<(), F::Error> {
         const UNSTEADY: &str = "the direction of gravity changes over the measured frames";
+        const NOT_ONE_SENSE: &str = "the drum does not turn in one sense in all measured frames";
         let setting = &self.setting;
         let asks = |group: &Observable| setting.scene().measure.observables.contains(group);
         let of_bed = [Observable::DynamicAngleOfRepose, Observable::DrumFlow];
@@ -193,18 +200,23 @@ impl<'a> Span<'a> {
             measured.refuse(*group, UNSTEADY);
         }
         if let Some(drum) = setting.drum.as_ref().filter(|_| self.steady && of_bed.iter().any(asks)) {
-            match BedFields::new(setting, drum, frames)? {
-                None => of_bed.iter().for_each(|group| {
+            let fields = if self.turning { Some(BedFields::new(setting, drum, frames)?) } else { None };
+            match fields {
+                None => of_bed.iter().for_each(|group| measured.refuse(*group, NOT_ONE_SENSE)),
+                Some(None) => of_bed.iter().for_each(|group| {
                     measured.refuse(*group, "grains are too small for the drum, or too unlike in size");
                 }),
-                Some(bed) => {
+                Some(Some(bed)) => {
                     if asks(&Observable::DynamicAngleOfRepose) {
                         measured.measurements.extend(dynamic_angle::measure(setting, &bed, frames.count()));
                     }
                     if asks(&Observable::DrumFlow) {
-                        measured.measurements.extend(drum_flow::measure_span(setting, &bed, frames)?);
+                        measured.measurements.extend(drum_flow::measure_flow(setting, &bed, frames)?);
                     }
                 }
+            }
+            if asks(&Observable::DrumFlow) {
+                measured.measurements.extend(drum_flow::measure_mixing(setting, frames)?);
             }
         }
         if asks(&Observable::Discharge) {
@@ -215,11 +227,11 @@ impl<'a> Span<'a> {
         }
         if asks(&Observable::StaticAngleOfRepose) && self.steady {
             match HeapFields::new(setting, frames)? {
-                Some(heap) => match static_angle::measure(setting, &heap) {
+                Ok(heap) => match static_angle::measure(setting, &heap) {
                     Ok(found) => measured.measurements.extend(found),
                     Err(why) => measured.refuse(Observable::StaticAngleOfRepose, why),
                 },
-                None => measured.refuse(Observable::StaticAngleOfRepose, "grains lie too far apart"),
+                Err(why) => measured.refuse(Observable::StaticAngleOfRepose, &why),
             }
         }
         Ok(())

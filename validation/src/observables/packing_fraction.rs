@@ -52,8 +52,13 @@ fn box_region(view: &View<'_>, bulk: &Bulk) -> Option<([f64; 3], [f64; 3])> {
     if up[axis].abs() < 1.0 - 1e-9 {
         return None;
     }
-    let inset = bulk.inset;
-    let (mut low, mut high) = (min.map(|x| x + inset), max.map(|x| x - inset));
+    let (inset, domain) = (bulk.inset, &view.setting.scene().domain);
+    // Along a periodic axis the box has no faces, and the ends of the axis count as walls.
+    let (mut low, mut high) = (*min, *max);
+    for end in domain.periodic.iter().map(|axis| axis.number()) {
+        (low[end], high[end]) = (domain.min[end], domain.max[end]);
+    }
+    (low, high) = (low.map(|x| x + inset), high.map(|x| x - inset));
     match up[axis] > 0.0 {
         true => high[axis] = high[axis].min(level - inset),
         false => low[axis] = low[axis].max(-level + inset),

@@ -55,7 +55,7 @@ pub struct Setting<'a> {
     pub gravity: f64,
     /// Mean grain diameter of the frame, m.
     pub diameter: f64,
-    /// The drum, if the scene has one.
+    /// The drum, if the scene has one, as it turns at the frame's time.
     pub drum: Option<Drum>,
 }
 
@@ -69,7 +69,7 @@ impl<'a> Setting<'a> {
             up: gravity.try_normalize(WEIGHTLESS).map(|down| -down),
             gravity: gravity.norm(),
             diameter: 2.0 * frame.particles.iter().map(|grain| grain.radius).sum::<f64>() / count,
-            drum: Drum::find(properties.scene, gravity),
+            drum: Drum::find(properties.scene, gravity).map(|drum| drum.at(properties.scene, frame)),
         }
     }
 
@@ -92,6 +92,12 @@ impl<'a> Setting<'a> {
         }
     }
 
+    /// Whether the drum turns, and in the same sense in another frame.
+    pub fn turns_as(&self, other: &Setting<'_>) -> bool {
+        let sense = |setting: &Setting<'_>| setting.drum.as_ref().map_or(0.0, Drum::sense);
+        sense(self) != 0.0 && sense(self) == sense(other)
+    }
+
     /// Mass of a grain of the frame, kg.
     pub fn mass(&self, frame: &Snapshot, grain: &Particle) -> f64 {
         self.properties.density[self.material(frame, grain.id)] * super::sphere_volume::sphere(grain.radius)
@@ -103,15 +109,16 @@ impl<'a> Setting<'a> {
         material.min(self.properties.density.len().saturating_sub(1))
     }
 
-    /// Largest tangential force that a contact can transmit, N; absent where the scene has no coefficients of the contact, and where
-    /// cohesion adds a force that the two tables of a frame do not state.
-    pub fn coulomb_bound(&self, frame: &Snapshot, contact: &Contact) -> Option<f64> {
+    /// Largest tangential forces of a contact, N: while it sticks, and while it slides; absent where the scene has no coefficients of the
+    /// contact, and where cohesion adds a force that the two tables of a frame do not state.
+    pub fn coulomb_bounds(&self, frame: &Snapshot, contact: &Contact) -> Option<[f64; 2]> {
         let first = self.material(frame, contact.first);
         let coefficients = match contact.second {
             Partner::Grain(id) => self.properties.grain_contacts[first].get(self.material(frame, id)),
             Partner::Wall(wall) => self.properties.wall_contacts[first].get(wall as usize),
         }?;
-        coefficients.cohesion.is_none().then_some(coefficients.friction * contact.normal_force)
+        let bound = |friction: f64| friction * contact.normal_force;
+        coefficients.cohesion.is_none().then_some([coefficients.friction, coefficients.kinetic_friction].map(bound))
     }
 }
 

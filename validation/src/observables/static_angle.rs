@@ -1,8 +1,8 @@
 //! Static angle of repose: the inclination of a heap's flank.
 //!
 //! The solid fraction is averaged over azimuth, in cells of one mean radius by one mean radius in (r, z) about the
-//! heap's axis (that of the tube it ran out of, else the median of the grains), from its foot upwards: the highest level plane or
-//! disc below the median height of the grains, at the axis, or else the lowest grain. The outline is the contour at half
+//! heap's axis (that of the upright tubes it ran out of, which must have one, else the median of the grains), from its foot upwards: the
+//! highest level plane or disc below the median height of the grains, at the axis, or else the lowest grain. The outline is the contour at half
 //! the heap's mean solid fraction; a grain that rolled away fills so little of its ring that it stays outside. The
 //! line is fitted by total least squares to the outline between 20% and 80% of the heap's height. Flanks that stand
 //! upright or lean outwards are those of grains that a wall still holds, and have no angle of repose. The standard error
@@ -34,6 +34,9 @@ const UPRIGHT: f64 = 80.0;
 /// Cosine of the angle within which a wall is level, or a tube upright.
 const LEVEL: f64 = 0.999;
 
+/// Distance in mean diameters within which upright tubes have one axis.
+const SAME_AXIS: f64 = 0.01;
+
 /// Points a diameter by which a grain's volume is spread over rings.
 const POINTS: usize = 8;
 
@@ -45,9 +48,12 @@ pub struct HeapFrame {
 }
 
 impl HeapFrame {
-    /// Finds the axis; absent without gravity.
-    pub fn new(setting: &Setting<'_>, frame: &Snapshot) -> Option<Self> {
-        let up = setting.up?;
+    /// Finds the axis.
+    ///
+    /// # Errors
+    /// Where there is no gravity, and where upright tubes give no one axis: several stand side by side, or one has moved sideways.
+    pub fn new(setting: &Setting<'_>, frame: &Snapshot) -> Result<Self, String> {
+        let up = setting.up.ok_or("there is no gravity")?;
         let helper = Vector3::ith(up.iamin(), 1.0);
         let first = up.cross(&helper).normalize();
         let across = [first, up.cross(&first)];
@@ -58,14 +64,27 @@ impl HeapFrame {
             let start = walls.point_of(wall, &point);
             (start, walls.point_of(wall, &(point + along)) - start)
         };
-        let tube = scene.wall.iter().enumerate().find_map(|(number, wall)| match &wall.shape {
+        // Where tubes stand, and where the scene places them.
+        let tubes = scene.wall.iter().enumerate().filter_map(|(number, wall)| match &wall.shape {
             Shape::Cylinder { base, axis, .. } => {
-                let (base, axis) = placed(number, base, axis);
-                (axis.dot(&up).abs() > LEVEL).then_some(base)
+                let (place, axis) = placed(number, base, axis);
+                (axis.dot(&up).abs() > LEVEL).then(|| [(&wall.name, place), (&wall.name, Vector3::from(*base))])
             }
             _ => None,
         });
-        let middle = tube.unwrap_or_else(|| across.iter().map(|axis| axis * median_along(frame, axis)).sum());
+        let tubes: Vec<(&String, Vector3<f64>)> = tubes.flatten().collect();
+        let beside = |place: &Vector3<f64>| {
+            let arm = place - tubes[0].1;
+            (arm - up * arm.dot(&up)).norm() > SAME_AXIS * setting.diameter
+        };
+        if let Some((name, _)) = tubes.iter().find(|(_, place)| beside(place)) {
+            return Err(match *name == tubes[0].0 {
+                true => format!("the upright cylinder '{name}' has moved sideways, and gives the heap no axis"),
+                false => format!("the upright cylinders '{}' and '{name}' give the heap different axes", tubes[0].0),
+            });
+        }
+        let median = || across.iter().map(|axis| axis * median_along(frame, axis)).sum();
+        let middle = tubes.first().map_or_else(median, |(_, place)| *place);
         let from_axis = |point: &Vector3<f64>| across.map(|axis| (point - middle).dot(&axis));
         let floors = scene.wall.iter().enumerate().filter_map(|(number, wall)| match &wall.shape {
             Shape::Plane { point, normal } => {
@@ -87,7 +106,7 @@ impl HeapFrame {
             bottoms.fold(f64::INFINITY, f64::min)
         };
         let origin = middle - up * middle.dot(&up) + up * floor.unwrap_or_else(lowest);
-        Some(Self { origin, across, up })
+        Ok(Self { origin, across, up })
     }
 
     /// Distance from the axis and height above the floor, m.
@@ -136,16 +155,19 @@ pub struct HeapFields {
 }
 
 impl HeapFields {
-    /// Averages the frames, of which there is at least one; absent without gravity, and where grains lie so far apart that it
-    /// would take more cells than [`effort::most`].
+    /// Averages the frames, of which there is at least one. The inner error says why there is no mean: the heap has no axis, or grains lie
+    /// so far apart that it would take more cells than [`effort::most`].
     ///
     /// # Errors
     /// Where a frame cannot be shown.
-    pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Option<Self>, F::Error> {
+    pub fn new<F: Frames + ?Sized>(setting: &Setting<'_>, frames: &F) -> Result<Result<Self, String>, F::Error> {
         let (count, cell) = (frames.count(), 0.5 * setting.diameter);
-        let mut heap = None;
+        let mut heap = Err(String::new());
         frames.visit(count - 1..count, &mut |last| heap = HeapFrame::new(setting, last))?;
-        let Some(heap) = heap else { return Ok(None) };
+        let heap = match heap {
+            Ok(heap) => heap,
+            Err(why) => return Ok(Err(why)),
+        };
         // Nine tenths of the grains set the width; what rolled farther is no part of the heap.
         let grains = frames.grains(0..count);
         let mut highest = 0.0_f64;
@@ -163,12 +185,12 @@ impl HeapFields {
         let half_width = (width / cell).ceil() * cell;
         let top = (height / cell).ceil() * cell;
         let Some(field) = Field::new([-half_width, 0.0], [half_width, top], cell, effort::most(grains)) else {
-            return Ok(None);
+            return Ok(Err("grains lie too far apart".into()));
         };
         let mut fields = Self { heap, sectors: vec![field; SECTORS], frames: count };
         let ball = unit_ball();
         frames.each(&mut |frame| fields.add(frame, &ball))?;
-        Ok(Some(fields))
+        Ok(Ok(fields))
     }
 
     /// Spreads the volumes of a frame's grains by the points of a `ball`.

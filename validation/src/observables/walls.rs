@@ -37,6 +37,12 @@ impl PlacedWalls {
         self.walls.point_of(wall, point)
     }
 
+    /// Angular velocity of a wall, rad/s; zero where it does not turn at the time.
+    pub fn spin_of(&self, wall: usize) -> Vector3<f64> {
+        let of_wall = self.walls.faces().find(|(number, _)| *number == wall);
+        of_wall.map_or_else(Vector3::zeros, |(_, face)| face.spin())
+    }
+
     /// Distances of a point from both ends of every periodic axis, m; negative beyond them.
     fn to_ends(&self, point: &Vector3<f64>) -> impl Iterator<Item = f64> {
         let Domain { min, max, periodic } = &self.domain;

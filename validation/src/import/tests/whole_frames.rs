@@ -163,3 +163,29 @@ fn grains_and_forces_that_a_scene_cannot_have_are_noted() {
     let notes = unlike(&scene, std::iter::once(&*last));
     assert!(notes[0].contains("grain 7 has a radius of"), "{notes:?}");
 }
+
+#[test]
+fn grains_behind_walls_are_noted() {
+    let (mut scene, mut frames) = packing();
+    let last = frames.last_mut().unwrap();
+    assert!(unlike(&scene, std::iter::once(&*last)).is_empty());
+    let radius = last.particles[3].radius;
+    let mut low = |depths: [f64; 2]| {
+        for (place, depth) in [3, 5].into_iter().zip(depths) {
+            last.particles[place].position[2] = -depth * radius;
+        }
+        last.clone()
+    };
+    let shallow = low([0.9, 0.5]);
+    assert!(unlike(&scene, std::iter::once(&shallow)).is_empty());
+    let deep = low([1.5, 1.9]);
+    let notes = unlike(&scene, std::iter::once(&deep));
+    assert!(
+        notes.len() == 1 && notes[0].contains("2 of ") && notes[0].contains("the first of them grain 3"),
+        "{notes:?}"
+    );
+    assert!(notes[0].contains(&format!("{:.3e} m behind '{}'", 1.5 * radius, scene.wall[0].name)), "{notes:?}");
+    // Beside an open box, where grains are meant to leave it.
+    scene.watch.on_escape = makadam::scene::Reaction::Ignore;
+    assert!(unlike(&scene, std::iter::once(&deep)).is_empty());
+}

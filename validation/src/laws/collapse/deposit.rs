@@ -132,7 +132,7 @@ pub(super) fn angle_of_repose(scene: &Scene, frame: &Snapshot) -> f64 {
     let properties = Properties::new(scene);
     let setting = Setting::new(&properties, frame);
     let Ok(fields) = HeapFields::new(&setting, &[frame][..]);
-    let found = fields.and_then(|fields| static_angle::measure(&setting, &fields).ok()).unwrap_or_default();
+    let found = fields.ok().and_then(|fields| static_angle::measure(&setting, &fields).ok()).unwrap_or_default();
     found.first().map_or(f64::NAN, |angle| angle.value)
 }
 
