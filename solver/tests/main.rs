@@ -2,6 +2,7 @@
 
 mod common;
 
+mod accuracy;
 mod build_key;
 mod checkpoint;
 mod cohesion;
