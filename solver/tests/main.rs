@@ -2,7 +2,6 @@
 
 mod common;
 
-mod accuracy;
 mod build_key;
 mod checkpoint;
 mod cohesion;

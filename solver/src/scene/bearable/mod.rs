@@ -20,7 +20,6 @@ use super::error::{Fault, SceneError};
 use super::populate::placed;
 use bed::Bed;
 use serde::{Deserialize, Serialize};
-pub(super) use shear::froude_number;
 use std::fmt;
 
 /// What is simulated of a scene before its run begins, where the run starts from a state that this comes to: the document says so in

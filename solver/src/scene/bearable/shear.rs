@@ -43,16 +43,6 @@ pub(super) fn faults(scene: &Scene, grains: &[Grain]) -> Vec<Fault> {
     walls.collect()
 }
 
-/// Largest Froude number `Omega^2 R/g` of walls that turn, under the scene's largest gravity; 0 without any.
-pub(in crate::scene) fn froude_number(scene: &Scene) -> f64 {
-    let gravity = scene.gravity_field().largest().max(1e-3);
-    let of = |wall: &Wall| match wall.motion {
-        Motion::Rotating { rate, .. } => rate.abs() * fastest(scene, wall) / gravity,
-        _ => 0.0,
-    };
-    scene.wall.iter().map(of).fold(0.0, f64::max)
-}
-
 /// Longest step (s) that no wall is too fast for.
 pub(super) fn longest_step(scene: &Scene, grains: &[Grain]) -> f64 {
     let bound = tolerated(scene);

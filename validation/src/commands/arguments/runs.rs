@@ -27,7 +27,7 @@ pub struct RunArguments {
     #[arg(long, value_parser = clap::value_parser!(u16).range(..=1024))]
     pub prefetch: Option<u16>,
     /// Target accuracy, which replaces the scene's step and stopping rule: a share such as 1%, or deviations such as
-    /// angle=0.5,packing_fraction=0.002,friction_mobilisation=0.01,overlap=1e-3 (units: degrees, none, none, mean radii).
+    /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (units: degrees, none, mean radii).
     #[arg(long, value_parser = accuracy)]
     pub accuracy: Option<Accuracy>,
     /// Wall time within which to reach the best accuracy, s: runs the coarsest setting first, then a finer one if time is left.

@@ -98,14 +98,9 @@ pub(super) fn accuracy(text: &str) -> Result<Accuracy, String> {
         let place = match name.trim() {
             "angle" => &mut accuracy.angle,
             "packing_fraction" => &mut accuracy.packing_fraction,
-            "friction_mobilisation" => &mut accuracy.friction_mobilisation,
             "overlap" => &mut accuracy.overlap,
             "relative" => &mut accuracy.relative,
-            other => {
-                return Err(format!(
-                    "{other} is none of angle, packing_fraction, friction_mobilisation, overlap, relative"
-                ));
-            }
+            other => return Err(format!("{other} is none of angle, packing_fraction, overlap, relative")),
         };
         if place.replace(value).is_some() {
             return Err(format!("{} is given twice", name.trim()));
@@ -181,7 +176,6 @@ mod tests {
         assert_eq!(accuracy("1%").unwrap().relative, Some(0.01));
         assert_eq!(accuracy("0.01").unwrap().relative, Some(0.01));
         assert_eq!(accuracy("angle=1").unwrap().angle, Some(1.0));
-        assert_eq!(accuracy("friction_mobilisation=0.01").unwrap().friction_mobilisation, Some(0.01));
         assert_eq!(accuracy("100%").unwrap().relative, Some(1.0));
         for text in ["1", "0.5", "relative=1", "angle=1,2"] {
             let message = accuracy(text).unwrap_err();

@@ -4,13 +4,8 @@ use crate::plan::Scene;
 use makadam::scene::Accuracy;
 
 /// What is run first: the coarsest setting that the law of [`Accuracy`] was measured for.
-pub(super) const COARSEST: Accuracy = Accuracy {
-    angle: None,
-    packing_fraction: None,
-    friction_mobilisation: None,
-    overlap: None,
-    relative: Some(LARGEST),
-};
+pub(super) const COARSEST: Accuracy =
+    Accuracy { angle: None, packing_fraction: None, overlap: None, relative: Some(LARGEST) };
 
 const LARGEST: f64 = 0.02;
 const SMALLEST: f64 = 1e-4;
