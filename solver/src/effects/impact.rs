@@ -25,6 +25,8 @@
 //! two that nothing else touches never do; where the step resolved it, once they store twice the energy that the impact brought, which
 //! only a load can give them; elsewhere as soon as compliance has taken over. What then happens to the contact happens to a contact at
 //! rest.
+//!
+//! [`NormalContact::constraint`]: super::compliance::NormalContact::constraint
 
 use super::compliance::{NormalConstraint, NormalLaw, NormalScheme};
 use crate::lanes::Number;
