@@ -1,4 +1,4 @@
-//! What candidates keep from step to step: impulses, from which the next step starts, and the impacts that are in progress.
+//! Memory of candidates from step to step: impulses, from which the next step starts, and impacts in progress.
 
 use crate::groups::ImpactMemory;
 use crate::lanes::TaskSlots;
@@ -73,7 +73,7 @@ pub(crate) struct ImpulsesOfTask<'a> {
 type ImpulseShares<'a> =
     ([ByCandidates<'a, Impulse>; 2], [ByCandidates<'a, ImpactMemory>; 2], [ByCandidates<'a, AngularImpulse>; 2]);
 
-/// What one of them gets.
+/// Shares of one task.
 type OwnImpulses<'a> =
     ([TaskSlots<'a, Impulse>; 2], [TaskSlots<'a, ImpactMemory>; 2], [TaskSlots<'a, AngularImpulse>; 2]);
 

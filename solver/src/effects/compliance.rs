@@ -119,9 +119,9 @@ pub struct NormalConstraint<N: Number> {
     pub bias: N,
     /// Stiffness dF/dd at the depth that the constraint goes by, N/m; infinite where it is rigid.
     pub stiffness: N,
-    /// Whether the step resolves an impact, so that compliance and damping give the restitution.
+    /// True where the step resolves an impact, so that compliance and damping give the restitution.
     pub resolves_impact: N::Mask,
-    /// Whether the step is long against the contact, so that an impact takes few steps if it takes any.
+    /// True where the step is long against the contact, so that an impact takes few steps if it takes any.
     pub is_coarse: N::Mask,
     /// Twice the elastic energy that the overlap stores, J; zero where it is rigid.
     pub stored: N,

@@ -8,7 +8,7 @@
 //! - **unresolved** elsewhere: Newton's law makes it leave at `e v0` within the step, as stiff as a rigid one. Slower approaches than
 //!   the restitution threshold are no impacts then, but contacts at rest.
 //!
-//! Where the step is long against the contact, the two leave at `w = e v0` and no faster, at whatever phase of the step they met. What
+//! In steps that are long against the contact, the two leave at `w = e v0` and no faster, at whatever phase of the step they met. What
 //! such a step adds, by an overlap that nothing has worked for, or by a force that ends late, would push them apart at up to the
 //! speed of the approach. So in the steps after the first the bias is at most that with which the contact leaves at w,
 //!
@@ -49,15 +49,15 @@ const OUT_OF_TOUCH: f64 = -1e30;
 pub struct Impact<N: Number> {
     /// Speed of first touch, m/s; 0 without an impact.
     pub speed: N,
-    /// Whether the two touch for the first time, and approach.
+    /// True where the two touch for the first time, and approach.
     pub begins: N::Mask,
-    /// Whether the two overlap.
+    /// True where the two overlap.
     pub touches: N::Mask,
     /// Velocity that all else gave the two in the last step, m/s.
     pub external: N,
 }
 
-/// What a step makes of an impact.
+/// Constraint of a contact in a step, and the memory of its impact.
 #[derive(Clone, Copy)]
 pub struct Decision<N: Number> {
     /// The contact's constraint.
@@ -147,7 +147,7 @@ impl<N: Number> Impact<N> {
     }
 }
 
-/// Whether a contact may bear something in this step.
+/// Returns true where a contact may bear something in this step.
 #[inline(always)]
 pub fn bears<N: Number>(constraint: &NormalConstraint<N>) -> N::Mask {
     N::splat(OUT_OF_TOUCH).below(constraint.bias)

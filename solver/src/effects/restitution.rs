@@ -1,6 +1,6 @@
 //! Coefficients of restitution: the share of its speed that an impact gives back.
 //!
-//! How a contact comes to leave at `e` times the speed of its impact: [`impact`](super::impact).
+//! The rule by which a contact leaves at `e` times the speed of its impact: [`impact`](super::impact).
 //!
 //! Grains that yield give back less the faster they meet: `e ~ v^(-1/4)` (Johnson, Contact Mechanics, 1985, 11.4, for spheres that
 //! are plastic in the main). With a speed `v_y` up to which restitution is the material's,

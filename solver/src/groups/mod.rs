@@ -85,7 +85,7 @@ pub struct ImpactMemory {
 }
 
 impl ImpactMemory {
-    /// Whether the two touch.
+    /// Returns true if the two touch.
     pub(crate) fn touches(&self) -> bool {
         self.speed != 0.0
     }
@@ -137,7 +137,7 @@ impl ImpactLanes {
             .map(|eight| L::load(&Eight(eight)))
     }
 
-    /// What eight contacts are to remember. A speed is rounded downwards, so that no impact leaves faster for it; one that has been
+    /// Memories of eight contacts. A speed is rounded downwards, so that no impact leaves faster for it; one that has been
     /// rounded stays.
     #[inline(always)]
     pub(crate) fn of<L: Lanes>(speed: L, velocity: L) -> ImpactLanes {
@@ -151,7 +151,7 @@ impl ImpactLanes {
         ImpactLanes { speed: speeds.0.map(downwards), velocity: velocities.0.map(|number| number as f32) }
     }
 
-    /// What the contact in a lane is to remember.
+    /// Memory of the contact in a lane.
     #[inline(always)]
     pub(crate) fn memory(&self, lane: usize) -> ImpactMemory {
         ImpactMemory { speed: self.speed[lane], velocity: self.velocity[lane] }

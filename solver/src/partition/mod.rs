@@ -47,7 +47,7 @@ pub struct TaskGroups {
     pub wall_sources: Vec<Sources>,
     /// Impacts of the pairs, a group each.
     pub pair_impacts: Vec<ImpactLanes>,
-    /// The same of the contacts with walls.
+    /// Impacts of the contacts with walls, a group each.
     pub wall_impacts: Vec<ImpactLanes>,
     /// Torques of the pairs, a group each; empty where contacts bear none.
     pub pair_torques: Vec<TorqueLanes>,

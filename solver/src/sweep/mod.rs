@@ -21,8 +21,9 @@ pub(crate) use stages::{SweepOperands, SweepPass};
 
 use crate::detect::{AngularImpulse, Impulse, ImpulsesOfTask};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
-use crate::groups::ImpactMemory;
-use crate::groups::{ContactLanes, ContactLayout, ImpactLanes, Sources, Tangential, WallTorqueLanes, with_pairs};
+use crate::groups::{
+    ContactLanes, ContactLayout, ImpactLanes, ImpactMemory, Sources, Tangential, WallTorqueLanes, with_pairs,
+};
 use crate::lanes::{Available, Eight, Kernel, Lanes, Number, PREFETCH, TaskSlots, cross, prefetch_places, times};
 use crate::partition::{TaskGroups, overlapped};
 use crate::world::Body;

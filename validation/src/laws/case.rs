@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// Named numbers; SI units unless the name says otherwise.
 pub(crate) type Values = BTreeMap<String, f64>;
 
-/// Restitution threshold of all cases, m/s: they are of grains of 10 mm in gravity, so it is that of their scales, rounded.
+/// Restitution threshold of all cases, m/s, with which the rows on record were made. By the scales of grains of 10 mm it would be 0.0501.
 const RESTITUTION_THRESHOLD: f64 = 0.05;
 
 /// One simulation of a law, before a seed is chosen.

@@ -8,7 +8,7 @@
 //! - or if the straight way between crosses the disc nearer to the rim of the hole than to the outer edge. The way has to be shorter than
 //!   half the distance of the two, or else nothing is measured.
 //!
-//! How grains came below the disc that lie there in the first frame is not known: they have passed.
+//! Grains that lie below the disc in the first frame count as passed, since their way is not known.
 //!
 //! Grains are told apart by their lasting numbers: one that passed and was deleted later has passed. A grain that is gone and had not
 //! come below in the frame before leaves open how much passed, and nothing is measured. The rate is what has passed between the first
@@ -41,7 +41,7 @@ struct Outlet {
     normal: Vector3<f64>,
     hole: f64,
     radius: f64,
-    /// Whether a shell stands on it.
+    /// True if a shell stands on it.
     closed: bool,
 }
 
@@ -67,7 +67,7 @@ impl Outlet {
         })
     }
 
-    /// Whether a wall is a shell about the disc's axis that stands on its ring or goes through it.
+    /// Returns true if a wall is a shell about the disc's axis that stands on its ring or goes through it.
     fn carries(&self, wall: &Wall) -> bool {
         let Shape::Cylinder { base, axis, radius, length } = &wall.shape else { return false };
         let (axis, arm) = (Vector3::from(*axis).normalize(), self.point - Vector3::from(*base));
@@ -107,7 +107,7 @@ struct Known {
     way: Way,
 }
 
-/// Where a grain has gone.
+/// Way of a grain past the disc.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
     NotYet,

@@ -62,7 +62,7 @@ impl Drum {
         self
     }
 
-    /// Whether the motion of a wall turns it about the drum's axis.
+    /// Returns true if the motion of a wall turns it about the drum's axis.
     fn is_pivot_of(&self, wall: &Wall) -> bool {
         let (Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. }) = &wall.motion else {
             return false;

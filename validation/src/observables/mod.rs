@@ -168,7 +168,7 @@ struct Span<'a> {
     setting: Setting<'a>,
     /// True if all frames have the direction of gravity of the first one.
     steady: bool,
-    /// Whether the drum turns in all frames, in the sense of the first one.
+    /// True if the drum turns in all frames, in the sense of the first one.
     turning: bool,
 }
 

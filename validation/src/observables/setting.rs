@@ -92,7 +92,7 @@ impl<'a> Setting<'a> {
         }
     }
 
-    /// Whether the drum turns, and in the same sense in another frame.
+    /// Returns true if the drum turns, and in the same sense in another frame.
     pub fn turns_as(&self, other: &Setting<'_>) -> bool {
         let sense = |setting: &Setting<'_>| setting.drum.as_ref().map_or(0.0, Drum::sense);
         sense(self) != 0.0 && sense(self) == sense(other)

@@ -27,14 +27,15 @@ pub(super) fn fault(scene: &Scene, grains: &[Grain], bed: &Bed) -> Option<Fault>
     };
     let fastest = (0..grains.len()).map(speed).try_fold(0.0_f64, |largest, own| Some(largest.max(own?)))?;
     let is_seen = fastest > SEEN * largest_gravity * scene.solver.step;
+    let rounded = |speed: f64, digits: usize| short(format!("{speed:.digits$e}").parse().unwrap_or(speed));
     (fastest > 0.0 && is_seen && fastest < threshold).then(|| {
         let problem = format!(
             "no grain meets what is at rest faster than {} m/s, and impacts slower than {} m/s that the step does not resolve are \
              contacts at rest: they do not leave at their restitution",
-            short(format!("{fastest:.2e}").parse().unwrap_or(fastest)),
-            short(format!("{threshold:.2e}").parse().unwrap_or(threshold)),
+            rounded(fastest, 2),
+            rounded(threshold, 2),
         );
-        let remedy = format!("set it below {} m/s", short(format!("{:.0e}", 0.5 * fastest).parse().unwrap_or(fastest)));
+        let remedy = format!("set it below {} m/s", rounded(0.5 * fastest, 0));
         DocumentPath::default().key("solver").key("restitution_threshold").fault(problem, &remedy)
     })
 }

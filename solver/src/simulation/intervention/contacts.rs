@@ -18,7 +18,7 @@ pub struct PairsInList {
     pub wall_impulses: Vec<Impulse>,
 }
 
-/// What a contact keeps from one step to the next.
+/// Memory of a contact from one step to the next.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub struct KeptContact {
@@ -35,7 +35,7 @@ pub struct KeptContact {
 }
 
 impl Simulation {
-    /// What the contacts of the last step keep for the next one.
+    /// Memories of the contacts of the last step, for the next one.
     #[doc(hidden)]
     pub fn kept_contacts(&self) -> Vec<KeptContact> {
         let (candidates, ids) = (&self.candidates, &self.world.ids);

@@ -324,7 +324,7 @@ struct Borne {
     tangential: [f64; 3],
     /// Energy that its tangential spring took up, J.
     springs: f64,
-    /// Whether it is in an impact.
+    /// True if it is in an impact.
     in_impact: bool,
 }
 

@@ -15,7 +15,7 @@ pub(crate) struct WallContact<'a> {
     pub lane: usize,
     /// What cohesion pulled, N s.
     pub pull: f64,
-    /// Whether it is in an impact.
+    /// True if it is in an impact.
     pub in_impact: bool,
     /// Angular impulse on the wall, N m s.
     pub angular_impulse: [f64; 3],
