@@ -22,7 +22,6 @@ mod qualify_command;
 mod reference_scenes;
 mod reports_command;
 mod resume_command;
-mod roofline_command;
 mod run_command;
 mod scaling_command;
 mod see_commands;

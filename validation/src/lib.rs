@@ -3,7 +3,7 @@
 //! ```text
 //! peers (Makadam, YADE, LIGGGHTS) ─> Recording ─> observables ─> statistics ─> compare ─> report
 //!
-//! convergence, effects, laws, roofline, scaling, stability, tradeoff ─> study (tables, files, finished runs) ─> draw
+//! convergence, effects, laws, scaling, stability, tradeoff ─> study (tables, files, finished runs) ─> draw
 //! ```
 //!
 //! Rooms import downwards alone: [`stepping`], [`statistics`], [`output`] and `draw` know no study, [`commands`] knows all.
@@ -32,7 +32,6 @@ pub mod qualify;
 pub mod recording;
 pub mod report;
 pub mod reports;
-pub mod roofline;
 pub mod run_frames;
 pub mod scaling;
 pub mod scenes;

@@ -3,7 +3,6 @@
 mod support;
 
 mod drums_and_heaps;
-mod engines;
 mod export;
 mod frames;
 mod geometry;

@@ -2,9 +2,14 @@
 
 use approx::assert_relative_eq;
 use makadam::scene::{Precision, SolverMethod, SolverSettings, Stop};
+use makadam_validation::compare::MeasuredRun;
+use makadam_validation::observables::Measurement;
 use makadam_validation::plan::Scene;
-use makadam_validation::tradeoff::{Configuration, Convergence, Knobs, Plan, Scope, pareto_front};
-use std::collections::BTreeSet;
+use makadam_validation::provenance::Build;
+use makadam_validation::tradeoff::{
+    Bound, Configuration, Convergence, KeptRun, Knobs, Outcome, Plan, Scope, Study, Terms, pareto_front,
+};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Values of three seeds about a middle: the same for all grids, so that their differences have no noise.
@@ -98,7 +103,7 @@ fn varied(scene: &Scene, scope: Scope) -> Vec<(SolverSettings, String)> {
     let plan = Plan::new(scene, scope, &["Makadam"], &[]);
     let solver = |knobs: &Knobs| match knobs {
         Knobs::Solver { settings, variation } => (settings.clone(), variation.clone()),
-        _ => panic!("only Makadam was asked for"),
+        Knobs::Explicit { .. } => panic!("only Makadam was requested"),
     };
     let all = plan.configurations.iter().map(|configuration| solver(&configuration.knobs));
     all.filter_map(|(settings, variation)| Some((settings, variation?))).collect()
@@ -202,4 +207,66 @@ fn what_a_scene_refuses_is_not_planned() {
             assert_eq!((settings.method, settings.precision), (SolverMethod::GaussSeidel, Precision::Double), "{name}");
         }
     }
+}
+
+/// A run that measures a packing fraction.
+fn run(configuration: Configuration, seed: u64) -> KeptRun {
+    let fraction = Measurement {
+        observable: "packing_fraction".into(),
+        unit: String::new(),
+        value: 0.59 + 0.01 * seed as f64,
+        standard_error: None,
+        frames: 1,
+    };
+    KeptRun {
+        configuration,
+        extrapolated: false,
+        core_share: Some(0.5),
+        run: MeasuredRun {
+            code: "Makadam".into(),
+            version: "1.2".into(),
+            contact_law: String::new(),
+            seed,
+            time_step: 1e-3,
+            rayleigh_fraction: None,
+            wall_seconds: 6.0,
+            core_seconds: None,
+            simulated_seconds: 1.5,
+            processor: String::new(),
+            date: "2026-01-02T03:04:05Z".into(),
+            scene_hash: String::new(),
+            measurements: vec![fraction],
+        },
+        build: Build::here(),
+        command: String::new(),
+    }
+}
+
+#[test]
+fn a_setting_that_failed_with_a_seed_keeps_no_bound() {
+    let scene = smoke();
+    let plan = Plan::new(&scene, Scope::Quick, &["Makadam"], &[]);
+    let reference = plan.refinements[0].grids[2];
+    let other = (0..plan.configurations.len()).find(|place| !plan.is_grid(*place)).unwrap();
+    let mut outcome = Outcome::none(plan.configurations.len());
+    for place in [reference, other] {
+        let configuration = || plan.configurations[place].clone();
+        let runs = [1, 2].map(|seed| run(configuration(), seed));
+        outcome.runs[place] = runs.to_vec();
+    }
+    let study = |outcome: &Outcome| {
+        let bounds = vec![Bound { observable: "packing_fraction".into(), value: 0.01 }];
+        let terms = Terms { quick: true, seeds: 2, bounds, time_limit: 1.0, provenance: BTreeMap::new() };
+        Study::new(&scene, &plan, outcome, terms)
+    };
+    let setting = plan.configurations[other].setting();
+    let point = |study: &Study| study.points.iter().find(|point| point.setting == setting).unwrap().clone();
+    assert_eq!(point(&study(&outcome)).within_bounds, Some(true));
+    assert!(study(&outcome).notes.is_empty());
+    outcome.failures.insert(other, (3, "it fell over".into()));
+    let failed = study(&outcome);
+    assert_eq!((point(&failed).failed, point(&failed).within_bounds), (true, Some(false)));
+    assert_ne!(failed.fastest[0].setting.as_ref(), Some(&setting));
+    let [note] = failed.notes.as_slice() else { panic!("{:?}", failed.notes) };
+    assert!(note.contains(&setting) && note.contains("failed with seed 3") && note.ends_with("it fell over"), "{note}");
 }

@@ -1,7 +1,6 @@
 //! What the compiler made of the 512-bit kernels: read back from the executable that runs these tests.
 
-use super::{Kernel, run_avx512};
-use iced_x86::{Code, CpuidFeature, Decoder, DecoderOptions, EncodingKind, Instruction, OpKind, Register};
+use iced_x86::{CpuidFeature, Decoder, DecoderOptions, Instruction, OpKind, Register};
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -37,21 +36,15 @@ const ALLOWED: [CpuidFeature; 24] = [
 ];
 
 /// A function of an executable.
-pub(crate) struct Function {
+struct Function {
     symbol: String,
-    address: u64,
-    pub instructions: Vec<Instruction>,
+    instructions: Vec<Instruction>,
 }
 
 impl Function {
     /// Whether it is a kernel compiled for 512 bits. The mangled name holds these words in both of rustc's manglings.
     fn is_kernel(&self) -> bool {
         self.symbol.contains("5lanes10run_avx512")
-    }
-
-    /// Names of the instructions in it, in lower case.
-    pub fn mnemonics(&self) -> BTreeSet<String> {
-        self.instructions.iter().map(|instruction| name(*instruction)).collect()
     }
 }
 
@@ -73,7 +66,7 @@ fn functions_of(executable: &[u8]) -> Vec<Function> {
             let section = file.section_by_index(symbol.section_index()?).ok()?;
             let code = section.data_range(symbol.address(), symbol.size()).ok()??;
             let instructions = Decoder::with_ip(64, code, symbol.address(), DecoderOptions::NONE).into_iter().collect();
-            Some(Function { symbol: name.to_owned(), address: symbol.address(), instructions })
+            Some(Function { symbol: name.to_owned(), instructions })
         })
         .collect()
 }
@@ -81,26 +74,6 @@ fn functions_of(executable: &[u8]) -> Vec<Function> {
 fn own_functions() -> Vec<Function> {
     let path = std::env::current_exe().expect("a path of this test");
     functions_of(&std::fs::read(path).expect("this test can be read"))
-}
-
-/// Its place in memory gives that of everything else: executables are moved when they are loaded.
-#[inline(never)]
-fn anchor() -> &'static str {
-    "the place of this function is known both ways"
-}
-
-/// The code of kernels of this test by their addresses in memory.
-pub(crate) fn kernels_at(addresses: &[usize]) -> Vec<Function> {
-    let functions = own_functions();
-    let anchors = functions.iter().find(|function| function.symbol.contains("11disassembly6anchor"));
-    let moved_by = (anchor as fn() -> &'static str as usize as u64).wrapping_sub(anchors.expect("a symbol").address);
-    let wanted = |function: &Function| addresses.contains(&(function.address.wrapping_add(moved_by) as usize));
-    functions.into_iter().filter(wanted).collect()
-}
-
-/// Where a kernel compiled for 512 bits lies in memory.
-pub(crate) fn address_of<K: Kernel>() -> usize {
-    run_avx512::<K> as unsafe fn(K) -> K::Output as usize
 }
 
 /// Why an instruction is not one for the Xeon Phi x200, if it is not.
@@ -119,13 +92,6 @@ fn uses_zmm(instruction: &Instruction) -> bool {
     let register =
         |operand| instruction.op_kind(operand) == OpKind::Register && instruction.op_register(operand).is_zmm();
     (0..instruction.op_count()).any(register)
-}
-
-/// Names of the vector and mask instructions of the Knights Corner coprocessor.
-pub(crate) fn knights_corner_mnemonics() -> BTreeSet<String> {
-    let codes = Code::values()
-        .filter(|code| code.encoding() == EncodingKind::MVEX || code.cpuid_features().contains(&CpuidFeature::KNC));
-    codes.map(|code| format!("{:?}", code.mnemonic()).to_lowercase()).collect()
 }
 
 /// Looks at this test, or at the executable that `MAKADAM_EXECUTABLE` names: the one of `scripts/build-xeon-phi`.

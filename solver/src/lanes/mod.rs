@@ -339,7 +339,7 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
 
 // Whoever builds for a newer processor than the Xeon Phi gets its instructions.
 #[cfg(all(test, target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
-pub(crate) mod disassembly;
+mod disassembly;
 
 /// The lanes that a mask of bits names, the lowest first.
 #[inline(always)]

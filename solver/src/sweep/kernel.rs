@@ -102,12 +102,6 @@ impl Bodies<f64> {
 }
 
 impl<N: Number> Bodies<N> {
-    /// A body at rest that no impulse moves.
-    pub fn at_rest() -> Self {
-        let zero = N::zero();
-        Self { velocity: [zero; 3], inverse_mass: zero, scaled_spin: [zero; 3], inverse_radius: zero }
-    }
-
     /// Adds `sign` times an impulse; `lever` is n x P.
     #[inline(always)]
     pub fn push<E: Effects>(&mut self, sign: f64, impulse: [N; 3], lever: [N; 3]) {

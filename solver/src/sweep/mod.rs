@@ -1,7 +1,6 @@
 //! One relaxation of a task's lane groups, in the same arithmetic on every instruction set.
 
 mod bytes;
-mod count;
 mod driven;
 pub(crate) mod kernel;
 mod pairs;
@@ -12,7 +11,6 @@ mod stages;
 mod torques;
 
 pub use bytes::SweepBytes;
-pub use count::Operations;
 pub(crate) use driven::{start_driven, tell_driven};
 pub(crate) use residual::{Directions, LaneResidual, Off, ResidualLevel, TaskResidual};
 use residual::{MeasuredLevel, with_level};
@@ -305,6 +303,3 @@ fn remember_torques(groups: &TaskGroups, impulses: ImpulsesOfTask<'_>) {
         }
     }
 }
-
-#[cfg(all(test, target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
-mod tests;

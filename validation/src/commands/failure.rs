@@ -13,7 +13,7 @@ use crate::recording::RecordingError;
 use crate::scenes::SceneError;
 use crate::stability::StabilityError;
 use crate::study::DocumentError;
-use crate::tradeoff::{CampaignError, EngineError};
+use crate::tradeoff::CampaignError;
 use makadam::SettingError;
 use makadam::scene::SceneFileError;
 
@@ -207,12 +207,6 @@ impl From<CampaignError> for Failure {
             CampaignError::Write(error) => error.into(),
             CampaignError::Code(error) => error.into(),
         }
-    }
-}
-
-impl From<EngineError> for Failure {
-    fn from(error: EngineError) -> Failure {
-        Failure::Running(error.to_string())
     }
 }
 

@@ -20,7 +20,6 @@ mod problem;
 mod qualify;
 mod record;
 mod reports;
-mod roofline;
 mod run;
 mod scaling;
 mod scene_list;
@@ -43,7 +42,7 @@ use crate::qualify::usual_codes;
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::Document;
-use arguments::{Arguments, Command, load, with_new_name};
+use arguments::{Arguments, Command, with_new_name};
 use clap::Parser;
 use makadam::Simulation;
 use makadam::scene::Stop;
@@ -88,7 +87,6 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
         Command::Problem(problem) => problem::problem(problem, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
         Command::Reports(reports) => reports::reports(reports, &console),
-        Command::Roofline(roofline) => roofline::roofline(roofline, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),
         Command::Stability(stability) => stability::stability(stability, &console),
         Command::Tradeoff(tradeoff) => tradeoff::tradeoff(tradeoff, &console),

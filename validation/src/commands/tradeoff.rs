@@ -6,10 +6,10 @@ use crate::compare::FEW_SEEDS;
 use crate::observables::catalogue::group_of;
 use crate::peers::{CodeName, codes_of};
 use crate::plan::Scene;
-use crate::provenance::{account, processor};
+use crate::provenance::account;
 use crate::study::RunCache;
 use crate::tradeoff::{
-    self, Bound, Campaign, Plan, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Scope, Study, Terms, recorded_engines,
+    self, Bound, Campaign, Plan, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Scope, Study, Terms,
 };
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         (true, false) => Scope::Quick,
         (true, true) => Scope::QuickAndVaried,
     };
-    let mut plan = Plan::new(&scene, scope, &names, &stiffness_factors(arguments));
+    let plan = Plan::new(&scene, scope, &names, &stiffness_factors(arguments));
     // The reference is Makadam's, whichever codes are asked for.
     let runners = codes_of(&[arguments.codes.as_slice(), &[CodeName::Makadam]].concat());
     let [quick, full] = TIME_LIMITS;
@@ -41,10 +41,8 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         provenance: account(1, &[&scene]),
     };
     let folder = arguments.output.folder_of("tradeoff", &scene);
-    // Read first: a damaged file is told before anything runs.
-    let engines = recorded_engines(&file, &processor())?;
     let cache = RunCache::open(&folder.join("runs"))?;
-    let mut outcome = {
+    let outcome = {
         let bar = console.bar(&scene.name);
         let progress: Progress = Arc::new(move |label, share| {
             bar.say(label.to_string());
@@ -63,14 +61,9 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
         .carry_out()?
     };
     outcome.sentences(&plan).iter().for_each(|note| console.warn(note));
-    let notes = outcome.notes.len();
     let found: usize = outcome.runs.iter().map(Vec::len).sum();
     console.note(&format!("{} runs made, {} taken from {}", outcome.made, found - outcome.made, folder.display()));
 
-    for record in &engines {
-        record.join(&scene, terms.seeds, &mut plan, &mut outcome);
-    }
-    outcome.notes[notes..].iter().for_each(|note| console.note(note));
     let study = Study::new(&scene, &plan, &outcome, terms).with_findings();
     publish(&study, || tradeoff::table(&study), &folder, arguments.output.json, console)?;
     // A bound that was asked for and that no reference has a value for was kept by nothing.

@@ -250,15 +250,6 @@ impl Plot {
         self.drawing.grow(y + 6.0);
     }
 
-    /// A few words above the straight line from one point to another, near its beginning.
-    pub(crate) fn label_along(&mut self, from: [f64; 2], to: [f64; 2], text: &str) {
-        let (a, b) = (self.at(from[0], from[1]), self.at(to[0], to[1]));
-        let angle = (b[1] - a[1]).atan2(b[0] - a[0]);
-        let (along, above) = (10.0, 5.0);
-        let at = [a[0] + along * angle.cos() + above * angle.sin(), a[1] + along * angle.sin() - above * angle.cos()];
-        self.drawing.text_turned("tick", at, angle.to_degrees(), text);
-    }
-
     /// A few words in the upper or the lower left corner.
     pub(crate) fn remark(&mut self, upper: bool, text: &str) {
         let y = if upper { self.top + 18.0 } else { self.bottom - 10.0 };

@@ -112,16 +112,6 @@ impl Drawing {
         );
     }
 
-    /// A text that begins at a point and is turned clockwise by so many degrees.
-    pub(crate) fn text_turned(&mut self, class: &str, at: [f64; 2], degrees: f64, text: &str) {
-        let (x, y, degrees) = (short(at[0]), short(at[1]), short(degrees));
-        let _ = write!(
-            self.body,
-            r#"<text class="{class}" transform="translate({x} {y}) rotate({degrees})">{}</text>"#,
-            escape(text),
-        );
-    }
-
     /// The marker of a code; hollow ones mark what is not live.
     pub(crate) fn marker(&mut self, style: CodeStyle, at: [f64; 2], size: f64, hollow: bool) {
         let class = format!("{} {}", style.class, if hollow { "hollow" } else { "marker" });

@@ -32,15 +32,6 @@ pub enum Knobs {
         /// Time step over the Rayleigh step.
         rayleigh_fraction: f64,
     },
-    /// The settings of an engine that is run elsewhere ([`EngineRecord`](super::EngineRecord)).
-    Engine {
-        /// Time step, s.
-        step: f64,
-        /// All settings in a few words.
-        setting: String,
-        /// The same where there is little room.
-        short_setting: String,
-    },
 }
 
 impl Configuration {
@@ -57,7 +48,7 @@ impl Configuration {
     pub fn rayleigh_fraction(&self) -> Option<f64> {
         match self.knobs {
             Knobs::Explicit { rayleigh_fraction } => Some(rayleigh_fraction),
-            Knobs::Solver { .. } | Knobs::Engine { .. } => None,
+            Knobs::Solver { .. } => None,
         }
     }
 
@@ -65,7 +56,6 @@ impl Configuration {
     pub fn step(&self) -> Option<f64> {
         match &self.knobs {
             Knobs::Solver { settings, .. } => Some(settings.step),
-            Knobs::Engine { step, .. } => Some(*step),
             Knobs::Explicit { .. } => None,
         }
     }
@@ -74,7 +64,7 @@ impl Configuration {
     pub fn sweeps(&self) -> Option<u32> {
         match &self.knobs {
             Knobs::Solver { settings, .. } => Some(settings.stop.max_sweeps()),
-            Knobs::Explicit { .. } | Knobs::Engine { .. } => None,
+            Knobs::Explicit { .. } => None,
         }
     }
 
@@ -82,7 +72,7 @@ impl Configuration {
     pub fn variation(&self) -> Option<&str> {
         match &self.knobs {
             Knobs::Solver { variation, .. } => variation.as_deref(),
-            Knobs::Explicit { .. } | Knobs::Engine { .. } => None,
+            Knobs::Explicit { .. } => None,
         }
     }
 
@@ -104,7 +94,6 @@ impl Configuration {
             Knobs::Explicit { rayleigh_fraction } => {
                 format!("{}% of the Rayleigh step", compact(100.0 * rayleigh_fraction))
             }
-            Knobs::Engine { setting, .. } => setting.clone(),
         }
     }
 
@@ -121,7 +110,6 @@ impl Configuration {
                 format!("{} ms{sweeps}{varied}", compact(1e3 * settings.step))
             }
             Knobs::Explicit { rayleigh_fraction } => format!("{}%", compact(100.0 * rayleigh_fraction)),
-            Knobs::Engine { short_setting, .. } => short_setting.clone(),
         }
     }
 }

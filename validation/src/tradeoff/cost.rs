@@ -45,7 +45,6 @@ impl Costs {
             Knobs::Explicit { rayleigh_fraction } => {
                 configuration.stiffness_factor.sqrt() / (rayleigh_fraction * self.rayleigh_step)
             }
-            Knobs::Engine { step, .. } => 1.0 / step,
         };
         self.grains * per_second
     }

@@ -76,9 +76,7 @@ fn extrapolated(study: &Study) -> Option<String> {
 
 /// How busy the machine was.
 fn neighbours(study: &Study) -> Option<String> {
-    // Engines, which have neither sweeps nor a Rayleigh step, were run elsewhere.
-    let run_here = |point: &&Point| point.sweeps.is_some() || point.rayleigh_fraction.is_some();
-    let share = study.points.iter().filter(run_here).filter_map(|point| point.core_share_least).reduce(f64::min)?;
+    let share = study.points.iter().filter_map(|point| point.core_share_least).reduce(f64::min)?;
     (share < QUIET).then(|| {
         format!(
             "Other programs were running: a run got as little as {:.0}% of a core. Wall times are those of a core of its own, \

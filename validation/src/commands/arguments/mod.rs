@@ -23,8 +23,7 @@ pub use renamed::with_new_name;
 pub use runs::{CompareArguments, QualifyArguments, ReportsArguments, RunArguments, TierName};
 pub use shared::{CodeRunArguments, load};
 pub use studies::{
-    ConvergenceArguments, EffectsArguments, LawsArguments, RooflineArguments, ScalingArguments, StabilityArguments,
-    TradeoffArguments,
+    ConvergenceArguments, EffectsArguments, LawsArguments, ScalingArguments, StabilityArguments, TradeoffArguments,
 };
 pub use values::BoundArgument;
 
@@ -81,8 +80,6 @@ pub enum Command {
     Convergence(ConvergenceArguments),
     /// Measure what accuracy costs in time: error against wall time over the settings of each code.
     Tradeoff(TradeoffArguments),
-    /// Compare the contact sweep with the limits of arithmetic and memory.
-    Roofline(RooflineArguments),
     /// Run stress tests: pathological scenes, the expected outcome of each, pass or fail per code.
     Stability(StabilityArguments),
     /// List the active physical effects of a scene and their cost; with --ablate, test whether they change the results.

@@ -3,7 +3,6 @@
 use super::shared::{JobArguments, OutputArguments, SceneArguments, SourceArguments};
 use super::values::{BoundArgument, InstructionSetName, bound, method, positive, time_limit};
 use crate::peers::CodeName;
-use crate::scenes::Change;
 use clap::Args;
 
 /// Arguments of `makadam scaling`.
@@ -100,25 +99,6 @@ pub struct TradeoffArguments {
     /// Wall time after which a run is stopped, s, and its wall time extrapolated; if absent, 900, or 60 with --quick.
     #[arg(long, value_parser = time_limit)]
     pub time_limit: Option<f64>,
-    /// Where the results go.
-    #[command(flatten)]
-    pub output: OutputArguments,
-}
-
-/// Arguments of `makadam roofline`.
-#[derive(Debug, Args)]
-pub struct RooflineArguments {
-    /// Paths to TOML files, or names of scenes (see `makadam scenes`); if absent, the drums whose flowing states are prepared.
-    pub scenes: Vec<String>,
-    /// Replace a value of each scene, such as solver.step=1e-3; can be given several times.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub changes: Vec<Change>,
-    /// Instruction set of the kernels; if absent, the widest of this processor.
-    #[arg(long, value_enum)]
-    pub isa: Option<InstructionSetName>,
-    /// Simulated time before the measurement, if a scene prepares no flowing state, s.
-    #[arg(long, default_value_t = 1.5, value_parser = positive)]
-    pub settle: f64,
     /// Where the results go.
     #[command(flatten)]
     pub output: OutputArguments,
