@@ -1,5 +1,4 @@
-//! Scenes that once gave wrong answers without a word: each ends rightly, or is refused with its reason. What was wrong, and what
-//! was done about it: `validation/docs/mends.md`.
+//! Regression scenes of earlier defects: each ends correctly, or is refused with its reason.
 
 use crate::support::makadam;
 use serde_json::Value;

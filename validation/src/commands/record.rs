@@ -261,7 +261,7 @@ mod tests {
             assert_eq!(desk.record("--seeds 2 --restart", "1", &[]), (vec![], true), "{name}: from raw recordings");
             assert_eq!(desk.seeds(), [1, 2]);
             let kept = desk.folder.path().join(aside);
-            assert!(kept.join("README.md").is_file(), "{name}");
+            assert!(kept.join("measurements.csv").is_file(), "{name}");
             assert_eq!(std::fs::read_to_string(kept.join(name)).ok().as_deref(), text);
         }
         // Where nothing comes of it, they stay where they are.

@@ -114,7 +114,7 @@ impl Recorder<'_> {
                 std::fs::rename(&recorded.folder, &aside)
                     .map_err(|source| WriteError::new(&recorded.folder, source))?;
             }
-            reference.save(self.scene, &recorded.folder)?;
+            reference.save(&recorded.folder)?;
         }
         Ok(recorded)
     }

@@ -1,18 +1,17 @@
 //! Writing recorded references.
 
-use super::{GRAIN_COLUMNS, MeasuredRun, Reference, days, final_state_file, processors};
+use super::{GRAIN_COLUMNS, MeasuredRun, Reference, final_state_file};
 use crate::observables::Measurement;
 use crate::output::{WriteError, create_folder, write_whole};
-use crate::plan::Scene;
 use crate::study::{DocumentError, File, Table, cells};
 use std::path::Path;
 
 impl Reference {
-    /// Writes the references of a scene into a folder.
+    /// Writes the recorded references into a folder.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses; files not yet reached stay as they were.
-    pub fn save(&self, scene: &Scene, folder: &Path) -> Result<(), WriteError> {
+    pub fn save(&self, folder: &Path) -> Result<(), WriteError> {
         create_folder(folder)?;
         for table in [self.run_lines(), self.measurement_lines(), self.force_lines(), self.series_lines()] {
             let (name, bytes) = table.expect("numbers and text can be written to memory");
@@ -30,7 +29,6 @@ impl Reference {
             }
             write_whole(&folder.join(final_state_file(&state.code)), text.as_bytes())?;
         }
-        write_whole(&folder.join("README.md"), self.account(scene).as_bytes())?;
         super::checksums::write(folder)
     }
 
@@ -95,50 +93,6 @@ impl Reference {
             }
         }
         table.csv("series")
-    }
-
-    /// How the numbers were made, for people.
-    pub(super) fn account(&self, scene: &Scene) -> String {
-        let mut text = format!(
-            "# Recorded references of `{}`\n\nWhat other codes measured on this scene. Every run started from the \
-             grains that Makadam places for its seed, ran on one core, and was measured by the same code that measures \
-             Makadam.\n\n| code | version | contact law | seeds | time step (s) | of the Rayleigh step | processor | date |\n\
-             | --- | --- | --- | --- | --- | --- | --- | --- |\n",
-            scene.name
-        );
-        let codes = self.codes();
-        for code in &codes {
-            let runs: Vec<&MeasuredRun> = self.of(code).collect();
-            let first = runs[0];
-            let fraction = first.rayleigh_fraction.map_or("-".to_string(), |f| format!("{:.0}%", 100.0 * f));
-            text += &format!(
-                "| {code} | {} | {} | {} | {:.3e} | {fraction} | {} | {} |\n",
-                first.version,
-                first.contact_law,
-                runs.len(),
-                first.time_step,
-                processors(&runs),
-                days(&runs)
-            );
-        }
-        text += "\nMade by\n\n```\n";
-        for code in &codes {
-            // The last seed and not their number: seeds whose run failed leave holes.
-            let last = self.of(code).last();
-            let seeds = last.map_or(0, |run| run.seed);
-            let fraction = last.and_then(|run| run.rayleigh_fraction).unwrap_or_default();
-            text += &format!(
-                "makadam compare {} --record --codes {} --seeds {seeds} --rayleigh-fraction {fraction}\n",
-                scene.name,
-                code.to_lowercase()
-            );
-        }
-        text += "```\n\n`runs.csv` lists the runs, `measurements.csv` what was measured of each, `forces.csv` the \
-                 distribution of normal forces over their mean (all seeds), `series.csv` observables over time (first \
-                 seed), `final-state-*.csv` the grains at the end (first seed, six significant digits; metres, m/s, rad/s). \
-                 Wall times were taken while other work shared the machine; speeds are compared only within one run of \
-                 `makadam qualify --live`.\n";
-        text
     }
 }
 
