@@ -13,6 +13,7 @@ mod fault_tables;
 mod faults;
 mod foreign_commands;
 mod judged_frames;
+mod language;
 mod laws_command;
 mod learn_commands;
 mod measured_runs;

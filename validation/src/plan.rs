@@ -35,13 +35,13 @@ const MOST_FRAMES: f64 = 1e6;
 pub struct Scene {
     /// What is simulated.
     pub simulated: makadam::scene::Scene,
-    /// What is simulated before the run begins, where a run starts from a flowing state.
+    /// Simulation before the run, for a start from a flowing state.
     pub prepare: Option<Prepare>,
-    /// What is measured and when.
+    /// Observables and times of measurement.
     pub measure: Measure,
     /// What a run writes of its frames; all of it at the interval of `measure`, if absent.
     pub output: Option<Output>,
-    /// Observables that are compared between codes, with their margins of equivalence.
+    /// Observables for the comparison of codes, with margins of equivalence.
     pub compare: Vec<Expectation>,
 }
 
@@ -62,16 +62,16 @@ impl DerefMut for Scene {
 /// The judge's tables of a document.
 #[derive(Deserialize, JsonSchema)]
 pub(crate) struct Tables {
-    /// What is simulated before the run begins, where a run starts from a flowing state.
+    /// Simulation before the run, for a start from a flowing state.
     #[serde(default)]
     prepare: Option<Prepare>,
-    /// What is measured and when.
+    /// Observables and times of measurement.
     #[serde(default)]
     measure: Measure,
-    /// What is written of frames, and how often.
+    /// Content and interval of the frames on disk.
     #[serde(default)]
     output: Option<Output>,
-    /// Observables that are compared between codes, with their margins of equivalence.
+    /// Observables for the comparison of codes, with margins of equivalence.
     #[serde(default)]
     compare: Vec<Expectation>,
 }
@@ -308,7 +308,7 @@ impl JsonSchema for Scene {
     }
 }
 
-/// When frames are taken and over which of them observables are averaged.
+/// Times of frames, and observables averaged over them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Measure {
@@ -316,12 +316,12 @@ pub struct Measure {
     pub interval: f64,
     /// Frames from this time on are measured, s. If absent, only the last frame is.
     pub from: Option<f64>,
-    /// What is measured.
+    /// Groups of observables.
     pub observables: Vec<Observable>,
-    /// Number of seeds that a comparison is registered with: runs of seeds 1 to this number alone can end in agreement. If absent, none can.
+    /// Registered number of seeds: only seeds 1 to this number can agree. Without it none can.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<u64>,
-    /// Largest kinetic energy per grain of a run at rest, J: a comparison leaves out runs with more. If absent, all runs count.
+    /// Largest kinetic energy per grain of a run at rest, J: a comparison excludes runs above it. Default: all runs count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest_energy: Option<f64>,
 }
@@ -353,7 +353,7 @@ impl Default for Measure {
     }
 }
 
-/// A group of quantities that the measurement code can take from frames; underscores are read as hyphens.
+/// Group of observables; underscores are read as hyphens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Observable {
@@ -366,7 +366,7 @@ pub enum Observable {
     /// Solid volume over volume in the bulk.
     #[serde(alias = "packing_fraction")]
     PackingFraction,
-    /// Contacts a grain in the bulk.
+    /// Contacts per grain in the bulk.
     #[serde(alias = "coordination_number")]
     CoordinationNumber,
     /// Shape of the distribution of normal forces.
@@ -377,26 +377,26 @@ pub enum Observable {
     /// Velocity profile, layer thickness, shell slip, wall torque.
     #[serde(alias = "drum_flow")]
     DrumFlow,
-    /// How well small and large grains are mixed.
+    /// Mixing and segregation by size.
     #[serde(alias = "size_mixing")]
     SizeMixing,
-    /// How far the first driven wall has moved.
+    /// Displacement of the first dynamic wall.
     #[serde(alias = "driven_wall")]
     DrivenWall,
     /// Mass that passes through the hole of a disc, such as the floor of a silo.
     Discharge,
-    /// Height and speed of the first grain that the scene lists by itself, such as a ball that is shot into a bed.
+    /// Height and speed of the first listed grain, such as a projectile.
     Intruder,
 }
 
-/// An observable that is compared, and how far two codes may differ.
+/// Observable for the comparison of codes, with its margin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Expectation {
     /// Name of the measured quantity, for example `packing_fraction`; hyphens are read as underscores.
     #[serde(deserialize_with = "underscored")]
     pub observable: String,
-    /// Margin of equivalence, in the quantity's unit; absent where the quantity is reported without a verdict.
+    /// Margin of equivalence in the observable's unit; without one it is reported without a verdict.
     pub margin: Option<f64>,
 }
 
@@ -405,11 +405,9 @@ fn underscored<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Stri
     Ok(String::deserialize(deserializer)?.replace('-', "_"))
 }
 
-/// A state that a run starts from, in place of the jittered lattice: the scene simulated for a while beforehand.
-///
-/// The clock of the run starts at zero again, and walls stand where their prescribed motion has them then; those that a force or a torque
-/// drives stay where they are. A scene in which a wall would jump is refused: a motion has to begin (`start`) when `duration` is over, or to
-/// lead back to the same surface (a drum about its own axis, a plane within itself, whole turns, whole periods).
+/// Simulation before the run, as the start instead of the jittered lattice. The clock of the run then starts at zero. Prescribed walls
+/// stand at their position at time zero, dynamic walls stay. A wall that would jump is refused: its motion must start after `duration`, or
+/// lead back to the same surface (a drum about its own axis, whole turns, whole periods).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Prepare {

@@ -101,19 +101,19 @@ const TOUCH: f64 = 1e-6;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Cohesion {
-    /// The same pull for all sizes.
+    /// Equal force for all sizes.
     Constant {
-        /// Pull, N.
+        /// Attractive force, N.
         force: f64,
-        /// Gap up to which it acts, m; at least a millionth of the effective radius.
+        /// Largest gap at which it acts, m; at least a millionth of the effective radius.
         #[serde(default)]
         range: f64,
     },
-    /// Pull and range from the work of adhesion.
+    /// Force and range from the work of adhesion.
     SurfaceEnergy {
-        /// Work of adhesion, J/m2: what it takes to part a square metre of contact.
+        /// Work of adhesion, J/m2.
         work: f64,
-        /// Gap up to which the pull acts, m; if absent, that at which a neck tears. With 0 it ends where contact ends.
+        /// Largest gap of the force, m; default: the gap at which a neck breaks. 0: the force ends with the contact.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         range: Option<f64>,
     },

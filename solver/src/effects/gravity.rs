@@ -36,14 +36,14 @@ pub static CHANGING_GRAVITY: Effect = Effect {
     })
 };
 
-/// A moment of gravity that changes.
+/// Value of gravity at a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GravityChange {
     /// Time, s.
     pub time: f64,
-    /// Acceleration of gravity from then on, up to the next one, m/s2.
+    /// Acceleration of gravity at that time, m/s2.
     pub gravity: [f64; 3],
 }
 

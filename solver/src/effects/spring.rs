@@ -30,17 +30,17 @@ use crate::lanes::Number;
 use crate::scene::{DocumentPath, Material};
 use serde::{Deserialize, Serialize};
 
-/// Law of a contact across its normal, before it slides.
+/// Law of a sticking contact across its normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum TangentialLaw {
-    /// A contact that sticks does not give.
+    /// No compliance.
     #[default]
     Rigid,
-    /// A spring, which Coulomb's law caps. It goes with a compliant normal contact, with Gauss-Seidel and double precision.
+    /// Spring capped by Coulomb's law; requires a compliant normal contact, Gauss-Seidel and double precision.
     Spring {
-        /// Its stiffness over that of the normal contact; Mindlin's, which goes by Poisson's ratios, if absent.
+        /// Stiffness over that of the normal contact; default: Mindlin's, from Poisson's ratios.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stiffness_ratio: Option<f64>,
     },

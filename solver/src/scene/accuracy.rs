@@ -18,21 +18,22 @@ use super::{NormalLaw, RadiusDistribution, Scene, Stop};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest deviations from the converged solution that are tolerated.
+/// Tolerated deviations from the converged solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Accuracy {
-    /// Of an angle of repose, degrees.
+    /// Tolerance of an angle of repose, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<f64>,
-    /// Of a packing fraction.
+    /// Tolerance of a packing fraction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub packing_fraction: Option<f64>,
-    /// Of an overlap, over the mean radius.
+    /// Tolerance of an overlap, over the mean radius.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
-    /// Of all of these: of an angle of 30 degrees, a packing fraction of 0.6 and an overlap of a hundredth of the radius.
+    /// Tolerance of all of these, relative to an angle of 30 degrees, a packing fraction of 0.6 and an overlap of a hundredth of the
+    /// radius.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relative: Option<f64>,
 }

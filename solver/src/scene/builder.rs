@@ -116,7 +116,7 @@ impl SceneBuilder {
         self
     }
 
-    /// What a run watches for.
+    /// Settings of the watchdogs.
     pub fn watch(mut self, watch: Watch) -> SceneBuilder {
         self.scene.watch = watch;
         self

@@ -105,20 +105,20 @@ use std::collections::BTreeMap;
 pub struct Scene {
     /// Short name, used in tables and file names.
     pub name: String,
-    /// One sentence that says what the scene is; empty, if absent.
+    /// One-sentence description; empty if absent.
     pub description: String,
     /// Simulated time, seconds.
     pub duration: f64,
     /// Acceleration of gravity, m/s2.
     pub gravity: [f64; 3],
-    /// Later values of gravity, straight lines between them and the start; none where it is constant.
+    /// Later values of gravity, linearly interpolated; none if constant.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gravity_changes: Vec<GravityChange>,
-    /// Seed used where none is asked for.
+    /// Default seed.
     pub seed: u64,
     /// Box that no grain may leave, metres.
     pub domain: Domain,
-    /// Largest overlap of two grains, or of a grain and a wall, that is accepted at the start, over the smaller radius.
+    /// Largest accepted overlap at the start, between grains or with a wall, over the smaller radius.
     #[serde(skip_serializing_if = "types::is_slight")]
     pub largest_start_overlap: f64,
     /// Accepts values that are a mistake in most scenes: steps and intervals of frames down to 1e-15 s, densities from 1e-6 to
@@ -135,12 +135,12 @@ pub struct Scene {
     pub population: Vec<Population>,
     /// Grains placed one by one.
     pub grain: Vec<GrainEntry>,
-    /// How accurate the result has to be; it then decides on the solver's `step` and `stop`.
+    /// Target accuracy of the result, which then sets the solver's `step` and `stop`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
-    /// How Makadam solves it.
+    /// Settings of the solver.
     pub solver: SolverSettings,
-    /// What a run watches for.
+    /// Settings of the watchdogs.
     #[serde(skip_serializing_if = "settings::is_default")]
     pub watch: Watch,
 }

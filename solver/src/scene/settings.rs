@@ -11,34 +11,32 @@ use serde::{Deserialize, Serialize};
 pub struct SolverSettings {
     /// Time step, s.
     pub step: f64,
-    /// When a solve stops.
+    /// Stopping rule of a solve.
     pub stop: Stop,
-    /// How the contact problem is solved.
+    /// Solution method.
     #[serde(skip_serializing_if = "is_default")]
     pub method: SolverMethod,
     /// Sweeps over each box while it is in the cache, for each sweep over all boxes.
     pub inner_sweeps: u32,
-    /// Over-relaxation factor of the sweeps; falls back to 1 within a solve whose residual grows. Methods that do not sweep
-    /// take no notice of it, nor of `inner_sweeps`.
+    /// Over-relaxation factor of the sweeps; 1 within a solve whose residual grows. Methods without sweeps ignore it, and `inner_sweeps`.
     pub over_relaxation: f64,
-    /// Precision of the sweeps; everything else is done in double precision. Single goes with Gauss-Seidel only.
+    /// Precision of the sweeps; all else has double precision. Single requires Gauss-Seidel.
     #[serde(skip_serializing_if = "is_default")]
     pub precision: Precision,
     /// Law of the normal contact.
     pub normal_law: NormalLaw,
-    /// Law of the contact across its normal, before it slides.
+    /// Law of the sticking contact across its normal.
     #[serde(skip_serializing_if = "is_default")]
     pub tangential_law: TangentialLaw,
     /// Damping time of the stabilisation over the time step (tau / h).
     pub damping_steps: f64,
-    /// Impacts slower than this that a step does not resolve are no impacts, but contacts at rest, m/s; by the scales of the scene if
-    /// absent: see [`SolverSettings::slowest_impact`].
+    /// Speed below which an unresolved impact is a contact at rest, m/s; default from gravity, step and grain size: see
+    /// [`SolverSettings::slowest_impact`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub restitution_threshold: Option<f64>,
-    /// Least reach of the candidate list beyond contact, over the mean radius; lists that reach further live longer. A long step
-    /// takes more: see [`SolverSettings::reach`].
+    /// Smallest skin of the candidate list over the mean radius; a long step uses more: see [`SolverSettings::reach`].
     pub skin: f64,
-    /// Share of the last step's impulses that a solve starts from.
+    /// Fraction of the last step's impulses at the start of a solve.
     pub warm_start: f64,
 }
 
@@ -115,7 +113,7 @@ pub enum Precision {
     Single,
 }
 
-/// How the contact problem of a step is solved: see [`methods`](crate::methods).
+/// Method for the contact problem of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
@@ -125,7 +123,7 @@ pub enum SolverMethod {
     GaussSeidel,
     /// Gauss-Seidel with Anderson's acceleration.
     Anderson {
-        /// Earlier iterations that the next one is extrapolated from.
+        /// Number of earlier iterations in the extrapolation.
         #[serde(default = "anderson_memory")]
         memory: u32,
     },
@@ -135,7 +133,7 @@ pub enum SolverMethod {
     AcceleratedProjectedGradients,
     /// Damped Jacobi, a historical baseline.
     Jacobi {
-        /// Share of each contact's own correction that is applied.
+        /// Fraction of each contact's own correction.
         #[serde(default = "jacobi_damping")]
         damping: f64,
     },
@@ -181,7 +179,7 @@ impl SolverMethod {
     }
 }
 
-/// When a solve stops.
+/// Stopping rule of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
@@ -200,7 +198,7 @@ pub enum Stop {
     },
     /// When the wall time of a solve is spent, or after `max_sweeps`. Not reproducible bit for bit.
     TimeBudget {
-        /// Wall time a solve, s.
+        /// Wall time per solve, s.
         seconds: f64,
         /// Most sweeps.
         max_sweeps: u32,

@@ -38,7 +38,7 @@ pub struct Domain {
     pub min: [f64; 3],
     /// Upper corner.
     pub max: [f64; 3],
-    /// Axes along which space repeats itself: what leaves at one end comes in at the other.
+    /// Periodic axes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub periodic: Vec<Axis>,
 }
@@ -91,21 +91,20 @@ pub struct Material {
     pub friction: f64,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: f64,
-    /// Coulomb friction coefficient of a contact that slides, no more than `friction`; the same, if absent.
+    /// Coulomb friction coefficient of a sliding contact, at most `friction`; default: `friction`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kinetic_friction: Option<f64>,
-    /// Speed of impact up to which restitution is `restitution`, m/s; beyond it falls as the fourth root. It never falls, if
-    /// absent.
+    /// Impact speed up to which restitution is constant, m/s; beyond, it falls as the fourth root. Default: constant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution_speed: Option<f64>,
-    /// Coefficient of rolling friction: the torque against rolling is at most this times the effective radius times the normal
-    /// force, with the effective radius `r_a r_b / (r_a + r_b)`, that of the grain at a wall.
+    /// Coefficient of rolling friction: largest torque over effective radius times normal force. The effective radius is `r_a r_b / (r_a +
+    /// r_b)`, or the grain's radius at a wall.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rolling_friction: f64,
     /// Coefficient of twisting friction: the same for the torque along the normal.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub twisting_friction: f64,
-    /// Pull between grains, or a grain and a wall, that are close.
+    /// Cohesion with nearby grains and walls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cohesion: Option<Cohesion>,
 }
@@ -129,7 +128,7 @@ impl Default for Material {
     }
 }
 
-/// Coefficients of one pair of materials, where they differ from the rule.
+/// Coefficients of one pair of materials.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -140,10 +139,10 @@ pub struct PairRule {
     pub friction: Option<f64>,
     /// Coefficient of restitution of the pair.
     pub restitution: Option<f64>,
-    /// Coulomb friction coefficient of the pair while it slides. Where a rule gives `friction` alone, that holds for both.
+    /// Coulomb friction coefficient of the sliding pair; default: `friction` of this rule.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kinetic_friction: Option<f64>,
-    /// Speed of impact up to which the restitution of the pair does not fall, m/s.
+    /// Impact speed up to which the restitution of the pair is constant, m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution_speed: Option<f64>,
     /// Coefficient of rolling friction of the pair.
@@ -152,7 +151,7 @@ pub struct PairRule {
     /// Coefficient of twisting friction of the pair.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub twisting_friction: Option<f64>,
-    /// Pull of the pair.
+    /// Cohesion of the pair.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cohesion: Option<Cohesion>,
 }
@@ -185,9 +184,9 @@ pub struct Wall {
     pub name: String,
     /// Name of its material.
     pub material: String,
-    /// Its surface.
+    /// Surface.
     pub shape: Shape,
-    /// How it moves.
+    /// Motion.
     #[serde(default)]
     pub motion: Motion,
 }
@@ -197,24 +196,24 @@ pub struct Wall {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Shape {
-    /// An infinite plane; grains live on the side that the normal points to.
+    /// Infinite plane; grains are on the side of the normal.
     Plane {
         /// A point of the plane, metres.
         point: [f64; 3],
         /// Normal towards the grains; need not be of unit length.
         normal: [f64; 3],
     },
-    /// A box seen from inside; its open faces are left out, its side faces have no edge.
+    /// Box seen from inside, without the open faces; side faces have no edge.
     Box {
         /// Lower corner, metres.
         min: [f64; 3],
         /// Upper corner, metres.
         max: [f64; 3],
-        /// Faces that are not there: any of "-x", "+x", "-y", "+y", "-z", "+z".
+        /// Open faces: any of "-x", "+x", "-y", "+y", "-z", "+z".
         #[serde(default)]
         open: Vec<String>,
     },
-    /// A finite, thin cylindrical shell without ends; grains live inside, or outside once they have left by an end.
+    /// Thin cylindrical shell without ends; grains are inside, or outside after leaving by an end.
     Cylinder {
         /// Centre of the first end, metres.
         base: [f64; 3],
@@ -232,8 +231,8 @@ pub enum Shape {
         /// Radius, metres.
         radius: f64,
     },
-    /// A flat disc, such as a drum's end cap; grains live on the side that the normal points to. With a hole it is a thin ring,
-    /// such as the floor of a silo: grains live on both sides of it, fall through the hole and roll over its rims.
+    /// Flat disc, such as a drum's end cap; grains are on the side of the normal. With a hole it is a thin ring, such as the floor of a
+    /// silo, with grains on both sides.
     Disc {
         /// Centre, metres.
         centre: [f64; 3],
@@ -262,7 +261,7 @@ pub enum Motion {
         /// Time at which it begins, s.
         #[serde(default)]
         start: f64,
-        /// Time at which it ends, s; never, if absent.
+        /// Time at which it ends, s; default: never.
         stop: Option<f64>,
     },
     /// Constant rotation about an axis between two times.
@@ -276,13 +275,13 @@ pub enum Motion {
         /// Time at which it begins, s.
         #[serde(default)]
         start: f64,
-        /// Time at which it ends, s; never, if absent.
+        /// Time at which it ends, s; default: never.
         stop: Option<f64>,
-        /// Time from which it turns the other way at the same rate, s; never, if absent.
+        /// Time of reversal to the opposite rate, s; default: never.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         reverse: Option<f64>,
     },
-    /// A sine about where the wall is placed, between two times: see [`vibration`](crate::effects::vibration).
+    /// Sinusoidal motion about the initial position, between two times.
     Vibrating {
         /// Largest displacement, m.
         amplitude: [f64; 3],
@@ -291,32 +290,32 @@ pub enum Motion {
         /// Time at which it begins, s.
         #[serde(default)]
         start: f64,
-        /// Time at which it ends, s, and the wall stays where it is; never, if absent.
+        /// Time at which it ends and the wall stops, s; default: never.
         stop: Option<f64>,
     },
-    /// Along an axis, as a force, its weight and the grains will have it: see [`drive`](crate::effects::drive).
+    /// Motion along an axis under a force, its weight and contact forces.
     ForceDriven {
-        /// Direction in which it can move; need not be of unit length.
+        /// Direction of motion; need not be of unit length.
         axis: [f64; 3],
-        /// Force along the axis, besides its weight and what the grains bear, N.
+        /// Applied force along the axis, N.
         force: f64,
         /// Mass, kg; gravity acts on it.
         mass: f64,
-        /// Time at which it is let go, s; until then it is held.
+        /// Time of release, s; fixed until then.
         #[serde(default)]
         start: f64,
     },
-    /// About an axis, as a torque and the grains will have it: see [`drive`](crate::effects::drive).
+    /// Rotation about an axis under a torque and contact forces.
     TorqueDriven {
         /// A point of the axis, metres.
         point: [f64; 3],
         /// Direction of the axis; need not be of unit length.
         axis: [f64; 3],
-        /// Torque about the axis by the right-hand rule, besides what the grains exert, N m.
+        /// Applied torque about the axis by the right-hand rule, N m.
         torque: f64,
         /// Moment of inertia about the axis, kg m2.
         moment_of_inertia: f64,
-        /// Time at which it is let go, s; until then it is held.
+        /// Time of release, s; fixed until then.
         #[serde(default)]
         start: f64,
     },
@@ -351,9 +350,9 @@ pub struct Population {
     pub material: String,
     /// Distribution of their radii.
     pub radius: RadiusDistribution,
-    /// Where they are placed.
+    /// Region of placement.
     pub region: Region,
-    /// Lattice spacing over the largest diameter; the jitter fills what it leaves free. At least 1.
+    /// Lattice spacing over the largest diameter, at least 1; jitter fills the rest.
     #[serde(default = "default_spacing")]
     pub spacing: f64,
     /// Each component of the starting velocity is uniform between minus and plus this, m/s.
@@ -393,11 +392,11 @@ pub enum RadiusDistribution {
         /// Largest radius, metres.
         max: f64,
     },
-    /// Listed radii with their shares by number.
+    /// Listed radii with fractions by number.
     Discrete {
         /// Radii, metres.
         radii: Vec<f64>,
-        /// Shares, one a radius; need not sum to 1.
+        /// Fractions, one per radius; need not sum to 1.
         shares: Vec<f64>,
     },
 }
@@ -416,7 +415,7 @@ impl RadiusDistribution {
     }
 }
 
-/// Where a population is placed; grains lie inside it whole.
+/// Region of placement; grains lie entirely inside.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]

@@ -2,16 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What happens when something is noticed.
+/// Reaction to a violation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Reaction {
-    /// The run ends; a checkpoint from before is left.
+    /// The run ends and leaves a checkpoint from before.
     Stop,
-    /// The run goes on and says so.
+    /// The run continues with a warning.
     Warn,
-    /// Nothing.
+    /// No reaction.
     Ignore,
 }
 
@@ -21,31 +21,31 @@ impl Reaction {
     }
 }
 
-/// What is watched for. What makes the numbers of a run worthless ends it unless the scene says otherwise; a state that
-/// is not finite, or a grain that has crossed a wall, always does.
+/// Watchdogs. Violations that invalidate a run end it unless the scene says otherwise; a state that is not finite, or a crossed wall,
+/// always does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Watch {
-    /// Steps from one look to the next; 0 looks never.
+    /// Steps between checks; 0: never.
     pub every: u32,
     /// Largest overlap of a contact over the smaller radius.
     pub overlap: f64,
-    /// When it is larger.
+    /// Reaction to an overlap above `overlap`.
     pub on_overlap: Reaction,
-    /// When it is so large that a centre lies inside its partner: above the smaller radius, and above `overlap`.
+    /// Reaction to an overlap above the smaller radius and above `overlap`.
     #[serde(skip_serializing_if = "Reaction::is_stop")]
     pub on_deep_overlap: Reaction,
-    /// Largest gain of mechanical energy that neither walls nor changes of gravity gave, over the largest kinetic energy so far and
-    /// what gravity gives the grains over a radius.
+    /// Largest spurious gain of mechanical energy, over the largest kinetic energy so far plus the weight of the grains times their mean
+    /// radius.
     pub energy: f64,
-    /// When it is larger.
+    /// Reaction to a gain above `energy`.
     pub on_energy: Reaction,
-    /// When a grain leaves the domain.
+    /// Reaction to a grain outside the domain.
     pub on_escape: Reaction,
-    /// Residual of a solve, in units of g h, that must not be exceeded from one look to the next.
+    /// Residual, in g h, that some solve between two checks must reach.
     pub residual: f64,
-    /// When it is.
+    /// Reaction to a residual above `residual`.
     pub on_stagnation: Reaction,
 }
 

@@ -49,18 +49,17 @@ pub fn page() -> String {
          `makadam observables --markdown`. Name a group under `measure.observables`, a number under `[[compare]]`. Means ⟨⟩ are over \
          contacts or grains; the *bulk* is what lies at least two mean diameters from walls and free surface (one, where fewer than 50 \
          grains would be left). Every number follows from positions, velocities and contacts alone, by one code for every simulator.\n\n\
-         Each frame is measured by itself, with gravity and walls as they are at its time, and whatever else is measured: the value of a \
-         run is the mean over the measured frames, for `largest_overlap` and `coulomb_excess` the maximum, and equals that of the columns \
-         of `observables.csv`. Angles, the flowing layer, Lacey's index in drums and discharge are of all measured frames together, and \
-         the table has those of a frame alone.\n\n\
-         The free surface of a frame is the outline of the bed in a drum; elsewhere a level, where the bed is level between walls; otherwise \
-         the outline of a heap, averaged over azimuth. Without gravity there is none, and grains have to fill the room between the walls. \
-         A bulk that holds a hole (a point farther than a mean diameter from the surface of every grain) is that of another kind of bed, \
-         such as a slope or a block that stands free: its packing fraction, coordination and contact forces are not measured.\n\n\
-         A drum is the first cylinder that turns about its own axis, at least 45 degrees from gravity. Speed ratio and torque are of the \
-         frames in which it turns, by its sense of rotation then; angles, flowing layer and surface speed are measured where it turns in one \
-         sense in all measured frames. The axis of a heap is that of the upright cylinders, which must have one and must not have moved \
-         sideways; without any, it goes through the median of the grains.\n",
+         The value of a run is the mean over the measured frames, for `largest_overlap` and `coulomb_excess` the maximum. It equals that of \
+         the columns of `observables.csv`. Angles, the flowing layer, Lacey's index in drums and discharge use all measured frames \
+         together; the table has the values of single frames. Gravity and walls are those of the time of the frame.\n\n\
+         The free surface is the outline of the bed in a drum, a level where the bed is level between walls, otherwise the outline of a \
+         heap, averaged over azimuth. Without gravity there is none, and grains must fill the space between the walls. Packing fraction, \
+         coordination and contact forces are not measured if the bulk holds a hole: a point farther than a mean diameter from the surface \
+         of every grain.\n\n\
+         A drum is the first cylinder that turns about its own axis, at least 45 degrees from gravity. Speed ratio and torque use the frames \
+         in which it turns. Angles, flowing layer and surface speed need one sense of rotation in all measured frames. The axis of a heap is \
+         that of the upright cylinders, which must have one and must not have moved sideways. Without cylinders it is the median of the \
+         grains.\n",
     );
     let mut group = "";
     for (own, Definition { name, symbol, unit, formula, source, .. }) in definitions() {

@@ -108,7 +108,7 @@ const PACKING_FRACTION: [Definition; 1] = [define(
     "",
     "volume of the grains inside the bulk region over the volume of the region, spheres cut exactly by its border; the region is a box in \
      a fixed box without other walls, elsewhere the cubes of half a diameter, on a lattice from the middle of the domain, whose corners \
-     lie in the bulk: the place of the lattice changes the value, by 0.003 in `vibrated-bed` and by 0.03 in a shallow bed of 500 grains",
+     lie in the bulk. The position of the lattice changes the value, by 0.003 in `vibrated-bed` and by 0.03 in a shallow bed of 500 grains",
     "",
 )];
 
@@ -126,10 +126,10 @@ const COORDINATION: [Definition; 5] = [
         "coordination_number_without_rattlers",
         "Z_nr",
         "",
-        "the same among grains that are left when rattlers (fewer than 2 supports with friction, 4 without) are removed repeatedly",
+        "Z of the grains that remain after repeated removal of rattlers (fewer than 2 supports with friction, 4 without)",
         SILBERT,
     ),
-    define("rattler_share", "χ_r", "", "share of the grains of the bulk that are rattlers", SILBERT),
+    define("rattler_share", "χ_r", "", "fraction of the grains of the bulk that are rattlers", SILBERT),
     define(
         "mechanical_coordination_number",
         "Z_m",
@@ -142,7 +142,7 @@ const COORDINATION: [Definition; 5] = [
 ];
 
 const CONTACT_FORCES: [Definition; 8] = [
-    define("share_below_mean", "s", "", "share of contacts between grains, whose points lie in the bulk, with f_n < ⟨f_n⟩", "")
+    define("share_below_mean", "s", "", "fraction of contacts between grains, with points in the bulk, with f_n < ⟨f_n⟩", "")
         .needs(CONTACTS),
     define("gini", "G", "", "Gini coefficient of f_n: Σ_ij |f_i − f_j| / (2 N² ⟨f⟩); 0 where all are equal", "")
         .needs(CONTACTS),
@@ -160,7 +160,7 @@ const CONTACT_FORCES: [Definition; 8] = [
         "sliding_share",
         "χ_s",
         "",
-        "share of contacts at a limit of friction: f_t ≥ 0.99 μ f_n, or f_t within 1% of μ_k f_n, with the static friction μ and the \
+        "fraction of contacts at a limit of friction: f_t ≥ 0.99 μ f_n, or f_t within 1% of μ_k f_n, with the static friction μ and the \
          kinetic friction μ_k",
         "",
     )
@@ -284,9 +284,9 @@ const DISCHARGE: [Definition; 2] = [
         "(m(t_n) − m(t_1)) / (t_n − t_1) of the discharged mass m over the measured frames; standard error over blocks of time",
         "",
     ).of_span(),
-    define("discharged_mass", "m", "kg", "mass that has passed the hole of the first disc with one by the last measured frame: what was below the disc at the first measured \
-         frame, and what came there through the hole, not over the outer edge; with grains that were deleted since. Not measured where \
-         a grain was deleted that had not come below, and where frames are too far apart to tell the hole from the edge", "").of_span(),
+    define("discharged_mass", "m", "kg", "mass that has passed the hole of the first disc with one by the last measured frame, with grains deleted since. It consists of the \
+         grains below the disc at the first measured frame and those that came through the hole, not over the outer edge. Not measured \
+         where a grain was deleted above the disc, or where frames are too far apart to distinguish hole and edge", "").of_span(),
 ];
 
 const INTRUDER: [Definition; 2] = [

@@ -3,19 +3,19 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What frames hold, and how much time lies between them: the table `output` of a scene.
+/// Content and interval of the frames on disk.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// Time between frames on disk, s; that of `measure`, if absent.
+    /// Time between frames on disk, s; default: that of `measure`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<f64>,
-    /// Fields of grains besides their numbers, diameters and materials, which are always there; all, if absent.
+    /// Fields of grains in addition to number, diameter and material; default: all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fields: Option<Vec<GrainField>>,
-    /// Whether contacts are written.
+    /// Writes contacts.
     pub contacts: bool,
-    /// Whether walls are written.
+    /// Writes walls.
     pub walls: bool,
 }
 
@@ -36,7 +36,7 @@ impl Output {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GrainField {
-    /// Place of the grain's population in the scene; -1 for a grain that the scene lists by itself.
+    /// Index of the grain's population; -1 for a grain listed by itself.
     Population,
     /// Mass, kg.
     Mass,
@@ -49,7 +49,7 @@ pub enum GrainField {
     AngularVelocity,
     /// Sum of the contact forces on the grain, N.
     Force,
-    /// Number of contacts that bear a force.
+    /// Number of force-carrying contacts.
     #[serde(alias = "coordination-number")]
     CoordinationNumber,
     /// Symmetric part of the mean stress of the grain, pressure positive, Pa: xx, yy, zz, xy, yz, xz.
