@@ -221,7 +221,7 @@ fn an_interrupted_run_stays_readable() {
     assert_eq!(collection.matches("<DataSet").count() as u64, summary["frames"].as_u64().unwrap());
 }
 
-/// Whether a process catches termination: it has begun to listen.
+/// Returns true once a process catches termination.
 fn catches_termination(process: u32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
     let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();

@@ -19,7 +19,7 @@ fn each_fault_has_its_place_in_the_sources() {
     }
 }
 
-/// What came of each fault is on record, and none went unseen.
+/// The recorded table has the outcome of each fault, and each was detected.
 #[test]
 fn each_fault_was_seen() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests");

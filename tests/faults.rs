@@ -65,7 +65,7 @@ fn run(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Outpu
         .unwrap()
 }
 
-/// What a finished run has left: all files but the summary, and what of that depends on nothing but the scene.
+/// Files of a finished run without the summary, and the part of the summary that depends on the scene alone.
 type Results = (BTreeMap<String, Vec<u8>>, String);
 
 fn results(folder: &Path) -> Option<Results> {
@@ -92,7 +92,7 @@ fn results(folder: &Path) -> Option<Results> {
 /// A folder of scenes and runs to begin from.
 struct Bench {
     folder: tempfile::TempDir,
-    /// The same of an undisturbed run.
+    /// Results of an undisturbed run.
     expected: Results,
     /// And of one with another seed.
     other: Results,
@@ -161,7 +161,7 @@ impl Bench {
     }
 }
 
-/// What ParaView and a reader of tables would open.
+/// Checks that ParaView and a reader of tables can open the files.
 fn check_readable(folder: &Path, what: &str) {
     for kind in ["grains", "contacts", "walls"] {
         let Ok(text) = std::fs::read_to_string(folder.join(format!("out/{kind}.pvd"))) else { continue };

@@ -1,4 +1,4 @@
-//! What `judge` takes of a code: the frames that were asked for, of this run, whole.
+//! Frames that the comparison accepts from a code under test: the requested ones, of this run, complete.
 
 use crate::support::child::{signal, wait_for};
 use crate::support::makadam;
@@ -119,7 +119,7 @@ fn one_run_for_several_seeds_is_no_verdict() {
     assert!(text.contains("Faulty: seeds 1 and 3 are one and the same run"), "{text}");
 }
 
-/// What was cut short says so, and does not take the place of a report of what was not.
+/// An interrupted comparison says so, and does not replace the report of a complete one.
 #[test]
 fn an_interruption_is_told_and_leaves_an_earlier_report() {
     let folder = tempfile::tempdir().unwrap();

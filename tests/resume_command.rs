@@ -14,7 +14,7 @@ fn summary(folder: &Path, output: &str) -> serde_json::Value {
     serde_json::from_slice(&read(folder.join(output).join("run.json")).unwrap()).unwrap()
 }
 
-/// What must not depend on interruptions: the state, what was measured, the table, the last frame.
+/// Results that interruptions must not change: state, measurements, table, last frame.
 fn results(folder: &Path, output: &str) -> (String, String, String, Vec<u8>) {
     let summary = summary(folder, output);
     assert_eq!(summary["complete"], true);

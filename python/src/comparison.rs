@@ -16,7 +16,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::time::{Duration, SystemTime};
 
-/// What is recorded of the peers on a scene as it is: rows, each a dict of code, seed, observable, value and its standard error within the run.
+/// Returns the recorded results of the reference codes on the present scene: rows, each a dict of code, seed, observable, value and its
+/// standard error within the run.
 #[pyfunction]
 #[pyo3(name = "_reference")]
 pub fn reference<'py>(scene: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
@@ -103,7 +104,7 @@ fn asked_or_usual(py: Python<'_>, asked: Option<Vec<String>>, scene: &Scene, liv
     }
 }
 
-/// Whether runs can be seeds of one ensemble on a scene; if not, why.
+/// Checks that runs can be seeds of one ensemble on a scene; gives the reason if not.
 fn check_runs(scene: &Scene, runs: &[PyRef<'_, Recording>]) -> Result<(), String> {
     let hash = physics_hash(&scene.plan);
     for (place, run) in runs.iter().enumerate() {

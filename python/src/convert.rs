@@ -83,7 +83,7 @@ pub fn from_toml<'py>(py: Python<'py>, value: &Toml) -> PyResult<Bound<'py, PyAn
     })
 }
 
-/// What serde writes of a value, as a value of Python; the keys of dicts keep their order.
+/// Converts a serialisable value to a Python value; dicts retain the order of their keys.
 pub fn plain<'py>(py: Python<'py>, value: &impl serde::Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(value).map_err(|error| exception(py, "Error", &error.to_string()))?;
     py.import("json")?.call_method1("loads", (text,))

@@ -5,7 +5,7 @@ use makadam::world::Sphere;
 /// Grains in one place from which on the caller is told. As many make a hundred thousand pairs.
 const MANY: u32 = 500;
 
-/// How many grains lie within the largest diameter along each axis, where they are too many to bear it; none as a rule.
+/// Counts the grains within the largest diameter along each axis if there are too many; usually none.
 ///
 /// Cells fall together in the table that they are counted in: what looks like a crowd there is counted exactly afterwards.
 pub fn crowd(spheres: &[Sphere]) -> Option<u32> {

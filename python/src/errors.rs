@@ -19,7 +19,7 @@ pub fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
     py.import("warnings")?.call_method1("warn", (message, class, 2)).map(|_| ())
 }
 
-/// The same with attributes.
+/// Builds an exception with attributes.
 fn with_details(
     py: Python<'_>,
     class: &str,
@@ -35,14 +35,14 @@ fn with_details(
     made().unwrap_or_else(|error| error)
 }
 
-/// Where a scene came from, for its errors.
+/// Source of a scene, for its errors.
 #[derive(Clone, Copy)]
 pub struct Origin<'a> {
     /// The file, if it has one.
     pub file: Option<&'a Path>,
     /// The text of the document.
     pub text: &'a str,
-    /// Whether the text was written by a person, who looks at its lines.
+    /// True if a person wrote the text, so that line numbers help.
     pub lines: bool,
 }
 
@@ -60,7 +60,7 @@ pub fn scene_error(py: Python<'_>, error: &SceneError, origin: Origin<'_>) -> Py
     described(py, &place, &problem, &remedy, Some(line), origin)
 }
 
-/// The same, as who reads files tells it.
+/// Converts an error of reading a scene file.
 pub fn scene_file_error(py: Python<'_>, error: &SceneFileError, origin: Option<Origin<'_>>) -> PyErr {
     match (error, origin) {
         (SceneFileError::Invalid { line, problem, remedy, .. }, Some(origin)) => {
@@ -72,7 +72,7 @@ pub fn scene_file_error(py: Python<'_>, error: &SceneFileError, origin: Option<O
     }
 }
 
-/// The same, as who looks for scenes tells it.
+/// Converts an error of finding a scene.
 pub fn scenes_error(py: Python<'_>, error: &scenes::SceneError, origin: Option<Origin<'_>>) -> PyErr {
     match error {
         scenes::SceneError::Unknown { .. } => exception(py, "SceneNotFoundError", &error.to_string()),
@@ -154,7 +154,7 @@ pub fn setting_error(py: Python<'_>, error: &SettingError) -> PyErr {
     exception(py, "SettingError", &error.to_string())
 }
 
-/// Why a run could not start.
+/// Converts an error of starting a run.
 pub fn start_error(py: Python<'_>, error: &StartError, origin: Origin<'_>) -> PyErr {
     match error {
         StartError::Scene(error) => scenes_error(py, error, Some(origin)),

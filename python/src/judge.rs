@@ -131,8 +131,8 @@ impl Recording {
         self.recording.frames.iter().cloned().map(Frame::of).collect()
     }
 
-    /// What the scene measures of the frames from `measure.from` on: a list of rows, each a dict of `observable`, `unit`, `value`,
-    /// `standard_error` (within the run, over blocks of time; None for too few frames) and `frames`. What cannot be measured is left out.
+    /// Measures the frames from `measure.from` on: a list of rows, each a dict of `observable`, `unit`, `value`, `standard_error` (within
+    /// the run, over blocks of time; None for too few frames) and `frames`. Observables without a value are left out.
     fn measure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         if let Some(first) = self.recording.alarms.iter().find(|alarm| alarm.grave) {
             warn(py, &first.words())?;
@@ -251,7 +251,7 @@ fn check_seed(scene: &Scene, seed: u64, frame: &Snapshot) -> Result<(), String> 
     })
 }
 
-/// Why a code gave nothing, as an exception.
+/// Converts the failure of a code to an exception.
 pub fn code_error(py: Python<'_>, error: &CodeError) -> PyErr {
     match error {
         CodeError::Scene(error) => crate::errors::scenes_error(py, error, None),
@@ -322,7 +322,7 @@ pub fn simulate(
     Ok(Recording { scene, recording: Arc::new(recording) })
 }
 
-/// What a scene measures of frames: see `Recording.measure`; all frames that are given count.
+/// Measures frames by a scene: see `Recording.measure`; all given frames count.
 #[pyfunction]
 #[pyo3(name = "_measure")]
 pub fn measure_of_frames<'py>(

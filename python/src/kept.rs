@@ -1,4 +1,4 @@
-//! What a simulation is continued from: the solver's checkpoint, with the scene and the seed that it is of.
+//! Checkpoint of a simulation: the solver's checkpoint, with scene and seed.
 //!
 //! A checkpoint of the solver holds grains and impulses but not what the scene says of them, so that it would go on as well with another
 //! friction. The label before it tells whose it is.

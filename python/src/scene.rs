@@ -24,13 +24,13 @@ use std::path::{Path, PathBuf};
 #[pyclass(frozen, module = "makadam", name = "Scene", eq)]
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What the judge makes of it.
+    /// Scene with its measurement and comparison tables.
     pub plan: plan::Scene,
-    /// Where it came from; a name in angle brackets if it has no file.
+    /// Source file; a name in angle brackets if there is none.
     pub file: PathBuf,
     /// Its document.
     pub text: String,
-    /// Whether the document is that of the file as it stands.
+    /// True if the document equals the file.
     pub as_written: bool,
 }
 
@@ -41,11 +41,11 @@ impl PartialEq for Scene {
     }
 }
 
-/// What stands for the file of a scene that has none; nothing is recorded beside it.
+/// Placeholder path of a scene without a file; no record exists next to it.
 const NO_FILE: &str = "<scene>/scene.toml";
 
 impl Scene {
-    /// Where it came from, for errors.
+    /// Source, for errors.
     pub fn origin(&self) -> Origin<'_> {
         let file = Some(self.file.as_path()).filter(|file| *file != Path::new(NO_FILE));
         Origin { file, text: &self.text, lines: self.as_written }
@@ -133,7 +133,7 @@ impl Scene {
         Scene::read(py, file, self::written(py, &document)?, false)
     }
 
-    /// The same scene with values replaced: see `Scene`.
+    /// Returns the scene with replaced values: see `Scene`.
     fn with_overrides(slf: &Bound<'_, Self>, overrides: &Bound<'_, PyDict>) -> PyResult<Scene> {
         Scene::new(slf.as_any(), Some(overrides))
     }
@@ -198,7 +198,7 @@ impl Scene {
         self.plan.wall.iter().map(|wall| wall.name.clone()).collect()
     }
 
-    /// What the settings are not expected to bear, in sentences; empty if all is well.
+    /// Returns the preflight warnings; empty if there are none.
     fn findings(&self) -> Vec<String> {
         let findings = self.plan.findings(self.as_written.then_some(self.text.as_str()));
         findings.iter().map(ToString::to_string).collect()

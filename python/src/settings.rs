@@ -70,7 +70,7 @@ pub fn seed_of(py: Python<'_>, seed: Option<Whole>) -> PyResult<Option<u64>> {
     seed.map(|seed| seed.within(py, "seed", 0..=u64::MAX)).transpose()
 }
 
-/// How a simulation is carried out.
+/// Builds the execution settings of a simulation.
 pub fn execution(
     py: Python<'_>,
     threads: Whole,

@@ -12,26 +12,26 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, TryLockError, Weak};
 use std::time::Duration;
 
-/// What is stepped, and who looks at it.
+/// Simulation with its lock and its views.
 pub struct Shared {
     simulation: Mutex<Simulation>,
     /// The scene that it is a simulation of, with the settings that it was given.
     pub scene: Scene,
     /// Seed of the positions and radii.
     pub seed: u64,
-    /// What stops a step from another thread.
+    /// Interrupt of a step from another thread.
     pub interrupt: Interrupt,
     /// Watches the steps, if that is wanted.
     pub watchdog: Mutex<Option<Watchdog>>,
-    /// Whether some thread is in `step`.
+    /// True while a thread is in `step`.
     stepping: AtomicBool,
     /// Threads that wait for the simulation.
     waiting: AtomicUsize,
     /// Views of positions, velocities, spins, radii, masses and ids that live.
     pub state_views: AtomicUsize,
-    /// Those among them that can be written.
+    /// Number of writable views.
     pub writable_views: AtomicUsize,
-    /// Whether one that can be written was taken since the last step, even if it lives no more.
+    /// True if a writable view was taken since the last step, even if it no longer exists.
     pub taken_to_write: AtomicBool,
     /// The arrays of the candidate list that views taken since the last step show.
     pub pairs: Mutex<Weak<HeldPairs>>,
@@ -43,7 +43,7 @@ pub struct Shared {
 #[derive(Debug, Default)]
 pub struct HeldPairs(Mutex<Option<PairsInList>>);
 
-/// How long somebody sleeps who waits for a simulation that is being stepped.
+/// Sleep between two attempts to lock a simulation that is being stepped.
 const NAP: Duration = Duration::from_micros(100);
 
 impl Shared {
@@ -123,7 +123,7 @@ impl Shared {
         self.simulation.lock().unwrap_or_else(|_| panic!("an earlier step of this simulation ended in a panic"))
     }
 
-    /// Whether somebody waits for the simulation.
+    /// Returns true if another thread waits for the simulation.
     pub fn is_awaited(&self) -> bool {
         self.waiting.load(Ordering::SeqCst) > 0
     }
@@ -177,7 +177,7 @@ impl Shared {
         }
     }
 
-    /// Whether positions, velocities or spins may have been written since this was asked last.
+    /// Returns true if positions, velocities or spins may have been written since the last call.
     pub fn may_be_written(&self) -> bool {
         self.taken_to_write.swap(false, Ordering::SeqCst) || self.writable_views.load(Ordering::SeqCst) > 0
     }

@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// What `makadam.Simulation` is made of.
+/// Implementation of `makadam.Simulation`.
 #[pyclass(frozen, subclass, module = "makadam._core", name = "Simulation")]
 pub struct Simulation(Arc<Shared>);
 
@@ -282,8 +282,8 @@ impl Simulation {
         views::pairs(py, &self.0, Pairs::Grains)
     }
 
-    /// What `pairs` bore in the last step, (m, 4), N s: the normal impulse, and the tangential impulse on the second grain; zero where two did
-    /// not touch. A view that cannot be written; the next step leaves it as it is.
+    /// Impulses of `pairs` in the last step, (m, 4), N s: the normal impulse, and the tangential impulse on the second grain; zero without
+    /// contact. A read-only view that the next step leaves unchanged.
     #[getter]
     fn pair_impulses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         views::pairs(py, &self.0, Pairs::GrainImpulses)
@@ -296,7 +296,7 @@ impl Simulation {
         views::pairs(py, &self.0, Pairs::Walls)
     }
 
-    /// What `wall_pairs` bore in the last step, (k, 4), N s, the tangential impulse on the wall: as `pair_impulses`.
+    /// Impulses of `wall_pairs` in the last step, (k, 4), N s, the tangential impulse on the wall: as `pair_impulses`.
     #[getter]
     fn wall_impulses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         views::pairs(py, &self.0, Pairs::WallImpulses)
@@ -357,7 +357,7 @@ impl Simulation {
         self.0.with(py, |simulation| simulation.move_wall(wall, motion))?.map_err(|error| refused(py, &error))
     }
 
-    /// How far a wall that was moved has moved along (m) and turned (rad); None for others.
+    /// Returns the displacement (m) and rotation (rad) of a wall moved by the caller; None for others.
     fn _moved_by(&self, py: Python<'_>, wall: u32) -> PyResult<Option<([f64; 3], f64)>> {
         self.0.with(py, |simulation| simulation.moved_by(wall))
     }
@@ -387,7 +387,7 @@ impl Simulation {
         plain(py, &self.0.with(py, |simulation| simulation.grain_entries(&self.0.scene.plan))?)
     }
 
-    /// What the judge measures of frames of this simulation.
+    /// Measures frames of this simulation.
     fn _measure<'py>(&self, py: Python<'py>, frames: Vec<PyRef<'py, Frame>>) -> PyResult<Bound<'py, PyAny>> {
         let snapshots = snapshots(&frames);
         let purpose = "describe its motion in the scene to measure, or compute from `frame()`";

@@ -39,7 +39,7 @@ pub fn ensemble(py: Python<'_>, values: Vec<f64>) -> PyResult<Bound<'_, PyAny>> 
     Ok(dict)
 }
 
-/// Whether two ensembles agree: two one-sided tests on the difference of their means (Welch; Schuirmann 1987).
+/// Tests the equivalence of two ensembles: two one-sided tests on the difference of their means (Welch; Schuirmann 1987).
 ///
 /// Args:
 ///     first: One value per seed.

@@ -15,16 +15,16 @@ use std::time::{Duration, Instant};
 /// Wall time of steps after which signals are looked at.
 const SLICE: Duration = Duration::from_millis(20);
 
-/// How often signals are looked at while a step is taken that may be long.
+/// Interval of polls for signals during a long step.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// What a slice of steps came to.
+/// Result of a slice of steps.
 struct Slice {
     /// Steps taken.
     taken: u64,
-    /// What was noticed.
+    /// Violations found by the watchdogs.
     alarms: Vec<Alarm>,
-    /// Whether somebody asked for a stop.
+    /// True if a stop was requested.
     stopped: bool,
 }
 
@@ -122,7 +122,7 @@ fn slice(shared: &Shared, most: u64) -> Slice {
     slice
 }
 
-/// The same on another thread, while this one looks for signals.
+/// Steps on another thread, while this one polls for signals.
 fn watched_from_beside(shared: &Shared, most: u64) -> PyResult<Slice> {
     std::thread::scope(|scope| {
         let (done, wait) = channel();

@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// What views of the grains' arrays have for their base.
+/// Base object of views of the arrays of grains.
 #[pyclass(frozen, module = "makadam._core")]
 struct StateOwner {
     shared: Arc<Shared>,
@@ -47,7 +47,7 @@ impl Drop for StateOwner {
     }
 }
 
-/// What views of the candidate list have for their base.
+/// Base object of views of the candidate list.
 #[pyclass(frozen, module = "makadam._core")]
 struct PairOwner {
     /// Whose memory it is once that was handed over; until then it is the simulation's.
@@ -59,7 +59,7 @@ struct PairOwner {
 struct Records<T> {
     /// The first of them.
     start: *const T,
-    /// How many records there are, how many numbers each has, and the numbers from one to the next.
+    /// Number of records, numbers per record, and the stride in numbers.
     records: usize,
     width: usize,
     stride: usize,
@@ -87,7 +87,7 @@ unsafe fn over<'py, T: Element, D: Dimension>(
     array
 }
 
-/// What a view shows of the grains.
+/// Quantity of grains in a view.
 #[derive(Clone, Copy)]
 pub enum State {
     /// Centres, m.
@@ -146,7 +146,7 @@ pub fn state<'py>(py: Python<'py>, shared: &Arc<Shared>, what: State) -> PyResul
     })
 }
 
-/// What a view shows of the candidate list.
+/// Quantity of the candidate list in a view.
 #[derive(Clone, Copy)]
 pub enum Pairs {
     /// Rows of two grains.

@@ -1,4 +1,4 @@
-//! What a disk may hold after a cut of power, from a record of what a program did: see `faults.c`.
+//! Possible content of a disk after a power failure, from a record of system calls: see `faults.c`.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -18,7 +18,7 @@ enum Call {
 /// Calls in their order.
 pub struct Record(Vec<Call>);
 
-/// What of that which was not synced has reached the disk.
+/// Part of the unsynced data that has reached the disk.
 #[derive(Clone, Copy, Debug)]
 pub enum Cut {
     /// Nothing: neither bytes nor names.

@@ -1,4 +1,4 @@
-//! Where a scene says what.
+//! Lines of the keys of a scene.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What the end-to-end tests share: the command, one that runs meanwhile, a small and a tiny scene, changed copies of the former,
+//! Common parts of the end-to-end tests: the command, a command in the background, a small and a tiny scene, changed copies of the former,
 //! invented records and the lines of a scene.
 
 pub mod changed;
