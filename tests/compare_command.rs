@@ -56,7 +56,6 @@ fn recorded_references_are_used_and_said() {
     }
     let notes = document["notes"].to_string();
     assert!(notes.contains("YADE was not run") && notes.contains("recorded 2026-01-01 on invented"), "{notes}");
-    assert!(notes.contains("the references of changed have no checksums.csv: nothing vouches"), "{notes}");
     let report = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(report.contains("Makadam"));
 }
@@ -103,17 +102,7 @@ fn an_output_is_refused_before_anything_runs_and_no_verdict_is_lost() {
     assert_eq!(std::fs::read_to_string(&out).unwrap(), "mine");
     std::fs::remove_file(&out).unwrap();
     std::fs::create_dir(&out).unwrap();
-    let report = out.join("report.json");
-    for (text, words) in [
-        ("{\"passed\": 3}", "report.json is of no report of Makadam"),
-        ("{\"version\": 1, \"qualification\": {\"tier\": \"full\"}}", "report of a qualification (tier full)"),
-    ] {
-        std::fs::write(&report, text).unwrap();
-        refused(words);
-        assert_eq!(std::fs::read_to_string(&report).unwrap(), text);
-    }
-    // Its own, in a folder that a table cannot be written into.
-    std::fs::write(&report, "{\"version\": 1, \"qualification\": {\"tier\": \"compare\"}}").unwrap();
+    // A folder that a table cannot be written into.
     std::fs::create_dir_all(out.join("rows.csv/in-the-way")).unwrap();
     let (code, table, errors) = compare();
     assert!(code == Some(1) && errors.contains("rows.csv"), "{code:?}: {errors}");
@@ -225,7 +214,7 @@ fn an_expectation_without_a_recorded_value_is_not_measured_and_does_not_pass() {
     assert_eq!(code, Some(4), "{results}{message}");
     assert!(results.contains("not measured: YADE has no value"), "{results}");
     assert!(results.contains("Not measured: of 4 tests of 1 scene against YADE and LIGGGHTS, 2 agree"), "{results}");
-    assert!(!results.contains("times faster"), "{results}");
+    assert!(!results.contains("times)"), "{results}");
 }
 
 #[test]
@@ -235,8 +224,7 @@ fn the_default_of_codes_can_be_typed_as_it_is_shown() {
     let help = String::from_utf8(help.stdout).unwrap();
     assert!(help.contains("--live makadam,yade,liggghts"), "{help}");
     assert!(
-        help.contains("report.html, report.json, rows.csv, junit.xml and badge.svg")
-            && !help.contains("comparison.json"),
+        help.contains("report.html, report.json, rows.csv, junit.xml") && !help.contains("comparison.json"),
         "{help}"
     );
     let scene = with_references(folder.path());
@@ -286,7 +274,6 @@ fn the_program_alone_knows_the_reference_scenes() {
     let output = run(&["compare", "packing", "--codes", "yade,liggghts", "-q"]);
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && table.contains("packing fraction"), "{table}");
-    assert!(!table.contains("nothing vouches"), "{table}");
 }
 
 #[test]

@@ -165,7 +165,7 @@ fn a_code_of_ones_own_is_judged_and_found_to_disagree() {
     command.extend(scene);
     let (code, text, errors) = outcome(folder.path(), &command);
     assert_eq!(code, 4, "{text}{errors}");
-    assert!(text.contains("Dropped disagrees with Makadam in 1 of 1 test"), "{text}");
+    assert!(text.contains("Disagree: of 1 test of 1 scene against Makadam, 0 agree, 1 disagrees"), "{text}");
     let report = std::fs::read_to_string(folder.path().join("report/report.html")).unwrap();
     assert!(report.contains("Dropped"));
     let write = |name: &str, text: &str| {
@@ -225,7 +225,7 @@ fn a_seed_that_fails_is_a_value_that_is_missing() {
         ],
     );
     assert_eq!(code, 1, "{text}{errors}");
-    assert!(text.contains("Not measured: none of 1 test") && !text.contains("agrees with"), "{text}");
+    assert!(text.contains("Not measured: of 1 test of 1 scene, 0 agree") && !text.contains("agrees with"), "{text}");
     assert!(text.contains("Dropped has a value in 2 of 3 seeds"), "{text}");
     assert!(errors.contains("Dropped failed"), "{errors}");
 }

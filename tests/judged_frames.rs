@@ -111,14 +111,6 @@ fn a_step_of_codes_that_are_not_run_is_refused() {
     assert!(code == 2 && errors.contains("--rayleigh-fraction is of runs"), "{code}: {errors}");
 }
 
-#[test]
-fn one_run_for_several_seeds_is_no_verdict() {
-    let (code, text, errors) = judged(&described("same-run", OUT), &["--seeds", "3"]);
-    assert_eq!(code, 1, "{text}{errors}");
-    assert!(errors.contains("Faulty: seeds 1 and 2 are one and the same run"), "{errors}");
-    assert!(text.contains("Faulty: seeds 1 and 3 are one and the same run"), "{text}");
-}
-
 /// An interrupted comparison says so, and does not replace the report of a complete one.
 #[test]
 fn an_interruption_is_told_and_leaves_an_earlier_report() {
@@ -214,7 +206,10 @@ fn without_records_a_code_is_compared_with_makadam() {
     write_scene(folder.path());
     let output = makadam(folder.path()).args(["judge", "scene.toml", "--code", "code.toml"]).output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success() && text.contains("Faulty agrees with Makadam in the one test"), "{text}");
+    assert!(
+        output.status.success() && text.contains("Faulty agrees with Makadam within the margins in 1 test"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -234,7 +229,6 @@ fn frames_that_exist_are_judged() {
     // Runs of Makadam, as seeds that are registered and as others.
     let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "own[12]/"]);
     assert!(code == 0 && text.contains("frames agrees with Makadam"), "{code}: {text}{errors}");
-    assert!(text.contains("frames ends where Makadam does"), "{text}");
     let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "own1", "own3"]);
     assert!(
         code == 4 && text.contains("registers seeds 1 to 2 (measure.seeds), and others were run"),

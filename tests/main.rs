@@ -21,7 +21,6 @@ mod output_folder;
 mod problem_command;
 mod qualify_command;
 mod reference_scenes;
-mod reports_command;
 mod resume_command;
 mod run_command;
 mod scaling_command;

@@ -8,8 +8,8 @@ use makadam::scene::Stop;
 use makadam_validation::compare::{CodeRuns, Harvest, MeasuredRun, Reference, comparison};
 use makadam_validation::peers::{Code, Job, Makadam, Purpose};
 use makadam_validation::plan::{Scene, physics_hash};
-use makadam_validation::qualify::{Tier, on_record};
-use makadam_validation::report::TestOnRecord;
+use makadam_validation::qualify::Tier;
+use makadam_validation::report::Test;
 use makadam_validation::statistics::{Ensemble, Outcome};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -154,42 +154,33 @@ fn spinning_tops_slow_down_by_the_formula() {
     assert_relative_eq!(measured, foretold, max_relative = 1e-4);
 }
 
-/// A test that a qualification loses, widens or rests on fewer seeds makes it pass more easily: what is judged changes on record or not
-/// at all.
+/// A margin, a scene or a recorded reference that changes needs an edit of the baseline.
 #[test]
-fn what_scenes_and_references_hold_is_what_is_on_record() {
-    let record = on_record(Tier::Full);
-    let mut tests = 0;
-    for name in Tier::Full.extent().scenes {
-        let scene = Scene::load(&file_of(name)).unwrap();
-        let reference = Reference::load(&Reference::folder(&file_of(name))).unwrap().expect("recorded references");
-        let codes: &[&str] = match Tier::Quick.extent().scenes.contains(name) {
-            true => &["LAMMPS", "LIGGGHTS", "YADE"],
-            false => &["LIGGGHTS", "YADE"],
-        };
-        assert_eq!(reference.codes(), codes, "{name}");
-        let largest = scene.measure.rest_energy.map_or(f64::INFINITY, |energy| energy * scene.grain_count() as f64);
-        for code in reference.codes() {
-            let at_rest = |run: &&MeasuredRun| run.value("kinetic_energy").unwrap() <= largest;
-            let seeds = reference.of(&code).filter(at_rest).count();
-            for expectation in scene.compare.iter().filter(|expectation| expectation.margin.is_some()) {
-                let is = |test: &&TestOnRecord| {
-                    (&*test.scene, &*test.reference_code, &test.observable) == (*name, &*code, &expectation.observable)
-                };
-                let test = record.iter().find(is).unwrap_or_else(|| panic!("{name} {code} {}", expectation.observable));
-                assert_eq!((test.margin, test.seeds), (expectation.margin, seeds), "{test}");
-                assert_eq!(test.scene_hash, Some(physics_hash(&scene)), "{test}");
-                tests += 1;
+fn baseline_has_the_tests_of_the_scenes() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../validation/baseline.json");
+    for tier in [Tier::Quick, Tier::Full, Tier::Release] {
+        let extent = tier.extent();
+        let baseline = Test::read(&file, extent.name).unwrap();
+        let mut count = 0;
+        for name in extent.scenes {
+            let scene = Scene::load(&file_of(name)).unwrap();
+            let reference = Reference::load(&Reference::folder(&file_of(name))).unwrap().expect("recorded references");
+            for code in reference.codes() {
+                let runs = reference.of(&code).count();
+                for expectation in scene.compare.iter().filter(|expectation| expectation.margin.is_some()) {
+                    let title = format!("{} against {code}", expectation.observable);
+                    let is = |test: &&Test| (test.group.as_str(), &test.name) == (*name, &title);
+                    let test = baseline.iter().find(is).unwrap_or_else(|| panic!("{name}: {title}"));
+                    let made = test.runs.expect("runs of both codes");
+                    assert_eq!((test.margin, made[1]), (expectation.margin, runs), "{name}: {title}");
+                    assert!(made[0] as u64 >= extent.fewest_seeds, "{name}: {title}");
+                    assert_eq!(test.scene_hash, Some(physics_hash(&scene)), "{name}: {title}");
+                    count += 1;
+                }
             }
         }
+        assert_eq!(count, baseline.iter().filter(|test| test.margin.is_some()).count(), "{}", extent.name);
     }
-    assert_eq!(tests, record.len());
-    // The last tier makes the same tests with more seeds of Makadam.
-    let release = on_record(Tier::Release);
-    assert!(release[record.len()..].iter().all(|test| {
-        let same = |other: &&TestOnRecord| other.to_string() == test.to_string();
-        record.iter().find(same).is_some_and(|other| (other.margin, other.seeds) == (test.margin, test.seeds))
-    }));
 }
 
 /// The tiers beyond the quick one judge every scene that can be judged.

@@ -100,7 +100,7 @@ pub fn compare<'py>(
 fn asked_or_usual(py: Python<'_>, asked: Option<Vec<String>>, scene: &Scene, live: bool) -> PyResult<Vec<CodeName>> {
     match asked {
         Some(asked) => asked.iter().map(|name| code_of(py, name)).collect(),
-        None => Ok(usual_codes(&scene.plan, &scene.file, live)),
+        None => Ok(usual_codes(&scene.file, live)),
     }
 }
 
@@ -204,16 +204,7 @@ pub fn compare_runs<'py>(
             title: format!("Comparison of codes on the scene {}", scene.plan.name),
             tier: "compare".into(),
             comparisons: vec![comparison(&scene.plan, &measured, notes)],
-            wall_seconds: 0.0,
-            provenance: Default::default(),
-            notes: Vec::new(),
-            outside_spread: Vec::new(),
-            unchecked: Vec::new(),
-            failed_runs: Vec::new(),
-            laws: Vec::new(),
-            on_record: Vec::new(),
-            studies: Vec::new(),
-            studies_on_record: Vec::new(),
+            ..Qualification::default()
         },
     )
 }

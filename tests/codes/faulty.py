@@ -1,5 +1,5 @@
 """Grains that stay where they start, left as frames with a fault: faulty.py FOLDER SEED FAULT."""
-import csv, os, random, sys, time
+import csv, os, sys, time
 
 folder, seed, fault = sys.argv[1:4]
 grains = [[float(row[name]) for name in ("id", "x", "y", "z", "radius")] for row in csv.DictReader(open(f"{folder}/grains.csv"))]
@@ -19,9 +19,6 @@ if fault == "first-fails" and seed == "1":
     sys.exit(3)
 if fault in ("slow", "first-fails"):
     time.sleep(60)
-if fault == "same-run":
-    same = random.Random(1)
-    grains = [[row[0], *(same.uniform(0, 0.02) for _ in range(3)), row[4]] for row in grains]
 if fault == "reversed":
     grains = [[99 - row[0], *row[1:]] for row in grains]
 if fault == "far":

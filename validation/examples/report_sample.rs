@@ -7,7 +7,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("name a folder for the report")?;
     let mut qualification = sample::qualification(vec![sample::drum(true), sample::packing(), sample::alone()]);
     qualification.title = "Sample of a report: invented numbers".into();
-    qualification.laws.push(sample::outflow());
     qualification.studies.push(sample::study(makadam_validation::report::StudyOutcome::Failed));
     let paths = makadam_validation::report::write(&qualification, folder.as_ref())?;
     for comparison in &qualification.comparisons {

@@ -31,7 +31,6 @@ pub mod provenance;
 pub mod qualify;
 pub mod recording;
 pub mod report;
-pub mod reports;
 pub mod run_frames;
 pub mod scaling;
 pub mod scenes;

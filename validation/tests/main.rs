@@ -2,6 +2,7 @@
 
 mod support;
 
+mod baseline;
 mod drums_and_heaps;
 mod export;
 mod frames;
@@ -12,7 +13,6 @@ mod lammps;
 mod measured_bits;
 mod measured_frames;
 mod observables;
-mod on_record;
 mod peers;
 mod peers_live;
 mod pictures;

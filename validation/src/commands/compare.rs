@@ -46,7 +46,7 @@ fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Con
         scene,
         scene_file: file,
         changes: &arguments.source.changes,
-        codes: codes_or_usual(arguments.codes.as_deref(), scene, file, *live),
+        codes: codes_or_usual(arguments.codes.as_deref(), file, *live),
         judged: "Makadam",
         live: *live,
         seeds: arguments.runs.seeds,
@@ -88,7 +88,7 @@ pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Conso
     };
     let interrupted = failure.as_ref().is_some_and(CodeError::is_interruption);
     // What was cut short does not replace a report of what was not.
-    let stays = wanted.output.filter(|folder| interrupted && report::is_in(folder));
+    let stays = wanted.output.filter(|folder| interrupted && folder.join("report.json").is_file());
     // Neither is lost if the other cannot be written.
     let told = console.result(&text);
     let output = wanted.output.filter(|_| stays.is_none());
@@ -122,7 +122,7 @@ pub(super) fn colour_of(standing: Standing) -> Colour {
     }
 }
 
-/// Makes the folder of a report, or refuses it, before anything runs.
+/// Makes the folder of a report before anything runs.
 fn claim(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         return Err(Failure::Usage(format!(
@@ -130,7 +130,6 @@ fn claim(folder: &Path) -> Result<(), Failure> {
             folder.display()
         )));
     }
-    report::may_hold_comparison(folder).map_err(Failure::Usage)?;
     Ok(create_folder(folder)?)
 }
 

@@ -20,7 +20,7 @@ pub(super) fn judge(arguments: &JudgeArguments, console: &Console) -> Result<Exi
     let (file, scene) = arguments.source.load()?;
     let judged = external.name();
     let mut all: Vec<Box<dyn Code>> = vec![Box::new(external)];
-    let against = arguments.codes.clone().unwrap_or_else(|| codes_against(&scene, &file, arguments.runs.live));
+    let against = arguments.codes.clone().unwrap_or_else(|| codes_against(&file, arguments.runs.live));
     all.extend(codes_of(&against));
     let one_scene = OneScene {
         scene: &scene,

@@ -19,7 +19,6 @@ mod picture;
 mod problem;
 mod qualify;
 mod record;
-mod reports;
 mod run;
 mod scaling;
 mod scene_list;
@@ -86,7 +85,6 @@ pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
         Command::Export(export) => export::export(export, &console),
         Command::Problem(problem) => problem::problem(problem, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
-        Command::Reports(reports) => reports::reports(reports, &console),
         Command::Scaling(scaling) => scaling::scaling(scaling, &console),
         Command::Stability(stability) => stability::stability(stability, &console),
         Command::Tradeoff(tradeoff) => tradeoff::tradeoff(tradeoff, &console),
@@ -235,8 +233,8 @@ fn installed(names: &[CodeName]) -> Result<Vec<Box<dyn Code>>, Failure> {
 }
 
 /// The codes that are asked for, or those in which a scene is compared where nobody says which.
-fn codes_or_usual(names: Option<&[CodeName]>, scene: &Scene, scene_file: &Path, live: bool) -> Vec<Box<dyn Code>> {
-    names.map_or_else(|| codes_of(&usual_codes(scene, scene_file, live)), codes_of)
+fn codes_or_usual(names: Option<&[CodeName]>, scene_file: &Path, live: bool) -> Vec<Box<dyn Code>> {
+    names.map_or_else(|| codes_of(&usual_codes(scene_file, live)), codes_of)
 }
 
 /// Opens progress bars on the console.

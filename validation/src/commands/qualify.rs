@@ -1,13 +1,12 @@
 //! `makadam qualify`: the reference scenes judged together, one report.
 
-use super::arguments::{QualifyArguments, TierName};
+use super::arguments::QualifyArguments;
 use super::compare::colour_of;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, json};
 use crate::compare::Comparison;
 use crate::output::JSON_VERSION;
-use crate::qualify::{QualifyError, Settings, Tier, qualify as judge};
-use crate::report::published::PublishedLaw;
-use crate::report::{self, Changes, Qualification, Standing, StudySection, Verdict};
+use crate::qualify::{QualifyError, Settings, qualify as judge};
+use crate::report::{self, Changes, Qualification, Standing, StudySection, Test, Verdict};
 use crate::scenes;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -27,7 +26,6 @@ struct QualifyDocument<'a> {
     unchecked: &'a [String],
     failed: &'a [String],
     studies: &'a [StudySection],
-    laws: &'a [PublishedLaw],
     wall_seconds: f64,
     report: String,
     against: Option<&'a Changes>,
@@ -37,26 +35,15 @@ struct QualifyDocument<'a> {
     provenance: &'a BTreeMap<String, String>,
 }
 
-/// An earlier report, which has to be of Makadam.
-fn of_makadam(file: &Path) -> Result<Qualification, Failure> {
-    let earlier = report::read(file).map_err(Failure::Usage)?;
-    match earlier.comparisons.iter().find(|comparison| comparison.judged != "Makadam") {
-        None => Ok(earlier),
-        Some(Comparison { judged, .. }) => Err(Failure::Usage(format!(
-            "{} is a report on {judged}, and Makadam is judged here; give one of 'makadam qualify'",
-            file.display()
-        ))),
-    }
-}
-
 /// Judges the reference scenes.
 pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result<ExitCode, Failure> {
     arguments.jobs.apply()?;
     let folder = arguments.output.folder("qualification");
-    // Minutes of work are not begun for a report that cannot be written.
-    report::may_hold_qualification(&folder).map_err(Failure::Usage)?;
+    let extent = arguments.tier.extent();
+    // Minutes of work are not begun for a report that cannot be written, or a baseline that cannot be read.
     crate::output::create_folder(&folder)?;
-    let earlier = arguments.against.as_deref().map(of_makadam).transpose()?;
+    let read = |file: &Path| Test::read(file, extent.name).map_err(Failure::Usage);
+    let baseline = arguments.against.as_deref().map(read).transpose()?;
     let announce = announce(console);
     let settings = Settings {
         roots: scenes::roots(),
@@ -67,16 +54,11 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
         announce: &announce,
         say: &|text| console.note(text),
     };
-    let tier = match arguments.tier {
-        TierName::Quick => Tier::Quick,
-        TierName::Full => Tier::Full,
-        TierName::Release => Tier::Release,
-    };
-    let qualification = judge(tier.extent(), &settings).map_err(|error| failure(error, &folder))?;
+    let qualification = judge(&extent, &settings).map_err(|error| failure(error, &folder))?;
     let paths = report::write(&qualification, &folder)?;
     let verdict = qualification.verdict();
     let report = paths.html.display().to_string();
-    let changes = earlier.map(|earlier| Changes::between(&earlier, &qualification));
+    let changes = baseline.map(|baseline| Changes::between(&baseline, &report::tests(&qualification)));
     let text = match arguments.output.json {
         true => json(&document(&qualification, &verdict, report, changes.as_ref())),
         false => {
@@ -88,8 +70,8 @@ pub(super) fn qualify(arguments: &QualifyArguments, console: &Console) -> Result
     if !qualification.failed_runs.is_empty() {
         return Err(Failure::Running(qualification.failed_runs.join("; ")));
     }
-    let lost = changes.is_some_and(|changes| changes.has_lost());
-    Ok(if passes(&verdict) && !lost { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
+    let holds = changes.is_none_or(|changes| changes.pass());
+    Ok(if passes(&verdict) && holds { ExitCode::SUCCESS } else { ExitCode::from(OUTSIDE_TOLERANCE) })
 }
 
 fn document<'a>(
@@ -109,7 +91,6 @@ fn document<'a>(
         unchecked: &qualification.unchecked,
         failed: &qualification.failed_runs,
         studies: &qualification.studies,
-        laws: &qualification.laws,
         wall_seconds: qualification.wall_seconds,
         report,
         against,
@@ -154,7 +135,7 @@ fn failure(error: QualifyError, folder: &Path) -> Failure {
         QualifyError::Reference(error) => error.into(),
         QualifyError::NotRecorded { .. } => Failure::MissingCode(error.to_string()),
         QualifyError::Code(error) => error.into(),
-        QualifyError::Worthless(_) | QualifyError::Study { .. } => Failure::Running(error.to_string()),
+        QualifyError::Failed(_) => Failure::Running(error.to_string()),
         QualifyError::Write(error) => error.into(),
         QualifyError::Document(error) => error.into(),
         QualifyError::Interrupted => Failure::Interrupted(format!(

@@ -18,7 +18,7 @@ pub(super) fn record(
     console: &Console,
 ) -> Result<ExitCode, Failure> {
     // What was recorded once is recorded again, so that no code is lost.
-    let codes = codes_or_usual(arguments.codes.as_deref(), scene, file, false);
+    let codes = codes_or_usual(arguments.codes.as_deref(), file, false);
     let peers: Vec<Box<dyn Code>> = codes.into_iter().filter(|code| code.name() != "Makadam").collect();
     if peers.is_empty() {
         let problem =

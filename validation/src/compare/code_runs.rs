@@ -3,7 +3,6 @@
 use super::{CodeSummary, FinalState, Harvest, MeasuredRun, Source, Timing};
 use crate::observables::ForcePool;
 use crate::observables::{ForceDistribution, Series};
-use makadam::checkpoint::checksum;
 
 /// Bins of a force distribution and their width in mean forces.
 const FORCE_BINS: (usize, f64) = (32, 0.25);
@@ -60,19 +59,6 @@ impl CodeRuns {
     /// The same code without any of its runs, and why none counts.
     pub fn without_runs(self, why: String) -> CodeRuns {
         CodeRuns { discarded: Some(why), runs: Vec::new(), forces: None, series: Vec::new(), final_state: None, ..self }
-    }
-
-    /// Hash of all that was measured and how, 16 hexadecimal digits: with another number, law, version, step or seed it is another one.
-    pub fn fingerprint(&self) -> String {
-        let mut text = String::new();
-        for run in &self.runs {
-            let MeasuredRun { code, version, contact_law, seed, time_step, rayleigh_fraction, .. } = run;
-            text += &format!("{code} {version} {contact_law} {seed} {time_step:?} {rayleigh_fraction:?}\n");
-            for measured in &run.measurements {
-                text += &format!("{} {:?} {:?}\n", measured.observable, measured.value, measured.standard_error);
-            }
-        }
-        format!("{:016x}", checksum(text.as_bytes()))
     }
 
     /// Values of an observable, one a run that has it.

@@ -1,9 +1,9 @@
 //! A finished figure of a page.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A finished figure.
-#[derive(Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Figure {
     /// Name of its file, without the ending.
     pub name: String,

@@ -2,7 +2,6 @@
 //!
 //! ```text
 //! values ─> Axis ─> Plot ─> Drawing (SVG) ─> Figure ─> page, file
-//! scene  ─> View ─────────> Drawing
 //! rows   ─> numbers, names ─> columns ─> terminal
 //! ```
 
@@ -14,6 +13,5 @@ pub(crate) mod names;
 pub(crate) mod numbers;
 pub(crate) mod plot;
 pub(crate) mod svg;
-pub(crate) mod view;
 
 pub(crate) use columns::{columns, values, wrapped};

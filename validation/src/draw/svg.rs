@@ -171,19 +171,10 @@ impl Drawing {
         self.body.push_str("</svg>");
     }
 
-    /// The drawing, with a name for those who cannot see it.
+    /// Returns the drawing, with a name for readers who cannot see it.
     pub(crate) fn finish(self, name: &str) -> String {
-        self.closed("", name)
-    }
-
-    /// The element with an anchor, by which the page shows it at a second place.
-    pub(crate) fn finish_at(self, anchor: &str, name: &str) -> String {
-        self.closed(&format!(r#"id="{}" "#, escape(anchor)), name)
-    }
-
-    fn closed(self, identity: &str, name: &str) -> String {
         format!(
-            r#"<svg {identity}role="img" aria-label="{}" viewBox="0 0 {} {}" style="max-width:{}px">{}</svg>"#,
+            r#"<svg role="img" aria-label="{}" viewBox="0 0 {} {}" style="max-width:{}px">{}</svg>"#,
             escape(name),
             short(self.width),
             short(self.height),

@@ -75,6 +75,7 @@ impl Law for Beverloo {
         }
     }
 
+    #[cfg(test)]
     fn recorded(&self) -> &'static str {
         include_str!("../../laws/beverloo.csv")
     }

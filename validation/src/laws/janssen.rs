@@ -83,6 +83,7 @@ impl Law for Janssen {
         }
     }
 
+    #[cfg(test)]
     fn recorded(&self) -> &'static str {
         include_str!("../../laws/janssen.csv")
     }

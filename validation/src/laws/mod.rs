@@ -3,7 +3,6 @@
 //! ```text
 //! Law ─> cases ─> Run (a case, a seed) ─> measure ─> Row ─> means over seeds ─> judge ─> Finding
 //!                                          kept at once                        ─> figures, CSV, JSON, table
-//!                                                            CSV, recorded ─> judge ─> a report
 //! ```
 //!
 //! A law is one file that implements `Law` and one line in `all`. What it takes as given (sizes, friction, definitions) is
@@ -17,7 +16,7 @@ mod collapse;
 mod fit;
 mod janssen;
 mod keep;
-mod markdown;
+#[cfg(test)]
 mod recorded;
 mod run;
 mod study;
@@ -26,14 +25,10 @@ mod write;
 
 pub(crate) use case::{Case, Values};
 pub(crate) use keep::{KeptRows, Plan, carry_out, work};
-pub(crate) use markdown::markdown;
-pub(crate) use recorded::published;
-#[cfg(test)]
-pub(crate) use recorded::recorded;
 pub(crate) use run::{LawError, Run};
 pub(crate) use study::{LawResult, Mean, Row, Study};
 pub(crate) use terminal::{in_words, table};
-pub(crate) use write::{write, write_scenes};
+pub(crate) use write::{runs, write, write_scenes};
 
 use crate::draw::figure::Figure;
 use crate::study::Finding;
@@ -53,6 +48,7 @@ pub(crate) trait Law: Sync {
     fn cases(&self, quick: bool) -> Vec<Case>;
 
     /// Rows of all its cases as they were last recorded: the `rows.csv` of `makadam laws`.
+    #[cfg(test)]
     fn recorded(&self) -> &'static str;
 
     /// Takes a case through its simulation and measures it.

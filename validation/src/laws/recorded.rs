@@ -1,43 +1,10 @@
-//! Recorded rows of the laws (`validation/laws`), judged anew, so that a report can show them: to measure them again takes more than
-//! an hour of a core.
+//! Tests of the recorded rows of the laws (`validation/laws`): they are of the scenes of today, hold, and come out bitwise equal.
 
 use super::{Law, LawResult, Row, Values, all};
-use crate::report::published::{Judged, PublishedLaw};
 
 /// Every law with its recorded rows, judged as they would be if they were measured now.
 pub(crate) fn recorded() -> Vec<(&'static dyn Law, LawResult)> {
     all().into_iter().map(|law| (law, LawResult::new(law, rows(law.recorded())))).collect()
-}
-
-/// Every law as a report shows it.
-pub(crate) fn published() -> Vec<PublishedLaw> {
-    recorded().into_iter().map(|(law, result)| section(law, &result)).collect()
-}
-
-fn section(law: &dyn Law, result: &LawResult) -> PublishedLaw {
-    let judged = result.findings.iter().filter(|finding| finding.bounds() != [None, None]);
-    let mut versions: Vec<String> = result.rows.iter().map(|row| row.makadam.clone()).collect();
-    versions.dedup();
-    PublishedLaw {
-        name: law.name().into(),
-        statement: law.statement().into(),
-        source: law.source().into(),
-        runs: result.rows.len(),
-        wall_seconds: result.rows.iter().map(|row| row.wall_seconds).sum(),
-        version: versions.join(", "),
-        judged: judged
-            .map(|finding| Judged {
-                what: finding.what.clone(),
-                unit: finding.unit.clone().into_owned(),
-                value: finding.value,
-                low: finding.bounds()[0],
-                high: finding.bounds()[1],
-                holds: finding.holds(),
-            })
-            .collect(),
-        figures: law.figures(&result.means).into_iter().map(|figure| (figure.svg, figure.caption)).collect(),
-        rows: law.recorded().into(),
-    }
 }
 
 /// The rows of a file; the columns behind the first seven are values, empty where a case has no such value.

@@ -36,7 +36,7 @@ pub(crate) fn write(law: &dyn Law, study: &Study, folder: &Path) -> Result<(), D
 pub(super) const LEADING: [&str; 7] = ["case", "seed", "grains", "steps", "wall_seconds", "scene_hash", "makadam"];
 
 /// One row a run; the values of all cases by name.
-fn runs(rows: &[Row]) -> Table {
+pub(crate) fn runs(rows: &[Row]) -> Table {
     let names: BTreeSet<&str> = rows.iter().flat_map(|row| row.values.keys().map(String::as_str)).collect();
     Table::new(&[], &LEADING).with_numbers(&names).of(rows, |row| {
         let Row { case, seed, grains, steps, wall_seconds, scene_hash, makadam, .. } = row;

@@ -31,6 +31,7 @@ pub(crate) use vtk_read::{FIELD_DATA, Outline, decode as decode_vtk, outline as 
 /// How every HDF5 file begins.
 pub(crate) const HDF5: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
+use crate::plan::Scene;
 use makadam::checkpoint::{replace_with, write_atomically};
 use std::io::Write;
 use std::path::Path;
@@ -58,6 +59,11 @@ impl WriteError {
     pub fn new(path: &Path, source: std::io::Error) -> WriteError {
         WriteError { path: path.display().to_string(), source }
     }
+}
+
+/// Returns the walls of a scene as triangles at a time (s), those that a force drives where the scene places them.
+pub(crate) fn wall_triangles(scene: &Scene, time: f64) -> vtk::PolyData {
+    wall_mesh::WallMesh::new(scene).at(time, &[])
 }
 
 /// Makes a folder and those above it.

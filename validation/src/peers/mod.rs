@@ -185,19 +185,6 @@ pub enum CodeError {
         /// What is wrong.
         problem: String,
     },
-    /// It has given one run for two seeds.
-    #[error(
-        "{code}: seeds {} and {} are one and the same run: the grains end at the same places to the last bit; let each \
-         run start from the grains.csv of its folder, or draw by its seed, {{seed}}",
-        seeds[0],
-        seeds[1]
-    )]
-    SameRun {
-        /// The code.
-        code: &'static str,
-        /// The seeds.
-        seeds: [u64; 2],
-    },
     /// The scene cannot be populated.
     #[error(transparent)]
     Scene(#[from] crate::scenes::SceneError),

@@ -45,13 +45,18 @@ pub fn write_png(path: &Path, picture: &Picture) -> Result<(), PictureError> {
     if ending(path) != "png" {
         return Err(PictureError::Format { file: path.display().to_string(), known: ".png" });
     }
+    Ok(write_whole(path, &png(picture))?)
+}
+
+/// Encodes a picture as PNG.
+pub(crate) fn png(picture: &Picture) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, picture.width as u32, picture.height as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&picture.bytes));
-    written.map_err(|error| refused(path, error))?;
-    Ok(write_whole(path, &bytes)?)
+    written.expect("a picture has three bytes per pixel, and memory takes them");
+    bytes
 }
 
 fn ending(path: &Path) -> String {

@@ -16,6 +16,7 @@ mod shade;
 
 pub use camera::{Camera, Cut, Subject, View};
 pub use colours::{MOST_KINDS, PALETTE, Scale, VIRIDIS, telling};
+pub(crate) use files::png;
 pub use files::{Animation, PictureError, write_png};
 pub(crate) use lettering::ticks;
 pub use of_run::{Content, caption};

@@ -1,15 +1,12 @@
 //! One scene in several codes, judged.
 
-use super::record::on_record;
-use super::same_runs::{copied, without_same_runs};
-use super::tier::Tier;
 use crate::compare::{
     Announce, CodeRuns, Comparison, FEW_SEEDS, Reference, ReferenceError, Runs, Simulated, comparison, noticed,
 };
 use crate::peers::{Code, CodeError, CodeName, Purpose};
-use crate::plan::{Expectation, Scene, physics_hash};
+use crate::plan::{Expectation, Scene};
 use crate::provenance::account;
-use crate::report::{Qualification, TestOnRecord};
+use crate::report::Qualification;
 use crate::scenes::Change;
 use rayon::prelude::*;
 use std::path::Path;
@@ -39,10 +36,10 @@ pub struct OneScene<'a> {
     pub announce: Announce<'a>,
 }
 
-/// The codes in which a scene is compared where nobody says which: Makadam, and live its referees; else all codes that have left a table
-/// beside the scene, whatever became of it, or are on record for it. Where there are none, the referees, so that their lack is told.
-pub fn usual_codes(scene: &Scene, scene_file: &Path, live: bool) -> Vec<CodeName> {
-    let mut codes = codes_against(scene, scene_file, live);
+/// Returns the codes that a comparison has by default: Makadam, and live its referees; else all codes with a recorded table next to the
+/// scene. Where there are none, the referees, so that the error names what is missing.
+pub fn usual_codes(scene_file: &Path, live: bool) -> Vec<CodeName> {
+    let mut codes = codes_against(scene_file, live);
     if codes.len() == 1 {
         codes.extend(CodeName::REFEREES);
     }
@@ -51,14 +48,8 @@ pub fn usual_codes(scene: &Scene, scene_file: &Path, live: bool) -> Vec<CodeName
 
 /// The codes that one of the user's own is compared with where none are named: Makadam, and live its referees; else all codes that are
 /// recorded on the scene, if any are.
-pub fn codes_against(scene: &Scene, scene_file: &Path, live: bool) -> Vec<CodeName> {
-    let hash = physics_hash(scene);
-    let is_this = |test: &TestOnRecord| test.scene == scene.name && test.scene_hash.as_ref() == Some(&hash);
-    let on_record: Vec<TestOnRecord> = on_record(Tier::Release).into_iter().filter(is_this).collect();
-    let counts = |name: &CodeName| {
-        let code = name.code().name();
-        Reference::is_left(scene_file, code) || on_record.iter().any(|test| test.reference_code == code)
-    };
+pub fn codes_against(scene_file: &Path, live: bool) -> Vec<CodeName> {
+    let counts = |name: &CodeName| Reference::is_left(scene_file, name.code().name());
     let further = CodeName::REFEREES.into_iter().chain(CodeName::FURTHER_REFEREES);
     let mut codes = vec![CodeName::Makadam];
     match live {
@@ -155,10 +146,6 @@ impl OneScene<'_> {
                 recorded.push(from_reference(code.as_ref(), reference.as_ref(), scene, &mut notes)?);
             }
         }
-        if !recorded.is_empty() {
-            notes.extend(Reference::unvouched(self.scene_file, scene));
-            notes.extend(unrecorded(reference.as_ref(), scene));
-        }
         let judged = live.iter().find(|code| code.name() == self.judged && self.judged != "Makadam");
         let first = judged.map(|code| first_seed(code.as_ref(), &runs)).transpose()?;
         let simulate = |code: &dyn Code| match &first {
@@ -173,13 +160,8 @@ impl OneScene<'_> {
             rest.failures.splice(0..0, first.failures);
         }
         let side_by_side = rayon::current_num_threads().min(live.len() * runs.seeds.len());
-        if self.judged != "Makadam" {
-            let of = |name: &str| simulated.iter().find(|(code, _)| *code == name).map(|(_, runs)| &runs.harvests[..]);
-            notes.extend(of(self.judged).zip(of("Makadam")).and_then(|(own, other)| copied(self.judged, own, other)));
-        }
         let (mut measured, mut failures) = (Vec::new(), Vec::new());
         for (code, simulated) in simulated {
-            let simulated = without_same_runs(self.judged, code, scene, simulated);
             let mut failed = Vec::new();
             for (seed, error) in simulated.failures {
                 failed.push(seed);
@@ -208,14 +190,7 @@ impl OneScene<'_> {
             comparisons: vec![Comparison { judged: self.judged.into(), ..comparison(scene, &measured, notes) }],
             wall_seconds: clock.elapsed().as_secs_f64(),
             provenance: account(rayon::current_num_threads(), &[scene]),
-            notes: Vec::new(),
-            outside_spread: Vec::new(),
-            unchecked: Vec::new(),
-            failed_runs: Vec::new(),
-            laws: Vec::new(),
-            on_record: Vec::new(),
-            studies: Vec::new(),
-            studies_on_record: Vec::new(),
+            ..Qualification::default()
         };
         Ok(Judged { qualification, failure })
     }
@@ -253,13 +228,6 @@ fn with_all_values(scene: &Scene, codes: &[CodeRuns]) -> Scene {
 /// Tables of a scene that a registration holds for.
 const REGISTERED: [&str; 2] = ["measure", "compare"];
 
-/// Which referees have no numbers on a scene that has those of others.
-fn unrecorded(reference: Option<&Reference>, scene: &Scene) -> Option<String> {
-    let lacks = |code: &&str| reference.is_none_or(|reference| reference.of(code).next().is_none());
-    let lacking: Vec<&str> = CodeName::REFEREES.iter().map(|name| name.code().name()).filter(lacks).collect();
-    (!lacking.is_empty()).then(|| format!("nothing is recorded of {} on {}", lacking.join(" and "), scene.name))
-}
-
 /// What is recorded of a code, or an error that says how to get it.
 fn from_reference(
     code: &dyn Code,
@@ -279,39 +247,24 @@ fn from_reference(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes::{find, load};
 
     #[test]
-    fn codes_are_those_that_are_recorded_or_on_record() {
+    fn codes_are_those_that_are_recorded() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("scene.toml");
-        let [mut scene, packed] = ["landslide", "packing"].map(|name| load(&find(name, &[]).unwrap()).unwrap());
-        let usual = |scene: &Scene, live: bool| {
-            let names = usual_codes(scene, &file, live);
+        let usual = |live: bool| {
+            let names = usual_codes(&file, live);
             names.iter().map(|name| name.code().name()).collect::<Vec<_>>().join(" ")
         };
         // Nothing is recorded: the lack of both referees will be told.
-        assert_eq!(usual(&scene, false), "Makadam YADE LIGGGHTS");
+        assert_eq!(usual(false), "Makadam YADE LIGGGHTS");
         let reference = folder.path().join("reference");
         std::fs::create_dir(&reference).unwrap();
         std::fs::write(reference.join("runs.csv"), "code,version\nLIGGGHTS,3.8\n").unwrap();
-        assert_eq!(usual(&scene, false), "Makadam LIGGGHTS");
+        assert_eq!(usual(false), "Makadam LIGGGHTS");
         // Whatever became of its lines.
         std::fs::write(reference.join("final-state-lammps.csv"), "").unwrap();
-        assert_eq!(usual(&scene, false), "Makadam LIGGGHTS LAMMPS");
-        assert_eq!(usual(&scene, true), "Makadam YADE LIGGGHTS");
-        // A scene of the tiers is compared with all that is on record of it, whatever lies beside it; another scene of its name is not.
-        assert_eq!(usual(&packed, false), "Makadam YADE LIGGGHTS LAMMPS");
-        scene.name = "packing".into();
-        assert_eq!(usual(&scene, false), "Makadam LIGGGHTS LAMMPS");
-    }
-
-    #[test]
-    fn referees_without_numbers_are_named() {
-        let scene = load(&find("packing-100", &[]).unwrap()).unwrap();
-        let note = unrecorded(None, &scene).unwrap();
-        assert_eq!(note, "nothing is recorded of YADE and LIGGGHTS on packing-100");
-        let recorded = Reference::of_scene(&find("packing", &[]).unwrap()).unwrap();
-        assert_eq!(unrecorded(recorded.as_ref(), &scene), None);
+        assert_eq!(usual(false), "Makadam LIGGGHTS LAMMPS");
+        assert_eq!(usual(true), "Makadam YADE LIGGGHTS");
     }
 }

@@ -1,8 +1,5 @@
-//! The scenes of a qualification: what is recorded of each, the runs of Makadam, live runs of the peers, the comparison.
+//! The scenes of a qualification: recorded runs, jobs side by side, live runs of the peers, the comparison.
 
-use super::jobs::{Job, weight};
-use super::record::fingerprint_on_record;
-use super::same_runs::twins;
 use super::{LIVE_SEED, QualifyError, Settings};
 use crate::compare::{
     CodeRuns, CodeSummary, Comparison, Harvest, KeptError, KeptRuns, LIVE_FRACTION, Reference, Runs, Timed, comparison,
@@ -10,18 +7,73 @@ use crate::compare::{
 };
 use crate::peers::{Code, Makadam, Purpose};
 use crate::plan::Scene;
+use crate::report::Qualification;
 use crate::scenes::{self, SceneError};
-use crate::statistics::CONFIDENCE;
-use makadam::scene::SceneFileError;
+use makadam::scene::{SceneFileError, Stop};
+use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-/// What live runs of the peers came to beside their recorded ones, in sentences.
-#[derive(Default)]
-pub(super) struct AgainstRecorded {
-    pub(super) outside: Vec<String>,
-    pub(super) unchecked: Vec<String>,
-    pub(super) failed: Vec<String>,
+/// Sweeps of a solve that stops by itself, where its cost is guessed.
+const GUESSED_SWEEPS: u32 = 20;
+
+/// A run on one core that stores its result.
+pub(super) struct Job<'a> {
+    /// Name of the result: of jobs of the same name the first computes it, and the others find it stored.
+    pub(super) identity: String,
+    /// Amount of work, in any unit that all jobs share.
+    pub(super) weight: f64,
+    /// Needs the machine to itself, since it is timed.
+    pub(super) alone: bool,
+    /// Computes and stores the result.
+    pub(super) work: Box<dyn FnOnce() -> Result<(), QualifyError> + Send + 'a>,
+}
+
+/// Runs all jobs: first those that need the machine to themselves, then as many at a time as there are threads, the longest first, none twice.
+///
+/// # Errors
+/// The error of a job that failed; no other is begun after it.
+pub(super) fn run(jobs: Vec<Job<'_>>) -> Result<(), QualifyError> {
+    let mut tasks: Vec<Vec<Job<'_>>> = Vec::new();
+    for job in jobs {
+        if job.alone {
+            (job.work)()?;
+            continue;
+        }
+        match tasks.iter_mut().find(|task| task[0].identity == job.identity) {
+            Some(task) => task.push(job),
+            None => tasks.push(vec![job]),
+        }
+    }
+    tasks.par_sort_by(|one, other| other[0].weight.total_cmp(&one[0].weight));
+    let failure: Mutex<Option<QualifyError>> = Mutex::new(None);
+    let failed = || failure.lock().expect("nothing panics while it holds the lock").is_some();
+    // First in, first out: whichever thread is free takes the longest task that is left.
+    rayon::scope_fifo(|scope| {
+        for job in tasks {
+            let (failure, failed) = (&failure, &failed);
+            scope.spawn_fifo(move |_| {
+                for job in job {
+                    if failed() {
+                        return;
+                    }
+                    if let Err(error) = (job.work)() {
+                        failure.lock().expect("nothing panics while it holds the lock").get_or_insert(error);
+                    }
+                }
+            });
+        }
+    });
+    failure.into_inner().expect("nothing panics while it holds the lock").map_or(Ok(()), Err)
+}
+
+/// Returns the amount of work of a run: grains times steps times sweeps.
+pub(super) fn weight(scene: &Scene) -> f64 {
+    let sweeps = match scene.solver.stop {
+        Stop::Sweeps { sweeps } => sweeps,
+        _ => GUESSED_SWEEPS,
+    };
+    scene.grain_count() as f64 * scene.duration / scene.solver.step * f64::from(sweeps)
 }
 
 /// A scene with what is recorded on it.
@@ -34,17 +86,15 @@ pub(super) struct Case {
     seeds: u64,
     notes: Vec<String>,
     timings: Vec<CodeSummary>,
-    /// Makadam's runs.
+    /// Runs of Makadam.
     harvests: Mutex<Vec<Harvest>>,
 }
 
 impl Case {
-    /// A scene with no fewer than so many seeds of Makadam; `on_record`: the recorded numbers have to be those on record. Of `peers`
-    /// there has to be something recorded, of `further` codes what is recorded counts.
+    /// Opens a scene with at least so many seeds of Makadam. Recorded runs of `peers` are required, those of `further` codes optional.
     pub(super) fn open(
         name: &'static str,
         fewest_seeds: u64,
-        on_record: bool,
         settings: &Settings<'_>,
         peers: &[Box<dyn Code>],
         further: &[Box<dyn Code>],
@@ -77,16 +127,8 @@ impl Case {
                 None if is_needed => return Err(QualifyError::NotRecorded { code: code.into(), scene: name.into() }),
                 None => continue,
             };
-            let is_other = on_record && fingerprint_on_record(name, code) != Some(recorded.fingerprint());
-            case.recorded.push(match is_other && recorded.discarded.is_none() {
-                true => recorded
-                    .without_runs(format!("the recorded numbers of {code} are not those on record (references.csv)")),
-                false => recorded,
-            });
+            case.recorded.push(recorded);
             case.notes.extend(reference.out_of_date(code, peer.contact_law(), &case.scene));
-        }
-        if !case.recorded.is_empty() {
-            case.notes.extend(Reference::unvouched(&case.file, &case.scene));
         }
         Ok(case)
     }
@@ -95,11 +137,12 @@ impl Case {
         settings.measuring(&self.scene, &self.file, seed)
     }
 
-    /// The runs of Makadam.
+    /// Returns the runs of Makadam.
     pub(super) fn jobs<'s>(&'s self, settings: &'s Settings<'_>, kept: &'s KeptRuns) -> Vec<Job<'s>> {
         let job = move |seed| Job {
             identity: KeptRuns::identity(&self.runs(settings, seed), &Makadam, seed),
             weight: weight(&self.scene),
+            alone: false,
             work: Box::new(move || {
                 let harvest = kept.take(&self.runs(settings, seed), &Makadam, seed)?;
                 self.harvests.lock().expect("nothing panics while it holds the lock").push(harvest);
@@ -109,29 +152,21 @@ impl Case {
         (1..=self.seeds).map(job).collect()
     }
 
-    /// The comparison of all that was run with all that is recorded, by so many threads.
+    /// Compares all runs with all recorded ones, run by so many threads.
     pub(super) fn compared(self, threads: usize) -> Comparison {
         let mut harvests = self.harvests.into_inner().expect("nothing panics while it holds the lock");
         harvests.sort_by_key(|harvest| harvest.run.seed);
-        let twins = twins(&harvests);
-        harvests.retain(|harvest| twins.iter().all(|[_, twin]| *twin != harvest.run.seed));
-        let mut notes = self.notes;
-        notes.extend(twins.iter().map(|[seed, twin]| {
-            format!("Makadam: seeds {seed} and {twin} are one and the same run, of which the second counts as failed")
-        }));
-        let failed = twins.into_iter().map(|[_, twin]| twin).collect();
-        let own = CodeRuns { failed, ..CodeRuns::live("Makadam", threads, harvests) };
+        let own = CodeRuns::live("Makadam", threads, harvests);
         let codes: Vec<CodeRuns> = std::iter::once(own).chain(self.recorded).collect();
         // The table of tiers is what a qualification registers. The scene of the runs stays that of its file, by which they are kept.
         let mut registered = self.scene;
         registered.measure.seeds = Some(self.seeds);
-        let mut comparison = comparison(&registered, &codes, notes);
+        let mut comparison = comparison(&registered, &codes, self.notes);
         comparison.codes.extend(self.timings);
         comparison
     }
 
-    /// Times a code, nothing else of this command running, and notes how long it took; runs that an earlier start has kept are not made
-    /// again.
+    /// Times a code, alone on the machine; stored runs are not repeated.
     pub(super) fn time(
         &mut self,
         settings: &Settings<'_>,
@@ -147,39 +182,68 @@ impl Case {
         Ok(harvest)
     }
 
-    /// Number of observables that have a margin.
+    /// Returns the number of observables that have a margin.
     pub(super) fn margins(&self) -> usize {
         self.scene.compare.iter().filter(|expectation| expectation.margin.is_some()).count()
     }
 
-    /// Holds a live run of a peer against the spread of its recorded runs, each value with `confidence`.
-    pub(super) fn check(&mut self, harvest: &Harvest, confidence: f64, found: &mut AgainstRecorded) {
+    /// Compares a live run of a peer with the spread of its recorded runs, each value with `confidence`.
+    pub(super) fn check(&self, harvest: &Harvest, confidence: f64, found: &mut Qualification) {
         let run = &harvest.run;
         let recorded = self.recorded.iter().find(|recorded| recorded.code == run.code);
         let recorded = recorded.expect("a case is opened with what is recorded of every peer");
-        let percent = 100.0 * LIVE_FRACTION;
-        let head = format!("live {} (seed {}, {percent:.0}% of the Rayleigh step)", run.code, run.seed);
-        let (scene, mut inside) = (&self.scene.name, Vec::new());
+        let head = format!(
+            "{}: live {} (seed {}, {:.0}% of the Rayleigh step)",
+            self.scene.name,
+            run.code,
+            run.seed,
+            100.0 * LIVE_FRACTION
+        );
         for check in live_checks(&self.scene, run, recorded, confidence) {
             let name = &check.observable;
             match (check.value, check.interval, check.inside) {
-                (Some(value), Some([low, high]), Some(true)) => {
-                    inside.push(format!("{name} {value:.4} ({low:.4} to {high:.4})"));
-                }
-                (Some(value), Some([low, high]), _) => found.outside.push(format!(
-                    "{scene}: {head} lies outside the interval that the recorded seeds predict: {name} {value:.4} ({low:.4} to {high:.4})"
+                (Some(_), Some(_), Some(true)) => {}
+                (Some(value), Some([low, high]), _) => found.outside_spread.push(format!(
+                    "{head} lies outside the interval that the recorded seeds predict: {name} {value:.4} ({low:.4} to {high:.4})"
                 )),
-                (None, _, _) => found.unchecked.push(format!("{scene}: {head} has no value of {name}")),
-                (Some(_), None, _) => found.unchecked.push(format!(
-                    "{scene}: {name} of the {head} has no recorded spread to be held against"
-                )),
+                (None, _, _) => found.unchecked.push(format!("{head} has no value of {name}")),
+                (Some(_), None, _) => found.unchecked.push(format!("{head} has no recorded spread of {name}")),
             }
         }
-        if !inside.is_empty() {
-            let listed = inside.join(", ");
-            self.notes.push(format!("{head} lies inside the intervals that the recorded seeds predict ({:.2}% each, {:.0}% for all live values): {listed}",
-                100.0 * confidence,
-                100.0 * CONFIDENCE));
-        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn equal_jobs_run_in_turn_and_a_failure_ends_all() {
+        let (busy, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let job = |identity: &str, weight| Job {
+            identity: identity.into(),
+            weight,
+            alone: false,
+            work: Box::new(|| {
+                assert_eq!(busy.fetch_add(1, Ordering::SeqCst), 0, "two of the same at a time");
+                std::thread::sleep(std::time::Duration::from_millis(1));
+                busy.fetch_sub(1, Ordering::SeqCst);
+                done.fetch_add(1, Ordering::SeqCst);
+                Ok(())
+            }),
+        };
+        run((0..20).map(|number| job("same", f64::from(number))).collect()).unwrap();
+        assert_eq!(done.load(Ordering::SeqCst), 20);
+        let fails = Job {
+            identity: "fails".into(),
+            weight: 9.0,
+            alone: false,
+            work: Box::new(|| Err(QualifyError::Interrupted)),
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let ended = pool.install(|| run(vec![job("later", 1.0), fails, job("first", 10.0)]));
+        assert!(matches!(ended, Err(QualifyError::Interrupted)));
+        assert_eq!(done.load(Ordering::SeqCst), 21, "the longest came first, and nothing after the failure");
     }
 }

@@ -1,38 +1,35 @@
-//! The tiers: what each consists of, as one table.
+//! The tiers: the extent of each, as one table.
 
-use serde::{Deserialize, Serialize};
+use clap::ValueEnum;
 
-/// How much is judged. Each tier has all that the one before it has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// Extent of a qualification. Each tier has all that the one before it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Tier {
-    /// Minutes.
+    /// Packing, drum, drum with caps and heap: 15 minutes on two cores.
     Quick,
-    /// Hours.
+    /// Every scene with recorded references of both peers, hard cases, published laws, effects, convergence: under 3 hours on two cores.
     Full,
-    /// A night.
+    /// All of that with at least 16 seeds of Makadam, effects of more scenes, trade-off: a night.
     Release,
 }
 
-/// What a qualification consists of.
+/// Scenes and studies of a qualification.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     /// Its name.
     pub name: &'static str,
-    /// The tier whose tests on record have to be made; none in a qualification of one's own.
-    pub on_record: Option<Tier>,
     /// Scenes that are judged against recorded references of both peers, in the order of the report.
     pub scenes: &'static [&'static str],
-    /// Makadam runs no fewer seeds of a scene than this, however few are recorded: its own are quick, and narrow the intervals.
+    /// Fewest seeds of Makadam for each scene: its own runs are quick, and narrow the intervals.
     pub fewest_seeds: u64,
-    /// Scenes on which the codes are timed one after the other, and on which the peers are run where they are run live. A live run is
-    /// held against recorded ones, so these are scenes that are recorded under the law of contacts that the peers have now.
+    /// Scenes on which the codes are timed one after the other, and on which the peers are run live. A live run is compared with recorded
+    /// ones, so these are scenes that are recorded under today's contact law of the peers.
     pub timed: &'static [&'static str],
-    /// Studies that are a part.
+    /// Studies of the qualification.
     pub studies: &'static [Study],
 }
 
-/// A study and how much of it is a part.
+/// A study and its extent.
 #[derive(Clone, Copy, Debug)]
 pub enum Study {
     /// The hard cases of `makadam stability` whose name or group contains one of these; all, if there is none.
@@ -56,92 +53,71 @@ pub struct Ablated {
     pub scene: &'static str,
     /// Seeds of each variation.
     pub seeds: u64,
-    /// Effects that it is known to need (`validation/docs/ablation.md`): an effect that has been lost moves nothing.
-    pub needed: &'static [&'static str],
-    /// Of these, those without which a run fails or an observable has no value: elsewhere a run that fails proves no need.
-    pub unmeasurable: &'static [&'static str],
+    /// Effects that it is known to need (`validation/docs/ablation.md`), separated by commas: a lost effect moves no value.
+    pub needed: &'static str,
+    /// Needed effects without which a run fails or an observable has no value: elsewhere a run that fails proves no need.
+    pub unmeasurable: &'static str,
 }
 
-/// Seeds that the recorded rows of a law have.
-const LAWS: Study = Study::Laws(&[("janssen", 3), ("beverloo", 3), ("collapse", 1), ("chute", 1)]);
+const fn ablated(scene: &'static str, seeds: u64, needed: &'static str, unmeasurable: &'static str) -> Ablated {
+    Ablated { scene, seeds, needed, unmeasurable }
+}
 
-const SMALL_ABLATIONS: [Ablated; 5] = [
-    Ablated {
-        scene: "packing",
-        seeds: 12,
-        needed: &["Coulomb friction", "rolling resistance", "twisting resistance"],
-        unmeasurable: &[],
-    },
-    Ablated {
-        scene: "heap",
-        seeds: 12,
-        needed: &["Coulomb friction", "twisting resistance", "wall motion"],
-        unmeasurable: &["wall motion"],
-    },
-    Ablated {
-        scene: "oedometer",
-        seeds: 8,
-        needed: &[
-            "Coulomb friction",
-            "restitution",
-            "elastic compliance",
-            "rolling resistance",
-            "twisting resistance",
-            "driven walls",
-        ],
-        unmeasurable: &["elastic compliance"],
-    },
-    Ablated {
-        scene: "landslide",
-        seeds: 8,
-        needed: &[
-            "Coulomb friction",
-            "kinetic friction",
-            "rolling resistance",
-            "twisting resistance",
-            "changing gravity",
-        ],
-        unmeasurable: &[],
-    },
-    Ablated {
-        scene: "cooling-gas",
-        seeds: 8,
-        needed: &["Coulomb friction", "falling restitution", "rolling resistance", "periodic axes"],
-        unmeasurable: &["periodic axes"],
-    },
+/// Ablations of the release tier; the full tier has the first five.
+const ABLATIONS: &[Ablated] = &[
+    ablated("packing", 12, "Coulomb friction, rolling resistance, twisting resistance", ""),
+    ablated("heap", 12, "Coulomb friction, twisting resistance, wall motion", "wall motion"),
+    ablated(
+        "oedometer",
+        8,
+        "Coulomb friction, restitution, elastic compliance, rolling resistance, twisting resistance, driven walls",
+        "elastic compliance",
+    ),
+    ablated(
+        "landslide",
+        8,
+        "Coulomb friction, kinetic friction, rolling resistance, twisting resistance, changing gravity",
+        "",
+    ),
+    ablated(
+        "cooling-gas",
+        8,
+        "Coulomb friction, falling restitution, rolling resistance, periodic axes",
+        "periodic axes",
+    ),
+    ablated(
+        "drum",
+        4,
+        "Coulomb friction, elastic compliance, rolling resistance, twisting resistance, wall motion",
+        "wall motion",
+    ),
+    ablated("vibrated-bed", 4, "Coulomb friction, restitution, elastic compliance, wall motion", ""),
+    ablated(
+        "cohesive-heap",
+        4,
+        "Coulomb friction, elastic compliance, rolling resistance, twisting resistance, wall motion, cohesion",
+        "Coulomb friction, wall motion, cohesion",
+    ),
 ];
 
-const ALL_ABLATIONS: [Ablated; 8] = [
-    SMALL_ABLATIONS[0],
-    SMALL_ABLATIONS[1],
-    SMALL_ABLATIONS[2],
-    SMALL_ABLATIONS[3],
-    SMALL_ABLATIONS[4],
-    Ablated {
-        scene: "drum",
-        seeds: 4,
-        needed: &["Coulomb friction", "elastic compliance", "rolling resistance", "twisting resistance", "wall motion"],
-        unmeasurable: &["wall motion"],
-    },
-    Ablated {
-        scene: "vibrated-bed",
-        seeds: 4,
-        needed: &["Coulomb friction", "restitution", "elastic compliance", "wall motion"],
-        unmeasurable: &[],
-    },
-    Ablated {
-        scene: "cohesive-heap",
-        seeds: 4,
-        needed: &[
-            "Coulomb friction",
-            "elastic compliance",
-            "rolling resistance",
-            "twisting resistance",
-            "wall motion",
-            "cohesion",
-        ],
-        unmeasurable: &["Coulomb friction", "wall motion", "cohesion"],
-    },
+/// Seeds of the recorded rows of a law.
+const LAWS: Study = Study::Laws(&[("janssen", 3), ("beverloo", 3), ("collapse", 1), ("chute", 1)]);
+
+const FULL_STUDIES: &[Study] = &[
+    Study::HardCases(&[]),
+    LAWS,
+    Study::Ablation(ABLATIONS.split_at(5).0),
+    Study::ContactProblems,
+    Study::Convergence(&["packing", "drum"]),
+];
+
+const RELEASE_STUDIES: &[Study] = &[
+    Study::HardCases(&[]),
+    LAWS,
+    Study::Ablation(ABLATIONS),
+    Study::ContactProblems,
+    Study::Convergence(&["packing", "drum"]),
+    Study::Tradeoff(&[("packing", 96), ("drum", 32), ("heap", 40)]),
 ];
 
 /// Every scene with margins and recorded references of both peers.
@@ -160,64 +136,27 @@ const REFERENCE_SCENES: [&str; 12] = [
     "packing-100",
 ];
 
-/// What each tier consists of.
-pub const TIERS: [Extent; 3] = [
-    Extent {
-        name: "quick",
-        on_record: Some(Tier::Quick),
-        scenes: &["packing", "drum", "drum-caps", "heap"],
-        fewest_seeds: 8,
-        timed: &["packing", "drum"],
-        studies: &[],
-    },
-    Extent {
-        name: "full",
-        on_record: Some(Tier::Full),
-        scenes: &REFERENCE_SCENES,
-        fewest_seeds: 8,
-        timed: &["packing", "drum", "heap"],
-        studies: &[
-            Study::HardCases(&[]),
-            LAWS,
-            Study::Ablation(&SMALL_ABLATIONS),
-            Study::ContactProblems,
-            Study::Convergence(&["packing", "drum"]),
-        ],
-    },
-    Extent {
-        name: "release",
-        on_record: Some(Tier::Release),
-        scenes: &REFERENCE_SCENES,
-        fewest_seeds: 16,
-        timed: &["packing", "drum", "heap"],
-        studies: &[
-            Study::HardCases(&[]),
-            LAWS,
-            Study::Ablation(&ALL_ABLATIONS),
-            Study::ContactProblems,
-            Study::Convergence(&["packing", "drum"]),
-            Study::Tradeoff(&[("packing", 96), ("drum", 32), ("heap", 40)]),
-        ],
-    },
-];
-
 impl Tier {
-    /// What it consists of.
-    pub fn extent(self) -> &'static Extent {
-        &TIERS[self as usize]
-    }
-}
-
-impl Study {
-    /// The command that makes such a study alone.
-    pub fn name(&self) -> &'static str {
+    /// Returns the extent of the tier.
+    pub fn extent(self) -> Extent {
         match self {
-            Study::HardCases(_) => "stability",
-            Study::Laws(_) => "laws",
-            Study::Ablation(_) => "effects",
-            Study::ContactProblems => "contact-problems",
-            Study::Convergence(_) => "convergence",
-            Study::Tradeoff(_) => "tradeoff",
+            Tier::Quick => Extent {
+                name: "quick",
+                scenes: &["packing", "drum", "drum-caps", "heap"],
+                fewest_seeds: 8,
+                timed: &["packing", "drum"],
+                studies: &[],
+            },
+            Tier::Full => Extent {
+                name: "full",
+                scenes: &REFERENCE_SCENES,
+                fewest_seeds: 8,
+                timed: &["packing", "drum", "heap"],
+                studies: FULL_STUDIES,
+            },
+            Tier::Release => {
+                Extent { name: "release", fewest_seeds: 16, studies: RELEASE_STUDIES, ..Tier::Full.extent() }
+            }
         }
     }
 }

@@ -1,46 +1,82 @@
-//! The report of a qualification: one self-contained page to read, the same as data, and the rows as CSV.
+//! The report of a qualification: one self-contained page to read, and the same as data.
 //!
 //! ```text
 //! Qualification ─> verdict ─┐
 //! Comparison ─> tables      ├─> page ──> report.html
-//! StudySection ─> table     │
-//!            ─> plots       │   ──────> report.json, rows.csv, junit.xml, badge.svg
-//!            ─> pictures    ┘
-//!            ─> drawn ────────────────> differences.csv, series.csv, forces.csv, grains.csv, and a file a law
+//!            ─> figures     │   ──────> report.json, tests.json, rows.csv, junit.xml
+//!            ─> pictures    │   ──────> series.csv, forces.csv, grains.csv
+//! StudySection ─> table     ┘   ──────> the files of each study
 //! ```
 //!
-//! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures show what the
-//! comparison says and compute no verdict of their own.
+//! The page loads nothing, runs no script, follows light and dark, and prints. Its tables and figures compute no verdict of their own.
 
-mod against;
-mod badge;
-mod drawn;
-mod forces;
-mod forest;
+mod baseline;
+mod data;
+mod figures;
 mod junit;
-mod on_record;
-mod outlines;
 mod page;
 mod pictures;
-mod place;
-pub mod published;
 mod qualification;
-mod rows;
-mod schema;
-mod series;
-mod speed;
-mod studies;
 mod tables;
 mod terminal;
-mod words;
-mod write;
 
-pub use against::Changes;
-pub use on_record::{AnyTestOnRecord, Lost, TestOnRecord};
-pub use place::{is_in, may_hold_comparison, may_hold_qualification};
-pub use qualification::{Qualification, Standing, Verdict};
-pub use schema::schema;
-pub use speed::speed_sentence;
-pub use studies::{StudyCount, StudyOutcome, StudySection, StudyTest, StudyTestOnRecord};
+pub use baseline::{Changes, Test, tests};
+pub use data::schema;
+pub use qualification::{Qualification, Standing, StudyCount, StudyOutcome, StudySection, StudyTest, Verdict};
 pub use terminal::comparison_table;
-pub use write::{REPORT_VERSION, ReportDocument, ReportPaths, read, write};
+
+use crate::study::{DocumentError, write_together};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Version of the layout of `report.json`; raised whenever a field changes its name or meaning, or goes.
+pub const REPORT_VERSION: u32 = 2;
+
+/// Content of `report.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ReportDocument {
+    /// [`REPORT_VERSION`] at the time of writing.
+    pub version: u32,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// All that it follows from.
+    pub qualification: Qualification,
+}
+
+/// Main files of a report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReportPaths {
+    /// The page to read.
+    pub html: PathBuf,
+    /// The same as data; a [`ReportDocument`].
+    pub json: PathBuf,
+    /// The rows of all tables.
+    pub csv: PathBuf,
+}
+
+/// Writes `report.html`, `report.json`, `tests.json`, `rows.csv`, `junit.xml`, the CSV files that the figures link to and the files
+/// of studies into a folder, which is made if it is not there.
+///
+/// All of them are complete on disk under temporary names before the first is renamed: an earlier report stays whole if this one fails.
+///
+/// # Errors
+/// [`DocumentError`] if a file cannot be written.
+pub fn write(qualification: &Qualification, folder: &Path) -> Result<ReportPaths, DocumentError> {
+    let document = ReportDocument {
+        version: REPORT_VERSION,
+        verdict: qualification.verdict(),
+        qualification: qualification.clone(),
+    };
+    let mut files = vec![
+        ("report.html".to_string(), page::render(qualification)?.into_bytes()),
+        ("report.json".to_string(), serde_json::to_vec(&document)?),
+        ("tests.json".to_string(), baseline::document(qualification)?.into_bytes()),
+        ("junit.xml".to_string(), junit::document(qualification)?.into_bytes()),
+    ];
+    files.extend(data::files(qualification)?);
+    files.extend(qualification.studies.iter().flat_map(|study| study.files.clone()));
+    write_together(folder, &files)?;
+    let path = |name: &str| folder.join(name);
+    Ok(ReportPaths { html: path("report.html"), json: path("report.json"), csv: path("rows.csv") })
+}

@@ -1,17 +1,16 @@
-//! What a report is made from: the comparisons of one run, and the verdict that follows from their rows.
+//! A qualification: the comparisons and studies of one command, and the verdict that follows from their tests.
 
-use super::on_record::{Lost, TestOnRecord};
-use super::published::PublishedLaw;
-use super::studies::{StudyCount, StudySection, StudyTestOnRecord};
 use crate::compare::Comparison;
+use crate::draw::figure::Figure;
 use crate::draw::numbers::plural;
 use crate::statistics::Outcome;
+use crate::study::File;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// One qualification: every scene that was compared, and where the numbers came from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Qualification {
     /// Title of the report.
     pub title: String,
@@ -21,35 +20,22 @@ pub struct Qualification {
     pub wall_seconds: f64,
     /// Comparisons, a scene after the other.
     pub comparisons: Vec<Comparison>,
-    /// Where the numbers came from, by name: version, commit, compiler, instruction set, threads, processor, date.
+    /// Origin of the numbers, by name: version, commit, compiler, instruction set, threads, processor, date.
     pub provenance: BTreeMap<String, String>,
-    /// What a reader must know of the whole run: scenes that were left out, codes that are missing.
+    /// Notes on the whole run: scenes that were left out, codes that are missing.
     pub notes: Vec<String>,
-    /// Values of live runs of reference codes that lie outside the spread of their recorded runs, one in a sentence.
-    #[serde(default)]
+    /// Values of live runs of reference codes outside the spread of their recorded runs, one in a sentence.
     pub outside_spread: Vec<String>,
-    /// Values of live runs of reference codes that could not be held against their recorded runs, one in a sentence.
-    #[serde(default)]
+    /// Values of live runs of reference codes that could not be compared with their recorded runs, one in a sentence.
     pub unchecked: Vec<String>,
     /// Live runs of reference codes that failed, one in a sentence.
-    #[serde(default)]
     pub failed_runs: Vec<String>,
-    /// What is recorded of published laws; no part of the verdict.
-    #[serde(default)]
-    pub laws: Vec<PublishedLaw>,
-    /// Tests that must be made, whatever the scenes say.
-    #[serde(default)]
-    pub on_record: Vec<TestOnRecord>,
-    /// Studies that were a part of it.
-    #[serde(default)]
+    /// Studies of the qualification.
     pub studies: Vec<StudySection>,
-    /// Tests of studies that must be made.
-    #[serde(default)]
-    pub studies_on_record: Vec<StudyTestOnRecord>,
 }
 
-/// What a qualification says as a whole.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+/// Verdict of a qualification as a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
     /// Every test of equivalence and of a study passed, and every live run lies inside the recorded spread.
@@ -60,52 +46,117 @@ pub enum Standing {
     Undecided,
     /// None failed, and the runs are not those that the scene has registered, so that none counts as agreement.
     Exploratory,
-    /// None failed, and something that was asked for was not measured.
+    /// None failed, and a requested value was not measured.
     NotMeasured,
     /// No observable was tested against a margin.
+    #[default]
     NothingCompared,
 }
 
-/// The verdict of a qualification, counted over the tests of the judged code against the others.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// The verdict of a qualification, counted over the tests of the code under test against the others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Verdict {
-    /// What it comes to.
+    /// The verdict.
     pub standing: Standing,
     /// Tests of equivalence that passed.
     pub agree: usize,
-    /// That failed.
+    /// Tests that failed.
     pub disagree: usize,
-    /// That too few seeds, or references at odds with each other, leave open.
+    /// Tests that too few seeds, or references at odds with each other, leave open.
     pub undecided: usize,
-    /// Whose interval lies inside the margin, of runs that the scene has not registered: they do not count as agreement.
-    #[serde(default)]
+    /// Tests inside the margin of runs that the scene has not registered: they do not count as agreement.
     pub exploratory: usize,
-    /// That were asked for and could not be made so: a code lacks a value of the observable in some or all of its seeds, or the test was made
-    /// with less than is on record, or not at all.
-    #[serde(default)]
+    /// Tests that could not be made: a code lacks a value of the observable in some or all of its seeds.
     pub not_measured: usize,
-    /// Differences without a margin, which are no tests, that were asked for and could not be made for want of values.
-    #[serde(default)]
+    /// Differences without a margin, which are no tests, that could not be made for want of values.
     pub differences_not_measured: usize,
     /// Undecided tests in whose observable the references differ from each other by more than the margin: more seeds would not decide.
     pub floor_above_margin: usize,
     /// Live runs of reference codes outside the spread of their recorded runs.
     pub outside_spread: usize,
-    /// Live values of reference codes that could not be held against their recorded runs.
-    #[serde(default)]
+    /// Live values of reference codes that could not be compared with their recorded runs.
     pub unchecked: usize,
     /// Live runs of reference codes that failed.
-    #[serde(default)]
     pub failed_runs: usize,
-    /// Tests of the studies that were a part.
-    #[serde(default)]
+    /// Tests of the studies, counted.
     pub studies: Vec<StudyCount>,
     /// The verdict in words; the first sentence is that of the tests of equivalence.
     pub sentence: String,
 }
 
+/// A study and its tests.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StudySection {
+    /// Its name: that of the command that makes such a study alone.
+    pub name: String,
+    /// Its title.
+    pub title: String,
+    /// Extent of the study, in a sentence.
+    pub scope: String,
+    /// Number of runs.
+    pub runs: usize,
+    /// Their wall times, s.
+    pub wall_seconds: f64,
+    /// Its tests; each counts in the verdict.
+    pub tests: Vec<StudyTest>,
+    /// Results without a test, in sentences.
+    pub notes: Vec<String>,
+    /// Figures of the page.
+    #[serde(skip)]
+    pub figures: Vec<Figure>,
+    /// Data files next to the page.
+    #[serde(skip)]
+    pub files: Vec<File>,
+}
+
+/// A test of a study.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct StudyTest {
+    /// Its name, unique in the study.
+    pub name: String,
+    /// Measured value.
+    pub measured: String,
+    /// Required value.
+    pub right: String,
+    /// Outcome.
+    pub outcome: StudyOutcome,
+    /// Reason for an exception, a failure or a missing value.
+    pub remark: Option<String>,
+}
+
+/// Outcome of a test of a study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StudyOutcome {
+    /// The measured value is the required one.
+    Passed,
+    /// It is not.
+    Failed,
+    /// It is not, which is known and documented.
+    KnownException,
+    /// There is no value.
+    NotMeasured,
+}
+
+/// The tests of a study, counted.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct StudyCount {
+    /// Name of the study.
+    pub name: String,
+    /// Its tests.
+    pub tests: usize,
+    /// Tests that passed.
+    pub passed: usize,
+    /// Names of the known exceptions.
+    pub known_exceptions: Vec<String>,
+    /// Names of the tests that failed.
+    pub failed: Vec<String>,
+    /// Names of the tests that could not be made.
+    pub not_measured: Vec<String>,
+}
+
 impl Standing {
-    /// In a word or two.
+    /// Returns the verdict in a word or two.
     pub fn words(self) -> &'static str {
         match self {
             Standing::Agree => "Agree",
@@ -117,7 +168,7 @@ impl Standing {
         }
     }
 
-    /// Style class of its mark.
+    /// Returns the style class of its mark.
     pub(crate) fn class(self) -> &'static str {
         match self {
             Standing::Agree => "agree",
@@ -129,67 +180,123 @@ impl Standing {
     }
 }
 
+impl StudyOutcome {
+    /// Returns the outcome in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            StudyOutcome::Passed => "passed",
+            StudyOutcome::Failed => "failed",
+            StudyOutcome::KnownException => "known exception",
+            StudyOutcome::NotMeasured => "not measured",
+        }
+    }
+
+    /// Returns the style class of its mark.
+    pub(super) fn class(self) -> &'static str {
+        match self {
+            StudyOutcome::Passed => "agree",
+            StudyOutcome::Failed => "disagree",
+            StudyOutcome::KnownException | StudyOutcome::NotMeasured => "undecided",
+        }
+    }
+}
+
+impl StudyTest {
+    /// Returns a test that passes if a condition holds.
+    pub(crate) fn of(name: String, measured: String, right: String, passes: bool) -> StudyTest {
+        let outcome = if passes { StudyOutcome::Passed } else { StudyOutcome::Failed };
+        StudyTest { name, measured, right, outcome, remark: None }
+    }
+
+    /// Marks a test that is known to fail, with the reason; an unexpected pass is a failure.
+    pub(crate) fn with_exception(self, reason: Option<&str>) -> StudyTest {
+        let (outcome, remark) = match (reason, self.outcome) {
+            (None, _) => return self,
+            (Some(_), StudyOutcome::Passed) => {
+                (StudyOutcome::Failed, "it is listed as a known exception and passes: take it off the list")
+            }
+            (Some(reason), _) => (StudyOutcome::KnownException, reason),
+        };
+        StudyTest { outcome, remark: Some(remark.into()), ..self }
+    }
+}
+
+impl StudySection {
+    /// Counts its tests.
+    pub fn count(&self) -> StudyCount {
+        let of = |outcome: StudyOutcome| {
+            let tests = self.tests.iter().filter(move |test| test.outcome == outcome);
+            tests.map(|test| test.name.clone()).collect::<Vec<_>>()
+        };
+        StudyCount {
+            name: self.name.clone(),
+            tests: self.tests.len(),
+            passed: of(StudyOutcome::Passed).len(),
+            known_exceptions: of(StudyOutcome::KnownException),
+            failed: of(StudyOutcome::Failed),
+            not_measured: of(StudyOutcome::NotMeasured),
+        }
+    }
+}
+
+impl StudyCount {
+    /// Returns the result of the study in a sentence.
+    pub fn sentence(&self, title: &str) -> String {
+        let mut text = format!("{title}: {} of {} passed", self.passed, plural(self.tests, "test"));
+        let exceptions = if self.known_exceptions.len() == 1 { "known exception" } else { "known exceptions" };
+        let others =
+            [("failed", &self.failed), ("not measured", &self.not_measured), (exceptions, &self.known_exceptions)];
+        for (words, names) in others.iter().filter(|(_, names)| !names.is_empty()) {
+            text += &format!(", {} {words} ({})", names.len(), names.join("; "));
+        }
+        text + "."
+    }
+}
+
 impl Verdict {
-    /// Tests of equivalence and of studies that passed.
+    /// Returns the number of tests of equivalence and of studies that passed.
     pub fn passed(&self) -> usize {
         self.agree + self.studies.iter().map(|study| study.passed).sum::<usize>()
     }
 
-    /// All tests of equivalence and of studies.
+    /// Returns the number of tests of equivalence and of studies.
     pub fn tests(&self) -> usize {
-        let of_studies = self.studies.iter().map(|study| study.tests).sum::<usize>();
-        self.agree + self.disagree + self.undecided + self.exploratory + self.not_measured + of_studies
+        self.tests_of_scenes() + self.studies.iter().map(|study| study.tests).sum::<usize>()
+    }
+
+    fn tests_of_scenes(&self) -> usize {
+        self.agree + self.disagree + self.undecided + self.exploratory + self.not_measured
     }
 }
 
 impl Qualification {
-    /// The verdict that follows from the rows. Differences between two references set the floor and do not count.
+    /// Returns the verdict that follows from the rows. Differences between two references set the floor and do not count.
     pub fn verdict(&self) -> Verdict {
         let mut verdict = Verdict {
-            standing: Standing::NothingCompared,
-            agree: 0,
-            disagree: 0,
-            undecided: 0,
-            exploratory: 0,
-            not_measured: 0,
-            differences_not_measured: 0,
-            floor_above_margin: 0,
             outside_spread: self.outside_spread.len(),
             unchecked: self.unchecked.len(),
             failed_runs: self.failed_runs.len(),
             studies: self.studies.iter().map(StudySection::count).collect(),
-            sentence: String::new(),
+            ..Verdict::default()
         };
-        let lost = self.lost();
-        let mut lost_with_row = 0;
-        let mut references: Vec<&str> = Vec::new();
-        let mut scenes = 0;
+        let (mut references, mut scenes): (Vec<&str>, usize) = (Vec::new(), 0);
         for comparison in &self.comparisons {
-            let mut tested = false;
-            // Where the judged code took no part, what the others lack still is no success.
-            let judged = comparison.rows.iter().any(|row| row.code == comparison.judged);
-            for row in comparison.rows.iter().filter(|row| row.code == comparison.judged || !judged) {
+            let before = verdict.tests_of_scenes();
+            // Where the code under test took no part, a missing value of another one still is no success.
+            let is_judged = comparison.rows.iter().any(|row| row.code == comparison.judged);
+            for row in comparison.rows.iter().filter(|row| row.code == comparison.judged || !is_judged) {
                 let Some(outcome) = row.outcome else { continue };
-                let wanting = if judged { lost.iter().filter(|lost| lost.is_of(row)).count() } else { 0 };
-                lost_with_row += wanting;
-                if outcome == Outcome::NotMeasured && row.margin.is_none() && wanting == 0 {
-                    verdict.differences_not_measured += 1;
+                if outcome == Outcome::NotMeasured {
+                    match row.margin {
+                        Some(_) => verdict.not_measured += 1,
+                        None => verdict.differences_not_measured += 1,
+                    }
                     continue;
                 }
-                // A disagreement goes before what the test lacks.
-                if outcome == Outcome::NotMeasured || (wanting > 0 && outcome != Outcome::Disagree) {
-                    verdict.not_measured += 1;
-                    tested = true;
-                    continue;
-                }
-                let Some(reference) = row.reference_code.as_deref().filter(|_| judged) else { continue };
-                tested = true;
+                let Some(reference) = row.reference_code.as_deref().filter(|_| is_judged) else { continue };
                 match outcome {
                     Outcome::Disagree => verdict.disagree += 1,
-                    // Reports of earlier versions have agreement there.
-                    Outcome::Agree | Outcome::Exploratory | Outcome::Undecided
-                        if comparison.references_at_odds(row) =>
-                    {
+                    _ if comparison.references_at_odds(row) => {
                         verdict.undecided += 1;
                         verdict.floor_above_margin += 1;
                     }
@@ -201,28 +308,9 @@ impl Qualification {
                     references.push(reference);
                 }
             }
-            scenes += usize::from(tested);
+            scenes += usize::from(verdict.tests_of_scenes() > before);
         }
-        verdict.not_measured += lost.len() - lost_with_row;
-        let of_studies = |names: fn(&StudyCount) -> usize| verdict.studies.iter().map(names).sum::<usize>();
-        let failed = of_studies(|study| study.failed.len());
-        let lacks = verdict.not_measured
-            + verdict.differences_not_measured
-            + verdict.unchecked
-            + verdict.failed_runs
-            + of_studies(|study| study.not_measured.len())
-            > 0;
-        verdict.standing = match (verdict.agree + verdict.exploratory, verdict.disagree, verdict.undecided) {
-            _ if failed > 0 => Standing::Disagree,
-            (0, 0, 0) if lacks => Standing::NotMeasured,
-            (0, 0, 0) => Standing::NothingCompared,
-            (_, 0, _) if verdict.outside_spread > 0 => Standing::Disagree,
-            (_, 0, _) if lacks => Standing::NotMeasured,
-            (_, 0, _) if verdict.exploratory > 0 => Standing::Exploratory,
-            (_, 0, 0) => Standing::Agree,
-            (_, 0, _) => Standing::Undecided,
-            _ => Standing::Disagree,
-        };
+        verdict.standing = standing(&verdict);
         let judged = self.comparisons.first().map_or("", |comparison| &comparison.judged);
         verdict.sentence = sentence(&verdict, judged, &references, scenes);
         if verdict.exploratory > 0 {
@@ -232,107 +320,75 @@ impl Qualification {
         for (study, count) in self.studies.iter().zip(&verdict.studies) {
             verdict.sentence += &format!(" {}", count.sentence(&study.title));
         }
-        verdict.sentence += &told(&lost);
         verdict
     }
 }
 
-/// Tests on record that were not made as they stand there, in sentences: one for all of which the same became.
-fn told(lost: &[Lost]) -> String {
-    let mut fates: Vec<(&str, Vec<String>)> = Vec::new();
-    for Lost { test, what } in lost {
-        match fates.iter_mut().find(|(fate, _)| fate == what) {
-            Some((_, tests)) => tests.push(test.to_string()),
-            None => fates.push((what, vec![test.to_string()])),
-        }
+fn standing(verdict: &Verdict) -> Standing {
+    let of_studies = |names: fn(&StudyCount) -> usize| verdict.studies.iter().map(names).sum::<usize>();
+    let is_lacking = verdict.not_measured
+        + verdict.differences_not_measured
+        + verdict.unchecked
+        + verdict.failed_runs
+        + of_studies(|study| study.not_measured.len())
+        > 0;
+    let is_tested = verdict.tests_of_scenes() > verdict.not_measured;
+    match () {
+        () if verdict.disagree + of_studies(|study| study.failed.len()) > 0 => Standing::Disagree,
+        () if is_tested && verdict.outside_spread > 0 => Standing::Disagree,
+        () if is_lacking => Standing::NotMeasured,
+        () if !is_tested => Standing::NothingCompared,
+        () if verdict.exploratory > 0 => Standing::Exploratory,
+        () if verdict.undecided > 0 => Standing::Undecided,
+        () => Standing::Agree,
     }
-    let sentence = |(fate, tests): (&str, Vec<String>)| match tests.as_slice() {
-        [test] => format!(" A test on record {fate}: {test}."),
-        tests => format!(" Each of {} tests on record {fate}: {}.", tests.len(), tests.join(", ")),
-    };
-    fates.into_iter().map(sentence).collect()
 }
 
 fn sentence(verdict: &Verdict, judged: &str, references: &[&str], scenes: usize) -> String {
-    let tests = verdict.agree + verdict.disagree + verdict.undecided + verdict.exploratory + verdict.not_measured;
-    let lacking = match verdict.not_measured {
-        0 => String::new(),
-        count => format!(" {} could not be made as asked for.", plural(count, "test")),
-    };
-    let names = join(references);
+    let tests = verdict.tests_of_scenes();
+    let against = if references.is_empty() { String::new() } else { format!(" against {}", join(references)) };
     let over = format!("{} of {}", plural(tests, "test"), plural(scenes, "scene"));
-    let mut text = match (verdict.agree, verdict.disagree, verdict.undecided) {
-        (agree, disagree, undecided) if verdict.exploratory > 0 => format!(
-            "No verdict: of {over} against {names}, {} {} within the margins, {disagree} {}, and {undecided} {} undecided.{lacking}",
-            agree + verdict.exploratory,
-            if agree + verdict.exploratory == 1 { "lies" } else { "lie" },
-            if disagree == 1 { "disagrees" } else { "disagree" },
-            is(undecided),
-        ),
-        (0, 0, 0) if verdict.not_measured > 0 => {
-            format!("Not measured: none of {over} could be made as asked for.")
-        }
-        (0, 0, 0) if verdict.differences_not_measured + verdict.unchecked + verdict.failed_runs == 0 => {
-            return "No verdict: no observable was tested against a margin and a reference code.".into();
-        }
-        (0, 0, 0) => "No observable was tested against a margin and a reference code.".into(),
-        (agree, 0, 0) if verdict.not_measured > 0 => format!(
-            "Not measured: of {over} against {names}, {agree} agree, none disagrees, and {} could not be made as asked for.",
-            verdict.not_measured,
-        ),
-        (1, 0, 0) => format!("{judged} agrees with {names} in the one test that was made."),
-        (_, 0, 0) => format!("{judged} agrees with {names} within the margins in all {over}."),
-        (agree, 0, undecided) => format!(
-            "{}: of {over} against {names}, {agree} agree, none disagrees, and {}.{lacking}",
-            if lacking.is_empty() { "Undecided" } else { "Not measured" },
-            match undecided - verdict.floor_above_margin {
-                0 => format!("{undecided} {} undecided", is(undecided)),
-                1 => "1 has too few seeds to tell".into(),
-                few => format!("{few} have too few seeds to tell"),
-            },
-        ),
-        (agree, disagree, undecided) => format!(
-            "{judged} disagrees with {names} in {disagree} of {over}; {agree} agree{}.{lacking}",
-            if undecided > 0 { format!(" and {undecided} {} undecided", is(undecided)) } else { String::new() },
-        ),
+    let mut text = if tests == 0 {
+        "No verdict: no observable was tested against a margin and a reference code.".to_string()
+    } else if verdict.agree == tests {
+        let all = if tests > 1 { "all " } else { "" };
+        format!("{judged} agrees with {} within the margins in {all}{over}.", join(references))
+    } else {
+        let word = match (verdict.disagree, verdict.not_measured, verdict.exploratory) {
+            (1.., ..) => "Disagree",
+            (0, 1.., _) => "Not measured",
+            (0, 0, 1..) => "No verdict",
+            (0, 0, 0) => "Undecided",
+        };
+        let disagree = match verdict.disagree {
+            0 => "none disagrees".into(),
+            1 => "1 disagrees".into(),
+            count => format!("{count} disagree"),
+        };
+        let others = [
+            (verdict.undecided, "undecided"),
+            (verdict.exploratory, "within the margins (exploratory)"),
+            (verdict.not_measured, "not measured"),
+        ];
+        let others = others.iter().filter(|(count, _)| *count > 0);
+        let others: String = others.map(|(count, words)| format!(", {count} {words}")).collect();
+        format!("{word}: of {over}{against}, {} agree, {disagree}{others}.", verdict.agree)
     };
-    if verdict.differences_not_measured > 0 {
-        text += &format!(
-            " {} without a margin could not be made for want of values.",
-            plural(verdict.differences_not_measured, "difference"),
-        );
-    }
-    if verdict.outside_spread > 0 {
-        text += &format!(
-            " {} of a reference code {} outside the spread of its recorded runs.",
-            plural(verdict.outside_spread, "live value"),
-            if verdict.outside_spread == 1 { "lies" } else { "lie" },
-        );
-    }
-    if verdict.unchecked > 0 {
-        text += &format!(
-            " {} of a reference code could not be held against its recorded runs.",
-            plural(verdict.unchecked, "live value"),
-        );
-    }
-    if verdict.failed_runs > 0 {
-        text += &format!(" {} of a reference code failed.", plural(verdict.failed_runs, "live run"));
-    }
-    if verdict.floor_above_margin > 0 {
-        text += &format!(
-            " In {} the means of the references differ by more than the margin, so {} nothing.",
-            plural(verdict.floor_above_margin, "test"),
-            if verdict.floor_above_margin == 1 { "it proves" } else { "they prove" },
-        );
+    for (count, noun, clause) in [
+        (verdict.floor_above_margin, "test", "undecided because the references differ by more than the margin"),
+        (verdict.differences_not_measured, "difference", "without a margin not measured"),
+        (verdict.outside_spread, "live value", "of a reference code outside the spread of its recorded runs"),
+        (verdict.unchecked, "live value", "of a reference code without a recorded spread"),
+        (verdict.failed_runs, "live run", "of a reference code failed"),
+    ] {
+        if count > 0 {
+            text += &format!(" {} {clause}.", plural(count, noun));
+        }
     }
     text
 }
 
-fn is(count: usize) -> &'static str {
-    if count == 1 { "is" } else { "are" }
-}
-
-/// "a", "a and b", "a, b and c".
+/// Joins names: "a", "a and b", "a, b and c".
 pub(super) fn join<T: AsRef<str>>(names: &[T]) -> String {
     match names {
         [] => "no code".into(),

@@ -1,20 +1,56 @@
-//! The tables of a scene: values and differences, how each code was run, the bias of soft grains.
+//! The tables of a report: values and differences, how each code was run, speeds, tests of studies.
 
-use super::qualification::join;
-use super::{speed, words};
-use crate::compare::{Comparison, Row};
+use super::qualification::StudySection;
+use crate::compare::{CodeSummary, Comparison, Row, Source, Timing};
 use crate::draw::names;
-use crate::draw::numbers::{Rounding, compact, plural};
+use crate::draw::numbers::{Rounding, compact, duration, plural, two_digits};
 use crate::statistics::Outcome;
 use crate::study::{Cell, Table, cells};
 
-/// A column of differences: the first code minus the second.
+/// Returns the word of an outcome.
+pub(super) fn outcome_word(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Agree => "agree",
+        Outcome::Disagree => "disagree",
+        Outcome::Undecided => "undecided",
+        Outcome::Exploratory => "exploratory",
+        Outcome::NotMeasured => "not measured",
+    }
+}
+
+/// Returns the style class of an outcome.
+pub(super) fn outcome_class(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::NotMeasured | Outcome::Exploratory => "undecided",
+        other => outcome_word(other),
+    }
+}
+
+/// Returns the word of a source.
+pub(super) fn source_word(source: Source) -> &'static str {
+    match source {
+        Source::Live => "live",
+        Source::Recorded => "recorded",
+    }
+}
+
+/// Returns the rounding of the rows of one observable, by their margins, spreads and means.
+pub(super) fn rounding<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Rounding {
+    let largest = |value: fn(&Row) -> f64| {
+        rows.clone().map(value).filter(|v| v.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()))
+    };
+    let margin = largest(|row| row.margin.unwrap_or(0.0));
+    let spread = largest(|row| row.standard_deviation.filter(|_| row.seeds > 1).unwrap_or(0.0));
+    Rounding::seeing(margin, spread, largest(|row| row.mean.unwrap_or(0.0)))
+}
+
+/// Column of differences: the first code minus the second.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Pair {
-    pub(super) code: String,
-    pub(super) reference: String,
-    /// Whether it is the floor: a difference between two references.
-    pub(super) floor: bool,
+struct Pair {
+    code: String,
+    reference: String,
+    /// Difference between two references, the floor.
+    floor: bool,
 }
 
 impl Pair {
@@ -28,8 +64,8 @@ impl Pair {
     }
 }
 
-/// The names that a field takes in rows, each once, in the order of their appearance.
-fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+/// Returns the names that a field takes in rows, each once, in the order of their appearance.
+pub(super) fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut found = Vec::new();
     for name in names {
         if !found.contains(&name) {
@@ -39,15 +75,15 @@ fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     found
 }
 
-/// Codes of a comparison: as listed, then any that only its rows name.
-pub(super) fn codes(comparison: &Comparison) -> Vec<&str> {
+/// Returns the codes of a comparison: as listed, then any that only its rows name.
+fn codes(comparison: &Comparison) -> Vec<&str> {
     distinct(comparison.codes.iter().map(|code| code.code.as_str()).chain(
         comparison.rows.iter().flat_map(|row| std::iter::once(row.code.as_str()).chain(row.reference_code.as_deref())),
     ))
 }
 
-/// Pairs of codes that rows compare, those of the judged code first.
-pub(super) fn pairs(comparison: &Comparison, rows: &[Row]) -> Vec<Pair> {
+/// Returns the pairs of codes that rows compare, those of the code under test first.
+fn pairs(comparison: &Comparison, rows: &[Row]) -> Vec<Pair> {
     let mut pairs: Vec<Pair> = Vec::new();
     for row in rows {
         let Some(reference) = &row.reference_code else { continue };
@@ -61,7 +97,7 @@ pub(super) fn pairs(comparison: &Comparison, rows: &[Row]) -> Vec<Pair> {
 }
 
 /// A code behind its mark.
-pub(super) fn code(name: &str) -> Cell {
+fn code(name: &str) -> Cell {
     Cell::from(name).marked(names::code_style(name).class)
 }
 
@@ -70,7 +106,7 @@ pub(super) fn results(comparison: &Comparison) -> Option<Table> {
     let names = codes(comparison);
     let pairs = pairs(comparison, &comparison.rows);
     let source =
-        |name: &str| comparison.codes.iter().find(|code| code.code == name).map(|code| words::source(code.source));
+        |name: &str| comparison.codes.iter().find(|code| code.code == name).map(|code| source_word(code.source));
     let heads = names.iter().map(|&name| (code(name).above(source(name).map(String::from)), ""));
     let table = Table::new(&["observable"], &[]).styled("results").with_columns(heads).with_numbers(["margin"]);
     let observables = distinct(comparison.rows.iter().map(|row| row.observable.as_str()));
@@ -124,7 +160,7 @@ struct Line<'a> {
 impl<'a> Line<'a> {
     fn of(comparison: &'a Comparison, observable: &str) -> Line<'a> {
         let rows: Vec<&Row> = comparison.rows.iter().filter(|row| row.observable == observable).collect();
-        Line { rounding: words::rounding(rows.iter().copied()), rows }
+        Line { rounding: rounding(rows.iter().copied()), rows }
     }
 
     fn name(&self) -> String {
@@ -171,30 +207,48 @@ impl<'a> Line<'a> {
         let needed = row.seeds_needed.filter(|_| fully && undecided);
         Cell::from(row.difference.map(|difference| self.rounding.signed(difference)))
             .above(row.shown_interval().filter(|_| fully).map(|interval| self.rounding.interval(interval)))
-            .outcome(row.outcome.map(|outcome| (words::outcome_class(outcome), words::outcome(outcome))))
+            .outcome(row.outcome.map(|outcome| (outcome_class(outcome), outcome_word(outcome))))
             .above(row.missing.clone().filter(|_| fully))
             .above(needed.map(|seeds| format!("register {seeds} seeds")))
     }
 }
 
-/// How the codes of a scene were run; nothing where none is known.
+/// Returns how the codes of a scene were run, and their speed; `None` where no code is known.
 pub(super) fn runs(comparison: &Comparison) -> Option<Table> {
-    let numbers = ["time step", "of the Rayleigh step", "wall time per simulated second"];
-    let table = Table::new(&["code", "version", "source", "seeds"], &numbers).with_words("where the numbers are from");
+    let numbers =
+        ["time step", "of the Rayleigh step", "time per simulated second", "over that of the code under test"];
+    let table = Table::new(&["code", "version", "source", "seeds"], &numbers).with_words("origin of the numbers");
     let table = table.of_class("wide").of(&comparison.codes, |run| {
         let from = [run.provenance.as_str(), run.processor.as_str()].into_iter().filter(|text| !text.is_empty());
         cells![
             code(&run.code),
             &run.version,
-            words::source(run.source),
+            source_word(run.source),
             seeds(&run.seeds),
             run.time_step.map(|step| format!("{} s", compact(step))),
             run.rayleigh_fraction.map(|fraction| format!("{}%", compact(100.0 * fraction))),
-            speed::time(run),
+            time(run).unwrap_or("not timed".into()),
+            ratio(comparison, run),
             from.collect::<Vec<_>>().join("; "),
         ]
     });
     (!table.is_empty()).then_some(table)
+}
+
+/// Returns the time per simulated second; `None` of runs side by side, which share memory and caches, and of runs for measuring, whose inputs may
+/// slow a code down.
+pub(super) fn time(code: &CodeSummary) -> Option<String> {
+    let is_timed = matches!(code.timing, Timing::Alone | Timing::Recorded);
+    is_timed.then(|| duration(code.wall_seconds_per_simulated_second))
+}
+
+/// Returns the time of a code over that of the code under test; `None` unless both were timed in this command on one processor.
+pub(super) fn ratio(comparison: &Comparison, code: &CodeSummary) -> Option<String> {
+    let is_alone = |code: &&CodeSummary| code.source == Source::Live && code.timing == Timing::Alone;
+    let judged = comparison.codes.iter().filter(is_alone).find(|judged| judged.code == comparison.judged)?;
+    let is_comparable = is_alone(&code) && judged.processor == code.processor && code.code != judged.code;
+    let ratio = code.wall_seconds_per_simulated_second / judged.wall_seconds_per_simulated_second;
+    (is_comparable && ratio.is_finite()).then(|| format!("{} times", two_digits(ratio)))
 }
 
 /// Seeds in short: "1–5", or a list.
@@ -209,52 +263,11 @@ fn seeds(seeds: &[u64]) -> String {
     }
 }
 
-/// What the data of a scene forbid to conclude from it.
-pub(super) fn limits(comparison: &Comparison) -> Vec<String> {
-    let mut limits = Vec::new();
-    let exceeded = distinct(
-        comparison
-            .rows
-            .iter()
-            .filter(|row| row.code == comparison.judged && comparison.references_at_odds(row))
-            .map(|row| row.observable.as_str()),
-    );
-    for observable in exceeded {
-        limits.push(format!(
-            "{}: the means of the references differ by more than the margin, so agreement with one of them proves nothing.",
-            names::observable(observable),
-        ));
-    }
-    // By what is compared: runs that are only timed have one seed beside any number of others.
-    let most_seeds = |code: &str| comparison.rows.iter().filter(|row| row.code == code).map(|row| row.seeds).max();
-    let single =
-        distinct(comparison.rows.iter().map(|row| row.code.as_str()).filter(|code| most_seeds(code) == Some(1)));
-    if !single.is_empty() {
-        limits.push(format!("{} ran with one seed: a spread over seeds is not known.", join(&single)));
-    }
-    let missing = comparison
-        .rows
-        .iter()
-        .filter(|row| row.outcome == Some(Outcome::Undecided) && row.code == comparison.judged)
-        .filter(|row| !comparison.references_at_odds(row))
-        .count();
-    if missing > 0 {
-        limits.push(format!("{} undecided: too few seeds for the spread.", plural(missing, "test")));
-    }
-    if comparison.rows.iter().any(|row| row.outcome == Some(Outcome::Exploratory)) {
-        limits.extend(comparison.unregistered().map(|words| format!("Exploratory, no agreement: {words}.")));
-    }
-    let lacking = comparison.rows.iter().filter(|row| row.missing.is_some());
-    let mut said: Vec<String> = Vec::new();
-    for row in lacking {
-        let words = format!("{}: {}.", names::observable(&row.observable), row.missing.as_deref().unwrap_or_default());
-        if !said.contains(&words) {
-            said.push(words);
-        }
-    }
-    limits.extend(said.into_iter().map(|words| format!("Not measured, so that there is no test: {words}")));
-    if !comparison.rows.iter().any(|row| row.reference_code.is_some()) {
-        limits.push("No reference code took part: the values stand alone.".into());
-    }
-    limits
+/// Returns the tests of a study, one per row.
+pub(super) fn study(study: &StudySection) -> Table {
+    let table = Table::new(&["test", "right", "measured"], &[]).styled("results").with_words("");
+    table.of(&study.tests, |test| {
+        let outcome = Cell::from("").outcome(Some((test.outcome.class(), test.outcome.words())));
+        cells![&test.name, &test.right, &test.measured, outcome.above(test.remark.clone())]
+    })
 }

@@ -1,8 +1,7 @@
 //! The table of a comparison as plain text for a terminal.
 
-use super::speed::speed_sentence;
-use super::{tables, words};
-use crate::compare::{Comparison, Row};
+use super::tables::{outcome_word, ratio, rounding, time};
+use crate::compare::{Comparison, Row, Source};
 use crate::draw::{columns, names};
 use crate::statistics::Outcome;
 
@@ -11,11 +10,7 @@ use crate::statistics::Outcome;
 ///
 /// Columns are padded by characters, so it wants a terminal that knows UTF-8.
 pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
-    let mut text = format!(
-        "{}: {}
-",
-        comparison.scene.name, comparison.scene.description
-    );
+    let mut text = format!("{}: {}\n", comparison.scene.name, comparison.scene.description);
     if comparison.rows.is_empty() {
         text.push_str("\nno rows\n");
     } else {
@@ -25,18 +20,24 @@ pub fn comparison_table(comparison: &Comparison, colour: bool) -> String {
         text.push('\n');
         text.push_str(&block(comparison, rows, colour));
     }
-    if let Some(speed) = speed_sentence(comparison) {
-        text.push_str(&format!("\n{speed}\n"));
+    let speeds = comparison.codes.iter().filter_map(|code| {
+        let ratio = ratio(comparison, code).map_or(String::new(), |ratio| format!(" ({ratio})"));
+        let recorded = if code.source == Source::Recorded { ", recorded" } else { "" };
+        Some(format!("{} {}{ratio}{recorded}", code.code, time(code)?))
+    });
+    let speeds: Vec<String> = speeds.collect();
+    if !speeds.is_empty() {
+        text.push_str(&format!("\ntime per simulated second: {}\n", speeds.join("; ")));
     }
-    for limit in tables::limits(comparison).iter().chain(&comparison.notes) {
-        text.push_str(&format!("note: {limit}\n"));
+    for note in &comparison.notes {
+        text.push_str(&format!("note: {note}\n"));
     }
     text
 }
 
 /// The rows of one observable.
 fn block(comparison: &Comparison, rows: &[Row], colour: bool) -> String {
-    let rounding = words::rounding(rows.iter());
+    let rounding = rounding(rows.iter());
     let mut text = names::with_unit(&rows[0].observable, &rows[0].unit, rounding);
     if let Some(margin) = rows.iter().find_map(|row| row.margin) {
         text.push_str(&format!(", margin {}", rounding.margin(margin)));
@@ -78,13 +79,13 @@ fn reason(row: &Row) -> &str {
     row.missing.as_deref().unwrap_or("a value is missing")
 }
 
-/// The outcome of a row in words; `at_odds`: whether the references differ by more than its margin.
+/// The outcome of a row in words; `at_odds`: the references differ by more than its margin.
 fn outcome_of(row: &Row, outcome: Outcome, at_odds: bool) -> String {
     match (outcome, row.seeds_needed) {
         (Outcome::Undecided | Outcome::Exploratory, _) if at_odds => "undecided (references differ)".into(),
         (Outcome::Undecided, Some(seeds)) => format!("undecided, register {seeds} seeds"),
         (Outcome::Exploratory, _) => "exploratory: within the margin".into(),
-        (outcome, _) => words::outcome(outcome).into(),
+        (outcome, _) => outcome_word(outcome).into(),
     }
 }
 

@@ -1,8 +1,9 @@
 //! One frame of a run in memory.
 
-use crate::output::driven_walls;
 use crate::output::vtk::{Array, Cells, PolyData};
-use makadam::snapshot::DrivenWall;
+use crate::output::{driven_walls, wall_triangles};
+use crate::plan::Scene;
+use makadam::snapshot::{DrivenWall, Particle};
 
 /// One frame of a run.
 #[derive(Clone, Debug)]
@@ -69,6 +70,35 @@ pub struct Walls {
     pub shapes: Vec<String>,
     /// Unit vectors along the axes that walls turn about, by their numbers; zero for those that do not turn.
     pub axes: Vec<[f64; 3]>,
+}
+
+impl RunFrame {
+    /// Returns the grains of a state with the walls of its scene, but for walls that a force drives: their position is not stored.
+    pub(crate) fn of_state(scene: &Scene, time: f64, particles: &[Particle]) -> RunFrame {
+        let is_finite =
+            |grain: &&Particle| grain.position.iter().chain(&grain.velocity).all(|number| number.is_finite());
+        let grains: Vec<&Particle> = particles.iter().filter(is_finite).collect();
+        let walls = surfaces(wall_triangles(scene, time)).ok().map(|walls| {
+            let is_known = |(_, wall): &([u32; 3], u32)| !scene.wall[*wall as usize].motion.is_driven();
+            let (triangles, wall) = walls.triangles.into_iter().zip(walls.wall).filter(is_known).unzip();
+            Walls { triangles, wall, ..walls }
+        });
+        let velocities = grains.iter().flat_map(|grain| grain.velocity).collect::<Vec<f64>>();
+        RunFrame {
+            time,
+            gravity: scene.gravity,
+            grains: Grains {
+                positions: grains.iter().map(|grain| grain.position).collect(),
+                radii: grains.iter().map(|grain| grain.radius).collect(),
+                fields: vec![Array::floats("velocity", 3, velocities.into_iter())],
+                materials: Vec::new(),
+            },
+            contacts: None,
+            walls,
+            driven_walls: Vec::new(),
+            repeats: None,
+        }
+    }
 }
 
 /// A frame from its files.

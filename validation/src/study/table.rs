@@ -50,8 +50,6 @@ pub(crate) struct Cell {
     /// What stands below the text on a page, each with its style classes.
     below: Vec<(String, String)>,
     mark: Option<String>,
-    /// Where the text leads to on a page.
-    link: Option<String>,
     strong: bool,
 }
 
@@ -237,11 +235,6 @@ impl Cell {
         Cell { mark: Some(classes.into()), ..self }
     }
 
-    /// The same as a link on a page.
-    pub(crate) fn linked(self, address: impl Into<String>) -> Cell {
-        Cell { link: Some(address.into()), ..self }
-    }
-
     /// The same in bold on a page, if so.
     pub(crate) fn strong(self, strong: bool) -> Cell {
         Cell { strong, ..self }
@@ -259,10 +252,6 @@ impl Cell {
         let absent = if self.below.is_empty() { "–" } else { "" };
         let text = escape(self.text.as_deref().unwrap_or(absent));
         let text = if self.strong { format!("<strong>{text}</strong>") } else { text };
-        let text = match &self.link {
-            Some(address) => format!("<a href=\"{}\">{text}</a>", escape(address)),
-            None => text,
-        };
         let mark = self.mark.as_ref().map(|classes| format!("<span class=\"swatch {}\"></span>", escape(classes)));
         let below =
             self.below.iter().map(|(classes, text)| format!("<span class=\"{classes}\">{}</span>", escape(text)));

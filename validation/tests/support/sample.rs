@@ -4,7 +4,6 @@ use makadam::snapshot::Particle;
 use makadam_validation::compare::{CodeSummary, Comparison, FinalState, Row, Source, Timing};
 use makadam_validation::observables::{ForceDistribution, Series};
 use makadam_validation::plan::Scene;
-use makadam_validation::report::published::{Judged, PublishedLaw};
 use makadam_validation::report::{Qualification, StudyOutcome, StudySection, StudyTest};
 use makadam_validation::statistics::Outcome;
 use std::path::Path;
@@ -274,32 +273,6 @@ pub fn alone() -> Comparison {
     }
 }
 
-/// A published law with a figure inside its bounds and one outside.
-pub fn outflow() -> PublishedLaw {
-    let judged = |what: &str, value, low, high, holds| Judged {
-        what: what.into(),
-        unit: String::new(),
-        value,
-        low,
-        high,
-        holds,
-    };
-    PublishedLaw {
-        name: "outflow".into(),
-        statement: "the flow goes as the hole's diameter to the power of 2.5".into(),
-        source: "Beverloo et al. (1961)".into(),
-        runs: 4,
-        wall_seconds: 312.0,
-        version: "0.1.0".into(),
-        judged: vec![
-            judged("exponent", 2.57, Some(2.4), Some(2.6), true),
-            judged("largest deviation", 0.081, None, Some(0.05), false),
-        ],
-        figures: vec![("<svg viewBox=\"0 0 2 1\"></svg>".into(), "Flow over the hole's diameter.".into())],
-        rows: "case,seed,flow\nhole-40,1,0.31\n".into(),
-    }
-}
-
 /// A study of one test.
 pub fn study(outcome: StudyOutcome) -> StudySection {
     StudySection {
@@ -308,7 +281,6 @@ pub fn study(outcome: StudyOutcome) -> StudySection {
         scope: "Scenes that break simulators.".into(),
         runs: 1,
         wall_seconds: 2.0,
-        pages: vec!["stability/stability.md".into()],
         tests: vec![StudyTest {
             name: "stack-10".into(),
             measured: "top grain below its place 0.1".into(),
@@ -316,7 +288,8 @@ pub fn study(outcome: StudyOutcome) -> StudySection {
             outcome,
             remark: None,
         }],
-        notes: Vec::new(),
+        files: vec![("stability.csv".into(), b"case\n".to_vec())],
+        ..StudySection::default()
     }
 }
 
@@ -338,13 +311,6 @@ pub fn qualification(comparisons: Vec<Comparison>) -> Qualification {
         ]
         .map(|(key, value)| (key.to_string(), value.to_string()))
         .into(),
-        notes: Vec::new(),
-        outside_spread: Vec::new(),
-        unchecked: Vec::new(),
-        failed_runs: Vec::new(),
-        laws: Vec::new(),
-        on_record: Vec::new(),
-        studies: Vec::new(),
-        studies_on_record: Vec::new(),
+        ..Qualification::default()
     }
 }

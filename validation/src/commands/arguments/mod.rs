@@ -20,7 +20,7 @@ pub use problem::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,
 };
 pub use renamed::with_new_name;
-pub use runs::{CompareArguments, QualifyArguments, ReportsArguments, RunArguments, TierName};
+pub use runs::{CompareArguments, QualifyArguments, RunArguments};
 pub use shared::{CodeRunArguments, load};
 pub use studies::{
     ConvergenceArguments, EffectsArguments, LawsArguments, ScalingArguments, StabilityArguments, TradeoffArguments,
@@ -72,8 +72,6 @@ pub enum Command {
     Judge(JudgeArguments),
     /// Judge Makadam on the reference scenes and write one report.
     Qualify(QualifyArguments),
-    /// List all reports below a folder on one page, with what changed from one to the next.
-    Reports(ReportsArguments),
     /// Measure how a scene's step scales with threads, and replay it on more cores than this machine has.
     Scaling(ScalingArguments),
     /// Measure how each method converges on the problem of one step: residual against iterations and wall time.

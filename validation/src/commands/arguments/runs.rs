@@ -3,7 +3,8 @@
 use super::shared::{CodeRunArguments, JobArguments, OutputArguments, SceneArguments, SourceArguments};
 use super::values::{InstructionSetName, PrecisionName, SchedulerName, accuracy, seconds, time_limit};
 use crate::peers::CodeName;
-use clap::{Args, ValueEnum};
+use crate::qualify::Tier;
+use clap::Args;
 use makadam::scene::Accuracy;
 use std::path::PathBuf;
 
@@ -82,26 +83,15 @@ pub struct CompareArguments {
     pub runs: CodeRunArguments,
 }
 
-/// How much is judged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum TierName {
-    /// Packing, drum, drum with caps and heap: 15 minutes on two cores.
-    Quick,
-    /// Every scene with recorded references of both peers, hard cases, published laws, effects, convergence: under 3 hours on two cores.
-    Full,
-    /// All of that with at least 16 seeds of Makadam, effects of more scenes, trade-off: a night.
-    Release,
-}
-
 /// Arguments of `makadam qualify`.
 #[derive(Debug, Args)]
 pub struct QualifyArguments {
     /// Extent of the qualification.
     #[arg(long, value_enum, default_value = "quick")]
-    pub tier: TierName,
-    /// report.json of an earlier qualification: says which tests came or went and which numbers moved beyond noise. A test that is gone
-    /// is exit code 4.
-    #[arg(long, value_name = "REPORT")]
+    pub tier: Tier,
+    /// Baseline (validation/baseline.json, or tests.json of an earlier qualification): lists tests that are missing, new or of another
+    /// verdict. A missing test or a worse verdict is exit code 4.
+    #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
     /// Start again: repeat runs whose results are stored in the output folder.
     #[arg(long)]
@@ -118,14 +108,4 @@ pub struct QualifyArguments {
     /// Where the results go.
     #[command(flatten)]
     pub output: OutputArguments,
-}
-
-/// Arguments of `makadam reports`.
-#[derive(Debug, Args)]
-pub struct ReportsArguments {
-    /// Folder below which every report.json is looked for; its index.html is written anew.
-    pub folder: PathBuf,
-    /// Print the list as JSON.
-    #[arg(long)]
-    pub json: bool,
 }

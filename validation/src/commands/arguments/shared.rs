@@ -114,7 +114,7 @@ pub struct CodeRunArguments {
     /// Number of runs at the same time.
     #[command(flatten)]
     pub jobs: JobArguments,
-    /// Folder for report.html, report.json, rows.csv, junit.xml and badge.svg, and the CSV files that figures link to; if absent, nothing is written.
+    /// Folder for report.html, report.json, rows.csv, junit.xml, and the CSV files that figures link to; if absent, nothing is written.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Print the comparison as JSON.

@@ -7,9 +7,7 @@
 //! | `forces.csv` | distribution of normal forces over their mean, all seeds of a code pooled |
 //! | `series.csv` | observables over time, of each code's first seed |
 //! | `final-state-CODE.csv` | grains at the end, of each code's first seed, to six significant digits |
-//! | `checksums.csv` | a checksum of each of these tables, so that a change by hand or by damage is seen |
 
-mod checksums;
 mod merge;
 mod missing;
 mod read;

@@ -7,7 +7,6 @@ use super::{
 use crate::observables::Measurement;
 use crate::observables::catalogue::{Definition, definition};
 use crate::output::cells::as_meant;
-use crate::plan::Scene;
 use crate::recording::LARGEST;
 use crate::scenes;
 use makadam::snapshot::Particle;
@@ -24,12 +23,6 @@ pub enum ReferenceError {
         file: PathBuf,
         /// What the system said.
         source: std::io::Error,
-    },
-    /// A table is not the one that was recorded.
-    #[error("{}: not as it was recorded: its checksum is not the one in checksums.csv beside it; restore the file from the repository, record anew with 'makadam compare SCENE --record --restart', or, if the change is meant, delete checksums.csv", file.display())]
-    Changed {
-        /// The file.
-        file: PathBuf,
     },
     /// A line is not what it should be.
     #[error("{}:{line}: {problem}; restore the file from the repository, or record anew with 'makadam compare SCENE --record --restart'", file.display())]
@@ -58,26 +51,11 @@ impl Reference {
         }
     }
 
-    /// What is to be said of references that nothing vouches for, which lie on a disk without checksums; those that the program holds are
-    /// whole.
-    pub fn unvouched(scene_file: &Path, scene: &Scene) -> Option<String> {
-        let scene_file = &scenes::origin(scene_file);
-        let vouched = scenes::is_built_in(scene_file) || super::checksums::are_in(&Reference::folder(scene_file));
-        (!vouched).then(|| {
-            format!(
-                "the references of {} have no checksums.csv: nothing vouches for their numbers; restore it from the repository, or \
-                 record anew with --record --restart",
-                scene.name
-            )
-        })
-    }
-
     /// Reads the references in a folder; `None` if there is no `runs.csv`.
     ///
     /// # Errors
-    /// [`ReferenceError`] if a file is missing or not as it was recorded, or a line is wrong.
+    /// [`ReferenceError`] if a file is missing or a line is wrong.
     pub fn load(folder: &Path) -> Result<Option<Reference>, ReferenceError> {
-        super::checksums::check(folder)?;
         Reference::read(folder, &|file| std::fs::read(file))
     }
 

@@ -97,6 +97,7 @@ impl Law for Chute {
         }
     }
 
+    #[cfg(test)]
     fn recorded(&self) -> &'static str {
         include_str!("../../../laws/chute.csv")
     }

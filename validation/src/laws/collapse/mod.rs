@@ -89,6 +89,7 @@ impl Law for Collapse {
         std::iter::once(heap()).chain(series.into_iter().flat_map(columns)).collect()
     }
 
+    #[cfg(test)]
     fn recorded(&self) -> &'static str {
         include_str!("../../../laws/collapse.csv")
     }
