@@ -47,7 +47,7 @@ fn a_run_is_measured_from_its_frames_as_it_measured_itself() {
     // By another scene, or by what it has become, it is measured with a note.
     let heavy = ["--set", "material.grain.density=5000"];
     for (scene, more, words) in [
-        ("packing-high-friction", &heavy[..0], "out is a run of packing-100, and is measured by packing-high-friction"),
+        ("packing-high-friction", &heavy[..0], "effects than packing-high-friction; give the scene"),
         ("packing-100", &heavy[..], "out is a run of packing-100 with other walls, materials, grains or effects"),
     ] {
         let errors = outcome(folder.path(), &[&["measure", "out", "--scene", scene], more].concat()).2;
@@ -91,33 +91,39 @@ fn frames_of_an_unsound_run_or_of_a_part_of_the_window_are_noted() {
 #[test]
 fn files_of_other_codes_are_measured_and_what_they_lack_is_said() {
     let folder = tempfile::tempdir().unwrap();
+    // The radii of these files.
+    let scene = std::fs::read_to_string(data("reference-scenes/packing-100/scene.toml")).unwrap();
+    let scene = scene.replace("mean = 0.005, spread = 0.05", "mean = 0.008, spread = 0.1");
+    std::fs::write(folder.path().join("packing.toml"), scene).unwrap();
     let plain = data("validation/tests/frames/yade/plain.txt");
-    let (code, text, errors) = outcome(folder.path(), &["measure", &plain, "--scene", "packing-100"]);
+    let (code, text, errors) = outcome(folder.path(), &["measure", &plain, "--scene", "packing.toml", "--time", "0.6"]);
     // Forces are compared in this scene, and there are none.
     assert_eq!(code, 4, "{text}{errors}");
     assert!(text.contains("not measured: gini: the frames have no contacts between grains"), "{text}");
     assert!(text.contains("largest_overlap"), "{text}");
-    let vtu = data("validation/tests/frames/yade/spheres.400.vtu");
-    let (_, text, notes) = outcome(folder.path(), &["measure", &vtu, "--scene", "packing-100", "--time-step", "1e-2"]);
+    let vtu = data("validation/tests/frames/yade/spheres.{step}.vtu");
+    let (_, text, notes) = outcome(folder.path(), &["measure", &vtu, "--scene", "packing.toml", "--time-step", "1e-2"]);
     assert!(!text.contains("kinetic_energy: "), "velocities and spins are there: {text}");
     assert!(notes.contains("the last frame is measured, at 4 s, and the scene ends at 0.6 s"), "{notes}");
     assert!(notes.contains("the frames have 60 grains, and the scene has 100"), "{notes}");
-    let refused: [(&[&str], i32, &str); 6] = [
-        (&["measure", "nothing.csv", "--scene", "packing-100"], 3, "nothing.csv: line 1:"),
-        (&["measure", &plain, "--scene", "packing-101"], 3, "packing-100"),
-        (&["measure", &plain, "--scene", "packing-100", "--columns", "x,y"], 3, "4 numbers, and 2 columns"),
+    let refused: [(&[&str], i32, &str); 8] = [
+        (&["measure", &plain, "--scene", "packing-100", "--time", "0.6"], 3, "and the scene has no such grain"),
+        (&["measure", &plain, "--scene", "packing.toml"], 3, "\n  time = SECONDS   # time of the only frame"),
+        (&["measure", "nothing.csv", "--scene", "packing.toml"], 3, "nothing.csv: line 1:"),
+        (&["measure", &plain, "--scene", "packing-101"], 3, "packing.toml"),
+        (&["measure", &plain, "--scene", "packing.toml", "--columns", "x,y"], 3, "4 numbers, and 2 columns"),
         (
-            &["measure", &plain, "--scene", "packing-100", "--kinds", "1=glass"],
+            &["measure", &plain, "--scene", "packing.toml", "--kinds", "1=glass"],
             2,
             "the scene has no glass; it has grain",
         ),
         (
-            &["measure", &plain, "code.toml", "--scene", "packing-100"],
+            &["measure", &plain, "code.toml", "--scene", "packing.toml"],
             2,
             "code.toml is a manifest, which names all files",
         ),
         (
-            &["measure", &plain, "--scene", "packing-100", "--interval", "1", "--set", "measure.from=0.4"],
+            &["measure", &plain, "--scene", "packing.toml", "--time", "0", "--set", "measure.from=0.4"],
             2,
             "no frame is measured",
         ),
@@ -134,20 +140,17 @@ fn a_manifest_states_what_files_do_not() {
     let rows: String = (0..100).map(|id| format!("{},0,0,{id},{}\n", id + 7, 0.01)).collect();
     std::fs::write(folder.path().join("a_3.csv"), format!("number,a,b,c,size\n{rows}")).unwrap();
     let manifest = |more: &str| {
-        let text = format!("grains = ['a_*.csv']\ncolumns = ['id', 'x', 'y', 'z', 'd']\n{more}");
+        let text = format!("grains = ['a_{{step}}.csv']\ncolumns = ['id', 'x', 'y', 'z', 'd']\n{more}");
         std::fs::write(folder.path().join("frames.toml"), text).unwrap();
         outcome(folder.path(), &["measure", "frames.toml", "--scene", "packing-100", "--set", "compare=[]"])
     };
     let (code, text, notes) = manifest("time-step = 0.2\nfirst-id = 7\n");
     assert!(code == 0 && text.contains("largest_overlap"), "{code}: {text}{notes}");
     assert!(!notes.contains("the last frame is measured, at"), "its time is 0.6 s: {notes}");
-    let (code, _, errors) = manifest("first-id = 6\n");
+    let (code, _, errors) = manifest("time-step = 0.2\nfirst-id = 6\n");
     assert!(code == 3 && errors.contains("there is no grain 106"), "{code}: {errors}");
     let (code, _, errors) = manifest("timestep = 0.2\n");
-    assert!(
-        code == 3 && errors.contains("frames.toml: line 3: manifest: unknown field `timestep`"),
-        "{code}: {errors}"
-    );
+    assert!(code == 3 && errors.contains("frames.toml: line 3: unknown field `timestep`"), "{code}: {errors}");
 }
 
 #[test]

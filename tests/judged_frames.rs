@@ -40,7 +40,8 @@ fn judged(description: &str, more: &[&str]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
 }
 
-const OUT: &str = "grains = [\"out_*.csv\"]";
+/// Frames that state their steps in their names.
+const OUT: &str = "grains = [\"out_{step}.csv\"]";
 
 #[test]
 fn frames_that_were_not_asked_for_or_are_not_whole_are_refused() {
@@ -61,7 +62,8 @@ fn frames_that_were_not_asked_for_or_are_not_whole_are_refused() {
         ("stale", end, "s before the run began: it is of another one"),
     ];
     for (fault, more, words) in refused {
-        let (code, _, errors) = judged(&described(fault, OUT), more);
+        let files = if fault == "parts" { "grains = [\"out_{step}.csv\", \"out_b_{step}.csv\"]" } else { OUT };
+        let (code, _, errors) = judged(&described(fault, files), more);
         assert!(code == 1 && errors.contains(words), "{fault}: {code}: {errors}");
     }
     for pattern in ["/tmp/out.csv", "../out.csv", ""] {
@@ -96,13 +98,12 @@ fn what_was_assumed_of_frames_stands_beside_the_verdict() {
         "by what frames are numbered is no step of the code: {}",
         found["codes"]
     );
-    // Contacts of one frame of two are no contacts that could be measured.
-    let more = format!("{OUT}\ncontacts = [\"contacts.csv\"]");
-    let compared = "compare=[{observable=\"gini\", margin=1.0}]";
-    let asked = ["--seeds", "2", "--set", "measure.from=0.05", "--set", compared];
+    // Contacts of one frame of two are not those of both.
+    let more = format!("{OUT}\ncontacts = [\"contacts.csv\"]\ncontacts-complete = true");
+    let asked = ["--seeds", "2", "--set", "measure.from=0.05"];
     let (other, text, errors) = judged(&described("some-contacts", &more), &asked);
-    assert_eq!((code, other), (0, 4), "{text}{errors}");
-    assert!(text.contains("Faulty, all 2 seeds: contacts.csv has no rows at 0.1 s"), "{text}");
+    assert_eq!((code, other), (0, 1), "{text}{errors}");
+    assert!(errors.contains("no file lists contacts between grains of the frame at 0.1 s"), "{errors}");
 }
 
 #[test]

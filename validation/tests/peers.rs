@@ -155,7 +155,7 @@ fn dumps_are_read_frame_by_frame() {
     let text = dump_text("1 2 -3.5e-3\n4 5 6 \n", 2) + &dump_text("", 0);
     let frames = read_dump(text.as_bytes(), 3).unwrap();
     assert_eq!(frames.len(), 2);
-    assert_eq!((frames[0].step, frames[0].line), (40, 10));
+    assert_eq!((frames[0].step, frames[0].line), (Some(40), 10));
     assert_eq!(frames[0].rows().collect::<Vec<_>>(), [&[1.0, 2.0, -3.5e-3][..], &[4.0, 5.0, 6.0]]);
     assert_eq!(frames[1].rows().count(), 0);
     // Torn, short and blown-up dumps say where.

@@ -3,14 +3,14 @@
 use super::arguments::{MeasureArguments, load};
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
 use crate::draw::values;
-use crate::import::{Assembly, Imported, Manifest, Stated, StatedColumns, Tables, check_kinds, unlike};
+use crate::import::{Imported, Manifest, StatedColumns, Tables, assemble, unlike};
 use crate::observables::{Measurement, Unmeasured, measured_frames, measured_in, unmeasured};
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
 use crate::recording::Recording;
 use makadam::snapshot::Snapshot;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// What `makadam measure --json` prints; its documentation is `validation/docs/json.md`.
@@ -30,17 +30,9 @@ struct MeasureDocument<'a> {
 /// Reads the files and prints the numbers.
 pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (_, scene) = load(&arguments.scene, &arguments.changes)?;
-    let Sources { grains, contacts, stated } = sources(arguments)?;
-    check_kinds(&scene, &stated.kinds).map_err(Failure::Usage)?;
-    let mut tables = Tables::default();
-    for path in &grains {
-        tables.add_grains(path, &stated.columns)?;
-    }
-    for path in &contacts {
-        tables.add_contacts(path, &stated.contact_columns)?;
-    }
-    let assembly = Assembly { scene: &scene, code: &arguments.name, version: "", stated: &stated };
-    let Imported { recording, mut notes } = assembly.assemble(&tables)?;
+    let manifest = manifest(arguments)?;
+    manifest.check(&scene).map_err(Failure::Usage)?;
+    let Imported { recording, mut notes } = assemble(&scene, &manifest, &Tables::read(&manifest)?)?;
     let measured = measured_frames(&scene, &recording);
     notes.extend(unlike(&scene, measured.iter().copied()));
     notes.extend(other_window(&scene, &measured));
@@ -60,7 +52,7 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
             version: JSON_VERSION,
             command: "measure",
             scene: &scene.name,
-            code: &arguments.name,
+            code: &recording.code,
             frames: recording.frames.len(),
             measured_frames: frames,
             measurements: &measurements,
@@ -78,38 +70,33 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
     }
 }
 
-/// Files of grains and of contacts, and statements about them.
-struct Sources {
-    grains: Vec<PathBuf>,
-    contacts: Vec<PathBuf>,
-    stated: Stated,
-}
-
-/// The files and statements of the command line, and those of a manifest, which the command line completes or replaces.
-fn sources(arguments: &MeasureArguments) -> Result<Sources, Failure> {
-    let is_manifest = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "toml");
-    let (mut grains, mut contacts) = (arguments.grains.clone(), arguments.contacts.clone());
-    let mut stated = Stated::default();
-    if let Some(file) = arguments.grains.iter().find(is_manifest) {
-        if grains.len() > 1 || !contacts.is_empty() {
+/// Manifest that is given, or that of the files on the command line, with the statements of the command line.
+fn manifest(arguments: &MeasureArguments) -> Result<Manifest, Failure> {
+    let is_manifest = |file: &&Path| file.extension().is_some_and(|extension| extension == "toml");
+    let file = arguments.grains.iter().map(|pattern| Path::new(pattern.text())).find(is_manifest);
+    let mut manifest = match file {
+        Some(file) if arguments.grains.len() > 1 || !arguments.contacts.is_empty() => {
             let problem = format!("{} is a manifest, which names all files; give it alone", file.display());
             return Err(Failure::Usage(problem));
         }
-        let manifest = Manifest::load(file)?;
-        (grains, contacts, stated) = (manifest.grains()?, manifest.contacts()?, manifest.stated());
-    }
+        Some(file) => Manifest::load(file)?,
+        None => {
+            Manifest { grains: arguments.grains.clone(), contacts: arguments.contacts.clone(), ..Manifest::default() }
+        }
+    };
     let joined = |own: StatedColumns, more: &[StatedColumns]| {
         StatedColumns::joined([own].into_iter().chain(more.iter().cloned()))
     };
-    stated.columns = joined(stated.columns, &arguments.columns);
-    stated.contact_columns = joined(stated.contact_columns, &arguments.contact_columns);
-    if arguments.time_step.is_some() || arguments.interval.is_some() {
-        (stated.time_step, stated.interval) = (arguments.time_step, arguments.interval);
-    }
-    stated.first_id = arguments.first_id.or(stated.first_id);
-    stated.seed = arguments.seed.or(stated.seed);
-    stated.kinds.extend(arguments.kinds.iter().cloned());
-    Ok(Sources { grains, contacts, stated })
+    manifest.name = arguments.name.clone().or(manifest.name);
+    manifest.columns = joined(manifest.columns, &arguments.columns);
+    manifest.contact_columns = joined(manifest.contact_columns, &arguments.contact_columns);
+    manifest.contacts_complete |= arguments.contacts_complete;
+    manifest.time_step = arguments.time_step.or(manifest.time_step);
+    manifest.time = arguments.time.or(manifest.time);
+    manifest.first_id = arguments.first_id.or(manifest.first_id);
+    manifest.seed = arguments.seed.or(manifest.seed);
+    manifest.kinds.extend(arguments.kinds.iter().cloned());
+    Ok(manifest)
 }
 
 /// That the frames that are measured are not those of the scene: its end, or all times from `measure.from` to it.

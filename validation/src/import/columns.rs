@@ -1,6 +1,10 @@
-//! What the columns of a table of grains or contacts mean, by the names that codes give them.
+//! Meaning of the columns of a table of grains or contacts: by the names that codes give them, or that the caller states.
 
-use super::frame_table::FrameTable;
+use super::table::{FrameTable, ImportError};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::str::FromStr;
 
 /// A number of a grain or of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,81 +50,50 @@ pub enum Column {
 }
 
 /// Names of single numbers, in small letters.
-const PLAIN: [(&str, Column); 28] = [
-    ("id", Column::Id),
-    ("radius", Column::Radius),
-    ("r", Column::Radius),
-    ("radii", Column::Radius),
-    ("diameter", Column::Diameter),
-    ("d", Column::Diameter),
-    ("time", Column::Time),
-    ("step", Column::Step),
-    ("timestep", Column::Step),
-    ("type", Column::Kind),
-    ("material", Column::Kind),
-    ("matid", Column::Kind),
-    ("mat_id", Column::Kind),
-    ("materialid", Column::Kind),
-    ("material_id", Column::Kind),
-    ("first", Column::First),
-    ("id1", Column::First),
-    ("grain1", Column::First),
-    ("second", Column::Second),
-    ("second_grain", Column::Second),
-    ("id2", Column::Second),
-    ("grain2", Column::Second),
-    ("wall", Column::Wall),
-    ("second_wall", Column::Wall),
-    ("normal_force", Column::NormalForce),
-    ("fn", Column::NormalForce),
-    ("xu", Column::Position(0)),
-    ("yu", Column::Position(1)),
+const PLAIN: [(&[&str], Column); 13] = [
+    (&["id"], Column::Id),
+    (&["radius", "r", "radii"], Column::Radius),
+    (&["diameter", "d"], Column::Diameter),
+    (&["time"], Column::Time),
+    (&["step", "timestep"], Column::Step),
+    (&["type", "material", "matid", "mat_id", "materialid", "material_id"], Column::Kind),
+    (&["first", "id1", "grain1"], Column::First),
+    (&["second", "second_grain", "id2", "grain2"], Column::Second),
+    (&["wall", "second_wall"], Column::Wall),
+    (&["normal_force", "fn"], Column::NormalForce),
+    // Coordinates of LAMMPS that are not wrapped into the box.
+    (&["xu"], Column::Position(0)),
+    (&["yu"], Column::Position(1)),
+    (&["zu"], Column::Position(2)),
 ];
 
 /// Makes a column of a component.
 type OfComponent = fn(usize) -> Column;
 
 /// Names of vectors, in small letters: the axis follows, as `x`, `_x`, `_0` or `[0]`.
-const VECTORS: [(&str, OfComponent); 23] = [
-    ("", Column::Position),
-    ("position", Column::Position),
-    ("points", Column::Position),
-    ("v", Column::Velocity),
-    ("velocity", Column::Velocity),
-    ("vel", Column::Velocity),
-    ("linvelvec", Column::Velocity),
-    ("omega", Column::Spin),
-    ("w", Column::Spin),
-    ("spin", Column::Spin),
-    ("angular_velocity", Column::Spin),
-    ("angularvelocity", Column::Spin),
-    ("angvel", Column::Spin),
-    ("angvelvec", Column::Spin),
-    ("f", Column::Force),
-    ("force", Column::Force),
-    ("p", Column::Point),
-    ("point", Column::Point),
-    ("n", Column::Normal),
-    ("normal", Column::Normal),
-    ("tangential_force", Column::Tangential),
-    ("fn", Column::NormalOnFirst),
-    ("ft", Column::TangentialOnFirst),
+const VECTORS: [(&[&str], OfComponent); 9] = [
+    (&["", "position", "points"], Column::Position),
+    (&["v", "velocity", "vel", "linvelvec"], Column::Velocity),
+    (&["omega", "w", "spin", "angular_velocity", "angularvelocity", "angvel", "angvelvec"], Column::Spin),
+    (&["f", "force"], Column::Force),
+    (&["p", "point"], Column::Point),
+    (&["n", "normal"], Column::Normal),
+    (&["tangential_force"], Column::Tangential),
+    (&["fn"], Column::NormalOnFirst),
+    (&["ft"], Column::TangentialOnFirst),
 ];
 
-/// What a column means; none where the name says nothing of that kind.
+/// Returns the meaning of a column; none where the name has none.
 pub fn column_of(name: &str) -> Option<Column> {
     let name = name.trim().to_lowercase();
-    if let Some((_, column)) = PLAIN.iter().find(|(known, _)| *known == name) {
+    if let Some((_, column)) = PLAIN.iter().find(|(known, _)| known.contains(&&*name)) {
         return Some(*column);
     }
-    if name == "zu" {
-        return Some(Column::Position(2));
-    }
     let (vector, axis) = split_axis(&name)?;
-    VECTORS.iter().find(|(known, _)| *known == vector).map(|(_, of)| of(axis))
+    VECTORS.iter().find(|(known, _)| known.contains(&vector)).map(|(_, of)| of(axis))
 }
 
-/// The name of a vector and the number of its axis.
+/// Splits the name of a component into the name of its vector and the number of its axis.
 fn split_axis(name: &str) -> Option<(&str, usize)> {
     let bare = name.strip_suffix(']').unwrap_or(name);
     let axis = match bare.chars().last()? {
@@ -132,37 +105,37 @@ fn split_axis(name: &str) -> Option<(&str, usize)> {
     let vector = &bare[..bare.len() - 1];
     let counted = bare.ends_with(['0', '1', '2']);
     let trimmed = vector.trim_end_matches(['_', ':', '[', '.']);
-    // "id1" and the like count something else than axes.
+    // The digit of "id1" is no axis.
     match counted && trimmed.len() == vector.len() {
         true => None,
         false => Some((trimmed, axis)),
     }
 }
 
-/// Where the columns of a table stand.
+/// Columns of a table by their meaning.
 pub(super) struct Places<'t> {
     table: &'t FrameTable,
     columns: Vec<Option<Column>>,
 }
 
 impl<'t> Places<'t> {
-    /// Reads the heads of a table.
+    /// Reads the names of a table.
     pub fn of(table: &'t FrameTable) -> Places<'t> {
         Places { table, columns: table.columns.iter().map(|name| column_of(name)).collect() }
     }
 
-    /// Place of a column, if the table has it.
+    /// Index of a column, if the table has it.
     pub fn find(&self, column: Column) -> Option<usize> {
         self.columns.iter().position(|known| *known == Some(column))
     }
 
-    /// Places of three components, if the table has them all.
+    /// Indices of three components, if the table has them all.
     pub fn vector(&self, of: OfComponent) -> Option<[usize; 3]> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.find(of(axis)));
         Some([x?, y?, z?])
     }
 
-    /// Place of the radius or the diameter, and what makes it a radius.
+    /// Index of the radius or the diameter, and the factor that makes it a radius.
     pub fn radius(&self) -> Option<(usize, f64)> {
         let of_diameter = || Some((self.find(Column::Diameter)?, 0.5));
         self.find(Column::Radius).map(|place| (place, 1.0)).or_else(of_diameter)
@@ -174,29 +147,187 @@ impl<'t> Places<'t> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Names of columns: of each file, or of the columns that a file numbers under one name, such as `c_pairs[1]`.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(from = "Written")]
+pub struct StatedColumns {
+    all: Vec<String>,
+    numbered: BTreeMap<String, Vec<String>>,
+}
 
-    #[test]
-    fn codes_name_their_columns_in_many_ways() {
-        let same = |names: &[&str], column: Column| {
-            for name in names {
-                assert_eq!(column_of(name), Some(column), "{name}");
-            }
-        };
-        same(&["x", "X", "xu", "position_x", "Points_0", "Points:0"], Column::Position(0));
-        same(&["vz", "velocity_z", "velocity_2", "linVelVec_2"], Column::Velocity(2));
-        same(&["omegay", "wy", "angular_velocity_y", "angVelVec_1", "omega[1]"], Column::Spin(1));
-        same(&["radius", "r", "radii"], Column::Radius);
-        same(&["id1", "first"], Column::First);
-        same(&["fx", "force_x"], Column::Force(0));
-        same(&["fny", "fn_y"], Column::NormalOnFirst(1));
-        same(&["ftz"], Column::TangentialOnFirst(2));
-        same(&["type", "material", "matId", "materialId"], Column::Kind);
-        // A temperature, or a time: the name does not say which.
-        for nothing in ["T", "t", "xs", "mass", "id3", "fn2", "", "c_pairs[4]", "_"] {
-            assert_eq!(column_of(nothing), None, "{nothing}");
+/// `StatedColumns` in a file: a list, or a table of lists.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Written {
+    All(Vec<String>),
+    Numbered(BTreeMap<String, Vec<String>>),
+}
+
+impl From<Written> for StatedColumns {
+    fn from(written: Written) -> StatedColumns {
+        match written {
+            Written::All(all) => StatedColumns { all, numbered: BTreeMap::new() },
+            Written::Numbered(numbered) => StatedColumns { all: Vec::new(), numbered },
         }
+    }
+}
+
+impl FromStr for StatedColumns {
+    type Err = String;
+
+    /// Reads `id,x,y,z`, or `c_pairs:first,second,_` for the columns `c_pairs[1]` and so on.
+    fn from_str(text: &str) -> Result<StatedColumns, String> {
+        let list = |text: &str| text.split(',').map(|name| name.trim().to_string()).collect::<Vec<_>>();
+        // `Points:0` is a name of ParaView: a name of several columns stands before the first comma, and before the second name.
+        let is_head = |head: &str, names: &str| {
+            !head.contains(',') && names.contains(',') && !names.starts_with(char::is_numeric)
+        };
+        let head = text.split_once(':').filter(|(head, names)| is_head(head, names));
+        let names = list(head.map_or(text, |(_, names)| names));
+        if names.iter().any(String::is_empty) {
+            return Err("a name is empty; write _ for a column that is not wanted".into());
+        }
+        Ok(StatedColumns::from(match head {
+            None => Written::All(names),
+            Some((head, _)) => Written::Numbered(BTreeMap::from([(head.trim().to_string(), names)])),
+        }))
+    }
+}
+
+/// Names of a table's columns, and the columns that have a meaning.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Heads {
+    names: Vec<String>,
+    /// Columns that have a meaning.
+    used: Vec<usize>,
+    /// Kinds among the used ones, which may be names.
+    kinds: Vec<bool>,
+}
+
+impl StatedColumns {
+    /// Joins lists that are stated one after the other; a later one replaces an earlier one of its kind.
+    pub fn joined(all: impl IntoIterator<Item = StatedColumns>) -> StatedColumns {
+        all.into_iter().fold(StatedColumns::default(), |mut joined, one| {
+            joined.numbered.extend(one.numbered);
+            StatedColumns { all: if one.all.is_empty() { joined.all } else { one.all }, numbered: joined.numbered }
+        })
+    }
+
+    /// Reports whether nothing is stated.
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty() && self.numbered.is_empty()
+    }
+
+    /// Names the columns of a table, given those of its file and their line.
+    ///
+    /// # Errors
+    /// [`ImportError`] where a list has more or fewer names than the file has columns, or two columns have one meaning.
+    pub(super) fn heads(&self, file: &Path, line: usize, own: Vec<String>) -> Result<Heads, ImportError> {
+        let fault = |problem: String| ImportError::new(file, line.max(1), problem);
+        let mut names = own;
+        if !self.all.is_empty() {
+            if self.all.len() != names.len() {
+                return Err(fault(format!(
+                    "its rows have {} numbers, and {} columns are named; name each, those that are not wanted with _",
+                    names.len(),
+                    self.all.len()
+                )));
+            }
+            names.clone_from(&self.all);
+        }
+        for (compute, stated) in &self.numbered {
+            let places: Vec<usize> =
+                (0..names.len()).filter(|place| numbered(&names[*place]) == Some(compute)).collect();
+            if !places.is_empty() && places.len() != stated.len() {
+                return Err(fault(format!(
+                    "it has {} columns {compute}[...], and {} are named; name each, those that are not wanted with _",
+                    places.len(),
+                    stated.len()
+                )));
+            }
+            places.into_iter().zip(stated).for_each(|(place, name)| names[place].clone_from(name));
+        }
+        if let Some([one, other]) = repeated(&names) {
+            let problem = format!(
+                "two columns have one meaning, {one} and {other}; name each once, those that are not wanted with _"
+            );
+            return Err(fault(problem));
+        }
+        let used: Vec<usize> = (0..names.len()).filter(|place| column_of(&names[*place]).is_some()).collect();
+        let kinds = used.iter().map(|place| column_of(&names[*place]) == Some(Column::Kind)).collect();
+        Ok(Heads { names, used, kinds })
+    }
+}
+
+/// Returns the name under which a column is numbered: `c_pairs` of `c_pairs[3]`.
+pub(super) fn numbered(name: &str) -> Option<&str> {
+    let (compute, number) = name.strip_suffix(']')?.split_once('[')?;
+    number.parse::<usize>().ok().map(|_| compute)
+}
+
+/// Finds two columns of one meaning.
+fn repeated(columns: &[String]) -> Option<[&str; 2]> {
+    let meaning = |name: &String| match column_of(name)? {
+        Column::Diameter => Some(Column::Radius),
+        other => Some(other),
+    };
+    let meanings: Vec<Option<Column>> = columns.iter().map(meaning).collect();
+    (0..columns.len()).find_map(|place| {
+        let first = meanings[..place].iter().position(|known| known.is_some() && *known == meanings[place])?;
+        Some([&*columns[first], &*columns[place]])
+    })
+}
+
+impl Heads {
+    /// Number of columns in the file.
+    pub fn count(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Columns that have a meaning.
+    pub fn used(&self) -> &[usize] {
+        &self.used
+    }
+
+    /// Makes an empty table of the columns that have a meaning.
+    pub fn table(&self, file: &Path) -> FrameTable {
+        let is_used = |place: &usize| self.used.binary_search(place).is_ok();
+        let (columns, unread): (Vec<usize>, Vec<usize>) = (0..self.names.len()).partition(is_used);
+        let named = |places: Vec<usize>| places.into_iter().map(|place| self.names[place].clone()).collect();
+        FrameTable {
+            file: file.into(),
+            line: 1,
+            columns: named(columns),
+            unread: named(unread),
+            ..FrameTable::default()
+        }
+    }
+
+    /// Adds the cells of a row that have a meaning.
+    ///
+    /// # Errors
+    /// Column and problem of a cell.
+    pub fn add_row(&self, table: &mut FrameTable, cells: &[&str]) -> Result<(), String> {
+        for (place, is_kind) in self.used.iter().zip(&self.kinds) {
+            let cell = cells[*place];
+            match (number(cell), is_kind) {
+                (Ok(value), _) => table.values.push(value),
+                (Err(_), true) => {
+                    table.words.insert(table.values.len(), cell.to_string());
+                    table.values.push(f64::NAN);
+                }
+                (Err(problem), false) => return Err(format!("column {}: {problem}", self.names[*place])),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Reads a finite number.
+pub(super) fn number(word: &str) -> Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) => Err(format!("'{word}' is not finite: the run has blown up")),
+        Err(_) => Err(format!("'{word}' is not a number")),
     }
 }

@@ -1,62 +1,38 @@
 //! Dumps of LIGGGHTS and LAMMPS: header lines before each frame, then rows of cells. Not always valid UTF-8.
 
-use super::columns::column_of;
-use super::frame_table::{FrameTable, ImportError, Periods};
-use super::stated::StatedColumns;
+use super::columns::{StatedColumns, column_of, number};
+use super::table::{FrameTable, ImportError, Periods};
 use std::io::BufRead;
 use std::path::Path;
 
-/// One frame of a dump.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DumpFrame {
-    /// Number of the time step.
-    pub step: u64,
-    /// Simulated time, s, where the dump tells it (`dump_modify time yes` of LAMMPS).
-    pub time: Option<f64>,
-    /// Line of its first row in the file, from 1.
-    pub line: usize,
-    columns: usize,
-    values: Vec<f64>,
-}
-
-impl DumpFrame {
-    /// Its rows.
-    pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
-        self.values.chunks_exact(self.columns.max(1))
-    }
-}
-
-/// Where and why a dump cannot be read.
+/// Error of a dump that cannot be read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DumpFault {
     /// Line, from 1.
     pub line: usize,
-    /// What is wrong.
+    /// Problem and remedy.
     pub problem: String,
 }
 
-/// Reads every frame of a dump of which each row has `columns` numbers.
+/// Reads every frame of a dump of which each row has `columns` numbers, whatever their names.
 ///
 /// # Errors
 /// [`DumpFault`] for anything that is not a whole dump of finite numbers.
-pub fn read_dump(reader: impl BufRead, columns: usize) -> Result<Vec<DumpFrame>, DumpFault> {
+pub fn read_dump(reader: impl BufRead, columns: usize) -> Result<Vec<FrameTable>, DumpFault> {
     let mut lines = Lines::new(reader);
-    let columns = columns.max(1);
+    let columns = vec![String::new(); columns.max(1)];
     let mut frames = Vec::new();
     while let Some(Header { step, time, count, .. }) = lines.header()? {
         let line = lines.number + 1;
         let mut values = Vec::new();
         for _ in 0..count {
             lines.next()?;
-            let before = values.len();
-            for word in lines.text.split_ascii_whitespace() {
-                values.push(super::stated::number(word).map_err(|problem| lines.fault(problem))?);
-            }
-            if values.len() - before != columns {
-                return Err(lines.fault(format!("{} numbers where {columns} belong", values.len() - before)));
+            for cell in lines.cells(columns.len())? {
+                values.push(number(cell).map_err(|problem| lines.fault(problem))?);
             }
         }
-        frames.push(DumpFrame { step, time, line, columns, values });
+        let columns = columns.clone();
+        frames.push(FrameTable { step: Some(step), time, line, columns, values, ..FrameTable::default() });
     }
     Ok(frames)
 }
@@ -73,19 +49,13 @@ pub(super) fn read_named_dump(
     let refused = |fault: DumpFault| ImportError::new(file, fault.line, fault.problem);
     let mut lines = Lines::new(bytes);
     let mut frames = Vec::new();
-    while let Some(header) = lines.header().map_err(refused)? {
-        let heads = stated.heads(file, lines.number, of_code(header.names))?;
-        let periods = header.bounds.periods().map_err(refused)?;
-        let first = lines.number + 1;
-        let mut table =
-            FrameTable { line: first, time: header.time, step: Some(header.step), periods, ..heads.table(file) };
-        for _ in 0..header.count {
+    while let Some(Header { step, time, count, periods, names }) = lines.header().map_err(refused)? {
+        let heads = stated.heads(file, lines.number, of_code(names))?;
+        let line = lines.number + 1;
+        let mut table = FrameTable { line, time, step: Some(step), periods, ..heads.table(file) };
+        for _ in 0..count {
             lines.next().map_err(refused)?;
-            let cells: Vec<&str> = lines.text.split_ascii_whitespace().collect();
-            if cells.len() != heads.count() {
-                let problem = format!("{} numbers where {} belong", cells.len(), heads.count());
-                return Err(refused(lines.fault(problem)));
-            }
+            let cells = lines.cells(heads.count()).map_err(refused)?;
             heads.add_row(&mut table, &cells).map_err(|problem| refused(lines.fault(problem)))?;
         }
         frames.push(table);
@@ -93,9 +63,8 @@ pub(super) fn read_named_dump(
     Ok(frames)
 }
 
-/// Names of the columns of a dump, by the rules of its codes. Behind `c_`, `f_` and `v_` stands the name that a deck gives a compute, a fix
-/// or a variable: `v_x` is no velocity. One name stands for one property: what is listed again (`id type type x` in tutorials of LIGGGHTS)
-/// is the same.
+/// Names of the columns of a dump, by the rules of its codes. After `c_`, `f_` and `v_` stands the name that a deck gives a compute, a fix
+/// or a variable: `v_x` is no velocity. A name that is listed again (`id type type x` in tutorials of LIGGGHTS) is the same property.
 fn of_code(names: Vec<String>) -> Vec<String> {
     let is_given = |name: &String| ["c_", "f_", "v_"].iter().any(|prefix| name.starts_with(prefix));
     let name = |place: usize| match &names[place] {
@@ -111,52 +80,8 @@ struct Header {
     step: u64,
     time: Option<f64>,
     count: u64,
-    bounds: Bounds,
+    periods: Option<Periods>,
     names: Vec<String>,
-}
-
-/// Box of a frame as it stands: the words behind `BOX BOUNDS`, and three rows.
-struct Bounds {
-    line: usize,
-    head: String,
-    rows: [String; 3],
-}
-
-impl Bounds {
-    /// Lengths along the periodic axes, where the head names boundaries.
-    fn periods(&self) -> Result<Option<Periods>, DumpFault> {
-        let words: Vec<&str> = self.head.split_ascii_whitespace().collect();
-        let is_boundary = |word: &&&str| word.len() == 2 && word.bytes().all(|letter| b"pfsm".contains(&letter));
-        let flags: Vec<&str> = words.iter().filter(is_boundary).copied().collect();
-        let fault = |axis: usize, problem: String| DumpFault { line: self.line + 1 + axis, problem };
-        // Bounds, bounds with a tilt, or an edge vector with its part of the origin.
-        let (has_tilts, has_edges) = (words.contains(&"xy"), words.contains(&"abc"));
-        let mut periods = Periods::default();
-        for (axis, row) in self.rows.iter().enumerate() {
-            let numbers: Result<Vec<f64>, _> = row.split_ascii_whitespace().map(super::stated::number).collect();
-            let numbers = numbers.map_err(|problem| fault(axis, problem))?;
-            let (low, high, is_tilted) = match numbers[..] {
-                [low, high] if !has_tilts && !has_edges => (low, high, false),
-                [low, high, tilt] if has_tilts => (low, high, tilt != 0.0),
-                [x, y, z, origin] if has_edges => {
-                    let length = [x, y, z][axis];
-                    (origin, origin + length, x.abs() + y.abs() + z.abs() > length)
-                }
-                _ => return Err(fault(axis, "the bounds of the box belong here".into())),
-            };
-            if is_tilted {
-                let problem =
-                    "the box is tilted, and the domain of a scene has right angles; run the code in such a box";
-                return Err(fault(axis, problem.into()));
-            }
-            if flags.len() == 3 && flags[axis] == "pp" {
-                periods.lengths[axis] = high - low;
-                // LIGGGHTS writes six digits.
-                periods.rounding = periods.rounding.max(1e-5 * low.abs().max(high.abs()));
-            }
-        }
-        Ok((flags.len() == 3).then_some(periods))
-    }
 }
 
 struct Lines<R> {
@@ -178,7 +103,7 @@ impl<R: BufRead> Lines<R> {
         }
         let mut time = None;
         while !self.text.starts_with("ITEM: TIMESTEP") {
-            // LAMMPS can say units and time before.
+            // LAMMPS can state units and time before.
             match self.text.trim_end() {
                 "ITEM: UNITS" => self.units()?,
                 "ITEM: TIME" => time = Some(self.real()?),
@@ -192,17 +117,57 @@ impl<R: BufRead> Lines<R> {
         let count = self.integer()?;
         self.next()?;
         self.expect("ITEM: BOX BOUNDS")?;
-        let (line, head) = (self.number, self.text["ITEM: BOX BOUNDS".len()..].to_string());
-        let mut rows = [const { String::new() }; 3];
-        for row in &mut rows {
-            self.next()?;
-            row.clone_from(&self.text);
-        }
+        let periods = self.periods()?;
         self.next()?;
         self.expect("ITEM: ")?;
         // "ITEM: ATOMS id x y z" or "ITEM: ENTRIES c_pairs[1] ...".
         let names = self.text.split_ascii_whitespace().skip(2).map(String::from).collect();
-        Ok(Some(Header { step, time, count, bounds: Bounds { line, head, rows }, names }))
+        Ok(Some(Header { step, time, count, periods, names }))
+    }
+
+    /// Reads the bounds of the box: lengths along the periodic axes, where the head names boundaries (`pp ff ff`).
+    fn periods(&mut self) -> Result<Option<Periods>, DumpFault> {
+        let head = self.text["ITEM: BOX BOUNDS".len()..].to_string();
+        let words: Vec<&str> = head.split_ascii_whitespace().collect();
+        let is_boundary = |word: &&&str| word.len() == 2 && word.bytes().all(|letter| b"pfsm".contains(&letter));
+        let flags: Vec<&str> = words.iter().filter(is_boundary).copied().collect();
+        // Bounds, bounds with a tilt, or an edge vector with its part of the origin.
+        let (has_tilts, has_edges) = (words.contains(&"xy"), words.contains(&"abc"));
+        let mut periods = Periods::default();
+        for axis in 0..3 {
+            self.next()?;
+            let numbers: Result<Vec<f64>, _> = self.text.split_ascii_whitespace().map(number).collect();
+            let numbers = numbers.map_err(|problem| self.fault(problem))?;
+            let (low, high, is_tilted) = match numbers[..] {
+                [low, high] if !has_tilts && !has_edges => (low, high, false),
+                [low, high, tilt] if has_tilts => (low, high, tilt != 0.0),
+                [x, y, z, origin] if has_edges => {
+                    let length = [x, y, z][axis];
+                    (origin, origin + length, x.abs() + y.abs() + z.abs() > length)
+                }
+                _ => return Err(self.fault("the bounds of the box belong here".into())),
+            };
+            if is_tilted {
+                let problem =
+                    "the box is tilted, and the domain of a scene has right angles; run the code in such a box";
+                return Err(self.fault(problem.into()));
+            }
+            if flags.len() == 3 && flags[axis] == "pp" {
+                periods.lengths[axis] = high - low;
+                // LIGGGHTS writes six digits.
+                periods.rounding = periods.rounding.max(1e-5 * low.abs().max(high.abs()));
+            }
+        }
+        Ok((flags.len() == 3).then_some(periods))
+    }
+
+    /// Splits the line into the cells of a row.
+    fn cells(&self, count: usize) -> Result<Vec<&str>, DumpFault> {
+        let cells: Vec<&str> = self.text.split_ascii_whitespace().collect();
+        match cells.len() == count {
+            true => Ok(cells),
+            false => Err(self.fault(format!("{} numbers where {count} belong", cells.len()))),
+        }
     }
 
     /// Reads the next line; false at the end of the file.
@@ -236,11 +201,10 @@ impl<R: BufRead> Lines<R> {
 
     fn real(&mut self) -> Result<f64, DumpFault> {
         self.next()?;
-        let number = self.text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-        number.ok_or_else(|| self.fault("a number belongs here".into()))
+        number(self.text.trim()).map_err(|problem| self.fault(problem))
     }
 
-    /// The units of the dump: numbers of others than SI would be taken for metres, seconds and newtons.
+    /// Reads the units of the dump: numbers in others than SI would be taken for metres, seconds and newtons.
     fn units(&mut self) -> Result<(), DumpFault> {
         self.next()?;
         match self.text.trim() {

@@ -1,6 +1,8 @@
-//! Format of a file, by its first bytes; formats that are not read are refused by name.
+//! From the bytes of a file to its frames: the format by the first bytes; formats that are not read are refused by name.
 
-use super::frame_table::ImportError;
+use super::columns::StatedColumns;
+use super::table::{FrameTable, ImportError};
+use super::{dump, legacy_vtk, text, vtk};
 use crate::output::HDF5;
 use flate2::read::MultiGzDecoder;
 use std::io::Read;
@@ -23,7 +25,17 @@ pub(super) enum Format {
     Csv,
 }
 
-/// First bytes of files that are not read, what they are, and what to write instead.
+/// First bytes of formats that are read.
+const READ: [(&[u8], Format); 6] = [
+    (b"ITEM:", Format::Dump),
+    (&HDF5, Format::Hdf),
+    (b"<?xml", Format::Xml),
+    (b"<VTKFile", Format::Xml),
+    (b"# vtk DataFile", Format::LegacyVtk),
+    (b"#format ", Format::Yade),
+];
+
+/// First bytes of files that are not read, their format, and the remedy.
 const REFUSED: [(&[u8], &str); 10] = [
     (b"\x28\xb5\x2f\xfd", "it is compressed by zstd; unpack it, or compress it by gzip"),
     (b"BZh", "it is compressed by bzip2; unpack it, or compress it by gzip"),
@@ -43,11 +55,47 @@ const REFUSED: [(&[u8], &str); 10] = [
 /// Bytes that gzip makes of one byte at best.
 const BEST_COMPRESSION: u64 = 1032;
 
-/// Unpacks what gzip has packed; other bytes stay as they are.
+/// Reads the frames in the bytes of a file; any bytes are either frames or an error. `columns` names the columns, where these are stated.
+///
+/// # Errors
+/// [`ImportError`] with file and line.
+pub fn parse(file: &Path, bytes: Vec<u8>, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
+    let bytes = unpacked(file, bytes)?;
+    let format = format_of(file, &bytes)?;
+    let is_binary = match format {
+        Format::Hdf | Format::Xml => true,
+        Format::LegacyVtk => legacy_vtk::is_binary(&bytes),
+        _ => false,
+    };
+    if !is_binary {
+        is_whole(file, &bytes)?;
+    }
+    match format {
+        Format::Dump => dump::read_named_dump(file, &bytes, columns),
+        Format::Hdf => vtk::hdf(file, bytes, columns),
+        Format::Xml => vtk::xml(file, &bytes, columns),
+        Format::LegacyVtk => legacy_vtk::legacy_vtk(file, &bytes, columns),
+        Format::Yade => text::yade(file, &bytes, columns),
+        Format::Csv => text::csv(file, &bytes, columns),
+    }
+}
+
+/// Refuses rows that may be cut off in the middle of a number. Bytes that are no text are refused where they are read.
+fn is_whole(file: &Path, bytes: &[u8]) -> Result<(), ImportError> {
+    if bytes.ends_with(b"\n") || bytes.ends_with(b"\r") || bytes.contains(&0) {
+        return Ok(());
+    }
+    let line = bytes.split(|byte| *byte == b'\n').count();
+    let problem = "the last row has no line end: the file may be cut off in the middle of a number; write it again, or end it with a \
+                   line end";
+    Err(ImportError::new(file, line, problem))
+}
+
+/// Unpacks gzip; other bytes stay as they are.
 ///
 /// # Errors
 /// [`ImportError`] for a damaged or cut file.
-pub(super) fn unpacked(path: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, ImportError> {
+pub(super) fn unpacked(file: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, ImportError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(bytes);
     }
@@ -55,34 +103,21 @@ pub(super) fn unpacked(path: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, ImportErr
     let mut unpacked = Vec::new();
     match MultiGzDecoder::new(&bytes[..]).take(most).read_to_end(&mut unpacked) {
         Ok(_) => Ok(unpacked),
-        Err(error) => Err(ImportError::new(path, 1, format!("gzip: {error}; the file is damaged, or cut off"))),
+        Err(error) => Err(ImportError::new(file, 1, format!("gzip: {error}; the file is damaged, or cut off"))),
     }
 }
 
-/// Tells the format of a file by its first bytes.
+/// Recognises the format of a file by its first bytes.
 ///
 /// # Errors
 /// [`ImportError`] that names a format that is not read.
-pub(super) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, ImportError> {
-    let refused = |problem: &str| Err(ImportError::new(path, 1, problem));
-    let begins = |mark: &str| bytes.starts_with(mark.as_bytes());
+pub(super) fn format_of(file: &Path, bytes: &[u8]) -> Result<Format, ImportError> {
+    let refused = |problem: &str| Err(ImportError::new(file, 1, problem));
     if bytes.is_empty() {
         return refused("the file is empty");
     }
-    if begins("ITEM:") {
-        return Ok(Format::Dump);
-    }
-    if bytes.starts_with(&HDF5) {
-        return Ok(Format::Hdf);
-    }
-    if begins("<?xml") || begins("<VTKFile") {
-        return Ok(Format::Xml);
-    }
-    if begins("# vtk DataFile") {
-        return Ok(Format::LegacyVtk);
-    }
-    if begins("#format ") {
-        return Ok(Format::Yade);
+    if let Some((_, format)) = READ.iter().find(|(mark, _)| bytes.starts_with(mark)) {
+        return Ok(*format);
     }
     if let Some((_, problem)) = REFUSED.iter().find(|(mark, _)| bytes.starts_with(mark)) {
         return refused(problem);
@@ -109,40 +144,4 @@ pub(super) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, ImportError
         );
     }
     Ok(Format::Csv)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use flate2::Compression;
-    use flate2::write::GzEncoder;
-    use std::io::Write;
-
-    #[test]
-    fn other_formats_are_refused_by_name() {
-        let refused = |bytes: &[u8], words: &str| {
-            let error = format_of(Path::new("a"), bytes).unwrap_err().to_string();
-            assert!(error.contains(words), "{error}");
-        };
-        refused(b"", "empty");
-        refused(b"2\nProperties=species:S:1:pos:R:3\nA 0 0 0\nA 0 0 1\n", "XYZ");
-        refused(
-            b"LAMMPS data file via write_data, version 2 Aug 2023\n\n2 atoms\n1 atom types\n",
-            "data file of LAMMPS",
-        );
-        refused(b"\x28\xb5\x2f\xfd....", "zstd");
-        refused(b"{\"frames\": []}", "JSON");
-        refused(b"id\0x", "binary");
-        assert_eq!(format_of(Path::new("a"), b"id,x,y,z\n").unwrap(), Format::Csv);
-    }
-
-    #[test]
-    fn gzip_is_unpacked_and_its_damage_refused() {
-        let mut packer = GzEncoder::new(Vec::new(), Compression::fast());
-        packer.write_all(b"id,x\n1,2\n").unwrap();
-        let packed = packer.finish().unwrap();
-        assert_eq!(unpacked(Path::new("a"), packed.clone()).unwrap(), b"id,x\n1,2\n");
-        let error = unpacked(Path::new("a.gz"), packed[..packed.len() - 6].to_vec()).unwrap_err().to_string();
-        assert!(error.contains("a.gz: line 1: gzip: ") && error.contains("cut off"), "{error}");
-    }
 }

@@ -1,27 +1,14 @@
 //! Legacy VTK files, in ASCII or binary, of polygonal data or an unstructured grid, as YADE's `VTKExporter`, LIGGGHTS's `dump custom/vtk`
 //! and ParaView write them: points and arrays over them, or lines and arrays over them.
 
-use super::arrays::{Named, is_wanted, table_of};
-use super::frame_table::{FrameTable, ImportError};
-use super::stated::StatedColumns;
+use super::columns::StatedColumns;
+use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
 use std::path::Path;
-
-/// Keywords that are followed by a name, a type of numbers and that many numbers per tuple.
-const ATTRIBUTES: [(&str, usize); 8] = [
-    ("VECTORS", 3),
-    ("NORMALS", 3),
-    ("TENSORS", 9),
-    ("TENSORS6", 6),
-    ("GLOBAL_IDS", 1),
-    ("PEDIGREE_IDS", 1),
-    ("EDGE_FLAGS", 1),
-    ("SCALARS", 1),
-];
 
 /// Cells of polygonal data, in the order of the format, and those of an unstructured grid.
 const CELLS: [&str; 5] = ["VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS"];
 
-/// Type of the numbers of an array: bytes of one, and how they are read.
+/// Type of the numbers of an array, with the bytes of one.
 #[derive(Clone, Copy)]
 enum Type {
     Bit,
@@ -63,18 +50,16 @@ impl Type {
     /// Numbers from bytes in big endian.
     fn numbers(self, bytes: &[u8], count: usize) -> Vec<f64> {
         let unsigned = |bytes: &[u8]| bytes.iter().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
+        let signed = |bytes: &[u8]| {
+            let unused = 64 - 8 * bytes.len() as u32;
+            (unsigned(bytes) << unused).cast_signed() >> unused
+        };
         match self {
             Type::Bit => (0..count).map(|bit| f64::from(bytes[bit / 8] >> (7 - bit % 8) & 1)).collect(),
             Type::UInt(size) => bytes.chunks_exact(size).map(|bytes| unsigned(bytes) as f64).collect(),
-            Type::Int(size) => {
-                let unused = 64 - 8 * size as u32;
-                bytes
-                    .chunks_exact(size)
-                    .map(|bytes| ((unsigned(bytes) << unused).cast_signed() >> unused) as f64)
-                    .collect()
-            }
-            Type::Float => bytes.as_chunks::<4>().0.iter().map(|bytes| f64::from(f32::from_be_bytes(*bytes))).collect(),
-            Type::Double => bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_be_bytes(*bytes)).collect(),
+            Type::Int(size) => bytes.chunks_exact(size).map(|bytes| signed(bytes) as f64).collect(),
+            Type::Float => bytes.as_chunks().0.iter().map(|bytes| f64::from(f32::from_be_bytes(*bytes))).collect(),
+            Type::Double => bytes.as_chunks().0.iter().map(|bytes| f64::from_be_bytes(*bytes)).collect(),
         }
     }
 }
@@ -87,7 +72,7 @@ struct Reader<'a> {
     is_binary: bool,
 }
 
-/// What is wrong, and the line.
+/// Line and problem.
 type Fault = (usize, String);
 
 impl<'a> Reader<'a> {
@@ -130,12 +115,15 @@ impl<'a> Reader<'a> {
         count.map_or_else(|| self.fault(format!("'{word}' is no {what}")), Ok)
     }
 
-    fn number_type(&mut self) -> Result<(Type, &'a str), Fault> {
+    fn number_type(&mut self) -> Result<Type, Fault> {
         let word = self.text("a type of numbers")?;
-        match Type::of(word) {
-            Some(kind) => Ok((kind, word)),
-            None => self.fault(format!("'{word}' is no type of numbers")),
-        }
+        Type::of(word).map_or_else(|| self.fault(format!("'{word}' is no type of numbers")), Ok)
+    }
+
+    /// Passes over the description of an array, which ends with an empty line.
+    fn pass_metadata(&mut self) {
+        self.rest_of_line();
+        while self.at < self.bytes.len() && !self.rest_of_line().trim_ascii().is_empty() {}
     }
 
     /// The numbers of an array; none where they are not wanted.
@@ -179,13 +167,10 @@ impl<'a> Reader<'a> {
         }
         self.rest_of_line();
         for _ in 0..count {
-            // The first two bits say how many bytes the length has.
-            let Some(first) = self.bytes.get(self.at) else { return self.fault(format!("{name} ends too early")) };
-            let size = 8 >> (first >> 6);
-            let own = self.bytes.get(self.at..self.at + size);
-            let Some(own) = own else { return self.fault(format!("{name} ends too early")) };
-            let length = own.iter().fold(0_usize, |sum, byte| sum << 8 | usize::from(*byte));
-            let length = length & !(3 << (8 * size - 2));
+            // The first two bits state how many bytes the length has.
+            let size = self.bytes.get(self.at).map_or(1, |first| 8 >> (first >> 6));
+            let own = self.bytes.get(self.at..self.at + size).unwrap_or_default();
+            let length = own.iter().fold(0_usize, |sum, byte| sum << 8 | usize::from(*byte)) & !(3 << (8 * size - 2));
             self.at = self.at.saturating_add(size).saturating_add(length);
             if self.at > self.bytes.len() {
                 return self.fault(format!("{name} ends too early"));
@@ -251,20 +236,13 @@ fn read(bytes: &[u8], stated: &StatedColumns) -> Result<Found, Fault> {
             }
             "POINTS" => {
                 found.points = reader.count("number of points")?;
-                let (kind, _) = reader.number_type()?;
+                let kind = reader.number_type()?;
                 found.coordinates = reader.numbers("POINTS", kind, 3 * found.points, true)?;
             }
-            // Text up to an empty line describes the array before.
-            "METADATA" => {
-                reader.rest_of_line();
-                while reader.at < bytes.len() && !reader.rest_of_line().trim_ascii().is_empty() {}
-            }
+            "METADATA" => reader.pass_metadata(),
             "CELL_TYPES" => {
                 let count = reader.count("number of cells")?;
                 reader.numbers(&word, Type::Int(4), count, false)?;
-            }
-            "OFFSETS" | "CONNECTIVITY" => {
-                return reader.fault(format!("{word} stands where no cells are"));
             }
             cells if CELLS.contains(&cells) => pass_cells(&mut reader, cells, &mut found)?,
             "POINT_DATA" | "CELL_DATA" => {
@@ -283,29 +261,27 @@ fn read(bytes: &[u8], stated: &StatedColumns) -> Result<Found, Fault> {
                     field_array(&mut reader, of, tuples, &mut found, stated)?;
                 }
             }
-            "LOOKUP_TABLE" => {
+            "LOOKUP_TABLE" | "COLOR_SCALARS" | "TEXTURE_COORDINATES" => {
                 reader.text("a name")?;
-                let count = reader.count("number of colours")?;
-                reader.numbers(&word, Type::UInt(1), 4 * count, false)?;
-            }
-            "COLOR_SCALARS" => {
-                reader.text("a name")?;
-                let components = reader.count("number of components")?;
-                reader.numbers(&word, Type::UInt(1), components.saturating_mul(tuples), false)?;
-            }
-            "TEXTURE_COORDINATES" => {
-                reader.text("a name")?;
-                let components = reader.count("number of components")?;
-                let (kind, _) = reader.number_type()?;
-                reader.numbers(&word, kind, components.saturating_mul(tuples), false)?;
+                let size = reader.count("number of components")?;
+                let (kind, count) = match &*word {
+                    "LOOKUP_TABLE" => (Type::UInt(1), 4 * size),
+                    "COLOR_SCALARS" => (Type::UInt(1), size.saturating_mul(tuples)),
+                    _ => (reader.number_type()?, size.saturating_mul(tuples)),
+                };
+                reader.numbers(&word, kind, count, false)?;
             }
             attribute => {
-                let Some((_, components)) = ATTRIBUTES.iter().find(|(name, _)| *name == attribute) else {
-                    return reader.fault(format!("'{attribute}' is no word of the format"));
+                let components = match attribute {
+                    "VECTORS" | "NORMALS" => 3,
+                    "TENSORS" => 9,
+                    "TENSORS6" => 6,
+                    "SCALARS" | "GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS" => 1,
+                    _ => return reader.fault(format!("'{attribute}' is no word of the format")),
                 };
                 let name = reader.text("a name")?.to_string();
-                let (kind, _) = reader.number_type()?;
-                let components = if attribute == "SCALARS" { scalars(&mut reader)? } else { *components };
+                let kind = reader.number_type()?;
+                let components = if attribute == "SCALARS" { scalars(&mut reader)? } else { components };
                 let is_wanted = of != Of::Whole && is_wanted(&name, components, stated);
                 let numbers = reader.numbers(&name, kind, components.saturating_mul(tuples), is_wanted)?;
                 keep(&mut found, of, Named::new(name, components, numbers));
@@ -317,20 +293,18 @@ fn read(bytes: &[u8], stated: &StatedColumns) -> Result<Found, Fault> {
 
 /// Components behind `SCALARS name type`, and the line of the table of colours.
 fn scalars(reader: &mut Reader<'_>) -> Result<usize, Fault> {
-    let word = reader.text("LOOKUP_TABLE")?;
-    let components = match word {
-        "LOOKUP_TABLE" => 1,
-        number => {
-            let components = number.parse::<usize>().ok().filter(|components| (1..=9).contains(components));
-            let Some(components) = components else {
-                return reader.fault(format!("'{number}' is no number of components"));
-            };
-            if reader.text("LOOKUP_TABLE")? != "LOOKUP_TABLE" {
-                return reader.fault("LOOKUP_TABLE belongs behind SCALARS");
-            }
-            components
+    let mut word = reader.text("LOOKUP_TABLE")?;
+    let mut components = 1;
+    if word != "LOOKUP_TABLE" {
+        match word.parse() {
+            Ok(count) if (1..=9).contains(&count) => components = count,
+            _ => return reader.fault(format!("'{word}' is no number of components")),
         }
-    };
+        word = reader.text("LOOKUP_TABLE")?;
+    }
+    if word != "LOOKUP_TABLE" {
+        return reader.fault("LOOKUP_TABLE belongs behind SCALARS");
+    }
     reader.text("name of a table of colours")?;
     Ok(components)
 }
@@ -342,12 +316,12 @@ fn pass_cells(reader: &mut Reader<'_>, cells: &str, found: &mut Found) -> Result
     // Since version 5 there are offsets, one more than cells, and points.
     let has_offsets = matches!(reader.word(), Some(b"OFFSETS"));
     let count = if has_offsets {
-        let (kind, _) = reader.number_type()?;
+        let kind = reader.number_type()?;
         reader.numbers(cells, kind, first, false)?;
         if reader.text("CONNECTIVITY")? != "CONNECTIVITY" {
             return reader.fault("CONNECTIVITY belongs behind OFFSETS");
         }
-        let (kind, _) = reader.number_type()?;
+        let kind = reader.number_type()?;
         reader.numbers(cells, kind, second, false)?;
         first.saturating_sub(1)
     } else {
@@ -371,8 +345,7 @@ fn field_array(
     let mut name = reader.text("a name")?.to_string();
     // A description of the array before stands between.
     if name == "METADATA" {
-        reader.rest_of_line();
-        while reader.at < reader.bytes.len() && !reader.rest_of_line().trim_ascii().is_empty() {}
+        reader.pass_metadata();
         name = reader.text("a name")?.to_string();
     }
     let (components, rows) = (reader.count("number of components")?, reader.count("number of rows")?);

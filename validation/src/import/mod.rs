@@ -1,48 +1,44 @@
-//! Frames that any code has left, read by what their files say of themselves and what the caller states.
+//! Frames of any code, read by what their files and a manifest state.
 //!
 //! ```text
-//! file ─> dump, text, VTK ─> FrameTable: columns with a meaning ─> assemble, with the scene and what is stated ─> Recording, as of a run
+//! file ─> dump, text, VTK ─> FrameTable: columns with a meaning ─> assemble, with scene and manifest ─> Recording, as of a run
 //! ```
 //!
-//! A column is taken by its name, as the file or the caller gives it, never by its place. What neither states is not made up: it is refused
-//! with the option to add, or the [`Recording`](crate::recording::Recording) says that its frames lack it, and what would need it is not
-//! measured.
+//! A column is taken by its name, as the file or the manifest gives it, never by its index. Nothing is guessed: what neither states is
+//! refused with the line of the manifest to add, or the [`Recording`] says that its frames lack it, and what would need it is not measured.
 
-mod arrays;
-mod assemble;
 mod columns;
-mod completeness;
-mod contact_series;
 mod contacts;
 mod dump;
 mod format;
-mod frame_table;
+mod frames;
 mod identity;
 mod legacy_vtk;
 mod manifest;
-mod numbering;
-mod plausible;
-mod sequence;
-mod stated;
+mod table;
 mod text;
-mod timing;
 mod vtk;
-mod vtkhdf;
 
-pub use assemble::{Assembly, Imported};
-pub use columns::{Column, column_of};
+pub use columns::{Column, StatedColumns, column_of};
 pub use contacts::merge_wall_contacts;
 pub(crate) use contacts::{contact_from_force, measurable};
-pub use dump::{DumpFault, DumpFrame, read_dump};
-pub use frame_table::{FrameTable, ImportError, Periods};
-pub use identity::check_kinds;
-pub use manifest::Manifest;
-pub(crate) use plausible::unlike;
-pub use stated::{Stated, StatedColumns};
+pub use dump::{DumpFault, read_dump};
+pub use format::parse;
+pub use manifest::{FilePattern, Manifest};
+pub use table::{FrameTable, ImportError, Periods};
 
+use crate::plan::{Scene, setup_hash};
+use crate::recording::{Content, Recording, outside_domain};
 use crate::run_frames::RunFrames;
-use format::{Format, format_of, unpacked};
-use std::collections::BTreeMap;
+use columns::Places;
+use contacts::{Columns, ContactList, vector};
+use frames::{Frame, frames};
+use identity::{Identity, Numbers};
+use makadam::scene::{Domain, Reaction};
+use makadam::snapshot::{Particle, Snapshot};
+use manifest::Missing;
+use nalgebra::Vector3;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Grains and contacts as tables, as files hold them.
@@ -52,33 +48,45 @@ pub struct Tables {
     pub grains: Vec<FrameTable>,
     /// Frames of contacts.
     pub contacts: Vec<FrameTable>,
-    /// What a reader must know of the runs that they are from, in sentences.
+    /// Alarms of the runs of Makadam that they are from.
     pub notes: Vec<String>,
     /// Runs of Makadam that they are from.
     pub runs: Vec<RunFrames>,
-    /// Files of grains and of contacts that were added: where they really lie, and as what they were given.
-    pub files: [BTreeMap<PathBuf, PathBuf>; 2],
+    /// Files of grains and of contacts, by their canonical names.
+    pub files: [BTreeSet<PathBuf>; 2],
 }
 
 impl Tables {
-    /// Adds the frames of a file of grains, or those of the folder of a run of Makadam, with their contacts. `columns` name the columns of a
-    /// file, where they are stated.
+    /// Reads all files of a manifest.
     ///
     /// # Errors
     /// [`ImportError`] with file and line.
-    pub fn add_grains(&mut self, path: &Path, columns: &StatedColumns) -> Result<(), ImportError> {
-        once(&mut self.files[0], path)?;
-        if !path.is_dir() {
-            self.grains.extend(read(path, columns)?);
+    pub fn read(manifest: &Manifest) -> Result<Tables, ImportError> {
+        let mut tables = Tables::default();
+        for pattern in &manifest.grains {
+            manifest.files(pattern)?.iter().try_for_each(|file| tables.add_grains(file, pattern, manifest))?;
+        }
+        for pattern in &manifest.contacts {
+            manifest.files(pattern)?.iter().try_for_each(|file| tables.add_contacts(file, pattern, manifest))?;
+        }
+        Ok(tables)
+    }
+
+    /// Adds the frames of a file of grains, or those of the folder of a run of Makadam, with their contacts.
+    ///
+    /// # Errors
+    /// [`ImportError`] with file and line.
+    pub fn add_grains(&mut self, file: &Path, pattern: &FilePattern, manifest: &Manifest) -> Result<(), ImportError> {
+        once(&mut self.files[0], file)?;
+        if !file.is_dir() {
+            self.grains.extend(read(file, pattern, &manifest.columns)?);
             return Ok(());
         }
-        let fault = |problem: String| ImportError::new(path, 1, problem);
-        let run = RunFrames::open(path).map_err(|error| fault(error.to_string()))?;
+        let run = RunFrames::open(file).map_err(|error| ImportError::new(file, 1, error.to_string()))?;
         let timed = |files: &[(f64, PathBuf)]| -> Result<Vec<FrameTable>, ImportError> {
             let mut frames = Vec::new();
             for (time, file) in files {
-                let own = read(file, &StatedColumns::default())?.into_iter();
-                // A run numbers grains as its scene does, from 0.
+                let own = read(file, pattern, &StatedColumns::default())?.into_iter();
                 frames.extend(own.map(|frame| FrameTable { time: Some(*time), first_id: Some(0), ..frame }));
             }
             Ok(frames)
@@ -94,83 +102,237 @@ impl Tables {
     ///
     /// # Errors
     /// [`ImportError`] with file and line.
-    pub fn add_contacts(&mut self, path: &Path, columns: &StatedColumns) -> Result<(), ImportError> {
-        once(&mut self.files[1], path)?;
-        self.contacts.extend(read(path, columns)?);
+    pub fn add_contacts(&mut self, file: &Path, pattern: &FilePattern, manifest: &Manifest) -> Result<(), ImportError> {
+        once(&mut self.files[1], file)?;
+        self.contacts.extend(read(file, pattern, &manifest.contact_columns)?);
         Ok(())
     }
 }
 
 /// Refuses a file that has been read, by this name or another one: its frames would count twice.
-fn once(known: &mut BTreeMap<PathBuf, PathBuf>, path: &Path) -> Result<(), ImportError> {
-    let real = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    let Some(earlier) = known.insert(real, path.into()) else { return Ok(()) };
-    let also = if earlier == path { String::new() } else { format!(", also as {}", earlier.display()) };
-    Err(ImportError::new(path, 1, format!("the file is given twice{also}; name each file once")))
+fn once(known: &mut BTreeSet<PathBuf>, file: &Path) -> Result<(), ImportError> {
+    match known.insert(file.canonicalize().unwrap_or_else(|_| file.to_path_buf())) {
+        true => Ok(()),
+        false => {
+            Err(ImportError::new(file, 1, "the file is given twice, by this name or another one; name each file once"))
+        }
+    }
 }
 
-/// The frames of a file.
-fn read(path: &Path, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
-    let bytes = std::fs::read(path).map_err(|error| ImportError::new(path, 1, error.to_string()))?;
-    parse(path, bytes, columns)
-}
-
-/// The frames in the bytes of a file, of whatever format they show themselves to be; any bytes are either frames or an error. `columns` name
-/// the columns, where they are stated.
-///
-/// # Errors
-/// [`ImportError`] with file and line.
-pub fn parse(path: &Path, bytes: Vec<u8>, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
-    let bytes = unpacked(path, bytes)?;
-    let mut frames = match format_of(path, &bytes)? {
-        Format::Dump => {
-            is_whole(path, &bytes)?;
-            dump::read_named_dump(path, &bytes, columns)?
-        }
-        Format::Hdf => vtkhdf::hdf(path, bytes, columns)?,
-        Format::Xml => vtk::xml(path, &bytes, columns)?,
-        Format::LegacyVtk => {
-            if !legacy_vtk::is_binary(&bytes) {
-                is_whole(path, &bytes)?;
-            }
-            legacy_vtk::legacy_vtk(path, &bytes, columns)?
-        }
-        Format::Yade => {
-            is_whole(path, &bytes)?;
-            text::yade(path, &bytes, columns)?
-        }
-        Format::Csv => {
-            is_whole(path, &bytes)?;
-            text::csv(path, &bytes, columns)?
-        }
-    };
-    if let [single] = &mut frames[..]
-        && single.step.is_none()
+/// Reads the frames of a file; a single one without time and step has those that its name states.
+fn read(file: &Path, pattern: &FilePattern, columns: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
+    let bytes = std::fs::read(file).map_err(|error| ImportError::new(file, 1, error.to_string()))?;
+    let mut frames = parse(file, bytes, columns)?;
+    if let ([frame], Some(stamp)) = (&mut frames[..], pattern.stamp(file))
+        && frame.time.is_none()
+        && frame.step.is_none()
     {
-        single.step = number_in(path);
+        (frame.time, frame.step) = (stamp.time, stamp.step);
     }
     Ok(frames)
 }
 
-/// Refuses rows that may be cut off in the middle of a number. What is no text at all is refused where it is read.
-fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), ImportError> {
-    if bytes.ends_with(b"\n") || bytes.ends_with(b"\r") || bytes.contains(&0) {
-        return Ok(());
-    }
-    let line = bytes.split(|byte| *byte == b'\n').count();
-    let problem = "the last row has no line end: the file may be cut off in the middle of a number; write it anew, or end it with a \
-                   line end";
-    Err(ImportError::new(path, line, problem))
+/// Frames as a recording, and notes for the reader.
+#[derive(Debug)]
+pub struct Imported {
+    /// The frames.
+    pub recording: Recording,
+    /// Notes, in sentences.
+    pub notes: Vec<String>,
 }
 
-/// The last number in the name of a file, before its extension: codes number their files by time steps.
-fn number_in(path: &Path) -> Option<u64> {
-    let stem = path.file_stem()?.to_str()?;
-    let end = stem.rfind(|letter: char| letter.is_ascii_digit())? + 1;
-    let start = stem[..end]
-        .rfind(|letter: char| !letter.is_ascii_digit())
-        .map_or(0, |place| place + stem[place..].chars().next().map_or(1, char::len_utf8));
-    stem[start..end].parse().ok()
+/// Puts the frames of files together.
+///
+/// # Errors
+/// [`ImportError`] with file and line: statements that are missing, or contradict the scene or one another.
+pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<Imported, ImportError> {
+    if tables.grains.is_empty() {
+        return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
+    }
+    let mut notes = tables.notes.clone();
+    notes.extend(tables.runs.iter().filter_map(|run| of_other_scene(run, scene)));
+    tables.grains.iter().try_for_each(|table| position(table).map(|_| ()))?;
+    tables.grains.iter().chain(&tables.contacts).try_for_each(|table| same_box(table, &scene.domain))?;
+
+    // All statements that are missing are reported at once.
+    let mut missing = Missing::default();
+    tables.contacts.iter().for_each(|table| _ = Columns::of(table, &mut missing));
+    let foreign = tables.contacts.iter().find(|table| table.first_id.is_none());
+    if let Some(table) = foreign.filter(|_| !manifest.contacts_complete) {
+        let meaning = "the files list all contacts of each of their frames; else leave the files of contacts out";
+        missing.add(table, 0, "contacts-complete = true", meaning);
+    }
+    let frames = frames(scene, manifest, tables, &mut missing, &mut notes)?;
+    let identity = Identity::new(scene, manifest, &frames);
+    let numbers = identity.numbers(&frames, &mut missing)?;
+    let radii = match tables.grains.iter().find(|table| Places::of(table).radius().is_none()) {
+        Some(table) => identity.radii(table, &mut missing, &mut notes)?,
+        None => Vec::new(),
+    };
+    missing.refuse()?;
+
+    let mut snapshots = Vec::with_capacity(frames.len());
+    let step = longest_step(manifest, &frames);
+    for frame in &frames {
+        let particles = particles(frame.grains, &identity, &numbers, &radii, &scene.domain)?;
+        let mut list = ContactList::new(scene, manifest, &numbers, &particles);
+        for table in &frame.contacts {
+            let columns = Columns::of(table, &mut missing);
+            columns.map_or(Ok(()), |columns| list.add(table, &columns))?;
+        }
+        if let Some(step) = step.filter(|_| frame.is_measured) {
+            list.check_complete(&frame.contacts, step)?;
+        }
+        let contacts = merge_wall_contacts(list.contacts);
+        let driven_walls = frame.grains.driven_walls.clone();
+        let snapshot = Snapshot { time: frame.time, particles, contacts, driven_walls, ..Snapshot::default() };
+        snapshots.push(measurable(snapshot).map_err(|problem| frame.grains.fault(0, problem))?);
+    }
+    let recording = Recording {
+        scene: scene.name.clone(),
+        code: manifest.name.clone().unwrap_or_else(|| "frames".into()),
+        version: manifest.version.clone().unwrap_or_else(|| "unknown".into()),
+        seed: manifest.seed.unwrap_or(scene.seed),
+        // Frames state no step of the code; the one by which they are numbered need not be it.
+        time_step: 0.0,
+        rayleigh_fraction: None,
+        stiffness_factor: 1.0,
+        threads: 1,
+        wall_seconds: 0.0,
+        core_seconds: None,
+        simulated_seconds: snapshots.last().map_or(0.0, |frame| frame.time),
+        frames: snapshots,
+        lacks: lacks(scene, tables),
+        alarms: Vec::new(),
+        notes: Vec::new(),
+    };
+    Ok(Imported { recording, notes })
+}
+
+/// Contents that some frames lack.
+fn lacks(scene: &Scene, tables: &Tables) -> Vec<Content> {
+    let driven: Vec<u32> =
+        (0..).zip(&scene.wall).filter(|(_, wall)| wall.motion.is_driven()).map(|(wall, _)| wall).collect();
+    let states_poses =
+        |table: &FrameTable| driven.iter().all(|wall| table.driven_walls.iter().any(|stated| stated.wall == *wall));
+    let all_have = |of: fn(usize) -> Column| tables.grains.iter().all(|table| Places::of(table).vector(of).is_some());
+    let some_has = |column: Column| tables.contacts.iter().any(|table| Places::of(table).find(column).is_some());
+    let has = [
+        (Content::DrivenWalls, !driven.is_empty() && tables.grains.iter().all(states_poses)),
+        (Content::Velocities, all_have(Column::Velocity)),
+        (Content::Spins, all_have(Column::Spin)),
+        (Content::Contacts, some_has(Column::Second)),
+        (Content::WallContacts, some_has(Column::Wall)),
+    ];
+    has.into_iter().filter(|(_, has)| !has).map(|(content, _)| content).collect()
+}
+
+/// Longest time step that the code can have had, s: none where velocities or times do not state it.
+fn longest_step(manifest: &Manifest, frames: &[Frame<'_>]) -> Option<f64> {
+    let has_velocities = frames.iter().all(|frame| Places::of(frame.grains).vector(Column::Velocity).is_some());
+    let between = frames.array_windows().map(|[one, other]| other.time - one.time);
+    let step = between.chain(manifest.time_step).fold(f64::INFINITY, f64::min);
+    (has_velocities && step.is_finite()).then_some(step)
+}
+
+/// Refuses a file whose periodic box is another one than the scene's: contacts and overlaps across it would be others.
+fn same_box(table: &FrameTable, domain: &Domain) -> Result<(), ImportError> {
+    let Some(Periods { lengths, rounding }) = table.periods else { return Ok(()) };
+    let period = domain.period();
+    let name = |axis: usize| ["x", "y", "z"][axis];
+    for (axis, length) in lengths.into_iter().enumerate() {
+        let own = if period.is_periodic(axis) { domain.max[axis] - domain.min[axis] } else { 0.0 };
+        if (length - own).abs() <= rounding && (length > 0.0) == (own > 0.0) {
+            continue;
+        }
+        let words = |length: f64| match length > 0.0 {
+            true => format!("periodic along {}, with a length of {length} m", name(axis)),
+            false => format!("not periodic along {}", name(axis)),
+        };
+        let problem =
+            format!("its box is {}, and the scene is {}; give the scene that was run", words(length), words(own));
+        return Err(table.fault(0, problem));
+    }
+    Ok(())
+}
+
+/// Columns of the coordinates.
+fn position(table: &FrameTable) -> Result<[usize; 3], ImportError> {
+    let places = Places::of(table);
+    let is_scaled = table.unread.iter().any(|name| ["xs", "xsu"].contains(&name.as_str()));
+    places.vector(Column::Position).ok_or_else(|| {
+        let remedy = match is_scaled {
+            true => "coordinates are scaled to the box: dump x y z instead",
+            false => {
+                "name the columns of the file in their order: columns = [\"id\", \"x\", \"y\", \"z\", \"radius\", ...]"
+            }
+        };
+        table.fault(0, format!("no columns x, y, z among {}; {remedy}", places.names()))
+    })
+}
+
+/// Grains of a frame in the order of their numbers, at their images in the domain along periodic axes.
+fn particles(
+    table: &FrameTable,
+    identity: &Identity<'_>,
+    numbers: &Numbers,
+    radii: &[f64],
+    domain: &Domain,
+) -> Result<Vec<Particle>, ImportError> {
+    let places = Places::of(table);
+    let position = position(table)?;
+    let (id, size) = (places.find(Column::Id), places.radius());
+    let (velocity, spin) = (places.vector(Column::Velocity), places.vector(Column::Spin));
+    let particle = |(row, cells): (usize, &[f64])| {
+        let id = numbers.get(&(identity.own_number(id, row, cells) as i64)).copied().unwrap_or_default();
+        let radius = match size {
+            Some((column, factor)) => factor * cells[column],
+            None => radii.get(id as usize).copied().unwrap_or_default(),
+        };
+        let of = |columns: Option<[usize; 3]>| columns.map_or([0.0; 3], |columns| columns.map(|column| cells[column]));
+        let position = image(domain, vector(cells, position)).into();
+        Particle { id, position, radius, velocity: of(velocity), spin: of(spin) }
+    };
+    let mut particles: Vec<Particle> = table.rows().enumerate().map(particle).collect();
+    particles.sort_by_key(|particle| particle.id);
+    match particles.array_windows().any(|[one, other]| one.id == other.id) {
+        false => Ok(particles),
+        true => Err(table.fault(0, "two grains of a frame have one number")),
+    }
+}
+
+/// Image of a point that lies in the domain, as far as it is periodic; a point inside keeps its bits.
+fn image(domain: &Domain, point: Vector3<f64>) -> Vector3<f64> {
+    let wrapped = domain.period().wrapped(&point, &domain.min.into());
+    let is_inside = |axis: usize| (domain.min[axis]..domain.max[axis]).contains(&point[axis]);
+    Vector3::from_fn(|axis, _| if is_inside(axis) { point[axis] } else { wrapped[axis] })
+}
+
+/// Note that a run is of another scene than the one it is measured by, if it is.
+fn of_other_scene(run: &RunFrames, scene: &Scene) -> Option<String> {
+    let name = run.scene();
+    let is_same = run.setup_hash().map_or_else(|| name == scene.name, |hash| hash == setup_hash(scene));
+    (!is_same).then(|| {
+        format!(
+            "{} is a run of {name} with other walls, materials, grains or effects than {}; give the scene that was run, with the same \
+             changes (--set)",
+            run.folder().display(),
+            scene.name
+        )
+    })
+}
+
+/// Notes on measured frames: grains outside the domain, and forces none of which pushes.
+pub(crate) fn unlike<'f>(scene: &Scene, frames: impl Iterator<Item = &'f Snapshot> + Clone) -> Vec<String> {
+    let may_leave = scene.watch.on_escape == Reaction::Ignore;
+    let outside = frames.clone().find_map(|frame| outside_domain(frame, scene)).filter(|_| !may_leave);
+    let mut contacts = frames.flat_map(|frame| &frame.contacts).peekable();
+    let pulls = contacts.peek().is_some() && !contacts.any(|contact| contact.normal_force > 0.0);
+    let pulls = pulls.then(|| {
+        "no contact pushes its grains apart: forces are those on the first grain, and normals lead away from it"
+            .to_string()
+    });
+    outside.into_iter().chain(pulls).collect()
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! Tables in text: CSV of any code, and what YADE's `export.text` and `export.textExt` write.
 
-use super::columns::{Column, Places};
-use super::frame_table::{FrameTable, ImportError};
-use super::stated::StatedColumns;
+use super::columns::{Column, Places, StatedColumns};
+use super::table::{FrameTable, ImportError};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -120,7 +119,7 @@ fn by_frame(table: FrameTable) -> Result<Vec<FrameTable>, ImportError> {
 pub(super) fn yade(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let text = String::from_utf8_lossy(bytes);
     let mut columns: Vec<String> = Vec::new();
-    let mut table: Option<(super::stated::Heads, FrameTable)> = None;
+    let mut table: Option<(super::columns::Heads, FrameTable)> = None;
     for (number_before, line) in text.lines().enumerate() {
         let at = number_before + 1;
         if let Some(comment) = line.trim_start().strip_prefix('#') {
@@ -172,71 +171,5 @@ pub(super) fn yade(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<
     match table {
         Some((_, table)) => Ok(vec![table]),
         None => Ok(vec![stated.heads(file, 1, columns)?.table(file)]),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn read(text: &str) -> Result<Vec<FrameTable>, String> {
-        csv(Path::new("a.csv"), text.as_bytes(), &StatedColumns::default()).map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn the_first_row_states_the_separator() {
-        for text in [
-            "id,x\n1,0.5\n",
-            "id;x\n1;0.5\n",
-            "id\tx\n1\t0.5\n",
-            "\u{feff}id,x\r\n1,0.5\r\n",
-            "# by hand\nid;x\n1;0.5\n",
-        ] {
-            assert_eq!(read(text).unwrap()[0].values, [1.0, 0.5], "{text}");
-        }
-        let error = read("id x y\n1 0 0\n").unwrap_err();
-        assert!(error.contains("line 1: its columns are separated by spaces"), "{error}");
-        let error = read("id;x,y\n1;0,0\n").unwrap_err();
-        assert!(error.contains("several of comma, semicolon and tab"), "{error}");
-        let error = read("id;x\n1;0,5\n").unwrap_err();
-        assert!(error.contains("line 2: column x: '0,5' is not a number; write decimals behind a point"), "{error}");
-    }
-
-    #[test]
-    fn only_columns_with_a_meaning_must_hold_numbers() {
-        let frames = read("id,x,material,note,T\n1,0.5,glass,a b,nan\n2,1.5,3,,300\n").unwrap();
-        let [frame] = &frames[..] else { panic!("{frames:?}") };
-        assert_eq!(
-            (&frame.columns[..], &frame.unread[..]),
-            (&["id", "x", "material"].map(String::from)[..], &["note", "T"].map(String::from)[..])
-        );
-        assert_eq!((frame.word(0, 2), frame.word(1, 2), frame.values[5]), (Some("glass"), None, 3.0));
-        let error = read("id,x\n1,nan\n").unwrap_err();
-        assert!(error.contains("line 2: column x: 'nan' is not finite"), "{error}");
-    }
-
-    #[test]
-    fn rows_of_a_time_are_a_frame_wherever_they_stand() {
-        let frames = read("time,id,material\n0,1,glass\n1,1,glass\n-0,2,steel\n1,2,3\n").unwrap();
-        let found: Vec<_> =
-            frames.iter().map(|frame| (frame.time, frame.line, frame.rows().count(), frame.word(1, 2))).collect();
-        assert_eq!(found, [(Some(0.0), 2, 2, Some("steel")), (Some(1.0), 3, 2, None)]);
-        assert_eq!(frames[0].lines, [2, 4]);
-        // A temperature is no time.
-        assert_eq!(read("id,T\n1,300\n2,310\n").unwrap().len(), 1);
-    }
-
-    /// Ten times as many frames take ten times as long; a look at all earlier frames would take a hundred times as long.
-    #[test]
-    fn frames_are_told_apart_in_linear_time() {
-        let rows = |frames: usize| (0..frames * 50).map(|row| format!("{},{row}\n", row / 50)).collect::<String>();
-        let seconds = |frames: usize| {
-            let text = format!("time,id\n{}", rows(frames));
-            let clock = std::time::Instant::now();
-            assert_eq!(read(&text).unwrap().len(), frames);
-            clock.elapsed().as_secs_f64()
-        };
-        let (few, many) = (seconds(1000), seconds(10_000));
-        assert!(many < 40.0 * few.max(1e-3), "{few} s for 1,000 frames, {many} s for 10,000");
     }
 }

@@ -1,22 +1,26 @@
-//! Frames in VTK's XML files (`.vtp`, `.vtu`): points and arrays over them, or lines and arrays over them.
+//! Frames in VTK's XML files (`.vtp`, `.vtu`) and in VTKHDF files of polygonal data or of an unstructured grid: points and arrays over them,
+//! or lines and arrays over them.
+//!
+//! In [VTKHDF](https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html) arrays of all frames stand one
+//! behind the other. `Steps` states for each frame its parts, where its geometry begins, and for each array where its numbers begin; an
+//! array without offsets begins with the geometry.
 
-use super::arrays::{Named, is_wanted, table_of};
-use super::frame_table::{FrameTable, ImportError};
-use super::stated::StatedColumns;
+use super::columns::StatedColumns;
+use super::table::{FrameTable, ImportError, Named, is_wanted, table_of};
+use crate::export::FIRST_ID;
 use crate::output::vtk::Array;
 use crate::output::{DRIVEN_WALLS, FIELD_DATA, driven_walls, outline_vtk};
+use hdf5_pure::{AttrValue, File};
+use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Files that list others: the root's type, and what to give instead.
+/// Files that list others: the type of the root, and the name of the list.
 const LISTS: [(&str, &str); 5] = [
-    ("Collection", "it is a list of files (.pvd); give the files that it lists, or the folder of a run of Makadam"),
-    ("vtkMultiBlockDataSet", "it is a list of blocks (.vtm); give the files that it lists, one frame each"),
-    ("vtkPartitionedDataSetCollection", "it is a list of blocks (.vtpc); give the files that it lists, one frame each"),
-    ("PPolyData", "it is a list of pieces (.pvtp); merge them (in ParaView: filter Merge Blocks) and write .vtp"),
-    (
-        "PUnstructuredGrid",
-        "it is a list of pieces (.pvtu); merge them (in ParaView: filter Merge Blocks) and write .vtu",
-    ),
+    ("Collection", "files (.pvd)"),
+    ("vtkMultiBlockDataSet", "blocks (.vtm)"),
+    ("vtkPartitionedDataSetCollection", "blocks (.vtpc)"),
+    ("PPolyData", "pieces (.pvtp)"),
+    ("PUnstructuredGrid", "pieces (.pvtu)"),
 ];
 
 /// The frame in an XML file of polygonal data or of an unstructured grid: its points, or its lines, if it has some.
@@ -26,13 +30,16 @@ const LISTS: [(&str, &str); 5] = [
 pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
     let fault = |problem: String| ImportError::new(file, 1, problem);
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]);
-    if let Some((_, problem)) = LISTS.iter().find(|(kind, _)| head.contains(&format!("type=\"{kind}\""))) {
-        return Err(fault((*problem).into()));
+    if let Some((_, list)) = LISTS.iter().find(|(kind, _)| head.contains(&format!("type=\"{kind}\""))) {
+        return Err(fault(format!(
+            "it is a list of {list}; give the files that it lists, one frame each, or the folder of a run of Makadam; merge pieces of one \
+             frame (in ParaView: filter Merge Blocks)"
+        )));
     }
     let heads = outline_vtk(bytes, &|_, _| false).map_err(fault)?;
-    let told = |section: &str| heads.unread.iter().any(|(name, ..)| *name == section);
-    // A frame without contacts has no lines, and is told by what it says of them.
-    let lines = heads.topology == "Lines" || (heads.points == 0 && !told("PointData") && told("CellData"));
+    let has = |section: &str| heads.unread.iter().any(|(name, ..)| *name == section);
+    // A frame of contacts without contacts has no lines, but arrays over them.
+    let lines = heads.topology == "Lines" || (heads.points == 0 && !has("PointData") && has("CellData"));
     let (sections, count) =
         if lines { (&["CellData"][..], heads.cells) } else { (&["Points", "PointData"][..], heads.points) };
     let named = |section: &str, name: &str| if section == "Points" { "points".to_string() } else { name.to_string() };
@@ -56,4 +63,230 @@ pub(super) fn xml(file: &Path, bytes: &[u8], stated: &StatedColumns) -> Result<V
     let pose = |name: &str| of_whole().find(|array| array.name == name).map(Array::values);
     let driven_walls = if outline.of_run { driven_walls(pose).map_err(fault)? } else { Vec::new() };
     Ok(vec![FrameTable { time: outline.time, first_id, driven_walls, ..table_of(file, count, &arrays, stated)? }])
+}
+
+/// Most numbers of a dataset over the bytes of its file: no compression makes more of frames.
+const MOST_NUMBERS_PER_BYTE: u64 = 1000;
+
+/// Groups of cells of polygonal data, in the order of the format.
+const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
+
+/// The frames of a file: one per step, or a single one without a time.
+///
+/// # Errors
+/// [`ImportError`].
+pub(super) fn hdf(file: &Path, bytes: Vec<u8>, stated: &StatedColumns) -> Result<Vec<FrameTable>, ImportError> {
+    let length = bytes.len() as u64;
+    let fault = |problem: String| ImportError::new(file, 1, problem);
+    let opened =
+        File::from_bytes(bytes).map_err(|error| fault(format!("it is no HDF5 file, or not all of one ({error})")))?;
+    let reader = Reader { file: opened, length };
+    let (spans, arrays) = reader.layout(stated).map_err(fault)?;
+    let first_id = match reader.attribute(FIRST_ID).map_err(fault)? {
+        Some(AttrValue::I64(first)) => Some(first),
+        _ => None,
+    };
+    let poses = match first_id {
+        Some(_) => reader.fields(&DRIVEN_WALLS).map_err(fault)?,
+        None => BTreeMap::new(),
+    };
+    let frame = |(step, span): (usize, &Span)| {
+        let named: Result<Vec<Named>, String> = arrays.iter().map(|array| array.part(step, span)).collect();
+        let named = named.map_err(fault);
+        let driven_walls = driven_walls(|name| poses.get(name).and_then(|frames| frames.get(step).cloned()));
+        let driven_walls = driven_walls.map_err(fault)?;
+        Ok(FrameTable { time: span.time, first_id, driven_walls, ..table_of(file, span.count, &named?, stated)? })
+    };
+    spans.iter().enumerate().map(frame).collect()
+}
+
+struct Reader {
+    file: File,
+    /// Bytes of the file.
+    length: u64,
+}
+
+/// Tuples of one frame: the first in the order of the geometry, and their number.
+#[derive(Clone, Copy)]
+struct Span {
+    time: Option<f64>,
+    first: usize,
+    count: usize,
+}
+
+/// An array over all frames; its numbers are absent where its name has no meaning.
+struct Held {
+    name: String,
+    columns: usize,
+    numbers: Option<Vec<f64>>,
+    /// First tuple of each step, where it does not follow the geometry.
+    firsts: Option<Vec<f64>>,
+}
+
+impl Held {
+    /// The numbers of a frame.
+    fn part(&self, step: usize, span: &Span) -> Result<Named, String> {
+        let Held { name, columns, numbers, firsts } = self;
+        let first = match firsts.as_ref().map(|firsts| firsts.get(step)) {
+            Some(Some(first)) => whole(*first)?,
+            Some(None) => return Err(format!("Steps/...Offsets/{name} has fewer entries than steps")),
+            None => span.first,
+        };
+        let Some(numbers) = numbers else { return Ok(Named::new(name.clone(), *columns, None)) };
+        let bound = |tuple: Option<usize>| tuple?.checked_mul(*columns);
+        let (start, end) = (bound(Some(first)), bound(first.checked_add(span.count)));
+        let own = start.zip(end).and_then(|(start, end)| numbers.get(start..end));
+        let own = own.ok_or_else(|| format!("{name} ends before the frame at {:?} s", span.time.unwrap_or(0.0)))?;
+        Ok(Named::new(name.clone(), *columns, Some(own.to_vec())))
+    }
+}
+
+impl Reader {
+    /// Frames and arrays.
+    fn layout(&self, stated: &StatedColumns) -> Result<(Vec<Span>, Vec<Held>), String> {
+        let kind = match self.attribute("Type")? {
+            Some(AttrValue::AsciiString(text) | AttrValue::String(text)) => text.trim_end_matches('\0').to_string(),
+            _ => "no known type".into(),
+        };
+        if !["PolyData", "UnstructuredGrid"].contains(&&*kind) {
+            return Err(format!("it holds {kind}, not PolyData or UnstructuredGrid"));
+        }
+        let mut found = [false; 4];
+        for (found, group) in found.iter_mut().zip(CELLS).filter(|_| kind == "PolyData") {
+            let counts = self.optional(&format!("VTKHDF/{group}/NumberOfCells"))?;
+            *found = counts.is_some_and(|counts| counts.iter().any(|&count| count > 0.0));
+        }
+        let lines = !found[0] && found[1];
+        if lines && found[2..].contains(&true) {
+            return Err("it has lines and surfaces, and arrays over cells run over both; write lines alone".into());
+        }
+        let (section, counts) = match lines {
+            true => ("CellData", "VTKHDF/Lines/NumberOfCells"),
+            false => ("PointData", "VTKHDF/NumberOfPoints"),
+        };
+        let spans = self.spans(&self.numbers(counts)?.1, lines)?;
+        let mut arrays = Vec::new();
+        if !lines {
+            let (columns, points) = self.numbers("VTKHDF/Points")?;
+            arrays.push(Held { name: "points".into(), columns, numbers: Some(points), firsts: None });
+        }
+        for name in self.names(&format!("VTKHDF/{section}")) {
+            let path = format!("VTKHDF/{section}/{name}");
+            let columns = self.columns(&path)?;
+            let is_read = is_wanted(&name, columns, stated);
+            let numbers = if is_read { Some(self.numbers(&path)?.1) } else { None };
+            let firsts = self.optional(&format!("VTKHDF/Steps/{section}Offsets/{name}"))?;
+            arrays.push(Held { name, columns, numbers, firsts });
+        }
+        Ok((spans, arrays))
+    }
+
+    /// An attribute of the group of the format.
+    fn attribute(&self, name: &str) -> Result<Option<AttrValue>, String> {
+        let root = self.file.group("VTKHDF").map_err(|_| "it has no group VTKHDF".to_string())?;
+        Ok(root.attrs().ok().and_then(|mut attributes| attributes.remove(name)))
+    }
+
+    /// Names of the datasets of a group; none where there is no such group.
+    fn names(&self, group: &str) -> Vec<String> {
+        self.file.group(group).and_then(|group| group.datasets()).unwrap_or_default()
+    }
+
+    /// Numbers of a dataset, if the file has it.
+    fn optional(&self, path: &str) -> Result<Option<Vec<f64>>, String> {
+        let (group, name) = path.rsplit_once('/').unwrap_or(("", path));
+        match self.names(group).iter().any(|known| known == name) {
+            true => self.numbers(path).map(|(_, numbers)| Some(numbers)),
+            false => Ok(None),
+        }
+    }
+
+    /// Columns of a dataset that the file can hold.
+    fn columns(&self, path: &str) -> Result<usize, String> {
+        let wrong = |problem: String| format!("{path}: {problem}");
+        let dataset = self.file.dataset(path).map_err(|error| wrong(error.to_string()))?;
+        let shape = dataset.shape().map_err(|error| wrong(error.to_string()))?;
+        let count = shape.iter().try_fold(1_u64, |product, &size| product.checked_mul(size));
+        match count.filter(|count| *count <= self.length.saturating_mul(MOST_NUMBERS_PER_BYTE)) {
+            Some(_) => Ok(shape.get(1).map_or(1, |&columns| columns as usize).max(1)),
+            None => Err(wrong(format!("a shape of {shape:?} is more than the file can hold"))),
+        }
+    }
+
+    /// Columns and numbers of a dataset.
+    fn numbers(&self, path: &str) -> Result<(usize, Vec<f64>), String> {
+        let columns = self.columns(path)?;
+        let numbers = self.file.dataset(path).and_then(|dataset| dataset.read_f64());
+        numbers.map(|numbers| (columns, numbers)).map_err(|error| {
+            format!("{path}: {error}; if it is whole, write it in the layout of HDF5 1.10 (h5py: libver=\"v110\")")
+        })
+    }
+
+    /// The numbers of arrays over the whole data, by their names and frames; those that a file does not have are left out.
+    fn fields(&self, wanted: &[&'static str]) -> Result<BTreeMap<&'static str, Vec<Vec<f64>>>, String> {
+        let mut found = BTreeMap::new();
+        for &name in wanted {
+            let part = |path: &str| self.optional(&format!("VTKHDF/{path}/{name}"));
+            let Some(numbers) = part("FieldData")? else { continue };
+            let (Some(firsts), Some(sizes)) = (part("Steps/FieldDataOffsets")?, part("Steps/FieldDataSizes")?) else {
+                return Err(format!("Steps has no FieldDataOffsets and FieldDataSizes of {name}"));
+            };
+            let frame = |(&first, size): (&f64, &[f64; 2])| {
+                let (first, count) = (whole(first)?, whole(size[0] * size[1])?);
+                let own = first.checked_add(count).and_then(|end| numbers.get(first..end));
+                own.map(<[f64]>::to_vec).ok_or_else(|| format!("FieldData/{name} ends before its last frame"))
+            };
+            let frames = firsts.iter().zip(sizes.as_chunks::<2>().0).map(frame);
+            found.insert(name, frames.collect::<Result<_, _>>()?);
+        }
+        Ok(found)
+    }
+
+    /// Frames; `counts` are the points or lines of each part.
+    fn spans(&self, counts: &[f64], lines: bool) -> Result<Vec<Span>, String> {
+        let sum = |counts: &[f64]| counts.iter().map(|&count| whole(count)).sum::<Result<usize, _>>();
+        let Some(times) = self.optional("VTKHDF/Steps/Values")? else {
+            return Ok(vec![Span { time: None, first: 0, count: sum(counts)? }]);
+        };
+        if !times.iter().all(|time| time.is_finite()) {
+            return Err("VTKHDF/Steps/Values: a time is not finite".into());
+        }
+        let optional = |name: &str| self.optional(&format!("VTKHDF/Steps/{name}"));
+        let (first_parts, parts) = match (optional("PartOffsets")?, optional("NumberOfParts")?) {
+            (Some(first_parts), Some(parts)) => (first_parts, parts),
+            (first_parts, None) => {
+                // As many parts in each step, unless geometry is used again.
+                let each = counts.len() / times.len().max(1);
+                if each * times.len() != counts.len() {
+                    return Err("Steps has no NumberOfParts, and the parts are not as many in each step".into());
+                }
+                let all = (0..times.len()).map(|step| (step * each) as f64).collect();
+                (first_parts.unwrap_or(all), vec![each as f64; times.len()])
+            }
+            (None, Some(_)) => return Err("Steps has no PartOffsets".into()),
+        };
+        let firsts: Vec<f64> = match lines {
+            false => optional("PointOffsets")?.ok_or("Steps has no PointOffsets")?,
+            true => {
+                // Arrays over cells run over vertices, lines, polygons and strips.
+                let (columns, offsets) = self.numbers("VTKHDF/Steps/CellOffsets")?;
+                offsets.chunks(columns).map(|row| row.iter().sum()).collect()
+            }
+        };
+        if [parts.len(), first_parts.len(), firsts.len()].iter().any(|&length| length < times.len()) {
+            return Err("Steps has fewer entries than times".into());
+        }
+        let span = |step: usize| {
+            let (first, parts) = (whole(first_parts[step])?, whole(parts[step])?);
+            let own = first.checked_add(parts).and_then(|end| counts.get(first..end));
+            let own = own.ok_or("Steps names parts that are not there")?;
+            Ok(Span { time: Some(times[step]), first: whole(firsts[step])?, count: sum(own)? })
+        };
+        (0..times.len()).map(span).collect()
+    }
+}
+
+/// A count or an offset.
+fn whole(number: f64) -> Result<usize, String> {
+    (0.0..1e15).contains(&number).then_some(number as usize).ok_or_else(|| format!("{number} is no count"))
 }

@@ -41,7 +41,7 @@ enum Compressor {
 /// # Errors
 /// What is wrong with them.
 pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
-    let Outline { time, points, cells, topology, corners, mut sections, .. } = outline(bytes, &|_, _| true)?;
+    let Outline { time, points, cells, topology, corners, mut sections, texts, .. } = outline(bytes, &|_, _| true)?;
     let time = time.ok_or("it has no time")?;
     let mut take = |name: &str| match sections.iter().position(|(of, _)| *of == name) {
         None => Vec::new(),
@@ -60,7 +60,8 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
         }
         _ => return Err("its cells are not those of a run".into()),
     };
-    let (field_data, texts) = fields(bytes)?;
+    let mut field_data = take(FIELD_DATA);
+    field_data.retain(|array| array.name != "TimeValue");
     Ok(PolyData {
         time,
         point_data: take("PointData"),
@@ -94,6 +95,8 @@ pub(crate) struct Outline {
     pub unread: Vec<(&'static str, String, usize)>,
     /// True if the file names the scene of a run of Makadam, which numbers grains as its scene does.
     pub of_run: bool,
+    /// Named texts of the whole file, as far as they were wanted.
+    pub texts: Texts,
 }
 
 /// Counts, and the arrays whose sections and names are wanted.
@@ -149,17 +152,24 @@ pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str, &str) -> bool) -> Resu
         }
         sections.push((name, arrays));
     }
-    let fields = || named(root, "FieldData").into_iter().flat_map(|fields| fields.children());
-    let of_whole = |node: &Node<'_, '_>| {
-        node.has_tag_name("DataArray") && wanted(FIELD_DATA, node.attribute("Name").unwrap_or_default())
+    let fields = || {
+        let section = root.descendants().find(|node| node.has_tag_name(FIELD_DATA));
+        section.into_iter().flat_map(|section| section.children())
     };
-    let of_whole = fields().filter(of_whole).map(|node| array(&source, node, tuples_of_field(node)?));
+    let own = |tag: &'static str| {
+        fields().filter(move |node| {
+            node.has_tag_name(tag) && wanted(FIELD_DATA, node.attribute("Name").unwrap_or_default())
+        })
+    };
+    let of_whole = own("DataArray").map(|node| array(&source, node, tuples_of_field(node)?));
     sections.push((FIELD_DATA, of_whole.collect::<Result<_, _>>()?));
     let of_run = fields().any(|node| node.has_tag_name("Array") && node.attribute("Name") == Some("scene_name"));
+    let texts = own("Array").map(|node| Ok((node.attribute("Name").unwrap_or_default().to_string(), strings(node)?)));
+    let texts = texts.collect::<Result<_, String>>()?;
     let time = fields().find(|node| node.attribute("Name") == Some("TimeValue"));
     let time = time.map(|node| array(&source, node, 1)).transpose()?.and_then(|array| array.values().first().copied());
     let time = time.filter(|time| time.is_finite());
-    Ok(Outline { time, points, cells, topology, corners, sections, unread, of_run })
+    Ok(Outline { time, points, cells, topology, corners, sections, unread, of_run, texts })
 }
 
 /// A document, with what is appended to it cut off.
@@ -218,28 +228,6 @@ type Texts = Vec<(String, Vec<String>)>;
 fn tuples_of_field(node: Node<'_, '_>) -> Result<usize, String> {
     let tuples = node.attribute("NumberOfTuples").unwrap_or("1").parse::<usize>();
     tuples.ok().filter(|tuples| *tuples <= i32::MAX as usize).ok_or("a field has no number of tuples".to_string())
-}
-
-/// Arrays and texts of the whole file but for its time.
-fn fields(bytes: &[u8]) -> Result<(Vec<Array>, Texts), String> {
-    let (text, appended) = split(bytes)?;
-    let document = Document::parse(&text).map_err(|error| error.to_string())?;
-    let (root, source) = root(&document, appended)?;
-    let (mut arrays, mut texts) = (Vec::new(), Vec::new());
-    for node in named(root, "FieldData").into_iter().flat_map(|fields| fields.children()) {
-        match node.tag_name().name() {
-            "DataArray" if node.attribute("Name") != Some("TimeValue") => {
-                arrays.push(array(&source, node, tuples_of_field(node)?)?)
-            }
-            "Array" => texts.push((node.attribute("Name").unwrap_or_default().to_string(), strings(node)?)),
-            _ => {}
-        }
-    }
-    Ok((arrays, texts))
-}
-
-fn named<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
-    node.descendants().find(|node| node.has_tag_name(name))
 }
 
 fn triangles(corners: &Array, points: usize) -> Result<Vec<[u32; 3]>, String> {

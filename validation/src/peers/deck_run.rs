@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use super::process::{Run, disk_has_room, io};
 use super::{CodeError, Job};
-use crate::import::{DumpFrame, contact_from_force};
+use crate::import::{FrameTable, contact_from_force};
 use crate::recording::Recording;
 use makadam::effects::catalogue::{
     COMPLIANCE, Effect, FRICTION, GRAVITY, RESTITUTION, ROLLING, SIZE_SPREAD, SPIN, TANGENTIAL_SPRING, VISCOSITY,
@@ -131,7 +131,7 @@ pub(super) fn particle(particles: &[Particle], id: f64) -> Option<&Particle> {
 }
 
 /// The grains of a frame of `id x y z vx vy vz omegax omegay omegaz`; else the row that is wrong, and what is.
-pub(super) fn particles_of(state: &DumpFrame, grains: &[Grain]) -> Result<Vec<Particle>, (usize, String)> {
+pub(super) fn particles_of(state: &FrameTable, grains: &[Grain]) -> Result<Vec<Particle>, (usize, String)> {
     let mut found: Vec<Option<Particle>> = vec![None; grains.len()];
     for (row, r) in state.rows().enumerate() {
         let index = r[0] - 1.0;

@@ -11,63 +11,25 @@ use super::process::{Run, locate};
 use super::run_folder::{RunFolder, check_pattern};
 use super::stl::stl;
 use super::{Code, CodeError, CodeName, Job, starting_grains};
-use crate::import::{Assembly, ImportError, Imported, Stated, StatedColumns, Tables, unlike};
+use crate::import::{FilePattern, ImportError, Imported, Manifest, Tables, assemble, unlike};
 use crate::observables::measured_frames;
 use crate::output::{cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
 use crate::recording::{Recording, SAME_SIZE, frame_belongs_to, outside_domain};
 use makadam::scene::{Grain, Reaction};
 use makadam::snapshot::{Particle, Snapshot};
-use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What a file says of a code.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct Description {
-    /// Name of the code, in tables and pictures.
-    name: String,
-    /// Its version.
-    #[serde(default = "unknown")]
-    version: String,
-    /// Program and arguments; `{seed}`, `{folder}` and `{here}` stand for the seed, the folder in which it runs, and that of this file. Not
-    /// needed for frames that exist.
-    #[serde(default)]
-    command: Vec<String>,
-    /// Files of grains that it leaves, below the folder; `*` stands for any letters of a file's name.
-    grains: Vec<String>,
-    /// Files of contacts.
-    #[serde(default)]
-    contacts: Vec<String>,
-    /// Names of the columns of grains, in place of those in the files.
-    #[serde(default)]
-    columns: StatedColumns,
-    /// Names of the columns of contacts: of all files, or of those that number them under one name, such as `c_pairs[1]`.
-    #[serde(default)]
-    contact_columns: StatedColumns,
-    /// Number of the first grain of grains.csv in the files; the others follow as there. 0 if absent, where the code is run.
-    first_id: Option<i64>,
-    /// Material or population of the scene that each value of a column type or material stands for.
-    #[serde(default)]
-    kinds: BTreeMap<String, String>,
-    /// Time step by which frames or files are numbered, s.
-    time_step: Option<f64>,
-    /// Time between frames that tell neither time nor step, s; files follow the numbers in their names.
-    interval: Option<f64>,
-}
-
-fn unknown() -> String {
-    "unknown".into()
-}
-
 /// A code that is described by a file.
 pub struct External {
     name: &'static str,
-    description: Description,
-    /// Folder of the file.
+    version: String,
+    /// Command, files and statements.
+    description: Manifest,
+    /// Folder of the file, from the root.
     here: PathBuf,
     /// Folders of frames that exist, by seed; absent where the code is run.
     folders: Option<BTreeMap<u64, PathBuf>>,
@@ -90,13 +52,12 @@ impl External {
     /// [`DescriptionError`].
     pub fn load(file: &Path) -> Result<External, DescriptionError> {
         let fault = |problem: String| DescriptionError { file: file.to_path_buf(), problem };
-        let description = read_description(file)?;
+        let (description, here) = read_description(file)?;
         if description.command.is_empty() {
             return Err(fault(
                 "command is missing: give a program and its arguments, or --frames for frames that exist".into(),
             ));
         }
-        let here = folder_of(file).map_err(|error| fault(error.to_string()))?;
         let program = program_of(&description, &here);
         if locate(OsStr::new(&program)).is_none() {
             return Err(fault(format!(
@@ -106,10 +67,12 @@ impl External {
         Ok(External::new(description, here, None))
     }
 
-    fn new(description: Description, here: PathBuf, folders: Option<BTreeMap<u64, PathBuf>>) -> External {
+    fn new(description: Manifest, here: PathBuf, folders: Option<BTreeMap<u64, PathBuf>>) -> External {
         // Codes are known by names that live as long as the program; one is judged at a time.
-        let name = Box::leak(shown(&description.name, false).into_owned().into_boxed_str());
-        External { name, description, here, folders }
+        let name = description.name.as_deref().unwrap_or("frames");
+        let name = Box::leak(shown(name, false).into_owned().into_boxed_str());
+        let version = description.version.clone().unwrap_or_else(|| "unknown".into());
+        External { name, version, description, here, folders }
     }
 
     /// A word of the command with what stands in braces filled in.
@@ -144,13 +107,19 @@ impl External {
         tables: &mut Tables,
         files: impl Fn(&str) -> Result<Vec<PathBuf>, CodeError>,
     ) -> Result<(), CodeError> {
-        let Description { grains, contacts, columns, contact_columns, .. } = &self.description;
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
-        for pattern in grains {
-            files(pattern)?.iter().try_for_each(|path| tables.add_grains(path, columns)).map_err(refused)?;
+        let named = |pattern: &FilePattern| -> Result<Vec<PathBuf>, CodeError> {
+            let mut found = files(&pattern.glob())?;
+            found.retain(|file| pattern.names(file));
+            Ok(found)
+        };
+        for pattern in &self.description.grains {
+            let mut found = named(pattern)?.into_iter();
+            found.try_for_each(|file| tables.add_grains(&file, pattern, &self.description)).map_err(refused)?;
         }
-        for pattern in contacts {
-            files(pattern)?.iter().try_for_each(|path| tables.add_contacts(path, contact_columns)).map_err(refused)?;
+        for pattern in &self.description.contacts {
+            let mut found = named(pattern)?.into_iter();
+            found.try_for_each(|file| tables.add_contacts(&file, pattern, &self.description)).map_err(refused)?;
         }
         Ok(())
     }
@@ -163,19 +132,17 @@ impl External {
         grains: Option<&[Grain]>,
         wall_seconds: f64,
     ) -> Result<Recording, CodeError> {
-        let stated = Stated {
-            time_step: self.description.time_step,
-            interval: self.description.interval,
+        let manifest = Manifest {
+            name: Some(self.name.into()),
+            version: Some(self.version.clone()),
             // What is run is told to number grains as grains.csv does.
             first_id: self.description.first_id.or(self.folders.is_none().then_some(0)),
             seed: Some(job.seed),
-            kinds: self.description.kinds.clone(),
-            ..Stated::default()
+            ..self.description.clone()
         };
+        manifest.check(job.scene).map_err(|problem| self.output(self.place(job), 1, problem))?;
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
-        let version = &self.description.version;
-        let assembly = Assembly { scene: job.scene, code: self.name, version, stated: &stated };
-        let Imported { recording, mut notes } = assembly.assemble(tables).map_err(refused)?;
+        let Imported { recording, mut notes } = assemble(job.scene, &manifest, tables).map_err(refused)?;
         self.check_times(job, &recording)?;
         self.check_grains(job, grains, &recording)?;
         notes.extend(unlike(job.scene, measured_frames(job.scene, &recording).into_iter()));
@@ -281,7 +248,7 @@ impl Code for External {
     }
 
     fn version(&self) -> Option<String> {
-        Some(self.description.version.clone())
+        Some(self.version.clone())
     }
 
     fn seeds(&self) -> Option<Vec<u64>> {
@@ -320,37 +287,30 @@ impl Code for External {
 }
 
 /// The program, with the folder of the description filled in.
-fn program_of(description: &Description, here: &Path) -> String {
+fn program_of(description: &Manifest, here: &Path) -> String {
     description.command[0].replace("{here}", &here.display().to_string())
 }
 
-/// Reads and checks the file of a description.
+/// Reads and checks the file of a description; gives its folder from the root, too.
 ///
 /// # Errors
 /// [`DescriptionError`].
-fn read_description(file: &Path) -> Result<Description, DescriptionError> {
+fn read_description(file: &Path) -> Result<(Manifest, PathBuf), DescriptionError> {
     let fault = |problem: String| DescriptionError { file: file.to_path_buf(), problem };
-    let text = std::fs::read_to_string(file).map_err(|error| fault(error.to_string()))?;
-    let mut description: Description = toml::from_str(&text).map_err(|error| {
-        let line = error.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
-        fault(format!("line {line}: {}", error.message()))
-    })?;
-    description.name = description.name.trim().to_string();
-    let Description { name, grains, contacts, time_step, interval, .. } = &description;
-    if name.is_empty() || CodeName::of(name).is_ok() {
+    let mut description =
+        Manifest::load(file).map_err(|ImportError { line, problem, .. }| fault(format!("line {line}: {problem}")))?;
+    let name = description.name.as_deref().unwrap_or_default().trim().to_string();
+    if name.is_empty() || CodeName::of(&name).is_ok() {
         return Err(fault(format!("'{name}' is no name for a code of your own; give another one")));
     }
-    if grains.is_empty() {
-        return Err(fault("grains names no file; give at least one, such as out/*.csv".into()));
+    description.name = Some(name);
+    if description.seed.is_some() {
+        return Err(fault("seed: a code is run with the seeds of the scene; remove it".into()));
     }
-    grains.iter().chain(contacts).try_for_each(|pattern| check_pattern(pattern)).map_err(fault)?;
-    Stated::check_times(*time_step, *interval).map_err(|problem| fault(problem.into()))?;
-    Ok(description)
-}
-
-/// The folder in which a file lies, from the root.
-fn folder_of(file: &Path) -> std::io::Result<PathBuf> {
-    std::path::absolute(file).map(|file| file.parent().unwrap_or(Path::new("/")).to_path_buf())
+    let patterns = description.grains.iter().chain(&description.contacts);
+    patterns.map(FilePattern::text).try_for_each(check_pattern).map_err(fault)?;
+    let here = std::path::absolute(file).map_err(|error| fault(error.to_string()))?;
+    Ok((description, here.parent().unwrap_or(Path::new("/")).to_path_buf()))
 }
 
 /// What a code is given: names and contents of files.

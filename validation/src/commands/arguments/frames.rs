@@ -2,7 +2,7 @@
 
 use super::shared::{CodeRunArguments, SourceArguments};
 use super::values::{kind, positive};
-use crate::import::StatedColumns;
+use crate::import::{FilePattern, StatedColumns};
 use crate::peers::CodeName;
 use crate::scenes::Change;
 use clap::Args;
@@ -11,10 +11,11 @@ use std::path::PathBuf;
 /// Arguments of `makadam measure`.
 #[derive(Debug, Args)]
 pub struct MeasureArguments {
-    /// Files of grains: dumps of LIGGGHTS or LAMMPS, VTK or text of YADE, CSV, VTKHDF, plain or packed by gzip; or the folder of a run of
-    /// Makadam; or a manifest (.toml) that names the files of a run and states what they do not say.
+    /// Files of grains: dumps of LIGGGHTS or LAMMPS, VTK or text of YADE, CSV, VTKHDF, plain or packed by gzip, where {step} or {time} in a
+    /// name stands for a number; or the folder of a run of Makadam; or a manifest (.toml) that names the files of a run and states what
+    /// they do not.
     #[arg(required = true, value_name = "FILES")]
-    pub grains: Vec<PathBuf>,
+    pub grains: Vec<FilePattern>,
     /// Scene that was simulated: a file, a name (see `makadam scenes`), or - for standard input.
     #[arg(long)]
     pub scene: String,
@@ -23,7 +24,7 @@ pub struct MeasureArguments {
     pub changes: Vec<Change>,
     /// Files of contacts, of grains and of walls.
     #[arg(long, num_args = 1.., value_name = "FILES")]
-    pub contacts: Vec<PathBuf>,
+    pub contacts: Vec<FilePattern>,
     /// Names of the columns of grains in place of those in the files, such as id,_,x,y,z,radius; _ for what is not wanted.
     #[arg(long, value_name = "NAMES")]
     pub columns: Vec<StatedColumns>,
@@ -31,12 +32,15 @@ pub struct MeasureArguments {
     /// that files number under it: c_pairs:first,second,_,fx,fy,fz for c_pairs[1] to c_pairs[6]. Can be given several times.
     #[arg(long, value_name = "NAMES")]
     pub contact_columns: Vec<StatedColumns>,
-    /// Time step (s) of frames or files that are numbered by steps.
+    /// The files of contacts list all contacts of their frames.
+    #[arg(long)]
+    pub contacts_complete: bool,
+    /// Time (s) between frames whose numbers differ by one: the time step, where frames are numbered by steps.
     #[arg(long, value_parser = positive)]
     pub time_step: Option<f64>,
-    /// Time (s) between frames that tell neither time nor step; the first is at 0, and files follow the numbers in their names.
-    #[arg(long, value_parser = positive, conflicts_with = "time_step")]
-    pub interval: Option<f64>,
+    /// Time (s) of the only frame.
+    #[arg(long)]
+    pub time: Option<f64>,
     /// Number in the files of the scene's first grain, where they number grains as the scene does: listed ones first, then each
     /// population.
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
@@ -48,9 +52,9 @@ pub struct MeasureArguments {
     /// 1=glass,2=steel.
     #[arg(long, value_delimiter = ',', value_name = "VALUE=NAME", value_parser = kind)]
     pub kinds: Vec<(String, String)>,
-    /// Name of the code that left the frames.
-    #[arg(long, default_value = "frames")]
-    pub name: String,
+    /// Name of the code that left the frames; "frames" if absent.
+    #[arg(long)]
+    pub name: Option<String>,
     /// Print the measurements as JSON.
     #[arg(long)]
     pub json: bool,

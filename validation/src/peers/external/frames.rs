@@ -1,29 +1,10 @@
 //! Frames that exist: a folder for each seed, read as what a code has left.
 
-use super::{Description, DescriptionError, External, folder_of, read_description, unknown};
-use crate::import::{ImportError, StatedColumns, Tables};
+use super::{DescriptionError, External, read_description};
+use crate::import::{ImportError, Manifest, Tables};
 use crate::peers::CodeError;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-impl Description {
-    /// Frames of which nothing is said: every file of a folder holds grains.
-    fn of_unknown_code() -> Description {
-        Description {
-            name: "frames".into(),
-            version: unknown(),
-            command: Vec::new(),
-            grains: vec!["*".into()],
-            contacts: Vec::new(),
-            columns: StatedColumns::default(),
-            contact_columns: StatedColumns::default(),
-            first_id: None,
-            kinds: BTreeMap::new(),
-            time_step: None,
-            interval: None,
-        }
-    }
-}
 
 impl External {
     /// Frames in folders that `patterns` name, one folder a seed, whose number ends the folder's name. `file` describes the code; its
@@ -55,11 +36,8 @@ impl External {
             }
         }
         let (description, here) = match file {
-            Some(file) => {
-                let fault = |problem: String| DescriptionError { file: file.to_path_buf(), problem };
-                (read_description(file)?, folder_of(file).map_err(|error| fault(error.to_string()))?)
-            }
-            None => (Description::of_unknown_code(), PathBuf::new()),
+            Some(file) => read_description(file)?,
+            None => (Manifest { grains: vec!["*".into()], ..Manifest::default() }, PathBuf::new()),
         };
         Ok(External::new(description, here, Some(folders)))
     }
@@ -69,7 +47,7 @@ impl External {
         let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
         let mut tables = Tables::default();
         if folder.join("run.json").is_file() {
-            tables.add_grains(folder, &StatedColumns::default()).map_err(refused)?;
+            tables.add_grains(folder, &"*".into(), &self.description).map_err(refused)?;
             return Ok(tables);
         }
         let files = |pattern: &str| {

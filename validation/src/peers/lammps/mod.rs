@@ -8,7 +8,7 @@ use super::palette::Palette;
 use super::plan::Plan;
 use super::process::Program;
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
-use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
+use crate::import::{FrameTable, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
 use makadam::scene::Grain;
@@ -106,7 +106,7 @@ fn manifest(seed: u64, plan: &Plan, dumps: &[String]) -> String {
     let contacts: Vec<&String> = dumps.iter().filter(|name| *name != "grains.dump").collect();
     format!(
         "# Frames of this run: makadam measure frames.toml --scene SCENE\ngrains = [\"grains.dump\"]\ncontacts = {contacts:?}\n\
-         time-step = {:e}\nfirst-id = 1\nseed = {seed}\n",
+         time-step = {:e}\ncontacts-complete = true\nfirst-id = 1\nseed = {seed}\n",
         plan.time_step
     )
 }
@@ -173,11 +173,11 @@ fn frames_in<R: BufRead>(
         line,
         problem,
     };
-    let read = |file: &Path, columns: usize| -> Result<Vec<DumpFrame>, CodeError> {
+    let read = |file: &Path, columns: usize| -> Result<Vec<FrameTable>, CodeError> {
         let mut frames = read_dump(open(file)?, columns).map_err(|found| fault(file, found.line, found.problem))?;
         // Both ends of the run are dumped by two dumps.
         frames.dedup_by_key(|frame| frame.step);
-        match frames.iter().map(|frame| frame.step).eq(asked.iter().copied()) {
+        match frames.iter().filter_map(|frame| frame.step).eq(asked.iter().copied()) {
             true => Ok(frames),
             false => {
                 let problem = format!("not the {} frames that were asked for, but {}", asked.len(), frames.len());
@@ -190,8 +190,8 @@ fn frames_in<R: BufRead>(
     let pairs = read(&dumps[1], deck::PAIR_COLUMNS)?;
     let walls = dumps[2..].iter().map(|dump| read(dump, deck::WALL_COLUMNS)).collect::<Result<Vec<_>, _>>()?;
     let mut frames = Vec::with_capacity(states.len());
-    for (index, state) in states.iter().enumerate() {
-        let time = state.step as f64 * plan.time_step;
+    for ((index, state), step) in states.iter().enumerate().zip(&asked) {
+        let time = *step as f64 * plan.time_step;
         let particles = particles_of(state, grains).map_err(|(row, what)| fault(&dumps[0], state.line + row, what))?;
         let mut contacts = Vec::new();
         for (row, r) in pairs[index].rows().enumerate() {

@@ -8,7 +8,7 @@ use super::deck_run::{DeckRun, HAS, contact, open, particle, particles_of, vecto
 use super::plan::Plan;
 use super::process::Program;
 use super::{Code, CodeError, HERTZ_MINDLIN, Job, Purpose, supported_start};
-use crate::import::{DumpFrame, measurable, merge_wall_contacts, read_dump};
+use crate::import::{FrameTable, measurable, merge_wall_contacts, read_dump};
 use crate::plan::Scene;
 use crate::recording::{Content, Recording};
 use makadam::scene::Grain;
@@ -127,7 +127,7 @@ fn manifest(seed: u64, plan: &Plan, walls: &Walls) -> String {
     let list = |names: &str| names.split(',').map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
     format!(
         "# Frames of this run: makadam measure frames.toml --scene SCENE\ngrains = [\"grains.dump\"]\ncontacts = [{dumps}]\n\
-         time-step = {:e}\nfirst-id = 1\nseed = {seed}\nwalls = {meshes:?}\n\n[contact-columns]\nc_pairs = [{}]\nc_walls = [{}]\n",
+         time-step = {:e}\ncontacts-complete = true\nfirst-id = 1\nseed = {seed}\nwalls = {meshes:?}\n\n[contact-columns]\nc_pairs = [{}]\nc_walls = [{}]\n",
         plan.time_step,
         list("first,second,_,fx,fy,fz,px,py,pz"),
         list("px,py,pz,_,_,_,wall,_,first,fx,fy,fz")
@@ -187,11 +187,11 @@ fn frames_in<R: BufRead>(
         line,
         problem,
     };
-    let read = |file: &PathBuf, columns: usize| -> Result<Vec<DumpFrame>, CodeError> {
+    let read = |file: &PathBuf, columns: usize| -> Result<Vec<FrameTable>, CodeError> {
         let mut frames = read_dump(open(file)?, columns).map_err(|found| fault(file, found.line, found.problem))?;
         // Where frames become denser, the step between is dumped by both dumps.
         frames.dedup_by_key(|frame| frame.step);
-        match frames.iter().map(|frame| frame.step).eq(asked.iter().copied()) {
+        match frames.iter().filter_map(|frame| frame.step).eq(asked.iter().copied()) {
             true => Ok(frames),
             false => {
                 let problem = format!("not the {} frames that were asked for, but {}", asked.len(), frames.len());
@@ -206,8 +206,8 @@ fn frames_in<R: BufRead>(
         false => read(&dumps[2], deck::WALL_COLUMNS)?,
     };
     let mut frames = Vec::with_capacity(states.len());
-    for (index, state) in states.iter().enumerate() {
-        let time = state.step as f64 * plan.time_step;
+    for ((index, state), step) in states.iter().enumerate().zip(&asked) {
+        let time = *step as f64 * plan.time_step;
         let particles = particles_of(state, grains).map_err(|(row, what)| fault(&dumps[0], state.line + row, what))?;
         let mut contacts = Vec::new();
         for (row, r) in pairs[index].rows().enumerate() {
@@ -218,7 +218,7 @@ fn frames_in<R: BufRead>(
             let normal = Vector3::from(b.position) - Vector3::from(a.position);
             contacts.extend(contact(a, Partner::Grain(b.id), vector(&r[6..]).into(), normal, &r[3..]));
         }
-        for (row, r) in walls.get(index).into_iter().flat_map(DumpFrame::rows).enumerate() {
+        for (row, r) in walls.get(index).into_iter().flat_map(FrameTable::rows).enumerate() {
             let mesh = if r[6] >= 0.0 { meshes.get(r[6] as usize) } else { None };
             let (Some(&wall), Some(a)) = (mesh, particle(&particles, r[8])) else {
                 return Err(fault(&dumps[2], walls[index].line + row, format!("no mesh {} or grain {}", r[6], r[8])));

@@ -10,7 +10,7 @@ use makadam::checkpoint::seal;
 use makadam::scene::{Grain, Region, Stop, populate};
 use makadam::snapshot::Snapshot;
 use makadam_validation::compare::Reference;
-use makadam_validation::import::{Assembly, Stated, StatedColumns, Tables, parse, read_dump};
+use makadam_validation::import::{Manifest, StatedColumns, Tables, assemble, parse, read_dump};
 use makadam_validation::observables::{force_distribution, measure, series};
 use makadam_validation::peers::liggghts::{self, loop_seconds};
 use makadam_validation::peers::{lammps, yade};
@@ -237,15 +237,15 @@ fn foreign_frames(bytes: &[u8]) -> bool {
             return refused(&message);
         }
     };
-    let stated = Stated { time_step: Some(0.05), ..Stated::default() };
-    let assembly = Assembly { scene: &WALLED, code: "fuzzed", version: "", stated: &stated };
+    let time = (frames.len() == 1 && frames[0].time.is_none() && frames[0].step.is_none()).then_some(0.05);
+    let manifest = Manifest { time_step: Some(0.05), time, contacts_complete: true, ..Manifest::default() };
     let rows: usize = frames.iter().map(|frame| frame.rows().count()).sum();
     if rows > 10_000 {
         return true;
     }
     let both = Tables { grains: frames.clone(), contacts: frames.clone(), ..Tables::default() };
     for tables in [Tables { grains: frames, ..Tables::default() }, both] {
-        match assembly.assemble(&tables) {
+        match assemble(&WALLED, &manifest, &tables) {
             Ok(imported) => {
                 imported.recording.frames.iter().for_each(documents::check_contacts);
                 for measured in measure(&WALLED, &imported.recording) {

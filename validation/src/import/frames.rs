@@ -1,0 +1,239 @@
+//! Times of frames: grains in the order of time, each frame with the contacts of its time.
+
+use super::Tables;
+use super::columns::{Column, Places};
+use super::manifest::{Manifest, Missing};
+use super::table::{FrameTable, ImportError};
+use crate::plan::Scene;
+use crate::recording::Content;
+use std::path::Path;
+
+/// Relative difference within which two times are one: files have six digits.
+const SAME_TIME: f64 = 1e-6;
+
+/// Frame of grains with its time.
+pub(super) struct Frame<'t> {
+    /// Simulated time, s.
+    pub time: f64,
+    pub grains: &'t FrameTable,
+    pub contacts: Vec<&'t FrameTable>,
+    /// True if the scene measures the frame.
+    pub is_measured: bool,
+}
+
+/// Puts the frames of all files in the order of time.
+///
+/// # Errors
+/// [`ImportError`] for two frames of one time, for more grains than the scene has, and for measured frames without contacts where others
+/// have some.
+pub(super) fn frames<'t>(
+    scene: &Scene,
+    manifest: &Manifest,
+    tables: &'t Tables,
+    missing: &mut Missing,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Frame<'t>>, ImportError> {
+    let timeline = Timeline { scene, manifest, is_single: tables.grains.len() == 1 };
+    let (mut frames, has_times) = timeline.grains(&tables.grains, missing)?;
+    if has_times {
+        timeline.sort(&mut frames, notes)?;
+        timeline.count(&frames, notes)?;
+    }
+    timeline.add_contacts(&tables.contacts, &mut frames, missing, notes)?;
+    Ok(frames)
+}
+
+struct Timeline<'a> {
+    scene: &'a Scene,
+    manifest: &'a Manifest,
+    /// True if there is one frame of grains.
+    is_single: bool,
+}
+
+impl Timeline<'_> {
+    /// Time of a frame, s, as its file or the manifest states it.
+    fn time_of(&self, table: &FrameTable) -> Option<f64> {
+        let by_step = || Some(table.step? as f64 * self.manifest.time_step?);
+        table.time.or_else(by_step).or(self.manifest.time)
+    }
+
+    /// Adds the lines of a manifest that would state the time of a frame.
+    fn add_missing(&self, table: &FrameTable, key: &str, missing: &mut Missing) {
+        let step = ["time-step = SECONDS", "time between frames whose numbers differ by one: the time step of the run"];
+        let mut add = |line: &str, meaning: &str| missing.add(table, 0, line, meaning);
+        match (table.step, self.is_single) {
+            (Some(_), _) => add(step[0], step[1]),
+            (None, true) => add("time = SECONDS", "time of the only frame"),
+            (None, false) => {
+                let pattern = numbered_pattern(&table.file);
+                let meaning =
+                    "the number of a step, or {time} for a time in seconds; a column time or step states it, too";
+                add(&format!("{key} = [\"{pattern}\"]"), meaning);
+                add(step[0], step[1]);
+            }
+        }
+    }
+
+    /// Frames of grains with their times, and whether all are stated; times that are missing count as zero.
+    fn grains<'t>(
+        &self,
+        tables: &'t [FrameTable],
+        missing: &mut Missing,
+    ) -> Result<(Vec<Frame<'t>>, bool), ImportError> {
+        let mut has_times = true;
+        let mut frames = Vec::with_capacity(tables.len());
+        for grains in tables {
+            let time = self.time_of(grains);
+            match (self.manifest.time, time) {
+                (Some(_), _) if !self.is_single => {
+                    let problem = format!("time states the time of one frame, and the files have {}", tables.len());
+                    return Err(grains.fault(0, problem));
+                }
+                (Some(stated), Some(own)) if !is_same_time(own, stated) => {
+                    return Err(grains.fault(0, format!("the frame is at {own} s, and time states {stated} s")));
+                }
+                _ => {}
+            }
+            if time.is_none() {
+                self.add_missing(grains, "grains", missing);
+                has_times = false;
+            }
+            frames.push(Frame { time: time.unwrap_or(0.0), grains, contacts: Vec::new(), is_measured: false });
+        }
+        Ok((frames, has_times))
+    }
+
+    /// Puts frames in the order of time, each time once, and finds those that are measured.
+    ///
+    /// # Errors
+    /// [`ImportError`] for two frames of one time.
+    fn sort<'t>(&self, frames: &mut Vec<Frame<'t>>, notes: &mut Vec<String>) -> Result<(), ImportError> {
+        let all = frames.len();
+        frames.sort_by(|a, b| a.time.total_cmp(&b.time));
+        // A code that is started twice writes the frame in between twice.
+        frames.dedup_by(|later, earlier| {
+            let same = |frame: &Frame<'t>| (&frame.grains.columns, &frame.grains.values);
+            is_same_time(earlier.time, later.time) && same(later) == same(earlier)
+        });
+        if frames.len() < all {
+            notes.push(format!("{} frames are the same as another one at their time", all - frames.len()));
+        }
+        if let Some([one, other]) = frames.array_windows().find(|[one, other]| is_same_time(one.time, other.time)) {
+            let problem = format!(
+                "it has a frame at {} s, as {} has (line {}); leave one frame at each time, with all grains",
+                one.time,
+                one.grains.file.display(),
+                one.grains.line
+            );
+            return Err(other.grains.fault(0, problem));
+        }
+        let last = frames.iter().rposition(|frame| !frame.grains.values.is_empty());
+        for (index, frame) in frames.iter_mut().enumerate() {
+            frame.is_measured = match self.scene.measure.from {
+                Some(_) => self.scene.measure.covers(frame.time),
+                None => Some(index) == last,
+            };
+        }
+        Ok(())
+    }
+
+    /// Notes frames with fewer grains than the scene.
+    ///
+    /// # Errors
+    /// [`ImportError`] where a frame has more grains than the scene.
+    fn count(&self, frames: &[Frame<'_>], notes: &mut Vec<String>) -> Result<(), ImportError> {
+        let wanted = self.scene.grain_count();
+        if let Some(frame) = frames.iter().find(|frame| frame.grains.rows().len() > wanted) {
+            let problem = format!(
+                "a frame has {} grains, and the scene has {wanted}; leave one frame at each time, in files of its own or told apart by a \
+                 column time or step",
+                frame.grains.rows().len()
+            );
+            return Err(frame.grains.fault(0, problem));
+        }
+        let counts = || frames.iter().map(|frame| frame.grains.rows().len());
+        let (fewest, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+        if (fewest, most) != (wanted, wanted) {
+            let found = if fewest == most { format!("{most}") } else { format!("{fewest} to {most}") };
+            notes.push(format!("the frames have {found} grains, and the scene has {wanted}: these are measured"));
+        }
+        Ok(())
+    }
+
+    /// Adds tables of contacts to the frames of their times.
+    fn add_contacts<'t>(
+        &self,
+        tables: &'t [FrameTable],
+        frames: &mut [Frame<'t>],
+        missing: &mut Missing,
+        notes: &mut Vec<String>,
+    ) -> Result<(), ImportError> {
+        let mut strangers = 0;
+        for table in tables {
+            let Some(time) = self.time_of(table) else {
+                self.add_missing(table, "contacts", missing);
+                continue;
+            };
+            let after = frames.partition_point(|frame| frame.time < time);
+            let near = [after.checked_sub(1), Some(after)].into_iter().flatten();
+            let mut near = near.filter(|index| frames.get(*index).is_some_and(|frame| is_same_time(frame.time, time)));
+            let Some(frame) = near.next().map(|index| &mut frames[index]) else {
+                strangers += 1;
+                continue;
+            };
+            let steps = table.step.zip(frame.grains.step).filter(|_| self.manifest.time_step.is_none());
+            if let Some((own, other)) = steps.filter(|(own, other)| own != other) {
+                return Err(table.fault(0, format!("its contacts are of step {own}, and the grains of step {other}")));
+            }
+            match frame.contacts.iter().find(|known| known.file == table.file) {
+                Some(known) if known.values == table.values => {}
+                Some(_) => {
+                    let problem = format!("it has two frames of contacts at {} s; leave one at each time", frame.time);
+                    return Err(table.fault(0, problem));
+                }
+                None => frame.contacts.push(table),
+            }
+        }
+        if strangers > 0 {
+            notes.push(format!(
+                "{strangers} frames of contacts have no frame of grains at their time: they are not measured"
+            ));
+        }
+        // A frame of which no file lists contacts would count as one without contacts.
+        for (column, content) in [(Column::Second, Content::Contacts), (Column::Wall, Content::WallContacts)] {
+            let has = |table: &&FrameTable| Places::of(table).find(column).is_some();
+            let lists = |frame: &Frame<'_>| frame.contacts.iter().any(|table| has(table));
+            let Some(first) = tables.iter().find(has) else { continue };
+            if let Some(frame) = frames.iter().find(|frame| frame.is_measured && !lists(frame)) {
+                let problem = format!(
+                    "no file lists {} of the frame at {} s; list those of each measured frame, or measure others (--set measure.from=TIME); \
+                     where there are none, leave a file of that frame with the names of its columns alone",
+                    content.words(),
+                    frame.time
+                );
+                return Err(first.fault(0, problem));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Reports whether two times are one but for the digits of files.
+fn is_same_time(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME_TIME * one.abs().max(other.abs())
+}
+
+/// Name of a file with `{step}` in place of its last number, which may be its extension (`grains.100`).
+fn numbered_pattern(file: &Path) -> String {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let is_digit = |letter: char| letter.is_ascii_digit();
+    let (stem, extension) = match name.rfind('.') {
+        Some(dot) if !name[dot + 1..].chars().all(is_digit) => name.split_at(dot),
+        _ => (&*name, ""),
+    };
+    let head = stem.trim_end_matches(|letter| !is_digit(letter));
+    match head.is_empty() {
+        true => format!("NAME_{{step}}{extension}"),
+        false => format!("{}{{step}}{}{extension}", head.trim_end_matches(is_digit), &stem[head.len()..]),
+    }
+}
