@@ -48,7 +48,7 @@ fn code(file: &Path) -> String {
 
 /// Whether a file holds tests alone.
 fn is_test(file: &Path) -> bool {
-    file.file_name().is_some_and(|name| name == "tests.rs" || name == "disassembly.rs")
+    file.file_name().is_some_and(|name| name == "tests.rs")
 }
 
 /// The room of a file of a crate; none for the crate's own front and its main program.

@@ -59,14 +59,13 @@ fn two_of_one_name_and_names_of_no_file() {
 }
 
 #[test]
-fn what_a_scene_cannot_bear_is_told_before_it_runs() {
+fn findings_are_reported_before_a_run() {
     let folder = tempfile::tempdir().unwrap();
-    let solver = "[solver]\nstep = 4e-3\n\n[measure]";
-    let scene = changed(folder.path(), "[measure]", solver);
+    let scene = changed(folder.path(), "friction = 0.5", "friction = 26.6");
     let (code, message) = fails(folder.path(), &["run", scene.to_str().unwrap(), "--steps", "1", "--output", "out"]);
     assert_eq!(code, 0, "{message}");
-    let place = format!("changed.toml:{}:", line_of(&scene, "[[population]]"));
-    for word in [&place, "meets grains of", "lower solver.step to"] {
+    let place = format!("changed.toml:{}:", line_of(&scene, "friction = 26.6"));
+    for word in [&place, "material.grain.friction: 26.6", "angle in degrees?"] {
         assert!(message.contains(word), "no '{word}' in: {message}");
     }
     let summary: serde_json::Value =

@@ -60,7 +60,7 @@ impl<N: Number> ContactGeometry<N> {
         ContactGeometry { normal, gap, overlap, effective_radius: radius, point: radius }
     }
 
-    /// What normal laws see of it, given the velocity along the normal (m/s), the sum of the inverse masses (1/kg), the effective
+    /// Input of the normal laws, given the velocity along the normal (m/s), the sum of the inverse masses (1/kg), the effective
     /// modulus (Pa) and the damping ratio.
     #[inline(always)]
     pub fn normal_contact(

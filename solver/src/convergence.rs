@@ -1,9 +1,9 @@
-//! How a method converges on the problem of one step.
+//! Convergence of a method on the problem of one step, and the distance of a state from its solution.
 
 use crate::methods::{Problem, Solver};
 use crate::scene::SolverMethod;
 use crate::solve::{level, residual_unit};
-use crate::sweep::Residuals;
+use crate::sweep::{Residual, Residuals};
 use crate::world::World;
 use crate::{SettingError, Simulation};
 use serde::{Deserialize, Serialize};
@@ -62,5 +62,47 @@ impl Simulation {
     /// Velocity that residuals compare with: g h, or 1 m/s where there is no gravity.
     pub fn residual_unit(&self) -> f64 {
         residual_unit(&self.world, self.settings.step)
+    }
+}
+
+/// Errors of a solution. Velocities are in m/s and compare with [`SolutionError::unit`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SolutionError {
+    /// Change by one unrelaxed update of each contact by itself, `|change of lambda| D`, m/s: the natural map of
+    /// [`methods`](crate::methods). Zero at the solution and nowhere else.
+    pub residuals: Residuals,
+    /// By how much impulses attract, or leave the Coulomb disc: `-lambda_n D_n` or `(|lambda_t| - mu lambda_n) D_t`, the larger of
+    /// the two and never below zero, m/s.
+    pub cone: Residual,
+    /// Largest overlap of two grains, or of a grain and a wall, over the smaller radius, at the present positions.
+    pub largest_overlap: f64,
+    /// Velocity that these compare with: g h, or 1 m/s where there is no gravity.
+    pub unit: f64,
+}
+
+impl SolutionError {
+    /// Complementarity `|min(lambda_n D_n, w_n)|`, m/s, with the gap velocity `w_n = u_n + Sigma' lambda_n - q`. It is the normal
+    /// part of the natural map: `lambda_n - max(0, lambda_n - w_n / D_n) = min(lambda_n, w_n / D_n)`.
+    pub fn complementarity(&self) -> Residual {
+        self.residuals.normal
+    }
+
+    /// Root mean square residual over the three directions, in units of g h.
+    pub fn relative(&self) -> f64 {
+        self.residuals.rms() / self.unit
+    }
+}
+
+impl Simulation {
+    /// Distance of the last step's solve from the solution; valid until the simulation changes.
+    pub fn solution_error(&mut self) -> SolutionError {
+        let team = self.team.here();
+        let Simulation { world, layout, relaxation, settings, solver, interrupt, .. } = self;
+        let workspace = &mut solver.workspace;
+        let unit = residual_unit(world, settings.step);
+        let World { bodies, drives, .. } = world;
+        let mut problem = Problem { bodies, drives, layout, relaxation, settings, team: &team, workspace, interrupt };
+        let (residuals, cone) = team.enter(|| problem.measure());
+        SolutionError { residuals, cone, largest_overlap: self.largest_overlap(), unit }
     }
 }

@@ -44,7 +44,7 @@ const WORST: f64 = 1e-12;
 /// Shares of the operator's diagonal that are added to it in Newton's direction, one after the other until one leads down.
 const REGULARISATIONS: [f64; 5] = [0.0, 1e-9, 1e-6, 1e-4, 1e-2];
 
-/// Why there is no direct solution.
+/// Reason for the lack of a direct solution.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DirectError {
     /// Matrices would be too large.

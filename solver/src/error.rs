@@ -6,13 +6,13 @@ use crate::simulation::checkpoint::CheckpointError;
 use crate::simulation::intervention::InterventionError;
 use crate::solve::NotConverged;
 
-/// Why something could not be done.
+/// Error of the library.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A scene breaks a rule, or its grains cannot be placed.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The same, of a scene from a file, with the line.
+    /// A scene from a file breaks a rule, with the line.
     #[error(transparent)]
     SceneFile(#[from] SceneFileError),
     /// The machine, or the scene, does not go with a setting.
@@ -21,7 +21,7 @@ pub enum Error {
     /// A checkpoint cannot be written, or gone on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// What the caller wanted to do to a simulation between its steps cannot be done.
+    /// An intervention between steps cannot be applied.
     #[error(transparent)]
     Intervention(#[from] InterventionError),
     /// A solve ended before it came to its bound.

@@ -1,4 +1,4 @@
-//! How a simulation is carried out, and a simulation in the making.
+//! Execution settings, and the builder of a simulation.
 
 use crate::Simulation;
 use crate::lanes::InstructionSet;
@@ -18,7 +18,7 @@ pub struct Execution {
     pub instruction_set: InstructionSet,
     /// Lane groups ahead of a sweep whose bodies are fetched into the cache; 0 leaves it to the processor. Absent, as many as pay.
     pub prefetch: Option<usize>,
-    /// What a thread is given at a time.
+    /// Task granularity.
     pub portion: Portion,
 }
 
@@ -34,7 +34,7 @@ impl Execution {
         }
     }
 
-    /// Whether this is the serial execution that a speed-up of the other one refers to.
+    /// Returns true if this is the serial execution that a speed-up of the other one refers to.
     pub fn is_serial_of(&self, other: &Execution) -> bool {
         self.scheduler == Scheduler::Serial
             && (self.instruction_set, self.portion) == (other.instruction_set, other.portion)
@@ -70,10 +70,23 @@ impl Simulation {
 }
 
 impl SimulationBuilder {
-    /// Seed of the places and radii of grains; that of the scene where none is given.
-    pub fn seed(mut self, seed: u64) -> SimulationBuilder {
-        self.seed = seed;
-        self
+    crate::setters! {
+        /// Seed of the places and radii of grains; that of the scene where none is given.
+        seed(seed: u64) |builder| builder.seed = seed;
+        /// Way in which threads share tasks.
+        scheduler(scheduler: Scheduler) |builder| builder.execution.scheduler = scheduler;
+        /// Instruction set of the kernels; all give the same bits.
+        instruction_set(instruction_set: InstructionSet) |builder| builder.execution.instruction_set = instruction_set;
+        /// Threads, scheduler and instruction set together.
+        execution(execution: Execution) |builder| builder.execution = execution;
+        /// Time step, s, instead of the scene's.
+        time_step(step: f64) |builder| builder.scene.solver.step = step;
+        /// Stopping rule of a solve, instead of the scene's.
+        stop(stop: Stop) |builder| builder.scene.solver.stop = stop;
+        /// Method of solution, instead of the scene's.
+        method(method: SolverMethod) |builder| builder.scene.solver.method = method;
+        /// Precision of the sweeps, instead of the scene's.
+        precision(precision: Precision) |builder| builder.scene.solver.precision = precision;
     }
 
     /// Number of threads; they steal work from each other unless a [`scheduler`](SimulationBuilder::scheduler) is given.
@@ -82,48 +95,6 @@ impl SimulationBuilder {
         if self.execution.scheduler == Scheduler::Serial && threads > 1 {
             self.execution.scheduler = Scheduler::WorkStealing;
         }
-        self
-    }
-
-    /// Way in which threads share tasks.
-    pub fn scheduler(mut self, scheduler: Scheduler) -> SimulationBuilder {
-        self.execution.scheduler = scheduler;
-        self
-    }
-
-    /// Instruction set of the kernels; all give the same bits.
-    pub fn instruction_set(mut self, instruction_set: InstructionSet) -> SimulationBuilder {
-        self.execution.instruction_set = instruction_set;
-        self
-    }
-
-    /// How it is carried out, all at once.
-    pub fn execution(mut self, execution: Execution) -> SimulationBuilder {
-        self.execution = execution;
-        self
-    }
-
-    /// Time step, s, in place of the scene's.
-    pub fn time_step(mut self, step: f64) -> SimulationBuilder {
-        self.scene.solver.step = step;
-        self
-    }
-
-    /// When a solve stops, in place of what the scene says.
-    pub fn stop(mut self, stop: Stop) -> SimulationBuilder {
-        self.scene.solver.stop = stop;
-        self
-    }
-
-    /// How contact problems are solved, in place of what the scene says.
-    pub fn method(mut self, method: SolverMethod) -> SimulationBuilder {
-        self.scene.solver.method = method;
-        self
-    }
-
-    /// Precision of the sweeps, in place of what the scene says.
-    pub fn precision(mut self, precision: Precision) -> SimulationBuilder {
-        self.scene.solver.precision = precision;
         self
     }
 

@@ -46,6 +46,19 @@
 //! set: boxes, stages and lane groups depend on the scene alone, the lane width of eight is a part of the algorithm, and
 //! every lane does the same IEEE operations, without fused multiply-add and without approximate division or roots.
 
+/// Setters of a builder: name, value, and the assignment that each makes.
+macro_rules! setters {
+    ($($(#[$about:meta])* $name:ident($value:ident: $kind:ty) |$builder:ident| $set:expr;)*) => {
+        $($(#[$about])*
+        pub fn $name(self, $value: $kind) -> Self {
+            let mut $builder = self;
+            $set;
+            $builder
+        })*
+    };
+}
+pub(crate) use setters;
+
 #[doc(hidden)]
 pub mod constrain;
 mod contact;
@@ -57,7 +70,6 @@ pub mod direct;
 pub mod effects;
 mod error;
 mod execution;
-mod frame;
 #[doc(hidden)]
 pub mod groups;
 pub mod interrupt;
@@ -77,7 +89,6 @@ pub mod scene;
 pub mod schedule;
 mod simulation;
 pub mod snapshot;
-mod solution_error;
 #[doc(hidden)]
 pub mod solve;
 #[doc(hidden)]
@@ -87,20 +98,20 @@ pub mod watch;
 #[doc(hidden)]
 pub mod world;
 
-pub use convergence::ConvergencePoint;
+pub use convergence::{ConvergencePoint, SolutionError};
 pub use effects::EffectSet;
 pub use error::Error;
 pub use execution::{Execution, SimulationBuilder};
-pub use frame::Frame;
+
 pub use interrupt::Interrupt;
 pub use lanes::InstructionSet;
 pub use partition::Portion;
-pub use scene::setting_error::{Obstacle, SettingError};
 pub use scene::{
     Axis, Cohesion, Domain, Face, GrainEntry, Material, Motion, NormalLaw, PairRule, Population, Precision,
     RadiusDistribution, Region, Scene, SceneBuilder, SceneError, SceneFileError, Shape, SolverMethod, SolverSettings,
     Stop, Wall,
 };
+pub use scene::{Obstacle, SettingError};
 pub use schedule::{Scheduler, StepTrace};
 pub use simulation::energy::Energy;
 pub use simulation::intervention::{InterventionError, States};
@@ -109,12 +120,11 @@ pub use simulation::intervention::{KeptContact, PairsInList};
 pub use simulation::ledger::Balance;
 pub use simulation::swept::{Crossing, Passage};
 pub use simulation::{PhaseSeconds, Simulation, StepReport, checkpoint};
-pub use snapshot::{Contact, Partner, Snapshot};
-pub use solution_error::SolutionError;
+pub use snapshot::{Contact, Frame, Partner, Snapshot};
 pub use solve::{NotConverged, SolveReport, StopReason};
 pub use sweep::{Residual, Residuals};
 
-/// What tells this build from every other one whose bits may be others: the version and, behind a dash, 16 hexadecimal digits of a
+/// Identifier of this build among all builds whose bits may differ: the version and, behind a dash, 16 hexadecimal digits of a
 /// hash over the sources of the solver and the packages that compute. Builds of the same sources have the same, wherever and
 /// however they are made, and give the same bits; whatever keeps states or results to go on from keeps this with them.
 pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "-", env!("MAKADAM_BUILD_KEY"));

@@ -34,7 +34,7 @@ impl Simulation {
         team.enter(|| self.candidates.rebuild(&mut self.world, &mut self.layout, set, &team));
     }
 
-    /// Whether the candidate list is stale: what a step asks first.
+    /// Returns true if the candidate list is stale: what a step asks first.
     pub fn is_stale_once(&mut self) -> bool {
         let team = self.team.here();
         team.enter(|| self.candidates.are_stale(&self.world, &team))

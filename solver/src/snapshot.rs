@@ -1,14 +1,9 @@
-//! What leaves a simulation: two tables, particles and contacts. Every code delivers the same two.
+//! Frames: two tables, particles and contacts, which every code delivers, and arrays by grain.
 //!
 //! ```
 //! use makadam::Partner;
-//! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
-//! # let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
-//! # let scene = Scene::builder()
-//! #     .material("glass", Material::default())
-//! #     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
-//! #     .population(Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
-//! #     .build()?;
+//! # use makadam::{Scene, Simulation};
+//! # let scene = Scene::example();
 //! let mut simulation = Simulation::builder(&scene).time_step(5e-4).build()?;
 //! for _ in 0..600 {
 //!     simulation.step();
@@ -46,7 +41,7 @@ pub struct Particle {
     pub spin: [f64; 3],
 }
 
-/// What a grain touches.
+/// Partner of a grain in a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Partner {
     /// Another grain, by its id.
@@ -56,7 +51,7 @@ pub enum Partner {
 }
 
 impl Partner {
-    /// Whether it is a grain.
+    /// Returns true if it is a grain.
     pub fn is_grain(self) -> bool {
         matches!(self, Partner::Grain(_))
     }
@@ -67,7 +62,7 @@ impl Partner {
 pub struct Contact {
     /// Id of the first grain.
     pub first: u32,
-    /// What it touches.
+    /// Partner.
     pub second: Partner,
     /// Contact point, metres.
     pub point: [f64; 3],
@@ -221,6 +216,77 @@ impl Simulation {
             normal: lanes.normal(lane),
             normal_force: (lanes.normal_impulse(lane) - pull) / h,
             tangential_force: lanes.tangential_impulse(lane).map(|component| component / h),
+        }
+    }
+}
+
+/// Grains and contacts at a time. Arrays of grains go by their ids, which are numbered from 0 without holes: the grains that a scene lists,
+/// then population after population.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    time: f64,
+    positions: Vec<[f64; 3]>,
+    velocities: Vec<[f64; 3]>,
+    spins: Vec<[f64; 3]>,
+    radii: Vec<f64>,
+    contacts: Vec<Contact>,
+}
+
+impl Frame {
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Number of grains.
+    pub fn grains(&self) -> usize {
+        self.radii.len()
+    }
+
+    /// Centres, m; inside the domain where that repeats itself.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// Velocities, m/s.
+    pub fn velocities(&self) -> &[[f64; 3]] {
+        &self.velocities
+    }
+
+    /// Angular velocities, rad/s.
+    pub fn spins(&self) -> &[[f64; 3]] {
+        &self.spins
+    }
+
+    /// Radii, m.
+    pub fn radii(&self) -> &[f64] {
+        &self.radii
+    }
+
+    /// Contacts of the last step that bear a force, with grains and walls.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Mean number of contacts per grain: each contact of two grains counts for both, one with a wall for its grain; 0 without grains.
+    pub fn coordination_number(&self) -> f64 {
+        let ends: usize = self.contacts.iter().map(|contact| if contact.second.is_grain() { 2 } else { 1 }).sum();
+        ends as f64 / self.grains().max(1) as f64
+    }
+}
+
+impl Simulation {
+    /// Grains as they are now, and the contacts of the last step.
+    pub fn frame(&self) -> Frame {
+        let snapshot = self.snapshot();
+        let vectors = |of: fn(&Particle) -> [f64; 3]| snapshot.particles.iter().map(of).collect();
+        Frame {
+            time: snapshot.time,
+            positions: vectors(|grain| grain.position),
+            velocities: vectors(|grain| grain.velocity),
+            spins: vectors(|grain| grain.spin),
+            radii: snapshot.particles.iter().map(|grain| grain.radius).collect(),
+            contacts: snapshot.contacts,
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::world::World;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
-/// Why a solve stopped.
+/// Reason for the end of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopReason {
@@ -29,21 +29,21 @@ pub enum StopReason {
     Interrupted,
 }
 
-/// What a solve did.
+/// Report of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolveReport {
     /// Iterations of the method done; for most a sweep each.
     pub sweeps: u32,
-    /// Why it stopped.
+    /// Reason for its end.
     pub reason: StopReason,
     /// Residuals of the last iteration that was measured, m/s: see [`methods`](crate::methods).
     pub residuals: Residuals,
-    /// Whether over-relaxation fell back to 1.
+    /// True if over-relaxation fell back to 1.
     pub fell_back: bool,
 }
 
 impl SolveReport {
-    /// Whether the solve came to its bound, or had nothing to solve. One that ends after a number of sweeps, or a time, is not known to.
+    /// Returns true if the solve came to its bound, or had nothing to solve. One that ends after a number of sweeps, or a time, is not known to.
     pub fn is_converged(&self) -> bool {
         matches!(self.reason, StopReason::NoContacts | StopReason::Residual)
     }
@@ -64,7 +64,7 @@ impl SolveReport {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("a solve stopped after {sweeps} sweeps ({reason:?}) at a residual of {residual:.3e} m/s, above its bound")]
 pub struct NotConverged {
-    /// Why it stopped.
+    /// Reason for its end.
     pub reason: StopReason,
     /// Iterations done.
     pub sweeps: u32,
@@ -135,7 +135,7 @@ pub(crate) fn solve(
     report
 }
 
-/// Whether a solve that stops at a residual is about to reach it. What it reports is its last sweep in every direction, which costs
+/// Returns true if a solve that stops at a residual is about to reach it. What it reports is its last sweep in every direction, which costs
 /// more than half a sweep; so that is measured where the next sweep may be the last, and only the total elsewhere.
 struct Forecast {
     /// Bound on the residual, m/s.
@@ -146,7 +146,7 @@ struct Forecast {
     next: f64,
 }
 
-/// What the second sweep is expected to leave of the residual of the first.
+/// Expected residual of the second sweep over that of the first.
 const SECOND_OVER_FIRST: f64 = 0.5;
 
 impl Forecast {
@@ -154,7 +154,7 @@ impl Forecast {
         Forecast { tolerance, last: f64::INFINITY, next: f64::INFINITY }
     }
 
-    /// How closely the next sweep is watched, which may have to be the last.
+    /// Residual level of the next sweep, which may have to be the last.
     fn level(&self, last: bool) -> ResidualLevel {
         if last || self.next <= self.tolerance { ResidualLevel::Directions } else { ResidualLevel::Total }
     }
@@ -169,7 +169,7 @@ impl Forecast {
     }
 }
 
-/// How closely an iteration is watched, counted from 1, which may be the last.
+/// Residual level of an iteration, counted from 1, which may be the last.
 pub(crate) fn level(iteration: u32, last: bool) -> ResidualLevel {
     match iteration {
         _ if last => ResidualLevel::Directions,

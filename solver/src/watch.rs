@@ -2,13 +2,8 @@
 //!
 //! ```
 //! use makadam::watch::Watchdog;
-//! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
-//! # let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
-//! # let scene = Scene::builder()
-//! #     .material("glass", Material::default())
-//! #     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
-//! #     .population(Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
-//! #     .build()?;
+//! # use makadam::{Scene, Simulation};
+//! # let scene = Scene::example();
 //! let mut simulation = Simulation::builder(&scene).time_step(5e-4).build()?;
 //! let mut watchdog = Watchdog::new(&scene.watch, &simulation);
 //! for _ in 0..200 {
@@ -29,7 +24,7 @@ use crate::{Crossing, Passage, Simulation};
 use nalgebra::Vector3;
 use std::fmt;
 
-/// What was noticed.
+/// Violation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trouble {
     /// A grain's position, velocity or spin is not finite.
@@ -43,7 +38,7 @@ pub enum Trouble {
         grain: u32,
         /// Overlap over the smaller radius.
         share: f64,
-        /// What is tolerated.
+        /// Tolerated value.
         bound: f64,
     },
     /// A grain overlaps its partner so far that its centre lies inside: a contact that pushes either way no longer means anything.
@@ -52,7 +47,7 @@ pub enum Trouble {
         grain: u32,
         /// Overlap over the smaller radius.
         share: f64,
-        /// What makes numbers worthless.
+        /// Limit beyond which the numbers are invalid.
         bound: f64,
     },
     /// Mechanical energy came from nowhere.
@@ -61,14 +56,14 @@ pub enum Trouble {
         grain: u32,
         /// Gain over the scale of [`Watch::energy`].
         share: f64,
-        /// What is tolerated.
+        /// Tolerated value.
         bound: f64,
     },
     /// A grain has left the domain.
     Escape {
         /// Its id.
         grain: u32,
-        /// Where it is, m.
+        /// Position, m.
         position: [f64; 3],
     },
     /// A grain has crossed a wall.
@@ -87,7 +82,7 @@ pub enum Trouble {
     Stagnation {
         /// Smallest residual since then, in the unit of residuals.
         residual: f64,
-        /// What is tolerated.
+        /// Tolerated value.
         bound: f64,
         /// Name of the unit: g h, or m/s where there is no gravity.
         unit: &'static str,
@@ -109,7 +104,7 @@ impl Trouble {
         }
     }
 
-    /// Whether the numbers of a run in which it was noticed mean nothing, whatever the scene wants done.
+    /// Returns true if the numbers of a run in which it was noticed mean nothing, whatever the scene wants done.
     pub fn is_grave(&self) -> bool {
         !matches!(self, Trouble::Overlap { .. } | Trouble::Stagnation { .. })
     }
@@ -118,9 +113,9 @@ impl Trouble {
 /// Something that was noticed, and when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alarm {
-    /// What.
+    /// Violation.
     pub trouble: Trouble,
-    /// What the scene wants done.
+    /// Reaction that the scene requests.
     pub reaction: Reaction,
     /// Steps taken.
     pub step: u64,
@@ -191,7 +186,7 @@ pub struct Watchdog {
     noticed: Vec<Alarm>,
     /// Gravity at the end of the last step, m/s2.
     gravity: Vector3<f64>,
-    /// What walls and changes of gravity have given the grains so far, J.
+    /// Work of walls and of changing gravity so far, J.
     supplied: f64,
     /// Smallest mechanical energy so far, J, less what was supplied until then: no later state may have more, its elastic energy
     /// left out.
@@ -302,7 +297,7 @@ impl Watchdog {
         alarms.into_iter().find(|alarm| alarm.reaction == Reaction::Stop).map_or(Ok(()), Err)
     }
 
-    /// What [`Watchdog::check`] has noticed so far, the first of each kind: also what did not end the run.
+    /// First violation of each kind that [`Watchdog::check`] has found, also those that did not end the run.
     pub fn noticed(&self) -> &[Alarm] {
         &self.noticed
     }

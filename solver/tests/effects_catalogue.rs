@@ -265,10 +265,10 @@ fn every_file_of_an_effect_has_descriptors_and_all_are_listed() {
             continue;
         }
         let text = read(&path);
-        let names =
-            text.lines().filter_map(|line| line.strip_prefix("pub static ")?.strip_suffix(": Effect = Effect {"));
-        let short = text.lines().filter_map(|line| line.strip_prefix("pub static ")?.split_once(": Effect = Effect::"));
-        let names: Vec<&str> = names.chain(short.map(|(name, _)| name)).collect();
+        let names: Vec<&str> = text
+            .lines()
+            .filter_map(|line| Some(line.strip_prefix("pub static ")?.split_once(": Effect =")?.0))
+            .collect();
         assert!(!names.is_empty(), "{} has no descriptor", path.display());
         for name in &names {
             assert!(list.contains(&format!("    &{name},")), "{name} of {} is not listed", path.display());

@@ -45,9 +45,8 @@ fn same_bits_everywhere(scene: &str, precision: Precision) {
         }
     }
     let mut simulation = start.clone();
-    simulation.use_scalar_sweeps(precision == Precision::Double);
     simulation.use_prefetch(Some(0));
-    assert_eq!(expected, hashes(&mut simulation), "{scene}: one contact at a time, without prefetch");
+    assert_eq!(expected, hashes(&mut simulation), "{scene}: without prefetch");
     let mut simulation = start.clone();
     simulation.use_prefetch(Some(2));
     assert_eq!(expected, hashes(&mut simulation), "{scene}: with prefetch");

@@ -85,12 +85,9 @@ fn one_thread_and_several_give_the_same_bits() {
 }
 
 #[test]
-fn scalar_sweeps_and_prefetching_give_the_same_bits() {
+fn prefetching_gives_the_same_bits() {
     let scene = scene();
     let usual = hash_after(start(&scene));
-    let mut simulation = start(&scene);
-    simulation.use_scalar_sweeps(true);
-    assert_eq!(hash_after(simulation), usual);
     let mut simulation = start(&scene);
     simulation.use_prefetch(Some(PREFETCH));
     assert_eq!(hash_after(simulation), usual);

@@ -1,4 +1,4 @@
-//! The phases of a step and whole steps, from flowing states: each on the scalar serial path, on every instruction set and
+//! The phases of a step and whole steps, from flowing states: each on every instruction set and
 //! on all cores, in one run.
 //!
 //! ```text
@@ -40,33 +40,27 @@ const WARM_UP: usize = 3;
 /// One way to carry out a step.
 #[derive(Clone, Copy)]
 struct Way {
-    scalar: bool,
     precision: Precision,
     execution: Execution,
 }
 
 impl Way {
-    /// All of them: the scalar serial path, then each instruction set on one thread and on all cores, in both precisions.
+    /// All of them: each instruction set on one thread and on all cores, in both precisions.
     fn all() -> Vec<Way> {
-        let way = |scalar, precision, instruction_set, threads| {
+        let way = |precision, instruction_set, threads| {
             let scheduler = if threads > 1 { Scheduler::WorkStealing } else { Scheduler::Serial };
-            Way {
-                scalar,
-                precision,
-                execution: Execution { scheduler, threads, instruction_set, ..Execution::serial() },
-            }
+            Way { precision, execution: Execution { scheduler, threads, instruction_set, ..Execution::serial() } }
         };
         let sets = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
         let threads = if cores() > 1 { vec![1, cores()] } else { vec![1] };
-        let wide = sets.flat_map(|set| threads.iter().map(move |&threads| way(false, Precision::Double, set, threads)));
+        let wide = sets.flat_map(|set| threads.iter().map(move |&threads| way(Precision::Double, set, threads)));
         let wide: Vec<Way> = wide.collect();
         let single = wide.iter().map(|&double| Way { precision: Precision::Single, ..double });
-        let scalar = way(true, Precision::Double, InstructionSet::Generic, 1);
-        [scalar].into_iter().chain(wide.iter().copied()).chain(single).collect()
+        wide.iter().copied().chain(single).collect()
     }
 
     fn name(self) -> String {
-        let set = if self.scalar { "scalar" } else { self.execution.instruction_set.name() };
+        let set = self.execution.instruction_set.name();
         let set = if self.precision == Precision::Single { format!("{set}-single") } else { set.to_owned() };
         format!("{set}-{}-thread{}", self.execution.threads, if self.execution.threads > 1 { "s" } else { "" })
     }
@@ -74,7 +68,6 @@ impl Way {
     /// A copy of a state that goes on this way.
     fn of(self, state: &Simulation) -> Simulation {
         let mut simulation = state.clone();
-        simulation.use_scalar_sweeps(self.scalar);
         simulation.use_precision(self.precision).expect("these scenes go with either precision");
         self.execution.apply(&mut simulation).expect("the set is there and threads can be started");
         simulation
@@ -130,8 +123,8 @@ fn phases(criterion: &mut Criterion) {
         let Some(state) = flowing(name, asked.is_some()) else { continue };
         let contacts = state.layout().contacts as u64;
         let everywhere = |_: &Way| true;
-        // Only sweeps have a scalar path and another precision; the generic set on one thread is the serial baseline of the rest.
-        let wide = |way: &Way| !way.scalar && way.precision == Precision::Double;
+        // Only sweeps have another precision; the generic set on one thread is the serial baseline of the rest.
+        let wide = |way: &Way| way.precision == Precision::Double;
         let generic = |way: &Way| wide(way) && way.execution.instruction_set == InstructionSet::Generic;
         phase(criterion, ("sweep", name), &state, u64::from(SWEEPS) * contacts, everywhere, |simulation| {
             black_box(simulation.sweep_times(SWEEPS));

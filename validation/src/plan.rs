@@ -12,8 +12,8 @@ pub use physics::{physics_hash, setup_hash};
 pub use roster::{Kind, Roster, lasting_number};
 
 use makadam::scene::{
-    Accuracy, Beforehand, Checked, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material, Motion,
-    PairRule, Population, SceneError, SceneFileError, SolverSettings, Wall, Watch,
+    Accuracy, Beforehand, Checked, Document, DocumentPath, Domain, Finding, GrainEntry, GravityChange, Material,
+    Motion, PairRule, Population, SceneError, SceneFileError, SolverSettings, Wall, Watch,
 };
 use makadam::wall::jumps_back;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -82,9 +82,9 @@ impl Scene {
     /// # Errors
     /// [`SceneError`].
     pub fn parse(text: &str) -> Result<Scene, SceneError> {
-        let simulated = makadam::scene::Scene::parse(text)?;
-        let tables: Tables = toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))?;
-        let Tables { prepare, measure, output, compare } = tables;
+        let document = Document::parse(text)?;
+        let simulated = makadam::scene::Scene::read(&document)?;
+        let Tables { prepare, measure, output, compare } = document.read()?;
         let scene = Scene { simulated, prepare, measure, output, compare };
         scene.check()?;
         Ok(scene)
@@ -195,7 +195,7 @@ impl Scene {
 /// A scene as it is written: the keys in the order that recorded hashes are taken in. What is left out where it has its default keeps
 /// the hashes of scenes from before there was such a key.
 #[derive(Serialize, JsonSchema)]
-struct Document<'s> {
+struct Form<'s> {
     name: &'s str,
     description: &'s str,
     duration: f64,
@@ -265,8 +265,9 @@ impl Serialize for Scene {
             accuracy,
             solver,
             watch,
+            ..
         } = simulated;
-        let document = Document {
+        let document = Form {
             name,
             description,
             duration: *duration,
@@ -304,7 +305,7 @@ impl JsonSchema for Scene {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        Document::json_schema(generator)
+        Form::json_schema(generator)
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::plan::{Measure, Scene};
 use makadam::scene::{
-    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Region, Shape, SolverMethod,
-    SolverSettings, Stop, Wall, Watch,
+    Domain, GrainEntry, Material, Motion, NormalLaw, Population, RadiusDistribution, Region, Shape, SolverMethod, Stop,
+    Wall,
 };
 
 /// Radius of a grain where a case says nothing else, m.
@@ -33,30 +33,16 @@ impl Sketch {
             ..Material::default()
         };
         let materials = [("grain", material.clone()), ("wall", material)];
-        let simulated = makadam::scene::Scene {
-            name: name.into(),
-            description: "A hard case of makadam stability.".into(),
-            duration,
-            gravity: [0.0, 0.0, -GRAVITY],
-            gravity_changes: Vec::new(),
-            seed: 1,
-            domain: Domain { min: [-0.5, -0.5, -0.1], max: [0.5, 0.5, 0.9], periodic: Vec::new() },
-            largest_start_overlap: 0.01,
-            unusual_values: false,
-            material: materials.into_iter().map(|(name, material)| (name.to_string(), material)).collect(),
-            pair: Vec::new(),
-            wall: Vec::new(),
-            population: Vec::new(),
-            grain: Vec::new(),
-            accuracy: None,
-            solver: SolverSettings {
-                stop: Stop::Residual { tolerance: 1e-6, max_sweeps: 1000 },
-                ..SolverSettings::default()
-            },
-            watch: Watch::default(),
-        };
         let measure = Measure { interval: duration / 50.0, from: Some(0.0), ..Measure::default() };
-        Sketch(Scene { simulated, prepare: None, measure, output: None, compare: Vec::new() })
+        let simulated = makadam::scene::Scene::default();
+        let mut scene = Scene { simulated, prepare: None, measure, output: None, compare: Vec::new() };
+        scene.name = name.into();
+        scene.description = "A hard case of makadam stability.".into();
+        scene.duration = duration;
+        scene.domain = Domain { min: [-0.5, -0.5, -0.1], max: [0.5, 0.5, 0.9], periodic: Vec::new() };
+        scene.material = materials.into_iter().map(|(name, material)| (name.to_string(), material)).collect();
+        scene.solver.stop = Stop::Residual { tolerance: 1e-6, max_sweeps: 1000 };
+        Sketch(scene)
     }
 
     /// Lets the scene be changed at will.

@@ -114,7 +114,7 @@ impl StepContext<'_> {
         plus([a[0], a[1], a[2]], [b[0], b[1], b[2]])
     }
 
-    /// The same of eight grains at walls.
+    /// Coefficients of eight grains at walls.
     #[inline(always)]
     pub(super) fn spins_at_walls<L: Lanes>(&self, group: &WallGroup) -> [L; 3] {
         let [x, y, z, _] = self.spins_before.load_quads(&group.body);

@@ -5,8 +5,6 @@
 
 mod coefficients;
 mod fill;
-mod pulls;
-mod torques;
 mod touch;
 
 use crate::contact::ContactGeometry;
@@ -27,11 +25,10 @@ use crate::sweep::Relaxation;
 use crate::wall::{Pose, WallsAt};
 use crate::world::{ContactMaterial, Sphere, World, WorldBesideBodies};
 use coefficients::LaneMaterial;
-use fill::{FillPairs, FillWalls};
+use fill::{FillPairs, FillTorques, FillWalls};
 use nalgebra::Vector3;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
-use torques::FillTorques;
 use touch::AssignPairs;
 
 /// Turns candidates into lane groups; keeps its buffers from step to step.
@@ -43,13 +40,13 @@ pub struct Constrainer {
     /// Largest gap across which cohesion pulls, m.
     range_of_cohesion: f64,
     effects: EffectSet,
-    /// Whether what a step touches is too large for the cache, and fetched ahead: whoever has a step laid out says so before.
+    /// True if what a step touches is too large for the cache, and fetched ahead: whoever has a step laid out says so before.
     pub(crate) fetches: bool,
     taken: TakenGroups,
     poses: Vec<Pose>,
 }
 
-/// What all contacts share.
+/// Constants of all contacts.
 #[derive(Clone, Copy, Debug)]
 struct StepConstants {
     scheme: NormalScheme,
@@ -60,7 +57,7 @@ struct StepConstants {
     slip_speed: f64,
 }
 
-/// What the tasks of a step read.
+/// Data that the tasks of a step read.
 struct StepContext<'a> {
     world: WorldBesideBodies<'a>,
     spheres: Slots<'a, Sphere>,
@@ -72,7 +69,7 @@ struct StepContext<'a> {
     walls: WallsAt<'a>,
     constants: StepConstants,
     effects: EffectSet,
-    /// Whether what a step touches is too large for the cache, and fetched ahead.
+    /// True if what a step touches is too large for the cache, and fetched ahead.
     fetches: bool,
     /// True if some wall turns, so that contacts with it drift.
     drifts: bool,
@@ -198,7 +195,7 @@ impl Constrainer {
         self.effects = effects;
     }
 
-    /// How contacts are discretised.
+    /// Discretisation of contacts.
     pub(crate) fn scheme(&self) -> &NormalScheme {
         &self.constants.scheme
     }

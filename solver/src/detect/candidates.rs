@@ -2,7 +2,7 @@
 
 use super::CellGrid;
 use super::drift::Drift;
-use super::impulses::{AngularImpulse, ContactImpulses, Impulse, ImpulsesOfTask};
+use super::memory::{AngularImpulse, ContactImpulses, Impulse, ImpulsesOfTask};
 use super::memory::{OldList, Remembered, resize};
 use super::reach::{Row, for_each_on_the_way};
 use super::search::{Found, PairSearch, WallSearch};
@@ -49,7 +49,7 @@ pub struct Candidates {
     pub pairs: Vec<PairCandidate>,
     /// Grains and surfaces, task after task.
     pub walls: Vec<WallCandidate>,
-    /// What they bore.
+    /// Their impulses of the last step.
     pub impulses: ContactImpulses,
     /// Number of times that the list was built.
     pub rebuilds: u64,
@@ -87,7 +87,7 @@ impl CandidateList<'_> {
     }
 }
 
-/// What a rebuild needs, kept from one to the next.
+/// Buffers of a rebuild.
 #[derive(Clone, Debug, Default)]
 struct Buffers {
     new_places: Vec<u32>,
@@ -148,7 +148,7 @@ impl Candidates {
         (CandidateList { pairs, walls, rebuilds: *rebuilds, grid }, impulses)
     }
 
-    /// Whether a grain may have come within touch of a grain or a wall that the list does not know.
+    /// Returns true if a grain may have come within touch of a grain or a wall that the list does not know.
     pub fn are_stale(&mut self, world: &World, team: &Team) -> bool {
         if self.rebuilds == 0 || self.reference.len() != world.grains() {
             return true;
@@ -165,7 +165,7 @@ impl Candidates {
         })
     }
 
-    /// Whether a grain that is too fast for the step meets a wall on its way that the list does not know.
+    /// Returns true if a grain that is too fast for the step meets a wall on its way that the list does not know.
     pub(crate) fn miss_a_wall(&self, world: &World, team: &Team) -> bool {
         let poses: Vec<Pose> = world.walls.poses_over(world.time, self.step).collect();
         let (walls, met) = (world.walls.placed(&poses), Mutex::new(Vec::new()));

@@ -1,4 +1,4 @@
-//! Whether grains have moved so far, or neighbours come so much closer, since the candidate list was built that it may lack some.
+//! Check of the candidate list: displacements since it was built bound the pairs that it may lack.
 //!
 //! In a flowing bed grains move far, but neighbours move alike. So displacements are bounded patch by patch, by a box in
 //! the space of displacements; two grains of the same or of adjacent patches have come closer by no more than the largest
@@ -31,7 +31,7 @@ struct Bounds {
     high: [f64; 3],
 }
 
-/// What has moved, m.
+/// Displacement, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Moved {
     /// No grain has moved further.
@@ -64,7 +64,7 @@ impl Bounds {
         }
     }
 
-    /// What has moved at most: grains in these bounds by themselves, and towards each other and those in bounds beside them.
+    /// Largest displacements: grains in these bounds by themselves, and towards each other and those in bounds beside them.
     #[inline(always)]
     fn moved<'a>(&self, beside: impl Iterator<Item = &'a Bounds>) -> Moved {
         if self.is_empty() {
@@ -112,7 +112,7 @@ fn bound_box(
 }
 
 impl Drift {
-    /// Whether what has moved from `reference` to `spheres`, both in the order of the grid, is `too_far`; if it is, more is so, too.
+    /// Returns true if what has moved from `reference` to `spheres`, both in the order of the grid, is `too_far`; if it is, more is so, too.
     pub fn is_too_far(
         &mut self,
         grid: &CellGrid,
@@ -144,7 +144,7 @@ impl Drift {
         found.into_inner()
     }
 
-    /// The same of the patches of a box, given the boxes around it.
+    /// Checks the patches of a box, given the boxes around it.
     fn is_patch_too_far(
         &self,
         grid: &CellGrid,
@@ -168,31 +168,5 @@ impl Drift {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn bounds(points: &[[f64; 3]]) -> Bounds {
-        let mut bounds = Bounds::EMPTY;
-        points.iter().for_each(|point| bounds.add(Vector3::from(*point)));
-        bounds
-    }
-
-    #[test]
-    fn bounds_cover_every_pair_of_displacements() {
-        let a = bounds(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
-        let b = bounds(&[[3.0, 4.0, 0.0]]);
-        assert_eq!(a.largest_distance_squared(&b), 25.0);
-        assert_eq!(a.largest_distance_squared(&a), 1.0);
-        assert_eq!(b.largest_distance_squared(&b), 0.0, "what moves together comes no closer");
-        assert_eq!(b.largest_squared(), 25.0);
-        assert!(Bounds::EMPTY.is_empty() && !a.is_empty());
-        assert_eq!(a.moved([b, Bounds::EMPTY].iter()), Moved { shift: 1.0, approach: 5.0 });
-        assert_eq!(Bounds::EMPTY.moved([a, b].iter()), Moved::default(), "where no grain is");
-        let both = a.with(&b).with(&Bounds::EMPTY);
-        assert_eq!(
-            both.moved(std::iter::empty()),
-            Moved { shift: 5.0, approach: 5.0 },
-            "bounds of all hold everything"
-        );
-    }
-}
+#[path = "../../tests/unit/detect_drift.rs"]
+mod tests;

@@ -8,7 +8,6 @@
 mod candidates;
 mod drift;
 mod grid;
-mod impulses;
 mod memory;
 mod reach;
 mod search;
@@ -16,6 +15,6 @@ mod search;
 pub(crate) use candidates::CandidateList;
 pub use candidates::{Candidates, PairCandidate, WallCandidate};
 pub use grid::CellGrid;
-pub(crate) use impulses::ImpulsesOfTask;
-pub use impulses::{AngularImpulse, ContactImpulses, Impulse};
+pub(crate) use memory::ImpulsesOfTask;
+pub use memory::{AngularImpulse, ContactImpulses, Impulse};
 pub(crate) use reach::{Row, for_each_on_the_way};

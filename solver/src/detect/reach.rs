@@ -18,7 +18,7 @@ type Vector = Vector3<f64>;
 /// Grains of a block, which lie together in memory and so in space.
 const BLOCK: usize = 64;
 
-/// What rounding may take from a distance, over the length that it is compared with.
+/// Largest rounding error of a distance, over the length that it is compared with.
 const SLACK: f64 = 1e-9;
 
 /// Grains one behind the other.
@@ -90,7 +90,7 @@ impl<'a> Crowd<'a> {
         self.row.grains()
     }
 
-    /// How far the grains may come against a face of a speed (m/s) within a step (s), m; nothing if none is too fast for the step.
+    /// Largest approach of the grains towards a face of a speed (m/s) within a step (s), m; nothing if none is too fast for the step.
     pub fn ahead(&self, speed: f64, step: f64) -> f64 {
         let path = self.longest_path(speed, step);
         if path > self.radius { path } else { 0.0 }

@@ -9,7 +9,7 @@ use crate::wall::{PlacedFace, Pose, WallsAt};
 use crate::world::{Body, Sphere, World};
 use std::ops::Range;
 
-/// What a box found; its buffers are kept from one search to the next.
+/// Pairs found in a box; its buffers are reused.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Found {
     /// Pairs.
@@ -18,7 +18,7 @@ pub(super) struct Found {
     pub directions: Vec<u8>,
     /// Number of pairs by direction.
     pub counts: [u32; DIRECTIONS],
-    /// Where the pairs of each direction go in the list.
+    /// First index of the pairs of each direction in the list.
     pub targets: [u32; DIRECTIONS],
     /// Grains and faces, in the order of faces and grains.
     pub walls: Vec<WallCandidate>,
@@ -49,7 +49,7 @@ impl Found {
 pub(super) struct WallSearch<'a> {
     pub world: &'a World,
     pub walls: WallsAt<'a>,
-    /// How far beyond touch faces count, m.
+    /// Skin of faces, m.
     pub skin: f64,
     /// Time step, s.
     pub step: f64,

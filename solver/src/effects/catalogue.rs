@@ -44,17 +44,17 @@ pub static CATALOGUE: [&Effect; 17] = [
 pub struct Effect {
     /// Its name in tables and messages.
     pub name: &'static str,
-    /// What materials and rules of pairs give of it; empty where a scene calls for it elsewhere.
+    /// Coefficients that materials and rules of pairs give; empty where a scene calls for it elsewhere.
     pub coefficients: &'static [Coefficient],
-    /// How two materials combine; absent where it has no coefficients.
+    /// Combination of two materials; absent where it has no coefficients.
     pub combination: Option<Combination>,
-    /// How a scene calls for it.
+    /// Condition under which a scene has it.
     pub trigger: Trigger,
-    /// What a scene becomes without it; absent where there is no such scene to compare with.
+    /// Change that switches it off; absent where there is no such scene to compare with.
     pub off: Option<Change>,
-    /// What it is tried with where a scene has none of it; absent where it is not.
+    /// Change that switches it on for an ablation; absent where there is none.
     pub tried: Option<Change>,
-    /// Where [`EffectSet`] keeps whether it is called for; absent where nothing is compiled, laid out or passed over for it.
+    /// Member of [`EffectSet`]; absent where nothing is compiled, laid out or passed over for it.
     pub(crate) member: Option<fn(&mut EffectSet) -> &mut bool>,
 }
 
@@ -67,22 +67,22 @@ pub struct Coefficient {
     pub unit: &'static str,
     /// Least and largest value.
     pub range: [f64; 2],
-    /// What bounds it besides.
+    /// Upper bound by another coefficient.
     pub ceiling: Option<Ceiling>,
-    /// What a material has that does not give it.
+    /// Value of a material that does not give it.
     pub absent: Absent,
     /// Value without effect, if there is one.
     pub off: Option<f64>,
-    /// What a material gives.
+    /// Value of a material.
     pub of_material: fn(&Material) -> Option<f64>,
-    /// What a rule gives.
+    /// Value of a rule.
     pub of_rule: fn(&PairRule) -> Option<f64>,
 }
 
 /// Another coefficient that one must not exceed.
 #[derive(Debug)]
 pub struct Ceiling {
-    /// What it is, in words.
+    /// Description.
     pub words: &'static str,
     /// That of a material.
     pub of_material: fn(&Material) -> f64,
@@ -90,7 +90,7 @@ pub struct Ceiling {
     pub of_contact: fn(&ContactCoefficients) -> f64,
 }
 
-/// What a material has that does not give a coefficient.
+/// Value of a coefficient that a material does not give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Absent {
     /// It must be given.
@@ -103,7 +103,7 @@ pub enum Absent {
     Off,
 }
 
-/// How the coefficients of a contact follow from two materials.
+/// Rule by which the coefficients of a contact follow from two materials.
 #[derive(Debug)]
 pub struct Combination {
     /// The rule in words.
@@ -124,18 +124,18 @@ pub struct Meeting<'a> {
     pub second: &'a Material,
     /// The scene's rule of the two.
     pub rule: Option<&'a PairRule>,
-    /// Whether the second one is a wall's.
+    /// True if the second one is a wall's.
     pub wall: bool,
 }
 
-/// How a scene calls for an effect.
+/// Condition under which a scene has an effect.
 #[derive(Debug)]
 pub enum Trigger {
     /// By the coefficients of some contact.
     Contacts {
-        /// Whether a contact has it.
+        /// Returns true if a contact has it.
         acts: fn(&ContactCoefficients) -> bool,
-        /// What is the case where none has.
+        /// Statement for scenes without it.
         without: &'static str,
     },
     /// By what it says elsewhere; an error is what is the case without it.
@@ -145,9 +145,9 @@ pub enum Trigger {
 /// A scene's call for an effect.
 #[derive(Clone)]
 pub struct Call {
-    /// What it says.
+    /// Statement of the scene.
     pub why: String,
-    /// Where it says so.
+    /// Place in the document.
     pub place: DocumentPath,
 }
 
@@ -165,14 +165,34 @@ pub fn coefficients() -> impl Iterator<Item = &'static Coefficient> {
     CATALOGUE.iter().flat_map(|effect| effect.coefficients)
 }
 
+impl Change {
+    /// A change that switches an effect off.
+    pub(super) const fn off(apply: fn(&mut Scene)) -> Option<Change> {
+        Some(Change { words: "off", apply })
+    }
+}
+
 impl Effect {
+    /// An effect of contacts, whose coefficients are combined by [`SMALLER`].
+    pub(super) const fn of_contacts(
+        name: &'static str,
+        coefficients: &'static [Coefficient],
+        combine: fn(&Meeting<'_>, &mut ContactCoefficients),
+        acts: fn(&ContactCoefficients) -> bool,
+        without: &'static str,
+    ) -> Effect {
+        let combination = Some(Combination { words: SMALLER, combine });
+        let (off, tried, member) = (None, None, None);
+        Effect { name, coefficients, combination, trigger: Trigger::Contacts { acts, without }, off, tried, member }
+    }
+
     /// An effect without a coefficient.
     pub(super) const fn of_scene(name: &'static str, calls: fn(&Scene) -> Result<Call, &'static str>) -> Effect {
         let (off, tried, member) = (None, None, None);
         Effect { name, coefficients: &[], combination: None, trigger: Trigger::Scene(calls), off, tried, member }
     }
 
-    /// What calls for it in a scene; an error is what is the case without it.
+    /// Finds the statement of a scene that enables the effect.
     ///
     /// # Errors
     /// What is the case without it, where nothing does.
@@ -216,6 +236,17 @@ impl Effect {
 }
 
 impl Coefficient {
+    /// A coefficient that every material has to give.
+    pub(super) const fn new(
+        key: &'static str,
+        unit: &'static str,
+        range: [f64; 2],
+        of_material: fn(&Material) -> Option<f64>,
+        of_rule: fn(&PairRule) -> Option<f64>,
+    ) -> Coefficient {
+        Coefficient { key, unit, range, ceiling: None, absent: Absent::Refused, off: None, of_material, of_rule }
+    }
+
     /// Its place in the table of a material or a rule.
     pub(crate) fn place(&self, table: &DocumentPath) -> DocumentPath {
         self.key.split('.').fold(table.clone(), |place, key| place.key(key))

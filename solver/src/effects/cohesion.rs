@@ -14,63 +14,65 @@
 //! theirs this pull acts on approach as well. With a range of 0 it is the contact of Derjaguin, Muller & Toporov alone, for a work of
 //! adhesion of `3/4 w`: their pull-off force is `2 pi w R*`.
 
-use super::catalogue::{Absent, Change, Coefficient, Combination, Effect, Trigger, change_coefficients};
+use super::catalogue::{Absent, Change, Coefficient, Combination, Effect, Meeting, change_coefficients};
+use crate::scene::ContactCoefficients;
 use serde::{Deserialize, Serialize};
 
 /// Cohesion.
 pub static COHESION: Effect = Effect {
-    name: "cohesion",
-    coefficients: &[
-        Coefficient {
-            key: "cohesion.force",
-            unit: "N",
-            range: [0.0, 1e9],
-            ceiling: None,
-            absent: Absent::Off,
-            off: Some(0.0),
-            of_material: |one| one.cohesion.and_then(force),
-            of_rule: |rule| rule.cohesion.and_then(force),
-        },
-        Coefficient {
-            key: "cohesion.range",
-            unit: "m",
-            range: [0.0, 1.0],
-            ceiling: None,
-            absent: Absent::Value(0.0),
-            off: None,
-            of_material: |one| one.cohesion.and_then(range),
-            of_rule: |rule| rule.cohesion.and_then(range),
-        },
-        Coefficient {
-            key: "cohesion.work",
-            unit: "J/m2",
-            range: [0.0, 1e6],
-            ceiling: None,
-            absent: Absent::Off,
-            off: Some(0.0),
-            of_material: |one| one.cohesion.and_then(work),
-            of_rule: |rule| rule.cohesion.and_then(work),
-        },
-    ],
     combination: Some(Combination {
         words: "a pair's own; else the wall's, or, where both grains have one, the weaker",
-        combine: |pair, contact| {
-            let both = pair.first.cohesion.zip(pair.second.cohesion).map(|(one, other)| one.weaker(other));
-            let of_materials = if pair.wall { pair.second.cohesion } else { both };
-            contact.cohesion = pair.rule.and_then(|rule| rule.cohesion).or(of_materials);
-        },
+        combine: weaker_of_two,
     }),
-    trigger: Trigger::Contacts {
-        acts: |contact| contact.cohesion.is_some_and(|one| one.pull(1.0, 1.0).force > 0.0),
-        without: "nothing pulls",
-    },
-    off: Some(Change {
-        words: "off",
-        apply: |scene| change_coefficients(scene, |one| one.cohesion = None, |rule| rule.cohesion = None),
-    }),
-    tried: None,
+    off: Change::off(|scene| change_coefficients(scene, |one| one.cohesion = None, |rule| rule.cohesion = None)),
     member: Some(|set| &mut set.cohesion),
+    ..Effect::of_contacts(
+        "cohesion",
+        &[
+            Coefficient {
+                absent: Absent::Off,
+                off: Some(0.0),
+                ..Coefficient::new(
+                    "cohesion.force",
+                    "N",
+                    [0.0, 1e9],
+                    |one| one.cohesion.and_then(force),
+                    |rule| rule.cohesion.and_then(force),
+                )
+            },
+            Coefficient {
+                absent: Absent::Value(0.0),
+                ..Coefficient::new(
+                    "cohesion.range",
+                    "m",
+                    [0.0, 1.0],
+                    |one| one.cohesion.and_then(range),
+                    |rule| rule.cohesion.and_then(range),
+                )
+            },
+            Coefficient {
+                absent: Absent::Off,
+                off: Some(0.0),
+                ..Coefficient::new(
+                    "cohesion.work",
+                    "J/m2",
+                    [0.0, 1e6],
+                    |one| one.cohesion.and_then(work),
+                    |rule| rule.cohesion.and_then(work),
+                )
+            },
+        ],
+        weaker_of_two,
+        |contact| contact.cohesion.is_some_and(|one| one.pull(1.0, 1.0).force > 0.0),
+        "nothing pulls",
+    )
 };
+
+fn weaker_of_two(pair: &Meeting<'_>, contact: &mut ContactCoefficients) {
+    let both = pair.first.cohesion.zip(pair.second.cohesion).map(|(one, other)| one.weaker(other));
+    let of_materials = if pair.wall { pair.second.cohesion } else { both };
+    contact.cohesion = pair.rule.and_then(|rule| rule.cohesion).or(of_materials);
+}
 
 fn force(cohesion: Cohesion) -> Option<f64> {
     match cohesion {

@@ -71,10 +71,10 @@ const LARGEST_SQUARED_ADVANCE: f64 = 1.5625;
 /// Hertz's dF/dd = 3/2 k_H sqrt(d) over the stiffness 5/4 k_H sqrt(d) of the constraint's measure.
 const HERTZ_TANGENT: f64 = 1.2;
 
-/// How far gaps are looked across, in distances that gravity makes in a step: a grain at rest falls that far in three.
+/// Largest gap of a candidate contact, in distances that gravity makes in a step: a grain at rest falls that far in three.
 const MARGIN_IN_FALLS: f64 = 6.0;
 
-/// How contacts are discretised in the normal direction; the same for all contacts of a scene.
+/// Discretisation of contacts in the normal direction; the same for all contacts of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalScheme {
     /// Law of the normal contact.

@@ -54,11 +54,11 @@ pub struct Drive {
     inertia: f64,
     /// Time at which it is let go, s.
     start: f64,
-    /// How far it is from where the scene placed it, m or rad.
+    /// Displacement from the place in the scene, m or rad.
     pub displacement: f64,
-    /// How fast it moves, m/s or rad/s.
+    /// Velocity, m/s or rad/s.
     pub rate: f64,
-    /// The same at the start of the step.
+    /// Velocity at the start of the step.
     pub rate_before: f64,
     /// One over the inertia, 1/kg or 1/(kg m2); zero while it is held.
     pub inverse_inertia: f64,

@@ -18,82 +18,70 @@
 //! acceleration a that takes g/a steps. One that slides sticks again once friction has slowed it below g h. Both shrink with h, and the law
 //! becomes that of two coefficients.
 
-use super::catalogue::{
-    Absent, Call, Ceiling, Change, Coefficient, Combination, Effect, SMALLER, Trigger, change_coefficients,
-};
+use super::catalogue::{Absent, Call, Ceiling, Change, Coefficient, Combination, Effect, Meeting, change_coefficients};
 use crate::lanes::{Number, dot};
-use crate::scene::{Material, PairRule};
+use crate::scene::{ContactCoefficients, Material, PairRule};
 
 /// Coulomb friction.
 pub static FRICTION: Effect = Effect {
-    name: "Coulomb friction",
-    coefficients: &[Coefficient {
-        key: "friction",
-        unit: "(no unit)",
-        range: [0.0, 1e9],
-        ceiling: None,
-        absent: Absent::Refused,
-        off: Some(0.0),
-        of_material: |one| Some(one.friction),
-        of_rule: |rule| rule.friction,
-    }],
-    combination: Some(Combination {
-        words: SMALLER,
-        combine: |pair, contact| contact.friction = pair.value(|rule| rule.friction, |one| one.friction),
+    off: Change::off(|scene| {
+        change_coefficients(
+            scene,
+            |one| (one.friction, one.kinetic_friction) = (0.0, None),
+            |rule| (rule.friction, rule.kinetic_friction) = (None, None),
+        );
     }),
-    trigger: Trigger::Contacts { acts: |contact| contact.friction > 0.0, without: "grains are smooth" },
-    off: Some(Change {
-        words: "off",
-        apply: |scene| {
-            change_coefficients(
-                scene,
-                |one| (one.friction, one.kinetic_friction) = (0.0, None),
-                |rule| (rule.friction, rule.kinetic_friction) = (None, None),
-            );
-        },
-    }),
-    tried: None,
     member: Some(|set| &mut set.friction),
+    ..Effect::of_contacts(
+        "Coulomb friction",
+        &[Coefficient {
+            off: Some(0.0),
+            ..Coefficient::new("friction", "(no unit)", [0.0, 1e9], |one| Some(one.friction), |rule| rule.friction)
+        }],
+        |pair, contact| contact.friction = pair.value(|rule| rule.friction, |one| one.friction),
+        |contact| contact.friction > 0.0,
+        "grains are smooth",
+    )
 };
 
 /// Friction that is less while a contact slides.
 pub static KINETIC_FRICTION: Effect = Effect {
-    name: "kinetic friction",
-    coefficients: &[Coefficient {
-        key: "kinetic_friction",
-        unit: "(no unit)",
-        range: [0.0, 1e9],
-        ceiling: Some(Ceiling {
-            words: "the friction of what sticks",
-            of_material: |one| one.friction,
-            of_contact: |contact| contact.friction,
-        }),
-        absent: Absent::SameAs("friction"),
-        off: None,
-        of_material: |one| one.kinetic_friction,
-        of_rule: |rule| rule.kinetic_friction,
-    }],
     combination: Some(Combination {
         words: "the same, a pair's own `friction` counting for it; no more than `friction`",
-        combine: |pair, contact| {
-            let of_rule = |rule: &PairRule| rule.kinetic_friction.or(rule.friction);
-            let of_material = |one: &Material| one.kinetic_friction.unwrap_or(one.friction);
-            contact.kinetic_friction = pair.value(of_rule, of_material).min(contact.friction);
-        },
+        combine: combine_kinetic,
     }),
-    trigger: Trigger::Contacts {
-        acts: |contact| contact.kinetic_friction < contact.friction,
-        without: "friction is the same for what sticks and what slides",
-    },
-    off: Some(Change {
-        words: "off",
-        apply: |scene| {
-            change_coefficients(scene, |one| one.kinetic_friction = None, |rule| rule.kinetic_friction = None)
-        },
+    off: Change::off(|scene| {
+        change_coefficients(scene, |one| one.kinetic_friction = None, |rule| rule.kinetic_friction = None)
     }),
-    tried: None,
     member: Some(|set| &mut set.kinetic_friction),
+    ..Effect::of_contacts(
+        "kinetic friction",
+        &[Coefficient {
+            ceiling: Some(Ceiling {
+                words: "the friction of what sticks",
+                of_material: |one| one.friction,
+                of_contact: |contact| contact.friction,
+            }),
+            absent: Absent::SameAs("friction"),
+            ..Coefficient::new(
+                "kinetic_friction",
+                "(no unit)",
+                [0.0, 1e9],
+                |one| one.kinetic_friction,
+                |rule| rule.kinetic_friction,
+            )
+        }],
+        combine_kinetic,
+        |contact| contact.kinetic_friction < contact.friction,
+        "friction is the same for what sticks and what slides",
+    )
 };
+
+fn combine_kinetic(pair: &Meeting<'_>, contact: &mut ContactCoefficients) {
+    let of_rule = |rule: &PairRule| rule.kinetic_friction.or(rule.friction);
+    let of_material = |one: &Material| one.kinetic_friction.unwrap_or(one.friction);
+    contact.kinetic_friction = pair.value(of_rule, of_material).min(contact.friction);
+}
 
 /// Spin of grains: it goes with friction, since nothing else turns a grain.
 pub static SPIN: Effect = Effect::of_scene("spin", |scene| match FRICTION.called_by(scene) {

@@ -78,13 +78,13 @@ impl Field {
         self.changes.iter().map(|change| Vector3::from(change.gravity).norm()).fold(self.start.norm(), f64::max)
     }
 
-    /// Whether it ever changes.
+    /// Returns true if it ever changes.
     #[inline(always)]
     pub fn changes(&self) -> bool {
         !self.changes.is_empty()
     }
 
-    /// Whether it is the same from one time (s) to another.
+    /// Returns true if it is the same from one time (s) to another.
     pub fn is_constant(&self, from: f64, to: f64) -> bool {
         let between = self.changes.iter().filter(|change| change.time > from && change.time < to);
         let mut values = between.map(|change| change.gravity.into()).chain([self.at(to)]);

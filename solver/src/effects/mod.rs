@@ -22,7 +22,7 @@ use crate::scene::ContactCoefficients;
 use catalogue::Trigger;
 pub use catalogue::{CATALOGUE, Effect};
 
-/// What a kernel is compiled with. An effect that is off leaves no instruction in it.
+/// Effects that a kernel is compiled with. An effect that is off leaves no instruction in it.
 pub(crate) trait Effects {
     /// Coulomb friction; without it grains do not spin.
     const FRICTION: bool;
@@ -30,11 +30,11 @@ pub(crate) trait Effects {
     const ROLLING: bool;
     /// Twisting resistance.
     const TWISTING: bool;
-    /// Whether contacts bear torques.
+    /// True if contacts bear torques.
     const TORQUES: bool = Self::ROLLING || Self::TWISTING;
     /// The tangential spring.
     const SPRING: bool;
-    /// What lane groups hold for friction.
+    /// Tangential part of lane groups.
     type Tangential: ContactLayout;
 }
 
@@ -77,7 +77,7 @@ pub(crate) type Twisting = Compiled<true, false, true, false>;
 pub(crate) type RollingTwisting = Compiled<true, true, true, false>;
 /// Friction with a tangential spring.
 pub(crate) type Sprung = Compiled<true, false, false, true>;
-/// The same with both resistances, of which one may be nothing: few scenes have them, and each kernel takes time to compile.
+/// Friction with a tangential spring and both resistances, of which one may be zero: few scenes have them, and each kernel takes time to compile.
 pub(crate) type SprungTorques = Compiled<true, true, true, true>;
 
 /// The effects of contacts that a scene calls for, as far as kernels, memory or passes depend on them.
@@ -90,6 +90,32 @@ pub struct EffectSet {
     falling_restitution: bool,
     kinetic_friction: bool,
     spring: bool,
+}
+
+/// Reads a member of an [`EffectSet`].
+macro_rules! members {
+    ($($(#[$about:meta])* $member:ident;)*) => {
+        impl EffectSet {
+            $($(#[$about])* #[inline(always)] pub fn $member(&self) -> bool { self.$member })*
+        }
+    };
+}
+
+members! {
+    /// Some contact can have friction.
+    friction;
+    /// Some contact can resist rolling.
+    rolling;
+    /// Some contact can resist twisting.
+    twisting;
+    /// Some contact pulls. Sweeps know nothing of it.
+    cohesion;
+    /// Some contact has a restitution that falls with the speed of impact. Sweeps know nothing of it.
+    falling_restitution;
+    /// Some contact has less friction while it slides. Sweeps know nothing of it.
+    kinetic_friction;
+    /// Contacts that stick have a tangential spring.
+    spring;
 }
 
 impl EffectSet {
@@ -114,7 +140,7 @@ impl EffectSet {
         spring: false,
     };
 
-    /// What some of these contacts have.
+    /// Union of the effects of these contacts.
     pub fn of<'a>(contacts: impl Iterator<Item = &'a ContactCoefficients>) -> EffectSet {
         let mut set = EffectSet::NONE;
         for contact in contacts {
@@ -127,65 +153,23 @@ impl EffectSet {
         set
     }
 
-    /// The same with a tangential spring if the scene says so; without friction there is nothing for it to bear.
+    /// Adds a tangential spring if the scene has one; without friction there is nothing for it to bear.
     pub(crate) fn with_spring(self, spring: bool) -> EffectSet {
         EffectSet { spring: spring && self.friction, ..self }
     }
 
-    /// Whether it has an effect; `None` for one that it does not tell of.
+    /// Returns membership of an effect; `None` for one without a member.
     pub fn has(mut self, effect: &Effect) -> Option<bool> {
         effect.member.map(|member| *member(&mut self))
     }
 
-    /// Some contact can have friction.
-    #[inline(always)]
-    pub fn friction(&self) -> bool {
-        self.friction
-    }
-
-    /// Some contact can resist rolling.
-    #[inline(always)]
-    pub fn rolling(&self) -> bool {
-        self.rolling
-    }
-
-    /// Some contact can resist twisting.
-    #[inline(always)]
-    pub fn twisting(&self) -> bool {
-        self.twisting
-    }
-
-    /// Some contact pulls. Sweeps know nothing of it.
-    #[inline(always)]
-    pub fn cohesion(&self) -> bool {
-        self.cohesion
-    }
-
-    /// Some contact has a restitution that falls with the speed of impact. Sweeps know nothing of it.
-    #[inline(always)]
-    pub fn falling_restitution(&self) -> bool {
-        self.falling_restitution
-    }
-
-    /// Some contact has less friction while it slides. Sweeps know nothing of it.
-    #[inline(always)]
-    pub fn kinetic_friction(&self) -> bool {
-        self.kinetic_friction
-    }
-
-    /// Contacts that stick have a tangential spring.
-    #[inline(always)]
-    pub fn spring(&self) -> bool {
-        self.spring
-    }
-
-    /// Whether contacts bear torques.
+    /// Returns true if contacts bear torques.
     #[inline(always)]
     pub fn torques(&self) -> bool {
         self.rolling() || self.twisting()
     }
 
-    /// Whether contacts have a tangential part: with friction, and where grains resist turning, because they carry their spin. Whoever
+    /// Returns true if contacts have a tangential part: with friction, and where grains resist turning, because they carry their spin. Whoever
     /// lays contacts out and whoever works on them goes by this, and by nothing else.
     #[inline(always)]
     pub fn tangential(&self) -> bool {
@@ -242,7 +226,7 @@ macro_rules! with_effects {
     }};
 }
 
-/// The same for work on forces alone, which knows nothing of torques: contacts have a tangential part or have none.
+/// Evaluates an expression for work on forces alone, which knows nothing of torques: contacts have a tangential part or have none.
 macro_rules! with_tangential {
     ($set:expr, $effects:ident => $body:expr) => {{
         use $crate::effects::{Frictional, Frictionless, Sprung};

@@ -16,85 +16,51 @@
 //! of a sphere is the same about every axis, so neither changes the other, nor the velocity at the contact along the normal.
 
 use super::Effects;
-use super::catalogue::{Absent, Change, Coefficient, Combination, Effect, SMALLER, Trigger, change_coefficients};
+use super::catalogue::{Absent, Change, Coefficient, Effect, change_coefficients};
 use super::friction::disc_shrinkage;
 use crate::lanes::{Number, dot, minus, plus, times};
 
-/// Resistance to rolling.
-pub static ROLLING: Effect = Effect {
-    name: "rolling resistance",
-    coefficients: &[Coefficient {
-        key: "rolling_friction",
-        unit: "(no unit)",
-        range: [0.0, 1e9],
-        ceiling: None,
-        absent: Absent::Value(0.0),
-        off: Some(0.0),
-        of_material: |one| Some(one.rolling_friction),
-        of_rule: |rule| rule.rolling_friction,
-    }],
-    combination: Some(Combination {
-        words: SMALLER,
-        combine: |pair, contact| {
-            contact.rolling_friction = pair.value(|rule| rule.rolling_friction, |one| one.rolling_friction);
-        },
-    }),
-    trigger: Trigger::Contacts {
-        acts: |contact| contact.rolling_friction > 0.0,
-        without: "grains roll without a torque",
-    },
-    off: Some(Change {
-        words: "off",
-        apply: |scene| {
-            change_coefficients(scene, |one| one.rolling_friction = 0.0, |rule| rule.rolling_friction = None)
-        },
-    }),
-    tried: Some(Change {
-        words: "on: 0.1",
-        apply: |scene| {
-            change_coefficients(scene, |one| one.rolling_friction = 0.1, |rule| rule.rolling_friction = None)
-        },
-    }),
-    member: Some(|set| &mut set.rolling),
-};
+/// Descriptor of a resistance to turning by the coefficient of a key.
+macro_rules! resistance {
+    ($name:literal, $coefficient:ident, $member:ident, $without:literal) => {
+        Effect {
+            off: Change::off(|scene| {
+                change_coefficients(scene, |one| one.$coefficient = 0.0, |rule| rule.$coefficient = None)
+            }),
+            tried: Some(Change {
+                words: "on: 0.1",
+                apply: |scene| {
+                    change_coefficients(scene, |one| one.$coefficient = 0.1, |rule| rule.$coefficient = None)
+                },
+            }),
+            member: Some(|set| &mut set.$member),
+            ..Effect::of_contacts(
+                $name,
+                &[Coefficient {
+                    absent: Absent::Value(0.0),
+                    off: Some(0.0),
+                    ..Coefficient::new(
+                        stringify!($coefficient),
+                        "(no unit)",
+                        [0.0, 1e9],
+                        |one| Some(one.$coefficient),
+                        |rule| rule.$coefficient,
+                    )
+                }],
+                |pair, contact| contact.$coefficient = pair.value(|rule| rule.$coefficient, |one| one.$coefficient),
+                |contact| contact.$coefficient > 0.0,
+                $without,
+            )
+        }
+    };
+}
 
+/// Resistance to rolling.
+pub static ROLLING: Effect =
+    resistance!("rolling resistance", rolling_friction, rolling, "grains roll without a torque");
 /// Resistance to twisting.
-pub static TWISTING: Effect = Effect {
-    name: "twisting resistance",
-    coefficients: &[Coefficient {
-        key: "twisting_friction",
-        unit: "(no unit)",
-        range: [0.0, 1e9],
-        ceiling: None,
-        absent: Absent::Value(0.0),
-        off: Some(0.0),
-        of_material: |one| Some(one.twisting_friction),
-        of_rule: |rule| rule.twisting_friction,
-    }],
-    combination: Some(Combination {
-        words: SMALLER,
-        combine: |pair, contact| {
-            contact.twisting_friction = pair.value(|rule| rule.twisting_friction, |one| one.twisting_friction);
-        },
-    }),
-    trigger: Trigger::Contacts {
-        acts: |contact| contact.twisting_friction > 0.0,
-        without: "grains twist without a torque",
-    },
-    off: Some(Change {
-        words: "off",
-        apply: |scene| {
-            change_coefficients(scene, |one| one.twisting_friction = 0.0, |rule| rule.twisting_friction = None)
-        },
-    }),
-    tried: Some(Change {
-        words: "on: 0.1",
-        apply: |scene| {
-            change_coefficients(scene, |one| one.twisting_friction = 0.1, |rule| rule.twisting_friction = None)
-        },
-    }),
-    member: Some(|set| &mut set.twisting),
-};
+pub static TWISTING: Effect =
+    resistance!("twisting resistance", twisting_friction, twisting, "grains twist without a torque");
 
 /// Projects an angular impulse onto what a contact can bear; `rolling_cap` and `twisting_cap` in N m s.
 #[inline(always)]

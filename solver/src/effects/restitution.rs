@@ -13,69 +13,57 @@
 //! with v the speed of the impact along the normal. This goes with impacts that are over within a step. Where the step resolves a
 //! compliant impact, its damping gives the restitution, the same at any speed. Scenes that ask for both are refused.
 
-use super::catalogue::{Absent, Change, Coefficient, Combination, Effect, SMALLER, Trigger, change_coefficients};
+use super::catalogue::{Absent, Change, Coefficient, Effect, change_coefficients};
 use super::compliance::NormalScheme;
 use crate::lanes::Number;
 use crate::scene::Material;
 
 /// Restitution.
 pub static RESTITUTION: Effect = Effect {
-    name: "restitution",
-    coefficients: &[Coefficient {
-        key: "restitution",
-        unit: "(no unit)",
-        range: [0.0, 1.0],
-        ceiling: None,
-        absent: Absent::Refused,
-        off: Some(0.0),
-        of_material: |one| Some(one.restitution),
-        of_rule: |rule| rule.restitution,
-    }],
-    combination: Some(Combination {
-        words: SMALLER,
-        combine: |pair, contact| contact.restitution = pair.value(|rule| rule.restitution, |one| one.restitution),
-    }),
-    trigger: Trigger::Contacts { acts: |contact| contact.restitution > 0.0, without: "impacts are inelastic" },
-    off: Some(Change {
-        words: "off",
-        apply: |scene| change_coefficients(scene, |one| one.restitution = 0.0, |rule| rule.restitution = None),
-    }),
-    tried: None,
-    member: None,
+    off: Change::off(|scene| change_coefficients(scene, |one| one.restitution = 0.0, |rule| rule.restitution = None)),
+    ..Effect::of_contacts(
+        "restitution",
+        &[Coefficient {
+            off: Some(0.0),
+            ..Coefficient::new(
+                "restitution",
+                "(no unit)",
+                [0.0, 1.0],
+                |one| Some(one.restitution),
+                |rule| rule.restitution,
+            )
+        }],
+        |pair, contact| contact.restitution = pair.value(|rule| rule.restitution, |one| one.restitution),
+        |contact| contact.restitution > 0.0,
+        "impacts are inelastic",
+    )
 };
 
 /// Restitution that falls with the speed of impact.
 pub static FALLING_RESTITUTION: Effect = Effect {
-    name: "falling restitution",
-    coefficients: &[Coefficient {
-        key: "restitution_speed",
-        unit: "m/s",
-        range: [1e-6, 1e6],
-        ceiling: None,
-        absent: Absent::Off,
-        off: None,
-        of_material: |one| one.restitution_speed,
-        of_rule: |rule| rule.restitution_speed,
-    }],
-    combination: Some(Combination {
-        words: SMALLER,
-        combine: |pair, contact| {
+    off: Change::off(|scene| {
+        change_coefficients(scene, |one| one.restitution_speed = None, |rule| rule.restitution_speed = None)
+    }),
+    member: Some(|set| &mut set.falling_restitution),
+    ..Effect::of_contacts(
+        "falling restitution",
+        &[Coefficient {
+            absent: Absent::Off,
+            ..Coefficient::new(
+                "restitution_speed",
+                "m/s",
+                [1e-6, 1e6],
+                |one| one.restitution_speed,
+                |rule| rule.restitution_speed,
+            )
+        }],
+        |pair, contact| {
             let of_material = |one: &Material| one.restitution_speed.unwrap_or(f64::INFINITY);
             contact.restitution_speed = pair.value(|rule| rule.restitution_speed, of_material);
         },
-    }),
-    trigger: Trigger::Contacts {
-        acts: |contact| contact.restitution_speed.is_finite(),
-        without: "restitution is the same at any speed",
-    },
-    off: Some(Change {
-        words: "off",
-        apply: |scene| {
-            change_coefficients(scene, |one| one.restitution_speed = None, |rule| rule.restitution_speed = None);
-        },
-    }),
-    tried: None,
-    member: Some(|set| &mut set.falling_restitution),
+        |contact| contact.restitution_speed.is_finite(),
+        "restitution is the same at any speed",
+    )
 };
 
 /// Bias of the impact of a grain on a wall that it would pass within the step, m/s: it leaves at `-e u_n0`, or, if that is

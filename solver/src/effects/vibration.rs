@@ -78,7 +78,7 @@ impl Vibration {
         std::array::from_fn(|axis| (last[axis] - first[axis]) / (to - from))
     }
 
-    /// Whether it goes on without a start or a stop between two times (s).
+    /// Returns true if it goes on without a start or a stop between two times (s).
     pub fn is_smooth(&self, from: f64, to: f64) -> bool {
         from >= self.start && self.stop.is_none_or(|stop| to <= stop)
     }

@@ -40,7 +40,7 @@ pub struct TorqueLanes {
     pub impulse: [Eight; 3],
 }
 
-/// The same of contacts with walls.
+/// Eight contacts with walls.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub struct WallTorqueLanes {
@@ -172,7 +172,7 @@ impl<T: Tangential> PairGroup<T> {
         PairGroup { first, second, contacts: ContactLanes::default() }
     }
 
-    /// The same with room for friction and springs.
+    /// Converts to a layout with room for friction and springs.
     pub(crate) fn with_all(&self) -> PairGroup<SpringLanes> {
         let PairGroup { first, second, contacts } = *self;
         let ContactLanes { normal, bias, regularisation, impulse_normal, tangential } = contacts;
@@ -188,7 +188,7 @@ impl<T: Tangential> PairGroup<T> {
     }
 }
 
-/// Where the padding lanes of pairs point: at a box's dummies, the first of them at `dummies`.
+/// Indices of the padding lanes of pairs: at a box's dummies, the first of them at `dummies`.
 pub(crate) fn padding_places(dummies: u32) -> [[u32; LANES]; 2] {
     [0, LANES as u32].map(|side| std::array::from_fn(|lane| dummies + side + lane as u32))
 }
@@ -220,7 +220,7 @@ impl Sources {
         self.0.iter().enumerate().filter(occupied).map(|(lane, &source)| (lane, source as usize))
     }
 
-    /// Whether each lane holds a contact. Lanes are filled in their order.
+    /// Returns true if each lane holds a contact. Lanes are filled in their order.
     pub fn is_full(&self) -> bool {
         self.0[LANES - 1] != NO_SOURCE
     }

@@ -1,4 +1,4 @@
-//! What friction adds to lane groups; without it they are shorter by that.
+//! Tangential part of lane groups; without it they are shorter by that.
 
 use super::PairGroup;
 use crate::lanes::Eight;
@@ -13,7 +13,7 @@ pub struct FrictionLanes<Several = Eight> {
     pub impulse: [Several; 3],
 }
 
-/// The same of contacts that have a tangential spring.
+/// Tangential part of contacts with a spring.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub struct SpringLanes<Several = Eight> {
@@ -33,12 +33,12 @@ pub struct SpringTerms<Several = Eight> {
     pub bias: [Several; 3],
 }
 
-/// What friction adds to the contacts of a lane group: [`FrictionLanes`], [`SpringLanes`], or `()` where grains are smooth.
+/// Tangential part of the contacts of a lane group: [`FrictionLanes`], [`SpringLanes`], or `()` where grains are smooth.
 pub trait Tangential<Several = Eight>: Copy + Default {
     /// Coefficients and impulses, if there are any.
     fn lanes(&self) -> Option<&FrictionLanes<Several>>;
 
-    /// The same, to be written.
+    /// Coefficients and impulses, mutable.
     fn lanes_mut(&mut self) -> Option<&mut FrictionLanes<Several>>;
 
     /// The springs, if there are any.
@@ -47,7 +47,7 @@ pub trait Tangential<Several = Eight>: Copy + Default {
         None
     }
 
-    /// The same, to be written.
+    /// The springs, mutable.
     #[inline(always)]
     fn spring_mut(&mut self) -> Option<&mut SpringTerms<Several>> {
         None
@@ -70,7 +70,7 @@ pub(crate) trait ContactLayout: Tangential + Send + Sync {
     /// The groups, which are of this kind.
     fn of(groups: &PairGroups) -> &[PairGroup<Self>];
 
-    /// The same, to be written.
+    /// Mutable access.
     fn of_mut(groups: &mut PairGroups) -> &mut [PairGroup<Self>];
 }
 
@@ -190,7 +190,7 @@ impl PairGroups {
         with_pairs!(self, groups => groups.len())
     }
 
-    /// Whether there are none.
+    /// Returns true if there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -11,7 +11,6 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod portable;
-mod scalar;
 mod slots;
 
 pub(crate) use slots::{Slots, TaskSlots};
@@ -52,7 +51,7 @@ pub trait Number:
     /// A truth value a lane.
     type Mask: Copy + BitAnd<Output = Self::Mask> + Not<Output = Self::Mask>;
 
-    /// The same number in each lane, rounded to the precision of the lanes.
+    /// Sets each lane to one number, rounded to the precision of the lanes.
     fn splat(value: f64) -> Self;
     /// Correctly rounded square root.
     fn sqrt(self) -> Self;
@@ -62,13 +61,13 @@ pub trait Number:
     fn larger(self, other: Self) -> Self;
     /// `self` where it is below `other`, `other` elsewhere.
     fn smaller(self, other: Self) -> Self;
-    /// Where `self` is below `other`.
+    /// Mask of the lanes where `self` is below `other`.
     fn below(self, other: Self) -> Self::Mask;
-    /// Where `self` does not exceed `other`.
+    /// Mask of the lanes where `self` does not exceed `other`.
     fn at_most(self, other: Self) -> Self::Mask;
     /// `yes` where the mask holds, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// Whether the mask holds in every lane.
+    /// Returns true if the mask holds in every lane.
     fn all(mask: Self::Mask) -> bool;
 
     /// Zero in each lane.
@@ -89,7 +88,7 @@ pub trait Lanes: Number {
     /// Halves of eight lines as they were read, for those who will write them; nothing where registers are too few to keep them.
     type Kept: Copy;
 
-    /// Whether sweeps gain from having several lane groups on their way at a time: there are registers enough for it.
+    /// True if sweeps gain from having several lane groups on their way at a time: there are registers enough for it.
     const OVERLAPPED: bool;
 
     /// Reads eight numbers.
@@ -101,7 +100,7 @@ pub trait Lanes: Number {
     /// The lanes of a mask as bits, lane 0 lowest.
     fn bits(mask: Self::Mask) -> u32;
 
-    /// Whether both name the same place, one below `end`.
+    /// Returns true if both name the same place, one below `end`.
     #[inline(always)]
     fn share_places(some: [&[u32; LANES]; 2], others: [&[u32; LANES]; 2], end: u32) -> bool {
         let among_others = |place| others.into_iter().flatten().any(|other| other == place);
@@ -131,7 +130,7 @@ pub trait Lanes: Number {
         second: &[u32; LANES],
     ) -> [Self; 4];
 
-    /// The same of the first halves of the lines `base + first[lane]` and `base + second[lane]`, which are kept for
+    /// Loads differences of the first halves of the lines `base + first[lane]` and `base + second[lane]`, which are kept for
     /// [`add_to_kept`](Lanes::add_to_kept).
     ///
     /// # Safety
@@ -142,13 +141,13 @@ pub trait Lanes: Number {
         second: &[u32; LANES],
     ) -> ([Self; 4], [Self::Kept; 2]);
 
-    /// What [`add_shares`](Lanes::add_shares) does to first halves alone, of lines that were kept and have not changed since.
+    /// Does [`add_shares`](Lanes::add_shares) to first halves alone, of lines that were kept and have not changed since.
     ///
     /// # Safety
     /// Each of these lines must lie in memory that may be written, and nothing else may use it meanwhile.
     unsafe fn add_to_kept(base: *mut Line, indices: &[u32; LANES], kept: Self::Kept, half: [Self; 3], factor: f64);
 
-    /// The same of the first halves of the lines `base + first[lane]` and `base + second[lane]`, and sums of their second halves.
+    /// Loads differences of the first halves of the lines `base + first[lane]` and `base + second[lane]`, and sums of their second halves.
     ///
     /// # Safety
     /// Each of these lines must lie in memory that may be read.
@@ -254,7 +253,7 @@ impl InstructionSet {
         Available::detect().name()
     }
 
-    /// Whether this processor has it.
+    /// Returns true if this processor has it.
     pub fn is_available(self) -> bool {
         self.on_this_processor().is_some()
     }
@@ -318,7 +317,7 @@ impl Available {
 
 /// A loop over lane groups that is compiled once for each instruction set.
 pub(crate) trait Kernel {
-    /// What it returns.
+    /// Result type.
     type Output;
 
     /// The loop itself; `#[inline(always)]` in every implementation, so that it is compiled for its caller's registers.
@@ -338,7 +337,61 @@ fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
 }
 
 // Whoever builds for a newer processor than the Xeon Phi gets its instructions.
+
+/// Truth value of a scalar.
+pub type Truth = bool;
+
+impl Number for f64 {
+    type Mask = Truth;
+
+    #[inline(always)]
+    fn splat(value: f64) -> f64 {
+        value
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: f64) -> f64 {
+        if self > other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: f64) -> f64 {
+        if self < other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn below(self, other: f64) -> Truth {
+        self < other
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: f64) -> Truth {
+        self <= other
+    }
+
+    #[inline(always)]
+    fn select(mask: Truth, yes: f64, no: f64) -> f64 {
+        if mask { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn all(mask: Truth) -> bool {
+        mask
+    }
+}
+
 #[cfg(all(test, target_os = "linux", target_arch = "x86_64", not(target_feature = "avx512vl")))]
+#[path = "../../tests/unit/lanes_disassembly.rs"]
 mod disassembly;
 
 /// The lanes that a mask of bits names, the lowest first.
@@ -389,4 +442,5 @@ pub(crate) fn prefetch(address: *const i8) {
 }
 
 #[cfg(test)]
+#[path = "../../tests/unit/lanes.rs"]
 mod tests;

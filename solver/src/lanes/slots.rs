@@ -82,7 +82,7 @@ impl<'a, T: Copy> Slots<'a, T> {
         unsafe { *self.base.add(slot as usize) }
     }
 
-    /// The same, checked where debug assertions are.
+    /// Reads a record; the slot is checked where debug assertions are on.
     #[inline(always)]
     pub fn get_trusted(self, slot: u32) -> T {
         self.check(&[slot]);
@@ -120,7 +120,7 @@ impl<T: Pod> Slots<'_, T> {
         unsafe { L::load_differences::<1>(self.base.cast(), first, second) }
     }
 
-    /// The same of the first quads of records of two.
+    /// Loads differences of the first quads of records of two.
     #[inline(always)]
     pub fn load_differences_of_halves<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [L; 4] {
         is_made_of!(2 Quad);
@@ -130,7 +130,7 @@ impl<T: Pod> Slots<'_, T> {
         unsafe { L::load_differences::<2>(self.base.cast(), first, second) }
     }
 
-    /// The same, with the records kept for [`TaskSlots::add_to_kept`].
+    /// Loads differences and returns the records for [`TaskSlots::add_to_kept`].
     #[inline(always)]
     pub fn load_keeping<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> ([L; 4], [L::Kept; 2]) {
         is_made_of!(1 Line);
@@ -140,7 +140,7 @@ impl<T: Pod> Slots<'_, T> {
         unsafe { L::load_keeping(self.base.cast(), first, second) }
     }
 
-    /// The same of the first quads of records of two, and sums of their second quads.
+    /// Loads differences of the first quads of records of two, and sums of their second quads.
     #[inline(always)]
     pub fn load_pairs<L: Lanes>(self, first: &[u32; LANES], second: &[u32; LANES]) -> [[L; 4]; 2] {
         is_made_of!(1 Line);
@@ -170,7 +170,7 @@ impl<'a, T: Copy> TaskSlots<'a, T> {
         TaskSlots { base, count, array: PhantomData }
     }
 
-    /// The same, to be read.
+    /// Read access.
     #[inline(always)]
     pub fn to_read(self) -> Slots<'a, T> {
         Slots { base: self.base, count: self.count, array: PhantomData }
@@ -225,7 +225,7 @@ impl<T: Pod> TaskSlots<'_, T> {
         unsafe { L::store_quads::<2>(self.base.cast::<Quad>().add(HALF), slots, quads) }
     }
 
-    /// What [`add_shares`](TaskSlots::add_shares) does to first halves alone, of records that were kept and have not changed since.
+    /// Does [`add_shares`](TaskSlots::add_shares) to first halves alone, of records that were kept and have not changed since.
     #[inline(always)]
     pub fn add_to_kept<L: Lanes>(self, slots: &[u32; LANES], kept: L::Kept, half: [L; 3], factor: f64) {
         is_made_of!(1 Line);

@@ -28,7 +28,7 @@ const SMALLEST_CURVATURE: f64 = 1.0;
 /// It is no larger than the number of contacts of a grain (see `jacobi`): only rounding doubles as far as this.
 const LARGEST_CURVATURE: f64 = 1e3;
 
-/// What of L is left after an iteration.
+/// Factor of L after an iteration.
 const DECAY: f64 = 0.9;
 
 /// Accelerated projected gradients.

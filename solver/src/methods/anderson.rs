@@ -32,7 +32,7 @@ const REGULARISATION: f64 = 1e-12;
 #[derive(Clone, Debug)]
 pub(super) struct Anderson {
     factor: OverRelaxation,
-    /// What sweeps left, in a ring.
+    /// Results of the last sweeps, in a ring.
     swept: Vec<State>,
     /// Changes of velocities by the same sweeps.
     changes: Vec<Vec<Body>>,

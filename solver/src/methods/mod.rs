@@ -1,4 +1,4 @@
-//! How the contact problem of a step is solved: one method a file, behind one trait.
+//! Methods for the contact problem of a step: one file each, behind one trait.
 //!
 //! ```text
 //! problem   contacts laid out by `constrain`, bodies, threads; a state is impulses and the velocities that go with them
@@ -36,7 +36,6 @@ mod jacobi;
 mod nonlinear_conjugate_gradients;
 mod problem;
 mod projected_conjugate_gradients;
-mod torques;
 mod velocities;
 mod visits;
 
@@ -62,7 +61,7 @@ pub(crate) trait Method {
     /// taken. A method that can do without leaves out what the level does not ask for.
     fn iterate(&mut self, problem: &mut Problem<'_>, level: ResidualLevel) -> Option<Residuals>;
 
-    /// Whether over-relaxation fell back to 1 in this solve.
+    /// Returns true if over-relaxation fell back to 1 in this solve.
     fn fell_back(&self) -> bool {
         false
     }

@@ -22,7 +22,7 @@ use crate::sweep::{ResidualLevel, Residuals};
 #[derive(Clone, Debug, Default)]
 pub(super) struct NonlinearConjugateGradients {
     factor: OverRelaxation,
-    /// Where the last sweep began.
+    /// State before the last sweep.
     point: State,
     /// From the point before it to it.
     direction: State,

@@ -4,8 +4,8 @@
 //! bodies: `v = v_free + M^-1 G^T lambda`. Velocities are affine in the impulses, so states whose coefficients sum to one
 //! combine alike on both sides; where a projection bends an impulse, the difference is given to the bodies.
 
+use super::group::MeasureTorques;
 use super::group::{Block, ContactPass, PassOverTask};
-use super::torques::MeasureTorques;
 use super::velocities::{self, Coefficients, MOST, sum_of};
 use super::visits::{Combine, Keep, Measure, Step, Transform};
 use crate::effects::drive::Drive;
@@ -22,7 +22,7 @@ use crate::world::Body;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// What a task sums up over its contacts, lane by lane.
+/// Partial sums of a task over its contacts, lane by lane.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     /// Three sums; each kernel says of what.
@@ -45,12 +45,12 @@ pub(crate) struct Problem<'a> {
     pub interrupt: &'a Interrupt,
 }
 
-/// Where tasks leave their sums, and where their vectors begin.
+/// Partial sums of the tasks, and the first index of their vectors.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Workspace {
     /// First block of each task in vectors over contacts, and one more.
     pub starts: Vec<usize>,
-    /// What sweeps in single precision work on.
+    /// Bodies and groups of sweeps in single precision.
     pub single: SingleCopy,
     /// Of sweeps.
     residuals: Vec<TaskResidual>,
@@ -99,7 +99,7 @@ impl Workspace {
     }
 }
 
-/// What a projected step did.
+/// Result of a projected step.
 pub(crate) struct StepSums {
     /// `d.D d` of the change d, D the diagonal of the operator, J.
     pub scaled: f64,
@@ -112,7 +112,7 @@ pub(crate) struct StepSums {
 }
 
 impl Problem<'_> {
-    /// Whether the solve has been asked to stop.
+    /// Returns true if the solve has been asked to stop.
     pub fn is_interrupted(&self) -> bool {
         is_heeded(self.settings) && self.interrupt.is_requested()
     }

@@ -2,7 +2,7 @@
 
 use crate::lanes::{Available, Eight, Kernel, LANES, Lanes};
 use crate::schedule::{Each, Phase, Team};
-use crate::world::{Body, by_chunk, chunk, chunks};
+use crate::world::{Body, INERTIA, by_chunk, chunk, chunks};
 
 /// Most states that a combination or a set of products can have.
 pub(crate) const MOST: usize = crate::scene::MOST_MEMORY + 1;
@@ -10,8 +10,8 @@ pub(crate) const MOST: usize = crate::scene::MOST_MEMORY + 1;
 /// Coefficients of new states (rows) by old ones.
 pub(crate) type Coefficients = [[f64; 3]; 3];
 
-/// `m v^2 + 0.4 m s^2` is twice the kinetic energy of a solid sphere with scaled spin s.
-const KINETIC: Eight = Eight([1.0, 1.0, 1.0, 0.0, 0.4, 0.4, 0.4, 0.0]);
+/// `m v^2 + INERTIA m s^2` is twice the kinetic energy of a solid sphere with scaled spin s.
+const KINETIC: Eight = Eight([1.0, 1.0, 1.0, 0.0, INERTIA, INERTIA, INERTIA, 0.0]);
 
 /// A body as eight numbers: velocity, inverse mass, scaled spin, inverse radius.
 #[inline(always)]

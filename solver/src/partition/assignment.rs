@@ -3,7 +3,7 @@
 use super::{ByBodies, TaskGroups};
 use crate::effects::EffectSet;
 use crate::groups::{PairGroup, Sources, WallGroup, with_pairs};
-use crate::lanes::{LANES, TaskSlots, prefetch_lines, prefetch_places};
+use crate::lanes::{Kernel, LANES, Lanes, TaskSlots, prefetch_lines, prefetch_places};
 use std::ops::Range;
 
 /// Number of groups that may take contacts at a time.
@@ -72,7 +72,7 @@ pub(crate) struct LaneAssigner<'a> {
     window: Window,
     /// Number of the task's first group.
     base: u32,
-    /// Whether groups that share a body are kept apart.
+    /// True if groups that share a body are kept apart.
     spaced: bool,
     /// Lanes filled in each group of the window, by group number modulo the window.
     filled: [u8; WINDOW as usize],
@@ -218,7 +218,7 @@ impl TaskGroups {
         self.walls_used
     }
 
-    /// Whether the pairs are those that a candidate list of this number had packed.
+    /// Returns true if the pairs are those that a candidate list of this number had packed.
     pub(crate) fn are_assigned_from(&self, list: u64) -> bool {
         self.assigned_from == list
     }
@@ -291,54 +291,41 @@ fn make_room<G>(groups: &mut Vec<G>, sources: &mut Vec<Sources>) {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::partition::{PlannedTask, TaskShares};
+/// Returns true if sweeps have several lane groups on their way at a time. Contacts that bear torques need the bodies themselves for that, and
+/// without friction a group's chain of operations is too short to gain.
+pub(crate) const fn overlapped<L: Lanes>(friction: bool, torques: bool) -> bool {
+    L::OVERLAPPED && friction && !torques
+}
 
-    /// Places of contacts of random pairs of 60 bodies, packed by two tasks one after the other.
-    fn places(taken: &mut TakenGroups, pairs: &[[u32; 2]]) -> Vec<(usize, usize, usize)> {
-        taken.start(60);
-        let mut places = Vec::new();
-        for (task, pairs) in pairs.chunks(pairs.len() / 2).enumerate() {
-            let (bodies, base, next) = taken.stage();
-            let alone = PlannedTask { number: 0, home: 0, pairs: 0..0, first_block: 0, walls: 0..0 };
-            // SAFETY: there is no other task.
-            let bodies = unsafe { bodies.share(0, &alone) };
-            let mut assigner = LaneAssigner::new(bodies, base, pairs.len());
-            for &pair in pairs {
-                let (group, lane) = assigner.place(pair);
-                places.push((task, group, lane));
-            }
-            *next = assigner.next();
-        }
-        places
-    }
+/// Finds the groups of pairs of a task that share a body with the one before them, where sweeps have to know.
+pub(crate) struct FindWaits<'a> {
+    pub groups: &'a mut TaskGroups,
+    pub effects: EffectSet,
+    /// Places from here on are those of dummies.
+    pub grains: u32,
+}
 
-    #[test]
-    fn groups_share_no_body_and_numbers_that_begin_anew_change_nothing() {
-        let mut state = 1_u64;
-        let mut random = |below: u64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((state >> 33) % below) as u32
-        };
-        let pairs: Vec<[u32; 2]> = (0..1000)
-            .map(|_| {
-                let first = random(60);
-                [first, (first + 1 + random(59)) % 60]
-            })
-            .collect();
-        let mut taken = TakenGroups::default();
-        let first = places(&mut taken, &pairs);
-        let mut seen = std::collections::BTreeSet::new();
-        for (&(task, group, lane), pair) in first.iter().zip(&pairs) {
-            assert!(lane < LANES);
-            assert!(pair.iter().all(|&body| seen.insert((task, group, body))), "a group has a body twice");
+impl Kernel for FindWaits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let TaskGroups { pairs, pair_waits, .. } = self.groups;
+        // What was packed for an earlier step waits as it did then.
+        if pair_waits.len() == pairs.len() || !overlapped::<L>(self.effects.tangential(), self.effects.torques()) {
+            return;
         }
-        assert_eq!(places(&mut taken, &pairs), first, "what the step before left is not seen");
-        // What was left names numbers that will be given again.
-        taken.next = u32::MAX / 2 + 1;
-        assert_eq!(places(&mut taken, &pairs), first);
-        assert!(taken.next < u32::MAX / 2);
+        // As much room as the groups have, so that it grows no oftener.
+        pair_waits.reserve_exact(pairs.capacity());
+        pair_waits.push(false);
+        with_pairs!(pairs, pairs => for both in pairs.windows(2) {
+            // Padding lanes do not count: no impulse moves their bodies.
+            let [one, other] = [&both[0], &both[1]].map(|group| [&group.first, &group.second]);
+            pair_waits.push(L::share_places(one, other, self.grains));
+        });
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/unit/partition_assignment.rs"]
+mod tests;

@@ -1,4 +1,4 @@
-//! Where contacts are relaxed and in which order: boxes, conflict-free stages, lane groups.
+//! Order in which contacts are relaxed: boxes, conflict-free stages, lane groups.
 //!
 //! Space is cut into boxes eight diameters wide. A contact of two grains of one box belongs to the box's interior, one
 //! across a face, edge or corner to that face, edge or corner. Tasks of one stage share no body, whatever their number:
@@ -14,19 +14,17 @@
 
 mod assignment;
 mod boxes;
-mod occupied;
 mod plan;
 mod shares;
 mod single;
-mod waits;
 
+pub(crate) use assignment::{FindWaits, overlapped};
 pub(crate) use assignment::{LaneAssigner, Taken, TakenGroups};
 pub use boxes::{BoxGrid, STAGES};
-pub(crate) use occupied::{DIRECTIONS, SAME_BOX};
+pub(crate) use boxes::{DIRECTIONS, SAME_BOX};
 pub use plan::{Plan, PlannedTask, Portion};
 pub(crate) use shares::{ByBlocks, ByBodies, ByCandidates, ByNumber, ByPlace, ByStarts, TaskShares};
 pub(crate) use single::{SingleBody, SingleCopy, SingleGroups, SinglePairGroup};
-pub(crate) use waits::{FindWaits, overlapped};
 
 use crate::groups::{ImpactLanes, PairGroup, PairGroups, Sources, TorqueLanes, WallGroup, WallTorqueLanes};
 use crate::lanes::{Eight, LANES, PREFETCH};
@@ -37,13 +35,13 @@ use crate::world::Body;
 pub struct TaskGroups {
     /// Groups of contacts of two grains.
     pub pairs: PairGroups,
-    /// Where their contacts came from.
+    /// Candidates of their contacts.
     pub pair_sources: Vec<Sources>,
-    /// Whether a group of pairs shares a body with the one before it; empty where that was not asked, and then it may.
+    /// True for each group of pairs that shares a body with the one before it; empty where that was not asked, and then it may.
     pub pair_waits: Vec<bool>,
     /// Groups of contacts with walls.
     pub walls: Vec<WallGroup>,
-    /// Where their contacts came from.
+    /// Candidates of their contacts.
     pub wall_sources: Vec<Sources>,
     /// Impacts of the pairs, a group each.
     pub pair_impacts: Vec<ImpactLanes>,
@@ -55,13 +53,13 @@ pub struct TaskGroups {
     pub wall_torques: Vec<WallTorqueLanes>,
     /// Impulses with which cohesion pulls the pairs together, N s; empty where there is none.
     pub pair_pulls: Vec<Eight>,
-    /// The same of the contacts with walls.
+    /// Impulses with which cohesion pulls grains to walls, N s.
     pub wall_pulls: Vec<Eight>,
     /// Drifts of the contacts with walls, m/s, which their walls' velocities contain; empty where no wall turns.
     pub wall_drifts: Vec<[Eight; 3]>,
     /// Number of groups at the end of `walls` that are with driven walls: no sweep over lanes relaxes them.
     pub driven_walls: usize,
-    /// Whether some grain is pressed so deep into a wall that it may cross it however slow it is.
+    /// True if some grain is pressed so deep into a wall that it may cross it however slow it is.
     pub(crate) deep_walls: bool,
     /// Which of the task's pairs of candidates touch, as bits: a byte for eight of them.
     pub(crate) touching: Vec<u8>,
@@ -92,7 +90,7 @@ pub struct Layout {
     pub contacts: usize,
 }
 
-/// Where a contact with a driven wall lies in the layout, and how it moves the wall.
+/// Position of a contact with a driven wall in the layout, and its direction of motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrivenContact {
     /// Number of its task.

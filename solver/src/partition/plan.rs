@@ -6,7 +6,7 @@ use crate::schedule::{Phase, Team};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// What a thread is given at a time. It changes no bit.
+/// Task granularity. It changes no bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Portion {
@@ -43,7 +43,7 @@ pub struct PlannedTask {
 }
 
 impl PlannedTask {
-    /// Whether its pairs are of grains of one box.
+    /// Returns true if its pairs are of grains of one box.
     pub(crate) fn is_interior(&self) -> bool {
         (self.number as usize).is_multiple_of(STAGES)
     }
@@ -71,19 +71,19 @@ impl PlannedTask {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
     tasks: Vec<PlannedTask>,
-    /// Where each stage begins in `tasks`; the last entry is where the last one ends.
+    /// First index of each stage in `tasks`; the last entry is the end of the last one.
     stages: [usize; STAGES + 1],
     /// Places in `tasks` of each batch.
     batches: Vec<Range<usize>>,
-    /// Where each stage begins in `batches`.
+    /// First index of each stage in `batches`.
     batch_stages: [usize; STAGES + 1],
-    /// Whether there are batches of more than one task at all.
+    /// True if there are batches of more than one task.
     portion: Portion,
 }
 
 /// Candidates that fill a batch.
 const BATCH: u32 = 256;
-/// What a task costs besides its candidates, in candidates: an edge or a corner has so few contacts that most lanes are empty.
+/// Fixed cost of a task, in candidates: an edge or a corner has so few contacts that most lanes are empty.
 const TASK: u32 = 12;
 
 impl Plan {
@@ -115,7 +115,7 @@ impl Plan {
         self.batch();
     }
 
-    /// What a thread is given at a time.
+    /// Task granularity.
     pub(crate) fn portion(&self) -> Portion {
         self.portion
     }
@@ -233,27 +233,5 @@ impl Plan {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn batches_cover_the_tasks_of_a_stage_once() {
-        // Three boxes; stage 0 is full, stage 1 has crumbs, the others have nothing.
-        let counts = [[2000, 0, 600], [100, 20, 80]];
-        let mut starts = vec![0];
-        for number in 0..3 * STAGES {
-            let count = counts.get(number / 3).map_or(0, |stage| stage[number % 3]);
-            starts.push(starts[number] + count);
-        }
-        let mut plan = Plan::default();
-        plan.set(&starts, &[0, 5, 5, 5]);
-        assert_eq!(plan.batches_of(0), [0..1, 1..2]);
-        assert_eq!(plan.batches_of(1).len(), 1, "200 candidates of three faces make one batch");
-        assert!((2..STAGES).all(|stage| plan.batches_of(stage).is_empty()));
-        let covered: Vec<usize> = plan.batches.iter().flat_map(Clone::clone).collect();
-        assert_eq!(covered, (0..plan.tasks().len()).collect::<Vec<_>>());
-        plan.set_portion(Portion::Boxes);
-        let boxes: Vec<_> = (0..plan.tasks().len()).map(|place| place..place + 1).collect();
-        assert_eq!(plan.batches, boxes, "each task by itself");
-    }
-}
+#[path = "../../tests/unit/partition_plan.rs"]
+mod tests;

@@ -1,4 +1,4 @@
-//! What the plan shares out among tasks: lane groups, candidates, and the bodies that a stage's tasks may write.
+//! Partition of data among tasks: lane groups, candidates, and the bodies that a stage's tasks may write.
 //!
 //! The proofs stand here. Every task has its own number and its own place; its candidates and blocks are ranges that follow
 //! each other ([`Plan::set`](super::Plan)); and tasks of one stage share no body, because of the boxes that they belong to
@@ -8,12 +8,12 @@ use super::PlannedTask;
 use crate::lanes::TaskSlots;
 use crate::schedule::Disjoint;
 
-/// What tasks of a plan write, by task.
+/// Data that tasks of a plan write, by task.
 pub(crate) trait TaskShares: Sync {
-    /// What one of them gets.
+    /// Part of one task.
     type Share;
 
-    /// Whether shares are apart for tasks of one stage alone.
+    /// True if shares are apart for tasks of one stage alone.
     const IN_STAGES: bool = false;
 
     /// The share of a task, given its place among all.
@@ -39,7 +39,7 @@ pub(crate) struct ByStarts<'a, T> {
 /// An element for each block of eight pairs of candidates.
 pub(crate) struct ByBlocks<'a, T>(Disjoint<'a, T>);
 
-/// What candidates bear, in an array of all: [`TaskSlots`] that are named by candidates.
+/// Impulses of candidates, in an array of all: [`TaskSlots`] that are named by candidates.
 pub(crate) struct ByCandidates<'a, T>(Disjoint<'a, T>);
 
 /// Bodies, in an array of all: [`TaskSlots`] that are named by bodies.

@@ -1,4 +1,4 @@
-//! The same bodies and lane groups in single precision: half the memory, and sixteen contacts a group.
+//! Bodies and lane groups in single precision: half the memory, and sixteen contacts a group.
 //!
 //! A step is laid out in double precision. For its sweeps alone bodies and constraint data are rounded to `f32`; two groups
 //! that follow each other become one where they share no body. Afterwards impulses go back as they are, and each body
@@ -45,7 +45,7 @@ pub(crate) struct SingleWallGroup {
 pub(crate) struct SingleGroups {
     pub pairs: Vec<SinglePairGroup>,
     pub walls: Vec<SingleWallGroup>,
-    /// How many groups of eight each group was made of, pairs before walls.
+    /// Number of groups of eight in each group, pairs before walls.
     joined: Vec<u8>,
 }
 
@@ -58,7 +58,7 @@ pub(crate) struct SingleCopy {
 }
 
 impl SinglePairGroup {
-    /// How much of a group a sweep with these effects reads, in bytes: what friction needs comes last.
+    /// Bytes of a group that a sweep with these effects reads: what friction needs comes last.
     pub(crate) const fn used<E: Effects>() -> usize {
         size_of::<Self>() - if E::FRICTION { 0 } else { size_of::<FrictionLanes<Sixteen>>() }
     }
@@ -196,7 +196,7 @@ fn reserve<T>(all: &mut Vec<T>, count: usize) {
     }
 }
 
-/// Whether a grain is in both groups. Dummies may be: nothing moves them.
+/// Returns true if a grain is in both groups. Dummies may be: nothing moves them.
 #[inline(always)]
 fn share_a_grain<T>(own: &PairGroup<T>, next: &PairGroup<T>, grains: u32) -> bool {
     any_equal(&own.first, &next.first, grains)
@@ -205,7 +205,7 @@ fn share_a_grain<T>(own: &PairGroup<T>, next: &PairGroup<T>, grains: u32) -> boo
         | any_equal(&own.second, &next.second, grains)
 }
 
-/// Whether a place below `grains` is in both lists.
+/// Returns true if a place below `grains` is in both lists.
 #[inline(always)]
 fn any_equal(own: &[u32; LANES], others: &[u32; LANES], grains: u32) -> bool {
     // All lanes at once, turned by one place after another.

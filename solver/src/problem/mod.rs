@@ -31,13 +31,8 @@
 //!
 //! ```
 //! use makadam::problem::Reference;
-//! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
-//! # let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
-//! # let scene = Scene::builder()
-//! #     .material("glass", Material::default())
-//! #     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
-//! #     .population(Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
-//! #     .build()?;
+//! # use makadam::{Scene, Simulation};
+//! # let scene = Scene::example();
 //! let mut simulation = Simulation::builder(&scene).time_step(5e-4).build()?;
 //! for _ in 0..600 {
 //!     simulation.step();
@@ -51,14 +46,11 @@
 //! # Ok::<(), makadam::Error>(())
 //! ```
 
-mod local;
 mod pose;
 mod reference;
-mod residuals;
 
-pub use local::{LocalProblem, MatrixBlock};
-pub use reference::{Ending, Reference};
-pub use residuals::ProblemResiduals;
+pub use pose::{LocalProblem, MatrixBlock};
+pub use reference::{Ending, ProblemResiduals, Reference};
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -132,7 +124,7 @@ pub struct Contact {
     pub impulse: ContactImpulse,
 }
 
-/// What a contact bears, on its second side.
+/// Impulse of a contact on its second side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactImpulse {
     /// Normal impulse lambda_n, N s; cohesion is apart.
@@ -162,17 +154,17 @@ impl ContactImpulse {
 }
 
 impl Contact {
-    /// Whether the contact may bear something in this step.
+    /// Returns true if the contact may bear something in this step.
     pub fn bears(&self) -> bool {
         self.bias > NEVER
     }
 
-    /// Whether it resists rolling or twisting.
+    /// Returns true if it resists rolling or twisting.
     pub fn resists_turning(&self) -> bool {
         self.rolling_lever != 0.0 || self.twisting_lever != 0.0
     }
 
-    /// What has to vanish across the normal while the contact sticks, m/s, given its relative velocity: w_t.
+    /// Residual of sticking across the normal, m/s, given its relative velocity: w_t.
     pub fn sliding(&self, velocity: &Vector3<f64>, tangential_impulse: &Vector3<f64>) -> Vector3<f64> {
         let across = velocity - self.normal * self.normal.dot(velocity);
         across + tangential_impulse * self.tangential_compliance - self.tangential_bias
@@ -251,12 +243,12 @@ impl ContactProblem {
         frame.transpose() * contact.sides().map(side).sum::<Matrix3<f64>>() * frame
     }
 
-    /// Whether some contact resists rolling or twisting.
+    /// Returns true if some contact resists rolling or twisting.
     pub fn resists_turning(&self) -> bool {
         self.contacts.iter().any(Contact::resists_turning)
     }
 
-    /// What is wrong with the data, in words: numbers that are not finite, bodies that do not exist, frames that are not
+    /// Describes invalid data: numbers that are not finite, bodies that do not exist, frames that are not
     /// orthonormal, coefficients below zero.
     ///
     /// # Errors

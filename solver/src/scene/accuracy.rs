@@ -13,10 +13,10 @@
 //!
 //! Sweeps are not fixed: a solve goes on until its residual is small, in proportion to the overlap that is tolerated.
 
-use super::bearable::longest_step;
-use super::{NormalLaw, RadiusDistribution, Scene, Stop};
+use super::populate::placed;
+use super::preflight::{fall_speed, longest_step, longest_step_of_walls};
+use super::{Grain, NormalLaw, RadiusDistribution, Reaction, Scene, Stop, sphere_volume};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 
 /// Tolerated deviations from the converged solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -57,6 +57,15 @@ const MOST_SWEEPS: u32 = 400;
 /// Solid fraction of a bed, for its depth.
 const BED_FRACTION: f64 = 0.6;
 
+/// Fewest grains of a bed: fewer are solved to the end in a step.
+const SMALLEST_BED: usize = 64;
+/// Overlap of grains that fall on a bed over their path in a step, for grains of one size.
+const PENETRATION_SLOPE: f64 = 0.75;
+/// Overlap over the path in a step and the ratio of radii, for grains of several sizes.
+const PENETRATION_PER_RATIO: f64 = 0.1;
+/// Part of the tolerated overlap that the step may cause; the elasticity of the grains causes the rest.
+const PENETRATION_FRACTION: f64 = 2.0 / 3.0;
+
 /// A bed of equal grains, as many as a scene has, on the ground of its domain.
 struct Bed {
     /// m.
@@ -70,7 +79,7 @@ struct Bed {
 }
 
 impl Accuracy {
-    /// Whether nothing was asked for.
+    /// Returns true if nothing was asked for.
     pub fn is_empty(&self) -> bool {
         *self == Accuracy::default()
     }
@@ -90,8 +99,8 @@ impl Accuracy {
             (false, true) => by_fraction,
             _ => by_angle.min(by_fraction),
         };
-        // Whatever is tolerated, walls move as they are said to, impacts stay as shallow as is watched for, and some step is taken.
-        let step = step.min(longest_step(scene));
+        // Whatever is tolerated, walls move as stated, impacts stay as shallow as is watched for, and at least one step is taken.
+        let step = step.min(longest_step(scene)).min(bed.longest_step(scene));
         let step = if scene.duration > 0.0 { step.min(scene.duration) } else { step };
         // A grain that still moves with the residual sinks by h times it; the error adds up over the layers of the bed.
         let layers = (bed.depth / (2.0 * bed.radius)).max(1.0);
@@ -104,7 +113,6 @@ impl Accuracy {
 
 impl Bed {
     fn of(scene: &Scene) -> Bed {
-        let sphere = |radius: f64| 4.0 / 3.0 * PI * radius * radius * radius;
         let placed = scene.population.iter().map(|population| {
             (population.count as f64, population.radius.mean(), scene.material[&population.material].density)
         });
@@ -113,8 +121,8 @@ impl Bed {
         for (number, own, density) in placed.chain(listed) {
             count += number;
             radius += number * own;
-            volume += number * sphere(own);
-            mass += number * sphere(own) * density;
+            volume += number * sphere_volume(own);
+            mass += number * sphere_volume(own) * density;
         }
         let count = f64::max(count, 1.0);
         let size: [f64; 3] = std::array::from_fn(|axis| scene.domain.max[axis] - scene.domain.min[axis]);
@@ -128,6 +136,30 @@ impl Bed {
         let radius = (radius / count).max(1e-9);
         let depth = (volume / BED_FRACTION / ground).max(2.0 * radius);
         Bed { radius, mass: (mass / count).max(1e-300), depth, gravity }
+    }
+
+    /// Returns the longest step (s) in which walls drive no grain past another one, and impacts stay within [`Watch::overlap`].
+    ///
+    /// A bed that falls on itself at a speed v penetrates by c v h while its sweeps have not yet propagated the stop through all of it
+    /// (`docs/scene-checks.md`); v is that of a fall through the domain to the top of the bed.
+    ///
+    /// [`Watch::overlap`]: super::Watch::overlap
+    fn longest_step(&self, scene: &Scene) -> f64 {
+        // Grains that cannot be placed are an error, which placing them reports.
+        let Ok(grains) = placed(scene, scene.seed) else { return f64::INFINITY };
+        let by_walls = longest_step_of_walls(scene, &grains);
+        let is_watched = scene.watch.every > 0 && scene.watch.on_overlap != Reaction::Ignore;
+        if !is_watched || grains.len() < SMALLEST_BED {
+            return by_walls;
+        }
+        let radii =
+            |start: f64, choose: fn(f64, f64) -> f64| grains.iter().map(|grain| grain.radius).fold(start, choose);
+        let [smallest, largest] = [radii(f64::INFINITY, f64::min), radii(0.0, f64::max)];
+        let speed = |grain: &Grain| fall_speed(scene, grain);
+        let square = grains.iter().map(speed).fold(0.0, f64::max).powi(2) - 2.0 * self.gravity * self.depth;
+        let path = PENETRATION_FRACTION * scene.watch.overlap * smallest
+            / PENETRATION_SLOPE.max(PENETRATION_PER_RATIO * largest / smallest);
+        by_walls.min(path / square.max(0.0).sqrt())
     }
 
     /// Time scale of a contact in the bed, `1/sqrt(k S)`, s; of the stiffest material.

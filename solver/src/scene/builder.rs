@@ -1,11 +1,9 @@
 //! Scenes made in code.
 
-use super::types::{earth_gravity, first_seed, slight_overlap};
 use super::{
-    Accuracy, Axis, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region, Scene,
-    SceneError, Shape, SolverSettings, Wall, Watch,
+    Accuracy, Axis, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region, Scene, SceneError,
+    Shape, SolverSettings, Wall, Watch,
 };
-use std::collections::BTreeMap;
 
 /// Puts a scene together: [`Scene::builder`].
 ///
@@ -17,61 +15,56 @@ pub struct SceneBuilder {
     domain: Option<([f64; 3], [f64; 3])>,
 }
 
+/// A scene without grains and walls, under the gravity of the earth along -z.
+impl Default for Scene {
+    fn default() -> Scene {
+        let form =
+            "name = 'scene'\nduration = 1.0\ndomain = { min = [0.0, 0.0, 0.0], max = [0.0, 0.0, 0.0] }\nmaterial = {}";
+        toml::from_str(form).expect("all that a scene has to give")
+    }
+}
+
 impl Scene {
     /// A scene in the making, without grains and walls, under the gravity of the earth along -z.
     pub fn builder() -> SceneBuilder {
-        let scene = Scene {
-            name: "scene".into(),
-            description: String::new(),
-            duration: 1.0,
-            gravity: earth_gravity(),
-            gravity_changes: Vec::new(),
-            seed: first_seed(),
-            domain: Domain { min: [0.0; 3], max: [0.0; 3], periodic: Vec::new() },
-            largest_start_overlap: slight_overlap(),
-            unusual_values: false,
-            material: BTreeMap::new(),
-            pair: Vec::new(),
-            wall: Vec::new(),
-            population: Vec::new(),
-            grain: Vec::new(),
-            accuracy: None,
-            solver: SolverSettings::default(),
-            watch: Watch::default(),
-        };
-        SceneBuilder { scene, domain: None }
+        SceneBuilder { scene: Scene::default(), domain: None }
+    }
+
+    /// Scene of the examples in this documentation: 40 grains above an open box.
+    #[doc(hidden)]
+    pub fn example() -> Scene {
+        let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
+        let grains = Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max));
+        let walls = Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top]));
+        let scene = Scene::builder().material("glass", Material::default()).wall(walls).population(grains).build();
+        scene.expect("all values are in their ranges")
     }
 }
 
 impl SceneBuilder {
-    /// Name, used in messages; "scene" where none is given.
-    pub fn name(mut self, name: impl Into<String>) -> SceneBuilder {
-        self.scene.name = name.into();
-        self
-    }
-
-    /// Simulated time for which what the scene says has to hold, s; 1 s where none is given.
-    pub fn duration(mut self, duration: f64) -> SceneBuilder {
-        self.scene.duration = duration;
-        self
-    }
-
-    /// Acceleration of gravity, m/s2.
-    pub fn gravity(mut self, gravity: [f64; 3]) -> SceneBuilder {
-        self.scene.gravity = gravity;
-        self
-    }
-
-    /// Lower and upper corner of the box that no grain may leave, m.
-    pub fn domain(mut self, min: [f64; 3], max: [f64; 3]) -> SceneBuilder {
-        self.domain = Some((min, max));
-        self
-    }
-
-    /// Lets space repeat itself along an axis, with the length of the domain.
-    pub fn periodic(mut self, axis: Axis) -> SceneBuilder {
-        self.scene.domain.periodic.push(axis);
-        self
+    crate::setters! {
+        /// Name, used in messages; "scene" where none is given.
+        name(name: impl Into<String>) |builder| builder.scene.name = name.into();
+        /// Simulated time for which what the scene says has to hold, s; 1 s where none is given.
+        duration(duration: f64) |builder| builder.scene.duration = duration;
+        /// Acceleration of gravity, m/s2.
+        gravity(gravity: [f64; 3]) |builder| builder.scene.gravity = gravity;
+        /// Makes space periodic along an axis, with the length of the domain.
+        periodic(axis: Axis) |builder| builder.scene.domain.periodic.push(axis);
+        /// Adds coefficients of a particular pair of materials.
+        pair(rule: PairRule) |builder| builder.scene.pair.push(rule);
+        /// Adds a wall.
+        wall(wall: Wall) |builder| builder.scene.wall.push(wall);
+        /// Adds grains placed by rule.
+        population(population: Population) |builder| builder.scene.population.push(population);
+        /// Adds a grain.
+        grain(grain: GrainEntry) |builder| builder.scene.grain.push(grain);
+        /// Settings of the time step and of the contact solver.
+        solver(settings: SolverSettings) |builder| builder.scene.solver = settings;
+        /// Requests an accuracy, which decides on the solver's step and stop when the scene is built.
+        accuracy(accuracy: Accuracy) |builder| builder.scene.accuracy = Some(accuracy);
+        /// Settings of the watchdogs.
+        watch(watch: Watch) |builder| builder.scene.watch = watch;
     }
 
     /// Adds a material, or replaces the one of that name.
@@ -80,45 +73,9 @@ impl SceneBuilder {
         self
     }
 
-    /// Adds coefficients of a particular pair of materials.
-    pub fn pair(mut self, rule: PairRule) -> SceneBuilder {
-        self.scene.pair.push(rule);
-        self
-    }
-
-    /// Adds a wall.
-    pub fn wall(mut self, wall: Wall) -> SceneBuilder {
-        self.scene.wall.push(wall);
-        self
-    }
-
-    /// Adds grains placed by rule.
-    pub fn population(mut self, population: Population) -> SceneBuilder {
-        self.scene.population.push(population);
-        self
-    }
-
-    /// Adds a grain.
-    pub fn grain(mut self, grain: GrainEntry) -> SceneBuilder {
-        self.scene.grain.push(grain);
-        self
-    }
-
-    /// Settings of the time step and of the contact solver.
-    pub fn solver(mut self, settings: SolverSettings) -> SceneBuilder {
-        self.scene.solver = settings;
-        self
-    }
-
-    /// Asks for an accuracy, which decides on the solver's step and stop when the scene is built.
-    pub fn accuracy(mut self, accuracy: Accuracy) -> SceneBuilder {
-        self.scene.accuracy = Some(accuracy);
-        self
-    }
-
-    /// Settings of the watchdogs.
-    pub fn watch(mut self, watch: Watch) -> SceneBuilder {
-        self.scene.watch = watch;
+    /// Lower and upper corner of the box that no grain may leave, m.
+    pub fn domain(mut self, min: [f64; 3], max: [f64; 3]) -> SceneBuilder {
+        self.domain = Some((min, max));
         self
     }
 
@@ -214,7 +171,7 @@ impl Wall {
         Wall { name: name.into(), material: material.into(), shape, motion: Motion::Fixed }
     }
 
-    /// The same wall in motion.
+    /// Sets the motion.
     pub fn moving(self, motion: Motion) -> Wall {
         Wall { motion, ..self }
     }

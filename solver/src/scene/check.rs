@@ -1,16 +1,15 @@
 //! Range checks of a scene, before anything is simulated.
 
-use super::document_path::{Checked, DocumentPath};
-use super::error::{Fault, short};
-use super::names;
-use super::periodic;
-use super::setting_error::{Obstacle, SettingError};
+use super::document::{Checked, Document, DocumentPath};
+use super::error::{Fault, is_printable, short};
+use super::settings::{Obstacle, SettingError};
 use super::{
     ContactCoefficients, MOST_MEMORY, Motion, NormalLaw, RadiusDistribution, Region, Scene, Shape, SolverMethod,
-    SolverSettings, Stop, TangentialLaw,
+    SolverSettings, Stop, TangentialLaw, periodic,
 };
 use crate::effects::catalogue::coefficients;
 use crate::effects::resistance::{ROLLING, TWISTING};
+use std::collections::HashMap;
 
 /// Most grains of a scene; their numbers have 32 bits, and so have those of their contacts.
 pub(crate) const MOST_GRAINS: f64 = 1e8;
@@ -25,7 +24,7 @@ const MOST_DEVIATIONS: f64 = 100.0;
 
 /// Checks every value of a scene against the range in which it has a meaning.
 pub(super) fn check(scene: &Scene) -> Checked {
-    names::check(scene)?;
+    names(scene)?;
     let root = DocumentPath::default();
     root.key("duration").range(scene.duration, 0.0, 1e5, "s")?;
     gravity(scene)?;
@@ -214,11 +213,9 @@ fn grains(scene: &Scene) -> Checked {
     Ok(())
 }
 
-/// An accuracy chooses step and stop; a scene that gives these too contradicts itself.
-pub(super) fn chosen_twice(text: &str) -> Checked {
-    let table: toml::Table = toml::from_str(text).unwrap_or_default();
-    let solver = table.get("solver").and_then(toml::Value::as_table);
-    match ["step", "stop"].into_iter().find(|key| solver.is_some_and(|solver| solver.contains_key(*key))) {
+/// Refuses a step or a stop in addition to an accuracy, which chooses both.
+pub(super) fn chosen_twice(document: &Document<'_>) -> Checked {
+    match ["step", "stop"].into_iter().find(|key| document.has("solver", key)) {
         Some(key) => Err(DocumentPath::default()
             .key("solver")
             .key(key)
@@ -356,7 +353,7 @@ fn tangential_law(settings: &SolverSettings, at: &DocumentPath) -> Checked {
     Ok(())
 }
 
-/// What a method or a precision does not go with, in the words of the scene.
+/// Refuses a method or a precision that lacks equations for the scene.
 fn unsuitable(scene: &Scene, error: &SettingError) -> Fault {
     let at = DocumentPath::default().key("solver");
     let (key, asked, obstacle) = match error {
@@ -412,4 +409,77 @@ fn known_material(scene: &Scene, at: &DocumentPath, name: &str) -> Checked {
 
 fn join(scene: &Scene) -> String {
     scene.material.keys().cloned().collect::<Vec<_>>().join(", ")
+}
+
+/// Longest name, bytes: names of files have 255, and more is put beside a scene's name in them.
+const LONGEST: usize = 100;
+
+/// Names of columns that a driven wall adds to the table of observables begin with its own. This one is taken, by the observable.
+const TAKEN: &str = "driven_wall";
+
+/// Checks the scene's names, and that no two things have one name.
+fn names(scene: &Scene) -> Checked {
+    let root = DocumentPath::default();
+    let at = root.key("name");
+    fit(&at, "the scene's name", &scene.name)?;
+    if scene.name.contains(['/', '\\']) || scene.name == "." || scene.name == ".." {
+        let problem = format!("'{}' does not name a folder of results", scene.name);
+        return Err(at.fault(problem, "give a name without '/' and '\\', other than '.' and '..'"));
+    }
+    if let Some(odd) = scene.description.chars().find(|&c| !is_printable(c) && !matches!(c, '\n' | '\r' | '\t')) {
+        let problem = format!("has the character {}, which does not show", odd.escape_unicode());
+        return Err(root.key("description").fault(problem, "leave it out"));
+    }
+    for name in scene.material.keys() {
+        fit(&root.key("material"), "a material's name", name)?;
+    }
+    let mut walls = HashMap::new();
+    for (index, wall) in scene.wall.iter().enumerate() {
+        let at = root.key("wall").index(index).key("name");
+        fit(&at, "a wall's name", &wall.name)?;
+        if let Some(before) = walls.insert(&wall.name, index) {
+            let problem = format!("'{}' is the name of wall[{before}] too", wall.name);
+            return Err(at.fault(problem, "give each wall a name of its own: tables tell them apart by it"));
+        }
+        if wall.name == TAKEN && wall.motion.is_driven() {
+            let problem =
+                format!("the columns of a driven wall '{TAKEN}' would be those of the observable driven-wall");
+            return Err(at.fault(problem, "give the wall another name"));
+        }
+    }
+    let mut pairs = HashMap::new();
+    for (index, rule) in scene.pair.iter().enumerate() {
+        let [a, b] = &rule.between;
+        if let Some(before) = pairs.insert((a.min(b), a.max(b)), index) {
+            let at = root.key("pair").index(index).key("between");
+            let problem = format!("pair[{before}] is a rule of '{a}' and '{b}' already");
+            return Err(at.fault(problem, "say in one rule all that holds for the two, in any order"));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a name can be printed, put into a table and used as a file name.
+fn fit(at: &DocumentPath, whose: &str, name: &str) -> Checked {
+    let refuse = |what: String, remedy: &str| Err(at.fault(format!("{whose} {what}"), remedy));
+    if name.trim().is_empty() {
+        return refuse("is empty".into(), "give a name");
+    }
+    if name.len() > LONGEST {
+        let start: String = name.chars().take(20).collect();
+        return refuse(
+            format!("'{start}...' is {} bytes long", name.len()),
+            &format!("give a name of at most {LONGEST} bytes"),
+        );
+    }
+    if let Some(odd) = name.chars().find(|&c| !is_printable(c)) {
+        return refuse(format!("has the character {}, which does not show", odd.escape_unicode()), "leave it out");
+    }
+    if name.starts_with(['=', '+', '-', '@']) {
+        return refuse(
+            format!("'{name}' begins as a formula does"),
+            "begin with another character: programs for tables would compute it",
+        );
+    }
+    Ok(())
 }

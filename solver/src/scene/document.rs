@@ -1,85 +1,223 @@
-//! The form of a scene's file: which keys there are, and what stands for those that are left out.
+//! Document of a scene: its text, parsed once, from which values and the lines of errors are taken.
 
-use super::types::{earth_gravity, first_seed, slight_overlap};
-use super::{
-    Accuracy, Domain, GrainEntry, GravityChange, Material, PairRule, Population, Scene, SolverSettings, Wall, Watch,
-};
+use super::error::{Fault, SceneError, Step, label, line_at, short, whole_span};
+use super::suggestions::remedy;
+use super::{Scene, TABLES_OF_WHO_MEASURES};
 use serde::Deserialize;
-use serde::de::IgnoredAny;
-use std::collections::BTreeMap;
+use toml::de::{DeTable, DeValue, Deserializer};
+use toml::{Spanned, Table, Value};
 
-/// Tables of a scene's file that say nothing of what is simulated: who measures the scene reads them.
-pub const TABLES_OF_WHO_MEASURES: [&str; 4] = ["prepare", "measure", "output", "compare"];
-
-/// All keys, in the order in which messages list them.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub(super) struct Document {
-    name: String,
-    #[serde(default)]
-    description: String,
-    duration: f64,
-    #[serde(default = "earth_gravity")]
-    gravity: [f64; 3],
-    #[serde(default)]
-    gravity_changes: Vec<GravityChange>,
-    #[serde(default = "first_seed")]
-    seed: u64,
-    domain: Domain,
-    #[serde(default = "slight_overlap")]
-    largest_start_overlap: f64,
-    #[serde(default)]
-    unusual_values: bool,
-    material: BTreeMap<String, Material>,
-    #[serde(default)]
-    pair: Vec<PairRule>,
-    #[serde(default)]
-    wall: Vec<Wall>,
-    #[serde(default)]
-    population: Vec<Population>,
-    #[serde(default)]
-    grain: Vec<GrainEntry>,
-    #[serde(default, rename = "prepare")]
-    #[cfg_attr(feature = "schema", schemars(skip))]
-    _prepare: IgnoredAny,
-    #[serde(default)]
-    accuracy: Option<Accuracy>,
-    #[serde(default)]
-    solver: SolverSettings,
-    #[serde(default)]
-    watch: Watch,
-    #[serde(default, rename = "measure")]
-    #[cfg_attr(feature = "schema", schemars(skip))]
-    _measure: IgnoredAny,
-    #[serde(default, rename = "output")]
-    #[cfg_attr(feature = "schema", schemars(skip))]
-    _output: IgnoredAny,
-    #[serde(default, rename = "compare")]
-    #[cfg_attr(feature = "schema", schemars(skip))]
-    _compare: IgnoredAny,
+/// Text of a scene with the position of each value.
+#[derive(Clone)]
+pub struct Document<'t> {
+    text: &'t str,
+    root: Spanned<DeTable<'t>>,
 }
 
-impl From<Document> for Scene {
-    fn from(document: Document) -> Scene {
-        Scene {
-            name: document.name,
-            description: document.description,
-            duration: document.duration,
-            gravity: document.gravity,
-            gravity_changes: document.gravity_changes,
-            seed: document.seed,
-            domain: document.domain,
-            largest_start_overlap: document.largest_start_overlap,
-            unusual_values: document.unusual_values,
-            material: document.material,
-            pair: document.pair,
-            wall: document.wall,
-            population: document.population,
-            grain: document.grain,
-            accuracy: document.accuracy,
-            solver: document.solver,
-            watch: document.watch,
+impl<'t> Document<'t> {
+    /// Parses a text.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the line, if the text is not TOML.
+    pub fn parse(text: &'t str) -> Result<Document<'t>, SceneError> {
+        let root = DeTable::parse(text).map_err(|error| SceneError::from_toml(text, &error))?;
+        Ok(Document { text, root })
+    }
+
+    /// Reads all tables into a type.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the line.
+    pub fn read<T: Deserialize<'t>>(&self) -> Result<T, SceneError> {
+        let error = |error| SceneError::from_toml(self.text, &error);
+        T::deserialize(Deserializer::from(self.root.clone())).map_err(error)
+    }
+
+    /// Returns true if a table of the document has a key.
+    pub(super) fn has(&self, table: &str, key: &str) -> bool {
+        self.root.get_ref().get(table).is_some_and(|value| value.get_ref().get(key).is_some())
+    }
+
+    /// Byte offsets of the steps of a path, as far as the document has them.
+    pub(super) fn offsets(&self, path: &[Step]) -> Vec<usize> {
+        let mut offsets = Vec::with_capacity(path.len());
+        let mut value: Option<&DeValue<'_>> = None;
+        for step in path {
+            let table = || value.map_or(Some(self.root.get_ref()), |value| value.as_table());
+            let key = |key: &str| table()?.get_key_value(key).map(|(name, next)| (name.span().start, next));
+            let next = match step {
+                Step::Key(name) => key(name),
+                Step::Name(name) => key(name),
+                Step::Index(index) => value.and_then(|value| value.get(*index)).map(|next| (next.span().start, next)),
+            };
+            let Some((offset, next)) = next else { break };
+            offsets.push(offset);
+            value = Some(next.get_ref());
+        }
+        offsets
+    }
+
+    /// Finds a key or an element that was not read into the scene.
+    ///
+    /// Serde ignores keys of a variant without fields, and elements beyond the length of an array. Both are missing where the scene is
+    /// written again; all other unknown keys are errors of reading.
+    pub(super) fn first_unread(&self, scene: &Scene) -> Option<Fault> {
+        let written = Table::try_from(scene).ok()?;
+        let read = |key: &str| !TABLES_OF_WHO_MEASURES.contains(&key);
+        self.root.get_ref().iter().filter(|(key, _)| read(key.get_ref())).find_map(|(key, value)| {
+            unread(
+                &mut vec![Step::Name(key.get_ref().to_string())],
+                value.get_ref(),
+                written.get(key.get_ref().as_ref()),
+            )
+        })
+    }
+}
+
+/// Compares a value of a document with the same one of the scene that is written again, where it is not omitted as the default.
+fn unread(path: &mut Vec<Step>, document: &DeValue<'_>, written: Option<&Value>) -> Option<Fault> {
+    let mut inner = |step: Step, value: &DeValue<'_>, written: Option<&Value>| {
+        path.push(step);
+        let fault = unread(path, value, written);
+        path.pop();
+        fault
+    };
+    match (document, written) {
+        (DeValue::Table(document), written) => {
+            let there = |key: &str| written.and_then(|written| written.get(key));
+            let nested = document.iter().find_map(|(key, value)| {
+                inner(Step::Name(key.get_ref().to_string()), value.get_ref(), there(key.get_ref()))
+            });
+            // Defaults that have a kind, and are omitted, have no other key.
+            let kind_alone = written.is_none_or(|written| written.as_table().is_some_and(|table| table.len() == 1));
+            let kind = document.get("kind").filter(|_| kind_alone).and_then(|kind| kind.get_ref().as_str());
+            let other = document.keys().find(|key| *key.get_ref() != "kind");
+            nested.or_else(|| Some(no_such_key(path, kind?, other?.get_ref())))
+        }
+        (DeValue::Array(document), Some(Value::Array(written))) => {
+            let nested = document
+                .iter()
+                .zip(written)
+                .enumerate()
+                .find_map(|(index, (value, written))| inner(Step::Index(index), value.get_ref(), Some(written)));
+            nested.or_else(|| (document.len() > written.len()).then(|| too_long(path, document.len(), written.len())))
+        }
+        _ => None,
+    }
+}
+
+fn no_such_key(path: &[Step], kind: &str, key: &str) -> Fault {
+    let problem = format!("{}: unknown key '{key}' beside kind = '{kind}'", label(path));
+    let place = path.iter().cloned().chain([Step::Name(key.into())]).collect();
+    let leave_out = || "leave it out, or use one of the known keys: kind".into();
+    Fault::new(place, problem, remedy(key, ["kind"]).unwrap_or_else(leave_out))
+}
+
+fn too_long(path: &[Step], listed: usize, read: usize) -> Fault {
+    let problem = format!("{}: {listed} values are listed, and {read} are read", label(path));
+    let place = path.iter().cloned().chain([Step::Index(read)]).collect();
+    Fault::new(place, problem, format!("give {read} values"))
+}
+
+/// Result of a check.
+pub type Checked = Result<(), Fault>;
+
+/// A place in the document, built up as the check goes down into it.
+#[derive(Clone, Default)]
+pub struct DocumentPath(Vec<Step>);
+
+impl DocumentPath {
+    /// The value of a key of the table here.
+    pub fn key(&self, key: &'static str) -> DocumentPath {
+        self.with(Step::Key(key))
+    }
+
+    /// The value of a name that the document itself gives.
+    pub fn name(&self, name: &str) -> DocumentPath {
+        self.with(Step::Name(name.to_string()))
+    }
+
+    /// An entry of the list here, from 0.
+    pub fn index(&self, index: usize) -> DocumentPath {
+        self.with(Step::Index(index))
+    }
+
+    fn with(&self, step: Step) -> DocumentPath {
+        let mut path = self.0.clone();
+        path.push(step);
+        DocumentPath(path)
+    }
+
+    /// Line (from 1) on which the text of a scene's document says what stands here; `None` where it says nothing of it.
+    pub fn line(&self, text: &str) -> Option<usize> {
+        whole_span(text, &self.0).map(|at| line_at(text, at))
+    }
+
+    pub(super) fn path(&self) -> Vec<Step> {
+        self.0.clone()
+    }
+
+    /// Builds the fault of the value here.
+    pub fn fault(&self, problem: String, remedy: &str) -> Fault {
+        Fault::new(self.path(), format!("{}: {problem}", label(&self.0)), remedy)
+    }
+
+    /// Refuses a number outside a range. `unit` is named in the remedy.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn range(&self, value: f64, low: f64, high: f64, unit: &str) -> Checked {
+        match value.is_finite() && value >= low && value <= high {
+            true => Ok(()),
+            false => {
+                let [value, low, high] = [value, low, high].map(short);
+                Err(self
+                    .fault(format!("{value} is out of range"), &format!("give a number from {low} to {high} {unit}")))
+            }
+        }
+    }
+
+    /// Refuses a number outside the range that it has in most scenes, or, where the scene accepts unusual values, outside one in which it
+    /// can be computed with. `unit` is named in the remedy.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn usual(&self, value: f64, usual: [f64; 2], possible: [f64; 2], unusual_values: bool, unit: &str) -> Checked {
+        let [low, high] = if unusual_values { possible } else { usual };
+        if value.is_finite() && value >= low && value <= high {
+            return Ok(());
+        }
+        let [value, low, high, least, most] = [value, low, high, possible[0], possible[1]].map(short);
+        let remedy = match unusual_values {
+            true => format!("give a number from {low} to {high} {unit}"),
+            false => format!(
+                "give a number from {low} to {high} {unit}; if it is meant, unusual_values = true at the top of the scene accepts \
+                 {least} to {most} {unit}"
+            ),
+        };
+        Err(self.fault(format!("{value} is out of range"), &remedy))
+    }
+
+    /// Refuses a vector that is not of three SI numbers below 1e6.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn finite(&self, vector: &[f64; 3]) -> Checked {
+        match vector.iter().all(|x| x.is_finite() && x.abs() < 1e6) {
+            true => Ok(()),
+            false => Err(self.fault(format!("{vector:?} is not usable"), "give three finite SI numbers below 1e6")),
+        }
+    }
+
+    /// Refuses a vector without a direction.
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn direction(&self, vector: &[f64; 3]) -> Checked {
+        self.finite(vector)?;
+        match vector.iter().map(|x| x * x).sum::<f64>() > 1e-24 {
+            true => Ok(()),
+            false => Err(self.fault("has no direction".into(), "give a vector that is not zero")),
         }
     }
 }

@@ -1,17 +1,17 @@
-//! What is wrong with a scene: where in its document, what is wrong, what would be right.
+//! Errors of scenes: place in the document, problem and remedy.
 //!
 //! The solver knows no files. Who has read the document from one turns the place into a file and a line: [`SceneError::in_file`].
 
 use super::Scene;
-use super::file::SceneFileError;
-use super::wishes::remedy;
+use super::document::Document;
+use super::suggestions::remedy;
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Why a scene was refused.
+/// Error of a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// What it says cannot be simulated.
+    /// A value cannot be simulated.
     #[error(transparent)]
     Invalid(#[from] Fault),
     /// There is no room for the grains.
@@ -20,13 +20,13 @@ pub enum SceneError {
         *bytes as f64 * 1e-9
     )]
     Memory {
-        /// What was asked for, bytes.
+        /// Requested memory, bytes.
         bytes: usize,
     },
 }
 
 impl SceneError {
-    /// The same as an error of a file. `text` is what the file holds, which tells the line; without it the problem names the value by
+    /// Converts the error to that of a file. `text` is the file's, for the line; without it the problem names the value by
     /// its path.
     pub fn in_file(self, file: &Path, text: Option<&str>) -> SceneFileError {
         match self {
@@ -35,8 +35,8 @@ impl SceneError {
         }
     }
 
-    /// What the reader of TOML says of a text.
-    pub fn from_toml(text: &str, error: &toml::de::Error) -> SceneError {
+    /// Converts an error of the TOML reader.
+    pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> SceneError {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         let problem = in_the_words_of_scenes(&error.message().replace('\n', " "));
         let kinds = || error.span().and_then(|span| kinds_at(text, span.start));
@@ -57,7 +57,7 @@ impl SceneError {
     }
 }
 
-/// What stands in a message where a value is no table with a kind.
+/// Phrase in a message for a value that is not a table with a kind.
 const KIND_WANTED: &str = "a table with a kind";
 
 /// A message without the types that read the document.
@@ -83,7 +83,7 @@ pub(super) fn printable(text: &str) -> String {
     text.chars().map(|c| if is_printable(c) { c.to_string() } else { c.escape_unicode().to_string() }).collect()
 }
 
-/// Whether a character shows as itself: no control, and none that changes the direction of what follows.
+/// Returns true if a character shows as itself: no control, and none that changes the direction of what follows.
 pub(super) fn is_printable(c: char) -> bool {
     !c.is_control()
         && !matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
@@ -139,12 +139,12 @@ impl Fault {
         Fault { path, problem, remedy: remedy.into(), see: None, line: None }
     }
 
-    /// The same, with another place that the remedy speaks of.
+    /// Adds another place that the remedy mentions.
     pub(super) fn see(self, path: Vec<Step>) -> Fault {
         Fault { see: Some(path), ..self }
     }
 
-    /// What is wrong, and what would be right, with the path of the place where the problem does not begin with it.
+    /// Problem, which begins with the path of the value, and remedy.
     pub fn in_words(&self) -> (String, String) {
         let path = label(&self.path);
         let problem = match self.problem.starts_with(&path) {
@@ -216,48 +216,68 @@ pub fn line_of(text: &str, path: &[&str]) -> Option<usize> {
     span_start(text, &path.iter().map(step).collect::<Vec<_>>()).map(|at| line_at(text, at))
 }
 
-/// Where a value stands, or the nearest table around it.
+/// Offset of a value, or of the nearest table around it.
 fn span_start(text: &str, path: &[Step]) -> Option<usize> {
-    spans(text, path).last().copied()
+    Document::parse(text).ok()?.offsets(path).last().copied()
 }
 
-/// Where a value stands, if the text has it.
+/// Offset of a value, if the text has it.
 pub(super) fn whole_span(text: &str, path: &[Step]) -> Option<usize> {
-    Some(spans(text, path)).filter(|spans| spans.len() == path.len()).and_then(|spans| spans.last().copied())
-}
-
-/// Where each step of a path stands, as far as the text has them.
-fn spans(text: &str, path: &[Step]) -> Vec<usize> {
-    use toml::de::{DeTable, DeValue};
-    let Ok(document) = DeTable::parse(text) else { return Vec::new() };
-    let mut spans = Vec::with_capacity(path.len());
-    let mut value: Option<&DeValue<'_>> = None;
-    for step in path {
-        let key = match step {
-            Step::Key(key) => *key,
-            Step::Name(name) => name.as_str(),
-            Step::Index(index) => {
-                let Some(next) = value.and_then(|v| v.as_array()).and_then(|a| a.get(*index)) else {
-                    break;
-                };
-                spans.push(next.span().start);
-                value = Some(next.get_ref());
-                continue;
-            }
-        };
-        let table = match value {
-            None => Some(document.get_ref()),
-            Some(v) => v.as_table(),
-        };
-        let Some((name, next)) = table.and_then(|t| t.get_key_value(key)) else {
-            break;
-        };
-        spans.push(name.span().start);
-        value = Some(next.get_ref());
-    }
-    spans
+    let offsets = Document::parse(text).ok()?.offsets(path);
+    offsets.last().copied().filter(|_| offsets.len() == path.len())
 }
 
 pub(super) fn line_at(text: &str, at: usize) -> usize {
     1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count()
+}
+
+/// Error of a scene file.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneFileError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {source}; give a path to a readable TOML file", file.display())]
+    Missing {
+        /// The file.
+        file: PathBuf,
+        /// Error of the system.
+        source: std::io::Error,
+    },
+    /// There is no room for the grains.
+    #[error(
+        "{}: the memory for its grains is not there: {:.1} GB more were asked for; lower the count, or use a machine with more",
+        file.display(),
+        *bytes as f64 * 1e-9
+    )]
+    Memory {
+        /// The file, or what stands for it.
+        file: PathBuf,
+        /// Requested memory, bytes.
+        bytes: usize,
+    },
+    /// The file can be read, but what it says cannot be simulated.
+    #[error("{}{}: {problem}; {remedy}", file.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
+    Invalid {
+        /// The file, or what stands for it where the scene was built in code.
+        file: PathBuf,
+        /// Line, from 1; none where there is no file, and the problem names the field by its path.
+        line: Option<usize>,
+        /// Problem.
+        problem: String,
+        /// Remedy.
+        remedy: String,
+    },
+}
+
+impl Scene {
+    /// Reads and checks a scene file.
+    ///
+    /// # Errors
+    /// [`SceneFileError`] if the file is missing, is not TOML, says something that is not read, holds a value out of range, or prescribes
+    /// a motion that its step passes over.
+    pub fn load(file: impl AsRef<Path>) -> Result<Scene, SceneFileError> {
+        let file = file.as_ref();
+        let missing = |source| SceneFileError::Missing { file: file.to_path_buf(), source };
+        let text = std::fs::read_to_string(file).map_err(missing)?;
+        Scene::parse(&text).map_err(|error| error.in_file(file, Some(&text)))
+    }
 }

@@ -1,9 +1,9 @@
-//! What a scene says: the TOML file as typed data, in SI units, with every range checked.
+//! Scenes: the TOML file as typed data, in SI units, with every range checked.
 //!
 //! [`Scene::load`] is the door. A file that is wrong yields a [`SceneFileError`] that names the file, the
 //! line, what is wrong and what would be right; a text or a scene made in code yields a [`SceneError`] that names
 //! the value by its path. [`populate`](populate()) turns a scene and a seed into the grains
-//! that every code starts from; [`Scene::findings`] tells what its settings are not expected to bear.
+//! that every code starts from; [`Scene::findings`] runs the preflight checks.
 //!
 //! ```
 //! use makadam::{Scene, Simulation};
@@ -43,26 +43,16 @@
 //! ```
 
 mod accuracy;
-mod bearable;
 mod builder;
 mod check;
 mod document;
-mod document_path;
 mod error;
-mod file;
-mod impacts;
-mod names;
-mod nearest;
 mod periodic;
 mod populate;
-#[cfg(feature = "schema")]
-mod schema;
-pub(crate) mod setting_error;
+mod preflight;
 mod settings;
+mod suggestions;
 mod types;
-mod unread;
-mod watch;
-mod wishes;
 
 use crate::effects::EffectSet;
 use crate::effects::catalogue::Meeting;
@@ -72,77 +62,105 @@ use crate::effects::gravity::Field;
 pub use crate::effects::gravity::GravityChange;
 pub use crate::effects::spring::TangentialLaw;
 pub use accuracy::Accuracy;
-pub use bearable::{Beforehand, Finding, Severity};
 pub use builder::{Face, SceneBuilder};
 pub(crate) use check::MOST_GRAINS;
-pub use document::TABLES_OF_WHO_MEASURES;
-pub use document_path::{Checked, DocumentPath};
-pub use error::{Fault, SceneError, line_of};
-pub use file::SceneFileError;
-pub use nearest::{nearest, suggestion};
+pub use document::{Checked, Document, DocumentPath};
+pub use error::{Fault, SceneError, SceneFileError, line_of};
 pub(crate) use periodic::REACHES;
 pub use populate::{Grain, populate};
-#[cfg(feature = "schema")]
-pub use schema::schema;
-use setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
-pub use settings::{MOST_MEMORY, Precision, SolverMethod, SolverSettings, Stop};
+pub use preflight::{Beforehand, Finding, Severity};
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
+pub use settings::{
+    MOST_MEMORY, Obstacle, Precision, Reaction, SettingError, SolverMethod, SolverSettings, Stop, Watch,
+};
+pub(crate) use settings::{method_goes_with, precision_goes_with};
+use std::collections::BTreeMap;
+pub use suggestions::{nearest, suggestion, wish};
+pub(crate) use types::sphere_volume;
 pub use types::{
     Axis, ContactCoefficients, Domain, GrainEntry, Material, Motion, PairRule, Population, RadiusDistribution, Region,
     Shape, Wall,
 };
-pub use watch::{Reaction, Watch};
-pub use wishes::wish;
 
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+/// Tables of a scene's file that describe measurements; the solver passes over them.
+pub const TABLES_OF_WHO_MEASURES: [&str; 4] = ["prepare", "measure", "output", "compare"];
 
 /// A scene: materials, walls, grains, gravity, duration and solver settings.
 ///
 /// The tables `prepare`, `measure`, `output` and `compare` of a scene's file are for who measures it: they are passed over here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(!from))]
-#[serde(from = "document::Document")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Short name, used in tables and file names.
     pub name: String,
     /// One-sentence description; empty if absent.
+    #[serde(default)]
     pub description: String,
     /// Simulated time, seconds.
     pub duration: f64,
     /// Acceleration of gravity, m/s2.
+    #[serde(default = "types::earth_gravity")]
     pub gravity: [f64; 3],
     /// Later values of gravity, linearly interpolated; none if constant.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub gravity_changes: Vec<GravityChange>,
     /// Default seed.
+    #[serde(default = "types::first_seed")]
     pub seed: u64,
     /// Box that no grain may leave, metres.
     pub domain: Domain,
     /// Largest accepted overlap at the start, between grains or with a wall, over the smaller radius.
-    #[serde(skip_serializing_if = "types::is_slight")]
+    #[serde(default = "types::slight_overlap", skip_serializing_if = "types::is_slight")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub largest_start_overlap: f64,
     /// Accepts values that are a mistake in most scenes: steps and intervals of frames down to 1e-15 s, densities from 1e-6 to
     /// 1e9 kg/m3.
-    #[serde(skip_serializing_if = "settings::is_default")]
+    #[serde(default, skip_serializing_if = "settings::is_default")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub unusual_values: bool,
     /// Materials by name.
     pub material: BTreeMap<String, Material>,
     /// Friction and restitution of particular pairs of materials.
+    #[serde(default)]
     pub pair: Vec<PairRule>,
     /// Walls, in the order in which contacts number them.
+    #[serde(default)]
     pub wall: Vec<Wall>,
     /// Groups of grains placed by rule.
+    #[serde(default)]
     pub population: Vec<Population>,
     /// Grains placed one by one.
+    #[serde(default)]
     pub grain: Vec<GrainEntry>,
+    #[serde(default, rename = "prepare", skip_serializing)]
+    #[cfg_attr(feature = "schema", schemars(skip))]
+    #[doc(hidden)]
+    pub _prepare: IgnoredAny,
     /// Target accuracy of the result, which then sets the solver's `step` and `stop`.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
     /// Settings of the solver.
+    #[serde(default)]
     pub solver: SolverSettings,
     /// Settings of the watchdogs.
-    #[serde(skip_serializing_if = "settings::is_default")]
+    #[serde(default, skip_serializing_if = "settings::is_default")]
+    #[cfg_attr(feature = "schema", schemars(!skip_serializing_if))]
     pub watch: Watch,
+    #[serde(default, rename = "measure", skip_serializing)]
+    #[cfg_attr(feature = "schema", schemars(skip))]
+    #[doc(hidden)]
+    pub _measure: IgnoredAny,
+    #[serde(default, rename = "output", skip_serializing)]
+    #[cfg_attr(feature = "schema", schemars(skip))]
+    #[doc(hidden)]
+    pub _output: IgnoredAny,
+    #[serde(default, rename = "compare", skip_serializing)]
+    #[cfg_attr(feature = "schema", schemars(skip))]
+    #[doc(hidden)]
+    pub _compare: IgnoredAny,
 }
 
 impl Scene {
@@ -152,14 +170,22 @@ impl Scene {
     /// [`SceneError`] if the text is not TOML, says something that is not read, holds a value out of range, or prescribes a motion that its
     /// step passes over.
     pub fn parse(text: &str) -> Result<Scene, SceneError> {
-        let mut scene: Scene = toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))?;
-        unread::first_unread(text, &scene).map_or(Ok(()), Err)?;
+        Scene::read(&Document::parse(text)?)
+    }
+
+    /// Reads and checks a document.
+    ///
+    /// # Errors
+    /// [`SceneError`] as [`Scene::parse`].
+    pub fn read(document: &Document<'_>) -> Result<Scene, SceneError> {
+        let mut scene: Scene = document.read()?;
+        document.first_unread(&scene).map_or(Ok(()), Err)?;
         check::check(&scene)?;
         if let Some(accuracy) = scene.accuracy {
-            check::chosen_twice(text)?;
+            check::chosen_twice(document)?;
             scene.ask(accuracy);
         }
-        scene.unbearable(None).map_or(Ok(()), Err)?;
+        scene.check_motion(None)?;
         Ok(scene)
     }
 
@@ -169,7 +195,7 @@ impl Scene {
         (self.solver.step, self.solver.stop) = accuracy.settings(self);
     }
 
-    /// Whether the scene can be solved with a method in a precision: most methods, and single precision, have no equations for
+    /// Checks that the scene can be solved with a method in a precision: most methods, and single precision, have no equations for
     /// torques and driven walls.
     ///
     /// # Errors
@@ -192,12 +218,12 @@ impl Scene {
         self.population.iter().fold(self.grain.len(), |all, population| all.saturating_add(population.count))
     }
 
-    /// Whether the scene can be solved with these settings, all of them in their ranges.
+    /// Returns true if the scene can be solved with these settings, all of them in their ranges.
     pub fn accepts(&self, settings: &SolverSettings) -> bool {
         check::solver(&Scene { solver: settings.clone(), ..self.clone() }).is_ok()
     }
 
-    /// The same scene with every Young's modulus multiplied by `factor` (for the bias of soft grains).
+    /// Returns the scene with every Young's modulus multiplied by `factor` (for the bias of soft grains).
     pub fn with_stiffness_factor(&self, factor: f64) -> Scene {
         let mut scene = self.clone();
         for material in scene.material.values_mut() {
@@ -251,4 +277,11 @@ impl Scene {
             })
             .fold(f64::INFINITY, f64::min)
     }
+}
+
+/// Returns the JSON Schema (draft 2020-12) of a scene's file, as far as the solver reads it: keys with types, defaults and meanings, and the
+/// tables under `$defs`.
+#[cfg(feature = "schema")]
+pub fn schema() -> schemars::Schema {
+    schemars::generate::SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Scene>()
 }

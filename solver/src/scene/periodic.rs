@@ -1,6 +1,6 @@
 //! Whether a scene can repeat itself along the axes that its domain says.
 
-use super::document_path::{Checked, DocumentPath};
+use super::document::{Checked, DocumentPath};
 use super::error::short;
 use super::{Axis, Motion, Scene, Shape, Wall};
 use nalgebra::Vector3;

@@ -13,13 +13,18 @@ pub(super) fn first_seed() -> u64 {
     1
 }
 
+/// Volume of a sphere of a radius (m), m3.
+pub(crate) fn sphere_volume(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius
+}
+
 const SLIGHT_OVERLAP: f64 = 0.01;
 
 pub(super) fn slight_overlap() -> f64 {
     SLIGHT_OVERLAP
 }
 
-/// Whether an overlap is the default, which written scenes leave out so that they keep the hash that recorded results carry.
+/// Returns true if an overlap is the default, which written scenes leave out so that they keep the hash that recorded results carry.
 pub(super) fn is_slight(overlap: &f64) -> bool {
     *overlap == SLIGHT_OVERLAP
 }
@@ -333,7 +338,7 @@ impl Motion {
         }
     }
 
-    /// Whether a force or a torque drives it.
+    /// Returns true if a force or a torque drives it.
     pub fn is_driven(&self) -> bool {
         matches!(self, Motion::ForceDriven { .. } | Motion::TorqueDriven { .. })
     }

@@ -3,13 +3,9 @@
 //! A region is a number of tasks that may run at the same time and in any order; when it returns, all are done. How work is
 //! cut into tasks depends on the scene alone, so a scheduler changes no bit of the result.
 
-mod queue;
 mod shares;
-mod trace;
 
-pub use queue::CentralQueue;
 pub(crate) use shares::{Disjoint, Each, Runs, Shares};
-pub use trace::{Phase, Region, StepTrace};
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
@@ -17,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
-use trace::Tracer;
 
 /// Who takes the next task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -187,5 +182,83 @@ impl Team {
     }
 }
 
+/// Numbers of tasks that are still to be done.
+#[derive(Debug)]
+pub struct CentralQueue {
+    next: Mutex<usize>,
+    count: usize,
+}
+
+impl CentralQueue {
+    /// A queue of the tasks below `count`.
+    pub fn new(count: usize) -> CentralQueue {
+        CentralQueue { next: Mutex::new(0), count }
+    }
+
+    /// Takes the next task; `None` when all are taken.
+    pub fn pop(&self) -> Option<usize> {
+        let mut next = self.next.lock().expect("nothing panics while it holds the lock");
+        let task = *next;
+        (task < self.count).then(|| {
+            *next += 1;
+            task
+        })
+    }
+
+    /// Takes tasks and does them until none is left.
+    pub fn drain(&self, task: &impl Fn(usize)) {
+        while let Some(number) = self.pop() {
+            task(number);
+        }
+    }
+}
+
+/// Phase of a time step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// Candidate list.
+    Detect,
+    /// Gaps, normals, constraint data, lane groups, warm start.
+    Constrain,
+    /// Sweeps.
+    Sweep,
+    /// Forces, motion, remembering impulses.
+    Integrate,
+}
+
+/// Tasks that may run at the same time; the next region starts when all are done.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Region {
+    /// Phase that it belongs to.
+    pub phase: Phase,
+    /// Duration of each task, s. Work that is not cut into tasks is a region of one.
+    pub tasks: Vec<f64>,
+}
+
+/// The regions of a step, in their order.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepTrace {
+    /// Regions.
+    pub regions: Vec<Region>,
+}
+
+/// Gathers regions while a step runs.
+#[derive(Debug, Default)]
+pub(super) struct Tracer {
+    trace: StepTrace,
+}
+
+impl Tracer {
+    pub fn add(&mut self, phase: Phase, tasks: Vec<f64>) {
+        self.trace.regions.push(Region { phase, tasks });
+    }
+
+    pub fn take(&mut self) -> StepTrace {
+        std::mem::take(&mut self.trace)
+    }
+}
+
 #[cfg(test)]
+#[path = "../../tests/unit/schedule.rs"]
 mod tests;

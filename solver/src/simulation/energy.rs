@@ -4,7 +4,7 @@ use crate::Simulation;
 use crate::detect::Candidates;
 use crate::effects::cohesion::Pull;
 use crate::effects::compliance::{NormalContact, NormalLaw};
-use crate::world::World;
+use crate::world::{INERTIA, World};
 use serde::{Deserialize, Serialize};
 
 /// Mechanical energy, J.
@@ -52,7 +52,7 @@ impl Simulation {
         for (sphere, body) in self.world.spheres[..self.world.grains()].iter().zip(&self.world.bodies) {
             let mass = 1.0 / body.inverse_mass;
             let square = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>();
-            energy.kinetic += 0.5 * mass * (square(&body.velocity) + 0.4 * square(&body.scaled_spin));
+            energy.kinetic += 0.5 * mass * (square(&body.velocity) + INERTIA * square(&body.scaled_spin));
             energy.potential -= mass * self.world.gravity.dot(&sphere.centre);
         }
         energy

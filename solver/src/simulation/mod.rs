@@ -13,7 +13,6 @@
 
 pub mod checkpoint;
 pub(crate) mod energy;
-mod interrupted;
 pub(crate) mod intervention;
 pub(crate) mod ledger;
 mod settings;
@@ -75,7 +74,7 @@ pub struct PhaseSeconds {
     pub integrate: f64,
 }
 
-/// What a step did.
+/// Report of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepReport {
     /// The solve.
@@ -105,7 +104,7 @@ impl Simulation {
         world.add_dummies(boxes.boxes());
         let effects = world.table.effects();
         Simulation {
-            relaxation: Relaxation { instruction_set: Available::detect(), scalar: false, effects, prefetch: PREFETCH },
+            relaxation: Relaxation { instruction_set: Available::detect(), effects, prefetch: PREFETCH },
             prefetch: None,
             candidates: Candidates::new(&boxes, &world, skin, settings.step, effects.torques()),
             constrainer: Constrainer::new(&world, settings),
@@ -128,7 +127,6 @@ impl Simulation {
     /// Goes on as another simulation of the same scene, but with the grains and contacts that it has.
     fn go_on_as(&mut self, other: &Simulation) {
         self.relaxation.instruction_set = other.relaxation.instruction_set;
-        self.relaxation.scalar = other.relaxation.scalar;
         self.use_prefetch(other.prefetch);
         self.layout.plan.set_portion(other.layout.plan.portion());
         self.team = other.team.clone();
@@ -237,24 +235,5 @@ impl Simulation {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn set_up_fetches_ahead_what_is_too_large_for_the_cache() {
-        let fetches = |count: usize| {
-            let text = format!(
-                "name = 'cloud'\ndescription = ''\nduration = 1\ngravity = [0, 0, 0]\n\
-                 domain = {{ min = [0, 0, 0], max = [1, 1, 1] }}\n\
-                 [material.grain]\ndensity = 2500\nyoungs_modulus = 1e7\npoisson_ratio = 0.3\nrestitution = 0.5\nfriction = 0\n\
-                 [[population]]\ncount = {count}\nmaterial = 'grain'\nradius = {{ kind = 'uniform', mean = 0.005, spread = 0 }}\n\
-                 region = {{ kind = 'box', min = [0, 0, 0], max = [1, 1, 1] }}\n"
-            );
-            let mut simulation = Simulation::new(&Scene::parse(&text).unwrap(), 1).unwrap();
-            assert_eq!(simulation.step().contacts, 0, "bodies alone count");
-            simulation.constrainer.fetches
-        };
-        assert!(!fetches(1_000), "64 KB of bodies");
-        assert!(fetches(20_000), "1.3 MB of bodies");
-    }
-}
+#[path = "../../tests/unit/simulation.rs"]
+mod tests;

@@ -1,12 +1,13 @@
-//! How the steps to come are carried out and solved. What cannot be done is refused, and nothing changes.
+//! Settings of the steps to come, and interrupts. An impossible setting is refused, and nothing changes.
 
 use super::Simulation;
+use crate::interrupt::{Interrupt, is_heeded};
 use crate::lanes::InstructionSet;
 use crate::methods::Solver;
 use crate::partition::Portion;
-use crate::scene::setting_error::{Obstacle, SettingError, method_goes_with, precision_goes_with};
-use crate::scene::{Precision, SolverMethod, Stop};
+use crate::scene::{Obstacle, Precision, SettingError, SolverMethod, Stop, method_goes_with, precision_goes_with};
 use crate::schedule::{Scheduler, Team};
+use crate::world::World;
 
 impl Simulation {
     /// Works on another instruction set than the one found at start; all give the same bits.
@@ -21,12 +22,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Sweeps one contact at a time instead of eight, with the same bits: the baseline that lanes are measured against.
-    pub fn use_scalar_sweeps(&mut self, scalar: bool) {
-        self.relaxation.scalar = scalar;
-    }
-
-    /// What goes with Gauss-Seidel in double precision alone, if the scene has it.
+    /// Property of the scene that only Gauss-Seidel in double precision has equations for.
     fn obstacle(&self) -> Option<Obstacle> {
         Obstacle::of_scene(
             self.relaxation.effects.torques(),
@@ -70,7 +66,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Whether a method can solve the steps to come.
+    /// Checks that a method can solve the steps to come.
     ///
     /// # Errors
     /// As for [`use_method`](Simulation::use_method).
@@ -92,5 +88,49 @@ impl Simulation {
             |error: rayon::ThreadPoolBuildError| SettingError::NoThreads { threads, reason: error.to_string() };
         self.team = Team::new(scheduler, threads).map_err(refused)?;
         Ok(())
+    }
+}
+
+impl Simulation {
+    /// Handle that stops a step of this simulation, and of its clones, from another thread: see [`interrupt`](crate::interrupt). Solves of
+    /// at most 64 sweeps do not look.
+    pub fn interrupt_handle(&self) -> Interrupt {
+        self.interrupt.clone()
+    }
+
+    /// Stops when this is asked to: one request may stop many simulations.
+    pub fn heed(&mut self, interrupt: Interrupt) {
+        self.interrupt = interrupt;
+    }
+
+    /// Returns true if its solves may be so long that they look whether they are to stop.
+    pub fn heeds_interrupts(&self) -> bool {
+        is_heeded(&self.settings)
+    }
+
+    /// Returns true if spins at the start of a step are kept: friction may go by how contacts slide, and a step may be abandoned.
+    pub(crate) fn keeps_spins(&self) -> bool {
+        let effects = &self.relaxation.effects;
+        effects.kinetic_friction() || (effects.tangential() && is_heeded(&self.settings))
+    }
+
+    /// Goes back to the start of a step whose solve was interrupted.
+    pub(crate) fn abandon_step(&mut self) {
+        let World { bodies, before, spins_before, drives, .. } = &mut self.world;
+        for (body, before) in bodies.iter_mut().zip(before) {
+            let [x, y, z, _] = before.0;
+            body.velocity = [x, y, z];
+        }
+        for (body, before) in bodies.iter_mut().zip(spins_before) {
+            let [x, y, z, _] = before.0;
+            body.scaled_spin = [x, y, z];
+        }
+        drives.iter_mut().for_each(|drive| drive.rate = drive.rate_before);
+        self.abandon_torques();
+        self.layout.contacts = 0;
+        self.layout.driven.clear();
+        for groups in &mut self.layout.groups {
+            groups.empty(self.relaxation.effects);
+        }
     }
 }

@@ -21,10 +21,7 @@ use crate::effects::friction::disc_shrinkage;
 use crate::groups::{ContactLanes, PairGroup, Tangential};
 use crate::lanes::{LANES, Lanes, Number, SINGLE_LANES, SingleLanes, Slots, TaskSlots, cross, dot, minus, plus, times};
 use crate::partition::SingleBody;
-use crate::world::Body;
-
-/// Inverse of `I/(m r^2)` for a solid sphere.
-pub(crate) const INVERSE_INERTIA: f64 = 2.5;
+use crate::world::{Body, INVERSE_INERTIA};
 
 /// One body, or eight.
 #[derive(Clone, Copy)]
@@ -79,18 +76,6 @@ impl Bodies<f64> {
         Self { velocity, inverse_mass, scaled_spin, inverse_radius }
     }
 
-    /// Loads one body of a task.
-    pub fn load_one(bodies: TaskSlots<'_, Body>, place: u32) -> Self {
-        Bodies::of(&bodies.get(place))
-    }
-
-    /// Stores the velocities of one body of a task; without friction its spin is left as it is.
-    pub fn store_one<E: Effects>(&self, bodies: TaskSlots<'_, Body>, place: u32) {
-        let mut body = bodies.get(place);
-        self.put::<E>(&mut body);
-        bodies.set(place, body);
-    }
-
     /// Becomes the velocities of a body; without friction its spin is left as it is.
     #[inline(always)]
     pub fn put<E: Effects>(&self, body: &mut Body) {
@@ -113,7 +98,7 @@ impl<N: Number> Bodies<N> {
     }
 }
 
-/// What a contact asks of its two bodies together.
+/// Relative motion of the two bodies of a contact.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair<N> {
     /// Velocity of the second less that of the first, m/s.
@@ -148,7 +133,7 @@ impl<L: Lanes> Pair<L> {
         Self { velocity: [x, y, z], inverse_mass, scaled_spin: [along_x, along_y, along_z] }
     }
 
-    /// The same without spin, with the bodies kept.
+    /// Loads eight pairs without spin, and returns the bodies.
     #[inline(always)]
     pub fn load_keeping<T>(bodies: Slots<'_, Body>, group: &PairGroup<T>) -> (Self, [L::Kept; 2]) {
         let ([x, y, z, inverse_mass], kept) = bodies.load_keeping::<L>(&group.first, &group.second);
@@ -257,7 +242,7 @@ impl<N: Number> Contact<N> {
         if E::SPRING { operator + self.spring.compliance } else { operator }
     }
 
-    /// What has to vanish across the normal while the contact sticks, given its velocity there: that, or the spring's law.
+    /// Residual of sticking across the normal, given the velocity there: that, or the spring's law.
     #[inline(always)]
     pub fn sliding<E: Effects>(&self, tangential: [N; 3]) -> [N; 3] {
         if !E::SPRING {

@@ -1,33 +1,31 @@
 //! One relaxation of a task's lane groups, in the same arithmetic on every instruction set.
 
-mod bytes;
 mod driven;
 pub(crate) mod kernel;
 mod pairs;
 mod residual;
-mod scalar;
 mod single;
-mod stages;
 mod torques;
-
-pub use bytes::SweepBytes;
-pub(crate) use driven::{start_driven, tell_driven};
-pub(crate) use residual::{Directions, LaneResidual, Off, ResidualLevel, TaskResidual};
-use residual::{MeasuredLevel, with_level};
-pub use residual::{Residual, Residuals};
-pub(crate) use stages::{SweepOperands, SweepPass};
 
 use crate::detect::{AngularImpulse, Impulse, ImpulsesOfTask};
 use crate::effects::{EffectSet, Effects, Frictionless, with_effects};
 use crate::groups::{
-    ContactLanes, ContactLayout, ImpactLanes, ImpactMemory, Sources, Tangential, WallTorqueLanes, with_pairs,
+    ContactLanes, ContactLayout, ImpactLanes, ImpactMemory, PairGroup, Sources, Tangential, TorqueLanes, WallGroup,
+    WallTorqueLanes, with_pairs,
 };
-use crate::lanes::{Available, Eight, Kernel, Lanes, Number, PREFETCH, TaskSlots, cross, prefetch_places, times};
-use crate::partition::{TaskGroups, overlapped};
+use crate::lanes::{
+    Available, Eight, Kernel, LANES, Lanes, Number, PREFETCH, TaskSlots, cross, prefetch_places, times,
+};
+use crate::partition::{ByBodies, ByNumber, ByPlace, Plan, SingleCopy, TaskGroups, TaskShares, overlapped};
+use crate::schedule::{Phase, Team};
 use crate::world::Body;
-pub(crate) use kernel::INVERSE_INERTIA;
+pub(crate) use driven::{start_driven, tell_driven};
 use kernel::{Bodies, Contact, Pair, push_each};
+pub(crate) use residual::{Directions, LaneResidual, Off, ResidualLevel, TaskResidual};
+use residual::{MeasuredLevel, with_level};
+pub use residual::{Residual, Residuals};
 use std::marker::PhantomData;
+
 pub(crate) use torques::Torque;
 
 /// The relaxation that a scene calls for, on the instruction set that was chosen.
@@ -35,11 +33,9 @@ pub(crate) use torques::Torque;
 pub struct Relaxation {
     /// Instruction set of the kernel.
     pub instruction_set: Available,
-    /// One contact at a time instead of eight: what lanes are measured against. In double precision only.
-    pub scalar: bool,
     /// Effects that the kernels are compiled with; without friction bodies carry no spin through the sweep.
     pub effects: EffectSet,
-    /// How many lane groups ahead bodies are fetched into the cache; 0 for not at all.
+    /// Number of lane groups ahead whose bodies are fetched into the cache; 0 for not at all.
     pub prefetch: usize,
 }
 
@@ -70,7 +66,7 @@ struct Pull<'a> {
 struct Remember<'a> {
     groups: &'a TaskGroups,
     impulses: ImpulsesOfTask<'a>,
-    /// Whether there are tangential springs.
+    /// True if there are tangential springs.
     springs: bool,
 }
 
@@ -84,25 +80,10 @@ impl Relaxation {
         level: ResidualLevel,
         residual: &mut TaskResidual,
     ) {
-        with_effects!(self.effects, E => {
-            with_level!(level, G => self.dispatch::<E, G>(bodies, groups, factor, residual))
-        })
-    }
-
-    fn dispatch<E: Effects, G: MeasuredLevel>(
-        &self,
-        bodies: TaskSlots<'_, Body>,
-        groups: &mut TaskGroups,
-        factor: f64,
-        residual: &mut TaskResidual,
-    ) {
-        if self.scalar {
-            scalar::sweep::<E, G>(bodies, groups, factor, residual);
-        } else {
-            let prefetch = self.prefetch;
-            let compiled = PhantomData;
-            self.instruction_set.run(Sweep::<E, G> { bodies, groups, factor, prefetch, residual, compiled });
-        }
+        let prefetch = self.prefetch;
+        with_effects!(self.effects, E => with_level!(level, G => {
+            self.instruction_set.run(Sweep::<E, G> { bodies, groups, factor, prefetch, residual, compiled: PhantomData });
+        }))
     }
 
     /// Gives bodies the impulses that a task's contacts start from, and those with which cohesion pulls at them.
@@ -132,11 +113,13 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
     fn run<L: Lanes>(mut self) {
         let factor = L::splat(self.factor);
         let mut residual = LaneResidual::<L>::read(self.residual);
+        // Pairs of grains.
         if const { overlapped::<L>(E::FRICTION, E::TORQUES) } {
             self.relax_overlapped::<L>(factor, &mut residual);
         } else {
             self.relax_in_turn::<L>(factor, &mut residual);
         }
+        // Contacts with walls of prescribed motion; those with driven walls follow once for all tasks.
         let prescribed = self.groups.prescribed_walls();
         for (number, group) in self.groups.walls[..prescribed].iter_mut().enumerate() {
             let mut grain = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.body);
@@ -148,15 +131,14 @@ impl<E: Effects, G: MeasuredLevel> Kernel for Sweep<'_, E, G> {
                 push_each::<L, E>(self.bodies, &group.body, -1.0, push);
                 continue;
             }
+            // The torque of the contact, at the spin that the impulse has left.
             grain.push::<E>(-1.0, push[0], push[1]);
-            if E::TORQUES {
-                let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
-                let mut torque = Torque::read(torques, L::load);
-                let bearing = (contact.normal, contact.impulse_normal);
-                let wall_spin = wall_spin.each_ref().map(L::load);
-                torque.relax_wall::<E, G>(bearing, &mut grain, wall_spin, factor, &mut residual);
-                torque.write(torques, L::store);
-            }
+            let WallTorqueLanes { wall_spin, torques } = &mut self.groups.wall_torques[number];
+            let mut torque = Torque::read(torques, L::load);
+            let bearing = (contact.normal, contact.impulse_normal);
+            let wall_spin = wall_spin.each_ref().map(L::load);
+            torque.relax_wall::<E, G>(bearing, &mut grain, wall_spin, factor, &mut residual);
+            torque.write(torques, L::store);
             grain.store::<E>(self.bodies, &group.body);
         }
         if G::ANY {
@@ -176,6 +158,7 @@ impl<E: Effects> Kernel for Start<'_, E> {
                 prefetch_places(self.bodies.as_ptr(), &ahead.first);
                 prefetch_places(self.bodies.as_ptr(), &ahead.second);
             }
+            // Impulses of the last step, with their levers.
             let contact = Contact::read(&group.contacts, L::load);
             let impulse = contact.impulse();
             let lever = cross(contact.normal, impulse);
@@ -187,11 +170,10 @@ impl<E: Effects> Kernel for Start<'_, E> {
             let mut second = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.second);
             first.push::<E>(-1.0, impulse, lever);
             second.push::<E>(1.0, impulse, lever);
-            if E::TORQUES {
-                let impulse = Torque::read(&self.groups.pair_torques[number], L::load).impulse;
-                first.turn(-1.0, impulse);
-                second.turn(1.0, impulse);
-            }
+            // Angular impulses of the last step.
+            let angular_impulse = Torque::read(&self.groups.pair_torques[number], L::load).impulse;
+            first.turn(-1.0, angular_impulse);
+            second.turn(1.0, angular_impulse);
             first.store::<E>(self.bodies, &group.first);
             second.store::<E>(self.bodies, &group.second);
         }
@@ -205,9 +187,7 @@ impl<E: Effects> Kernel for Start<'_, E> {
             }
             let mut grain = Bodies::<L>::load::<E>(self.bodies.to_read(), &group.body);
             grain.push::<E>(-1.0, impulse, lever);
-            if E::TORQUES {
-                grain.turn(-1.0, Torque::read(&self.groups.wall_torques[number].torques, L::load).impulse);
-            }
+            grain.turn(-1.0, Torque::read(&self.groups.wall_torques[number].torques, L::load).impulse);
             grain.store::<E>(self.bodies, &group.body);
         }
     }
@@ -265,6 +245,7 @@ fn remember<L: Lanes, T: Tangential>(
 ) {
     let spring = if springs { contacts.tangential.spring() } else { None };
     if sources.is_full() {
+        // All lanes at once.
         let contact = Contact::read(contacts, L::load);
         let mut tangential = contact.impulse_tangential;
         if let Some(spring) = spring {
@@ -274,6 +255,7 @@ fn remember<L: Lanes, T: Tangential>(
         let [x, y, z] = tangential;
         impulses.store_quads(&sources.or(u32::MAX), [contact.impulse_normal, x, y, z]);
     } else {
+        // Padding lanes have no candidate.
         for (lane, candidate) in sources.occupied() {
             let springy = spring.is_none_or(|spring| spring.compliance.0[lane] > 0.0);
             let tangential = if springy { contacts.tangential_impulse(lane) } else { [0.0; 3] };
@@ -301,5 +283,127 @@ fn remember_torques(groups: &TaskGroups, impulses: ImpulsesOfTask<'_>) {
         for (lane, candidate) in sources.occupied() {
             impulses.set(candidate as u32, AngularImpulse(torques.angular_impulse(lane)));
         }
+    }
+}
+
+/// Bodies and groups of sweeps, in one of the precisions.
+pub(crate) enum SweepOperands<'a> {
+    Double { bodies: &'a mut [Body], groups: &'a mut [TaskGroups] },
+    Single(&'a mut SingleCopy),
+}
+
+/// Relaxation of tasks: number of times in turn, and residual level of the last.
+pub(crate) struct SweepPass<F> {
+    /// Relaxation factor.
+    pub factor: f64,
+    /// Times that each task is relaxed.
+    pub inner: u32,
+    /// Returns true to skip the remaining times; polled where there are several.
+    pub stops: F,
+    /// Residual level of the last time.
+    pub level: ResidualLevel,
+}
+
+impl Relaxation {
+    /// Relaxes every task as the pass says, stage after stage; returns the summed residuals of the last time, with `residuals` for room.
+    pub(crate) fn sweep_all(
+        &self,
+        plan: &Plan,
+        operands: SweepOperands<'_>,
+        pass: &SweepPass<impl Fn() -> bool + Sync>,
+        residuals: &mut Vec<TaskResidual>,
+        team: &Team,
+    ) -> TaskResidual {
+        let factor = pass.factor;
+        match operands {
+            SweepOperands::Double { bodies, groups } => {
+                let shares = (ByBodies::of(bodies), ByNumber::of(groups));
+                pass.run(plan, shares, residuals, team, |(bodies, groups), level, residual| {
+                    self.sweep(*bodies, groups, factor, level, residual);
+                })
+            }
+            SweepOperands::Single(copy) => {
+                let shares = (ByBodies::of(&mut copy.bodies), ByNumber::of(&mut copy.groups));
+                pass.run(plan, shares, residuals, team, |(bodies, groups), level, residual| {
+                    self.sweep_single(*bodies, groups, factor, level, residual);
+                })
+            }
+        }
+    }
+}
+
+impl<F: Fn() -> bool + Sync> SweepPass<F> {
+    fn run<S: TaskShares>(
+        &self,
+        plan: &Plan,
+        shares: S,
+        residuals: &mut Vec<TaskResidual>,
+        team: &Team,
+        sweep: impl Fn(&mut S::Share, ResidualLevel, &mut TaskResidual) + Sync,
+    ) -> TaskResidual {
+        let measured = self.level != ResidualLevel::Off;
+        residuals.clear();
+        residuals.resize(if measured { plan.tasks().len() } else { 0 }, TaskResidual::default());
+        let shares = (shares, measured.then(|| ByPlace::of(residuals)));
+        plan.run_stages(
+            team,
+            Phase::Sweep,
+            |_| {},
+            shares,
+            |_, _, (mut own, mut residual)| {
+                let mut unused = TaskResidual::default();
+                for time in 1..=self.inner {
+                    if self.inner > 1 && (self.stops)() {
+                        break;
+                    }
+                    match &mut residual {
+                        Some(residual) if time == self.inner => sweep(&mut own, self.level, residual),
+                        _ => sweep(&mut own, ResidualLevel::Off, &mut unused),
+                    }
+                }
+            },
+        );
+        // Summed in the order of tasks, whoever did them.
+        let mut total = TaskResidual::default();
+        residuals.iter().for_each(|own| total.merge(own));
+        total
+    }
+}
+
+/// Arrays of impulses that a sweep writes: one along the normal, and three components of each other kind.
+const NORMAL: usize = size_of::<Eight>();
+/// See [`NORMAL`].
+const VECTOR: usize = 3 * size_of::<Eight>();
+
+/// Memory traffic of a sweep, bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SweepBytes {
+    /// All that it touches, each byte once: lane groups and a cache line a grain.
+    pub touched: usize,
+    /// Traffic where nothing stays in a cache between sweeps: lane groups are read and their impulses written, each grain is read and
+    /// written once, since a box's grains stay in the innermost cache while its contacts are relaxed. Padding lanes move too.
+    pub moved: usize,
+}
+
+impl EffectSet {
+    /// Bytes of a contact of two grains in its lane groups.
+    pub fn bytes_of_contact(&self) -> usize {
+        self.bytes_of_pairs() / LANES
+    }
+
+    /// Bytes of the lane groups of eight contacts of two grains.
+    pub(crate) fn bytes_of_pairs(&self) -> usize {
+        let torques = if self.torques() { size_of::<TorqueLanes>() } else { 0 };
+        with_effects!(*self, E => size_of::<PairGroup<<E as Effects>::Tangential>>()) + torques
+    }
+
+    /// Bytes of the lane groups of eight contacts with walls, which have room for friction in any case.
+    pub(crate) fn bytes_of_walls(&self) -> usize {
+        size_of::<WallGroup>() + if self.torques() { size_of::<WallTorqueLanes>() } else { 0 }
+    }
+
+    /// Bytes of the impulses of eight contacts, which a sweep writes.
+    pub(crate) fn bytes_written(&self) -> usize {
+        NORMAL + usize::from(self.tangential()) * VECTOR + usize::from(self.torques()) * VECTOR
     }
 }

@@ -1,4 +1,4 @@
-//! How far a sweep still moved the contacts: |delta lambda| S, in m/s, for the normal and two tangential directions, and for the
+//! Residuals of a sweep: |delta lambda| S, in m/s, for the normal and two tangential directions, and for the
 //! turning of two surfaces against each other.
 
 /// Normal, two tangential, and turning.
@@ -38,7 +38,7 @@ impl Residuals {
     }
 }
 
-/// What a sweep tells of its residuals.
+/// Detail of the residuals of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ResidualLevel {
     /// Nothing.
@@ -51,9 +51,9 @@ pub(crate) enum ResidualLevel {
 
 /// A level that kernels are compiled with.
 pub(crate) trait MeasuredLevel {
-    /// Whether it tells anything.
+    /// True if it tells anything.
     const ANY: bool;
-    /// Whether it tells directions apart, and maxima.
+    /// True if it tells directions apart, and maxima.
     const DIRECTIONS: bool;
 }
 
@@ -108,7 +108,7 @@ pub(crate) struct LaneResidual<N> {
     largest: [N; DIRECTIONS],
 }
 
-/// The same sums in memory: what a task leaves.
+/// Sums of a task in memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TaskResidual {
     squares: [Eight; DIRECTIONS],

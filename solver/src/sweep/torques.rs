@@ -1,11 +1,12 @@
 //! Relaxation of the angular impulse of a contact: see [`resistance`](crate::effects::resistance).
 
-use super::kernel::{Bodies, INVERSE_INERTIA};
+use super::kernel::Bodies;
 use super::residual::{LaneResidual, MeasuredLevel};
 use crate::effects::Effects;
 use crate::effects::resistance::bearable;
 use crate::groups::TorqueLanes;
 use crate::lanes::{Number, minus, plus, times};
+use crate::world::INVERSE_INERTIA;
 
 /// Levers and angular impulse of one contact, or of eight.
 #[derive(Clone, Copy)]

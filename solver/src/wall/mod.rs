@@ -61,7 +61,7 @@ struct WallFace {
     wall: u32,
     /// Number of the wall's material.
     material: u8,
-    /// Whether the wall's motion maps it onto itself, so that only velocities change.
+    /// True if the wall's motion maps it onto itself, so that only velocities change.
     in_place: bool,
 }
 
@@ -77,7 +77,7 @@ pub(crate) struct WallsAt<'a> {
 pub struct PlacedFace<'a> {
     /// As the scene places it.
     placed: &'a Face,
-    /// Where it stands, if that is elsewhere: most walls are at rest, and their faces are not copied.
+    /// Pose, if it differs from the scene's: most walls are at rest, and their faces are not copied.
     moved: Option<Face>,
     pose: &'a Pose,
     in_place: bool,
@@ -119,7 +119,7 @@ impl Walls {
         self.faces[face as usize].material
     }
 
-    /// Whether any of them ever moves.
+    /// Returns true if any of them ever moves.
     pub fn any_moves(&self) -> bool {
         self.walls.iter().any(|wall| wall.movement.moves())
     }
@@ -180,7 +180,7 @@ impl Walls {
         self.walls.iter_mut().for_each(|wall| wall.movement.enter_list());
     }
 
-    /// Where a drive had a wall then, m or rad.
+    /// Displacement of a driven wall then, m or rad.
     pub(crate) fn displacement_in_list(&self, wall: u32) -> f64 {
         self.walls[wall as usize].movement.displacement_in_list()
     }
@@ -192,12 +192,12 @@ impl Walls {
         walls.map(|wall| wall.movement.largest_shift(from, to, radius)).fold(0.0, f64::max)
     }
 
-    /// Where the walls stand at a time (s), with their velocities there; driven ones as they were last put.
+    /// Poses of the walls at a time (s), with their velocities there; driven ones as they were last put.
     pub fn poses(&self, time: f64) -> impl Iterator<Item = Pose> + '_ {
         self.walls.iter().map(move |wall| wall.movement.at(time))
     }
 
-    /// The same at the start of a step of length `step` (s), with the velocities that count in it: where a wall vibrates, the mean one.
+    /// Poses of the walls at the start of a step of length `step` (s), with the velocities that count in it: where a wall vibrates, the mean one.
     pub(crate) fn poses_over(&self, time: f64, step: f64) -> impl Iterator<Item = Pose> + '_ {
         self.walls.iter().map(move |wall| wall.movement.over(time, step))
     }
@@ -257,7 +257,7 @@ impl<'a> WallsAt<'a> {
         self.ask(number, |face, _, _| face.distance(point))
     }
 
-    /// Whether a grain has a contact in a step (s) with the face of a number, given its centre (m) and its velocity (m/s), its radius
+    /// Returns true if a grain has a contact in a step (s) with the face of a number, given its centre (m) and its velocity (m/s), its radius
     /// and the gap up to which contacts count (m); and the distance from its centre to the face (m). A swept contact is one, too: that of
     /// a grain which moves by more than its radius against the wall, and would otherwise be deep behind the face, or on the other side
     /// of a shell, before the two are seen to touch.
@@ -317,7 +317,7 @@ impl<'a> WallsAt<'a> {
         walls.map(|((number, wall), pose)| (number, pose, wall.faces.clone()))
     }
 
-    /// Whether the faces of a wall are found by an index: they then come in no order, and perhaps more than once.
+    /// Returns true if the faces of a wall are found by an index: they then come in no order, and perhaps more than once.
     pub fn has_index(&self, wall: u32) -> bool {
         self.walls.walls[wall as usize].index.is_some()
     }
@@ -338,7 +338,7 @@ impl<'a> WallsAt<'a> {
         }
     }
 
-    /// The same of all walls, given the radius for a wall with a pose.
+    /// Visits the faces of all walls, given the radius for a wall with a pose.
     pub fn for_each_near(
         &self,
         point: &Vector,
@@ -373,7 +373,7 @@ impl PlacedFace<'_> {
         self.shape().nearest(centre, travel)
     }
 
-    /// Whether a grain comes to a swept contact with the face: see [`WallsAt::touches`].
+    /// Returns true if a grain comes to a swept contact with the face: see [`WallsAt::touches`].
     pub(crate) fn is_swept(&self, centre: &Vector, radius: f64, velocity: &Vector, step: f64) -> bool {
         let path = self.path(centre, velocity, step);
         path.norm_squared() > radius * radius && self.shape().time_of_impact(centre, &path, radius).is_some()
@@ -384,7 +384,7 @@ impl PlacedFace<'_> {
         self.pose.path(from, velocity, step, self.in_place)
     }
 
-    /// Where a path from a point first comes within `level` (m) of the face, having begun farther away.
+    /// First point where a path from a point comes within `level` (m) of the face, having begun farther away.
     pub(crate) fn time_of_impact(&self, from: &Vector, path: &Vector, level: f64) -> Option<Impact> {
         self.shape().time_of_impact(from, path, level)
     }
@@ -417,7 +417,7 @@ impl PlacedFace<'_> {
     }
 }
 
-/// Whether a wall would jump, or a vibration change its phase, where a scene is simulated for a time (s) and its clock then goes back to
+/// Returns true if a wall would jump, or a vibration change its phase, where a scene is simulated for a time (s) and its clock then goes back to
 /// zero: its prescribed motion begins before, and does not lead back to the same surface. What a drive has moved stays where it is.
 pub fn jumps_back(wall: &scene::Wall, domain: &Domain, time: f64) -> bool {
     let faces = Face::of_shape(&wall.shape, domain);
@@ -478,7 +478,7 @@ impl PlacedWalls {
         (0..self.walls.faces() as u32).map(move |face| placed.distance(face, point))
     }
 
-    /// Where a point (m) of a wall, as the scene places it, stands.
+    /// Position of a point (m) of a wall that the scene places.
     pub fn point_of(&self, wall: usize, point: &Vector) -> Vector {
         self.poses[wall].in_world(point)
     }

@@ -35,18 +35,18 @@ type Vector = Vector3<f64>;
 /// Share of a time by which the sum of its steps may be longer.
 const ROUNDING: f64 = 1e-9;
 
-/// How a wall moves: as the scene prescribes, or as a drive has moved it.
+/// Motion of a wall: as the scene prescribes, or as a drive has moved it.
 #[derive(Clone, Debug)]
 pub(super) struct Movement {
     pub(super) motion: Motion,
-    /// Whether a rotation moves any of its faces, rather than mapping them onto themselves.
+    /// True if a rotation moves any of its faces, rather than mapping them onto themselves.
     pub(super) turns: bool,
-    /// How the caller moves it, in place of what the scene prescribes.
+    /// Motion that the caller prescribes instead of the scene.
     pub(super) steered: Option<Steered>,
-    /// How far a drive has moved it, m or rad, now and when the candidate list was built; zero where nothing drives it.
+    /// Displacement by a drive, m or rad, now and when the candidate list was built; zero where nothing drives it.
     displacement: f64,
     displacement_in_list: f64,
-    /// How fast a drive moves it, m/s or rad/s.
+    /// Velocity by a drive, m/s or rad/s.
     rate: f64,
 }
 
@@ -55,13 +55,13 @@ pub(super) struct Movement {
 pub struct Pose {
     pub(super) displacement: Displacement,
     pub(super) velocity: Vector,
-    /// What it has gained since the step before, by speeding up.
+    /// Gain of velocity since the step before.
     pub(super) gain: Vector,
     /// Of faces that the rotation moves.
     pub(super) turning: Turning,
     /// Of faces that it maps onto themselves.
     pub(super) in_place: Turning,
-    /// Whether there are faces that the rotation moves.
+    /// True if there are faces that the rotation moves.
     turns: bool,
 }
 
@@ -70,13 +70,13 @@ pub struct Pose {
 pub struct DrivenWall {
     /// Its place in the scene's list of walls.
     pub wall: u32,
-    /// How far it is from where the scene placed it, along or about its axis, m or rad.
+    /// Displacement from the place in the scene, along or about its axis, m or rad.
     pub displacement: f64,
-    /// How fast it moves, m/s or rad/s.
+    /// Velocity, m/s or rad/s.
     pub rate: f64,
 }
 
-/// Where a wall stands, from where the scene places it.
+/// Pose of a wall relative to its place in the scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Displacement {
     Nowhere,
@@ -130,7 +130,7 @@ impl Movement {
         Movement { motion: motion.clone(), turns, steered: None, displacement, displacement_in_list, rate }
     }
 
-    /// Where a drive has moved it, m or rad, and how fast it moves it, m/s or rad/s. What nothing drives takes no notice.
+    /// Sets displacement (m or rad) and velocity (m/s or rad/s) of a driven wall. What nothing drives takes no notice.
     pub fn put(&mut self, displacement: f64, rate: f64) {
         (self.displacement, self.rate) = (displacement, rate);
     }
@@ -141,7 +141,7 @@ impl Movement {
         self.steered.iter_mut().for_each(Steered::enter_list);
     }
 
-    /// Where a drive had it then, m or rad.
+    /// Displacement by a drive then, m or rad.
     pub fn displacement_in_list(&self) -> f64 {
         self.displacement_in_list
     }
@@ -196,7 +196,7 @@ impl Movement {
         pose
     }
 
-    /// Whether any of its faces would jump, or a vibration change its phase, if the clock went back from a time (s) to zero, in a scene of
+    /// Returns true if any of its faces would jump, or a vibration change its phase, if the clock went back from a time (s) to zero, in a scene of
     /// this extent, m. What a drive has moved stays where it is.
     pub fn jumps_back(&self, time: f64, faces: &[Face], extent: f64) -> bool {
         let (Motion::Translating { start, .. } | Motion::Rotating { start, .. } | Motion::Vibrating { start, .. }) =
@@ -233,7 +233,7 @@ impl Movement {
         }
     }
 
-    /// How far the scene has turned it at a time (s), rad.
+    /// Angle by the scene at a time (s), rad.
     pub(super) fn angle(&self, time: f64) -> f64 {
         match &self.motion {
             Motion::Rotating { rate, start, stop, reverse, .. } => rate * turning_time(time, *start, *stop, *reverse),
@@ -290,7 +290,7 @@ impl Movement {
         pose
     }
 
-    /// Whether it ever moves.
+    /// Returns true if it ever moves.
     pub fn moves(&self) -> bool {
         self.steered.is_some() || !matches!(self.motion, Motion::Fixed)
     }
@@ -352,7 +352,7 @@ fn rotates(motion: &Motion) -> bool {
     matches!(motion, Motion::Rotating { .. } | Motion::TorqueDriven { .. })
 }
 
-/// Whether a motion maps a face onto itself, so that only velocities change.
+/// Returns true if a motion maps a face onto itself, so that only velocities change.
 pub(super) fn keeps_in_place(face: &Face, motion: &Motion) -> bool {
     match motion {
         Motion::Rotating { point, axis, .. } | Motion::TorqueDriven { point, axis, .. } => {
@@ -417,7 +417,7 @@ impl Pose {
         self.turning.chord[1] != 0.0 || self.in_place.chord[1] != 0.0
     }
 
-    /// What the wall's velocity has gained since the step before without a jump, m/s: no approach of what rests on it.
+    /// Gain of the wall's velocity since the step before without a jump, m/s: no approach of what rests on it.
     #[inline]
     pub(crate) fn gain(&self) -> Vector {
         self.gain
@@ -489,7 +489,7 @@ impl Pose {
         if self.turns { self.largest_speed_of(around, radius, false) } else { self.velocity.norm() }
     }
 
-    /// The same of one face.
+    /// Largest speed of a point of one face, m/s: without rotation, if that maps the face onto itself.
     pub(super) fn largest_speed_of(&self, around: &Vector, radius: f64, in_place: bool) -> f64 {
         let Turning { spin, centre, .. } = self.turning;
         let turning = if in_place { 0.0 } else { spin.norm() * ((around - centre).norm() + radius) };

@@ -25,7 +25,7 @@ use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
 
-/// How far a face reaches beyond its edges for a path that crosses it, over its size: where two faces meet, rounding must leave no gap.
+/// Extension of a face beyond its edges for a path that crosses it, over its size: where two faces meet, rounding must leave no gap.
 const JOINT: f64 = 1e-9;
 
 /// Largest angle, rad, and share of the extent of a scene, within which two faces are the same surface.
@@ -34,7 +34,7 @@ const SAME: f64 = 1e-6;
 /// Sines of a third of a turn to either side, `sqrt(3)/2`.
 const THIRD_OF_A_TURN: [f64; 2] = [0.866_025_403_784_438_6, -0.866_025_403_784_438_6];
 
-/// Where a smooth surface lies, m.
+/// Position of a smooth surface, m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Face {
     Plane {
@@ -77,7 +77,7 @@ pub(crate) enum Face {
     },
 }
 
-/// Where the path of a grain's centre first comes within some distance of a face.
+/// First point of the path of a grain's centre within some distance of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Impact {
     /// Share of the path, 0 to 1.
@@ -216,7 +216,7 @@ impl Face {
         }
     }
 
-    /// Whether turning about this axis through `pivot` maps the face onto itself.
+    /// Returns true if turning about this axis through `pivot` maps the face onto itself.
     pub(super) fn turns_in_place(&self, pivot: Vector, axis: Vector) -> bool {
         let along = |direction: Vector| direction.cross(&axis).norm() < 1e-12;
         let on_axis = |place: Vector| (place - pivot).cross(&axis).norm() < 1e-12 * (1.0 + (place - pivot).norm());
@@ -230,7 +230,7 @@ impl Face {
         }
     }
 
-    /// Whether a face that was moved is the same surface again, in a scene of this extent, m.
+    /// Returns true if a face that was moved is the same surface again, in a scene of this extent, m.
     pub(super) fn is_same(&self, other: &Face, extent: f64) -> bool {
         let near = |gap: Vector| gap.norm() < SAME * extent;
         let aligned = |one: Vector, other: Vector| (one - other).norm() < SAME;
@@ -325,7 +325,7 @@ impl Face {
         }
     }
 
-    /// Where a path from `centre` along `shift` (m), seen from the face, first comes within `level` (m) of it, having begun farther away;
+    /// First point of a path from `centre` along `shift` (m), seen from the face, within `level` (m) of it, having begun farther away;
     /// at level 0 where it crosses the face. Absent where it does not. Rims are left out: what passes beside a face does not cross it.
     pub(super) fn time_of_impact(&self, centre: &Vector, shift: &Vector, level: f64) -> Option<Impact> {
         match *self {
@@ -374,7 +374,7 @@ impl Face {
     }
 }
 
-/// How high a point lies above a plane, m, given a point of the plane.
+/// Height of a point above a plane, m, given a point of the plane.
 #[inline(always)]
 fn height(normal: &Vector, point: &Vector, foot: &Vector) -> f64 {
     normal.dot(&(point - foot))

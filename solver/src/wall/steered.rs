@@ -12,7 +12,7 @@ use super::shape::Face;
 use crate::scene::Motion;
 use serde::{Deserialize, Serialize};
 
-/// How the caller moves a wall.
+/// Motion of a wall by the caller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WallMotion {
     /// It moves along at this velocity, m/s.
@@ -34,12 +34,12 @@ pub enum WallMotion {
 pub(crate) struct Steered {
     /// A point of the axis (m) and its unit vector, where it turns.
     about: Option<([f64; 3], [f64; 3])>,
-    /// How far it has moved along, m.
+    /// Displacement, m.
     shift: [f64; 3],
     shift_in_list: [f64; 3],
     velocity: [f64; 3],
     velocity_before: [f64; 3],
-    /// How far it has turned, rad.
+    /// Angle, rad.
     angle: f64,
     angle_in_list: f64,
     rate: f64,
@@ -49,7 +49,7 @@ pub(crate) struct Steered {
 const LARGEST: f64 = 1e9;
 
 impl Steered {
-    /// What the first motion that a wall is given makes of it; `now` is where the scene has it, `then` where it had it when the candidate
+    /// Starts a wall on its first motion by the caller; `now` is where the scene has it, `then` where it had it when the candidate
     /// list was built.
     fn begin(scene: &Motion, asked: &WallMotion, [now, then]: [&Pose; 2], angles: [f64; 2]) -> Result<Steered, String> {
         let along = |pose: &Pose| match pose.displacement {
@@ -121,7 +121,7 @@ impl Steered {
         Ok(())
     }
 
-    /// Whether a face is mapped onto itself.
+    /// Returns true if a face is mapped onto itself.
     pub(super) fn keeps_in_place(&self, face: &Face) -> bool {
         self.about.is_some_and(|(point, axis)| face.turns_in_place(point.into(), axis.into()))
     }
@@ -156,12 +156,12 @@ impl Steered {
         (self.shift_in_list, self.angle_in_list) = (self.shift, self.angle);
     }
 
-    /// How far it has moved along, m, and turned, rad.
+    /// Displacement, m, and angle, rad.
     pub(crate) fn place(&self) -> ([f64; 3], f64) {
         (self.shift, self.angle)
     }
 
-    /// The same where it stood when the candidate list was built.
+    /// Displacement and angle when the candidate list was built.
     pub(crate) fn in_list(&self) -> Steered {
         Steered { shift: self.shift_in_list, angle: self.angle_in_list, ..*self }
     }
@@ -175,7 +175,7 @@ impl Steered {
         self.velocity_before = self.velocity;
     }
 
-    /// Whether its numbers are such as a run can have.
+    /// Returns true if its numbers are such as a run can have.
     pub(crate) fn is_sound(&self) -> bool {
         let vectors = [self.shift, self.shift_in_list, self.velocity, self.velocity_before];
         let (point, axis) = self.about.unwrap_or_default();

@@ -6,7 +6,7 @@ use crate::effects::compliance::damping_ratio;
 use crate::scene::{ContactCoefficients, Scene, TangentialLaw};
 use std::ops::Deref;
 
-/// What a contact takes from its two materials.
+/// Coefficients of a contact from its two materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactMaterial {
     /// Coefficients by the scene's rules.
@@ -41,7 +41,7 @@ pub struct MaterialTable {
     names: Vec<String>,
     between_grains: Vec<ContactMaterial>,
     with_wall: Vec<ContactMaterial>,
-    /// Whether contacts that stick have a tangential spring.
+    /// True if contacts that stick have a tangential spring.
     sprung: bool,
 }
 

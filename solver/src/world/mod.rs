@@ -1,4 +1,4 @@
-//! What is simulated: bodies, walls and what drives them, material pairs, the clock.
+//! State of a simulation: bodies, walls and their drives, material pairs, the clock.
 
 mod materials;
 
@@ -9,7 +9,7 @@ use crate::effects::drive::Drive;
 use crate::effects::gravity::Field;
 use crate::effects::period::Period;
 use crate::lanes::{LANES, Line, Quad};
-use crate::scene::{Grain, REACHES, Scene};
+use crate::scene::{Grain, REACHES, Scene, sphere_volume};
 use crate::schedule::{Phase, Runs, Team};
 use crate::wall::{Pose, Walls, drive_of};
 use bytemuck::{Pod, Zeroable};
@@ -34,7 +34,7 @@ pub(crate) fn chunk(number: usize, grains: usize) -> Range<usize> {
     CHUNK * number..(CHUNK * (number + 1)).min(grains)
 }
 
-/// What each of them writes of an array of grains, or of bodies.
+/// Chunks of an array of grains, or of bodies.
 pub(crate) fn by_chunk<T>(array: &mut [T]) -> Runs<'_, T> {
     Runs::of(array, CHUNK)
 }
@@ -44,10 +44,15 @@ pub(crate) fn chunk_of(place: usize) -> usize {
     place / CHUNK
 }
 
+/// Moment of inertia of a solid sphere over `m r^2`.
+pub(crate) const INERTIA: f64 = 0.4;
+/// One over [`INERTIA`].
+pub(crate) const INVERSE_INERTIA: f64 = 2.5;
+
 /// Dynamic state of a grain: one cache line of two quads.
 ///
 /// The spin is kept as the scaled spin `radius * angular velocity` (m/s), which takes the lever arm out of the
-/// contact: for solid spheres (I = 0.4 m r^2) an impulse P changes it by 2.5/m times the cross product of P and the normal.
+/// contact: for solid spheres an impulse P changes it by [`INVERSE_INERTIA`] over m times the cross product of P and the normal.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Body {
@@ -61,7 +66,7 @@ pub struct Body {
     pub(crate) inverse_radius: f64,
 }
 
-/// Where a grain is and how large: one quad.
+/// Centre and radius of a grain: one quad.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Sphere {
@@ -91,13 +96,13 @@ pub struct World {
     pub(crate) spins_before: Vec<Quad>,
     /// The scene's walls.
     pub walls: Walls,
-    /// Those among them that a force or a torque drives.
+    /// Walls driven by a force or a torque.
     pub drives: Vec<Drive>,
     /// Pair properties.
     pub table: MaterialTable,
     /// Acceleration of gravity at the present time, m/s2.
     pub gravity: Vector3<f64>,
-    /// The same over time.
+    /// Gravity over time.
     pub field: Field,
     /// Corners of the domain, m.
     pub domain: (Vector3<f64>, Vector3<f64>),
@@ -105,11 +110,11 @@ pub struct World {
     pub period: Period,
     /// Simulated time, s.
     pub time: f64,
-    /// Whether bodies and spheres stay where they are in memory.
+    /// True while bodies and spheres must not move in memory.
     pub(crate) kept: KeptInPlace,
 }
 
-/// Whether arrays stay where they are in memory. A copy has arrays of its own, which may move.
+/// True while arrays must not move in memory. A copy has arrays of its own, which may move.
 #[derive(Debug, Default)]
 pub(crate) struct KeptInPlace(bool);
 
@@ -151,7 +156,7 @@ impl WorldBesideBodies<'_> {
         drive_of_wall(self.drives, self.walls.wall_of(surface))
     }
 
-    /// What contacts of a grain with a face have in common.
+    /// Properties of contacts of a grain with a face.
     #[inline]
     pub fn wall_material(&self, grain: usize, surface: u32) -> &ContactMaterial {
         self.table.with_wall(self.materials[grain], self.walls.material_of(surface))
@@ -166,14 +171,11 @@ impl World {
     /// Builds the world of a checked scene at time zero, without dummies.
     pub(crate) fn new(scene: &Scene, grains: &[Grain]) -> World {
         let table = MaterialTable::new(scene);
-        let body = |grain: &Grain| {
-            let volume = 4.0 / 3.0 * std::f64::consts::PI * grain.radius * grain.radius * grain.radius;
-            Body {
-                velocity: grain.velocity,
-                inverse_mass: 1.0 / (scene.material[&grain.material].density * volume),
-                scaled_spin: grain.spin.map(|component| component * grain.radius),
-                inverse_radius: 1.0 / grain.radius,
-            }
+        let body = |grain: &Grain| Body {
+            velocity: grain.velocity,
+            inverse_mass: 1.0 / (scene.material[&grain.material].density * sphere_volume(grain.radius)),
+            scaled_spin: grain.spin.map(|component| component * grain.radius),
+            inverse_radius: 1.0 / grain.radius,
         };
         let sphere = |grain: &Grain| Sphere { centre: Vector3::from(grain.position), radius: grain.radius };
         World {
@@ -195,7 +197,7 @@ impl World {
         }
     }
 
-    /// The same world without its grains.
+    /// Returns the world without its grains.
     pub(crate) fn without_grains(&self) -> World {
         World {
             bodies: Vec::new(),
@@ -281,7 +283,7 @@ impl World {
         self.period.arm(&self.spheres[from].centre, &self.spheres[to].centre)
     }
 
-    /// Where a point lies in the domain, as far as axes are periodic, m.
+    /// Wraps a point into the domain along periodic axes, m.
     #[inline]
     pub(crate) fn wrapped(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.period.wrapped(point, &self.domain.0)
@@ -316,7 +318,7 @@ impl World {
         self.walls.pose_through(wall, self.time, step, rate)
     }
 
-    /// What contacts of a grain with a face have in common.
+    /// Properties of contacts of a grain with a face.
     #[inline]
     pub(crate) fn wall_material(&self, grain: usize, surface: u32) -> &ContactMaterial {
         self.table.with_wall(self.materials[grain], self.walls.material_of(surface))
@@ -382,7 +384,7 @@ impl World {
         self.table.largest(&grains, &walls, property)
     }
 
-    /// How far beyond contact a candidate list may reach where axes are periodic, m.
+    /// Largest skin of a candidate list where axes are periodic, m.
     pub(crate) fn longest_reach(&self) -> f64 {
         let pair = 2.0 * self.largest_and_mean_radius().0 + self.range_of_cohesion();
         let periods = (0..3).filter(|&axis| self.period.is_periodic(axis)).map(|axis| self.period.length(axis));

@@ -70,7 +70,7 @@ impl Container {
         self.turned.inverse() * start
     }
 
-    /// Whether a centre is inside at a time (s), the driven wall displaced by so much (m).
+    /// Returns true if a centre is inside at a time (s), the driven wall displaced by so much (m).
     pub fn holds(&self, centre: Vector, time: f64, displacement: f64) -> bool {
         let place = self.inwards(centre, time);
         let across = place.xy().norm();

@@ -158,7 +158,7 @@ impl Drawn {
         }
     }
 
-    /// Whether its solves are in single precision.
+    /// Returns true if its solves are in single precision.
     pub fn is_single(&self) -> bool {
         self.solver.contains("single")
     }

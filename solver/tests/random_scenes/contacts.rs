@@ -345,7 +345,7 @@ pub fn farthest(snapshot: &Snapshot) -> f64 {
 }
 
 impl Container {
-    /// Whether its walls move.
+    /// Returns true if its walls move.
     pub fn moves(&self) -> bool {
         matches!(self, Container::Cylinder { rate, .. } if *rate != 0.0)
     }

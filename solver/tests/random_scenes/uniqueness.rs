@@ -102,7 +102,7 @@ pub fn miss(friction: f64, [one, other]: [(&[Touch], Inexact); 2]) -> f64 {
 }
 
 impl Touch {
-    /// Whether a grain is one of its sides.
+    /// Returns true if a grain is one of its sides.
     pub fn has(&self, grain: usize) -> bool {
         self.first == grain || self.second == Some(grain)
     }

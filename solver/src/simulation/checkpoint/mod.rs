@@ -6,13 +6,8 @@
 //! is written as it is: it came from velocities that nobody knows any more.
 //!
 //! ```
-//! # use makadam::{Face, Material, Population, RadiusDistribution, Region, Scene, Shape, Simulation, Wall};
-//! # let [min, max] = [[0.0; 3], [0.04, 0.04, 0.12]];
-//! # let scene = Scene::builder()
-//! #     .material("glass", Material::default())
-//! #     .wall(Wall::new("box", "glass", Shape::cuboid(min, max, &[Face::Top])))
-//! #     .population(Population::new(40, "glass", RadiusDistribution::uniform(0.005, 0.05), Region::cuboid(min, max)))
-//! #     .build()?;
+//! # use makadam::{Scene, Simulation};
+//! # let scene = Scene::example();
 //! let mut simulation = Simulation::builder(&scene).time_step(5e-4).build()?;
 //! for _ in 0..100 {
 //!     simulation.step();
@@ -27,17 +22,16 @@
 //! # Ok::<(), makadam::Error>(())
 //! ```
 
-mod draft;
-mod envelope;
 pub(super) mod state;
-
-pub use draft::{DRAFT, replace_with, sync_file, sync_folder, write_atomically};
-pub use envelope::{checksum, open, seal};
 
 use crate::Simulation;
 use crate::scene::Scene;
 use state::State;
+use std::ffi::OsString;
+use std::fs::{File, OpenOptions};
+use std::io::{Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// First bytes of a file; the last one is the version of the format.
 const MARK: [u8; 8] = *b"makadam\x0d";
@@ -100,3 +94,125 @@ impl Simulation {
         State::read(bytes).and_then(|state| state.start(scene)).map_err(refuse)
     }
 }
+
+/// Bytes before the body: a mark of eight bytes, the length of the body and its checksum.
+const HEAD: usize = 24;
+
+/// Puts a mark, the length and the checksum before a body. The last byte of a mark is the version of what follows.
+pub fn seal(mark: [u8; 8], body: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(HEAD + body.len());
+    bytes.extend(mark);
+    bytes.extend((body.len() as u64).to_le_bytes());
+    bytes.extend(checksum(body).to_le_bytes());
+    bytes.extend(body);
+    bytes
+}
+
+/// The body of what [`seal`] made.
+///
+/// # Errors
+/// What is wrong: it is too short, another kind of file or version, cut off, or damaged.
+pub fn open(mark: [u8; 8], bytes: &[u8]) -> Result<&[u8], String> {
+    let number = |at: usize| bytes[at..at + 8].try_into().map(u64::from_le_bytes).unwrap_or_default();
+    if bytes.len() < HEAD {
+        return Err(format!("is too short: {} bytes", bytes.len()));
+    }
+    if bytes[..7] != mark[..7] {
+        return Err("is no such file: its first bytes are others".into());
+    }
+    if bytes[7] != mark[7] {
+        return Err(format!("has version {} of the format, not {}", bytes[7], mark[7]));
+    }
+    let (length, body) = (number(8), &bytes[HEAD..]);
+    if length != body.len() as u64 {
+        return Err(format!("is cut off: it holds {} of {length} bytes", body.len()));
+    }
+    if number(16) != checksum(body) {
+        return Err("is damaged: its checksum does not fit".into());
+    }
+    Ok(body)
+}
+
+/// FNV-1a, 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
+pub fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+/// What follows the name of a file in the name of its draft; a number follows it in turn.
+pub const DRAFT: &str = ".part";
+
+/// Names that are tried before a folder full of drafts is given up.
+const TRIES: usize = 1000;
+
+/// Writes a file and its place in the folder to the disk; the folder is made where it is missing. Whatever happens, a cut of power
+/// included, the whole new file or the whole old one is there.
+///
+/// # Errors
+/// What the system says; the whole old file or the whole new one stands there then.
+pub fn write_atomically(file: &Path, bytes: &[u8]) -> Result<(), Error> {
+    if let Some(folder) = file.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    replace_with(file, |open| {
+        open.write_all(bytes)?;
+        open.sync_all()
+    })?;
+    sync_folder(file.parent().unwrap_or(Path::new("")))
+}
+
+/// Puts what `write` writes in the place of a file. Whatever happens to the process, the whole new file or the whole old one is
+/// there; a cut of power may leave neither until [`sync_file`] and [`sync_folder`] have returned.
+///
+/// # Errors
+/// What the system or `write` says; the old file stays then.
+pub fn replace_with(file: &Path, write: impl FnOnce(&mut File) -> Result<(), Error>) -> Result<(), Error> {
+    let (draft, mut open) = draft_of(file)?;
+    let written = write(&mut open);
+    drop(open);
+    written.and_then(|()| std::fs::rename(&draft, file)).inspect_err(|_| {
+        // A draft that cannot be removed does no harm: it is never read.
+        let _ = std::fs::remove_file(&draft);
+    })
+}
+
+/// A new file beside `file`. What stands there already is never opened: it may be a link that somebody planted.
+fn draft_of(file: &Path) -> Result<(PathBuf, File), Error> {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+    let name = file.file_name().ok_or_else(|| Error::new(ErrorKind::InvalidInput, "is not the name of a file"))?;
+    let mut refused = None;
+    for _ in 0..TRIES {
+        let mut name: OsString = name.to_os_string();
+        name.push(format!("{DRAFT}{}-{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed)));
+        let draft = file.with_file_name(name);
+        match OpenOptions::new().write(true).create_new(true).open(&draft) {
+            Ok(open) => return Ok((draft, open)),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => refused = Some(error),
+            Err(error) => return Err(error),
+        }
+    }
+    Err(refused.unwrap_or_else(|| ErrorKind::AlreadyExists.into()))
+}
+
+/// Writes what a file holds to the disk.
+///
+/// # Errors
+/// What the system says.
+pub fn sync_file(file: &Path) -> Result<(), Error> {
+    File::open(file)?.sync_all()
+}
+
+/// Writes the names in a folder to the disk: what was made, renamed and removed there. An empty path is the folder at hand.
+///
+/// # Errors
+/// What the system says; a file system that cannot do it is no error.
+pub fn sync_folder(folder: &Path) -> Result<(), Error> {
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    match File::open(here)?.sync_all() {
+        Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
+        done => done,
+    }
+}
+
+#[cfg(test)]
+#[path = "../../../tests/unit/simulation_checkpoint.rs"]
+mod tests;

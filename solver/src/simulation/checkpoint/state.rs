@@ -5,7 +5,7 @@ use crate::Simulation;
 use crate::detect::{AngularImpulse, Impulse, PairCandidate, WallCandidate};
 use crate::groups::ImpactMemory;
 use crate::partition::{Layout, Plan};
-use crate::scene::{GrainEntry, Scene};
+use crate::scene::{GrainEntry, Scene, sphere_volume};
 use crate::schedule::Team;
 use crate::simulation::intervention::Booked;
 use crate::simulation::ledger::Ledger;
@@ -49,13 +49,13 @@ pub(in crate::simulation) struct State {
 /// was near, and what springs took up.
 #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Altered {
-    /// Whether there may be other grains than the scene has.
+    /// True if there may be other grains than the scene has.
     other_grains: bool,
     /// Walls that the caller moves, by their numbers in the scene.
     moved_walls: Vec<(u32, Steered)>,
     /// What the ledger has from outside.
     booked: Booked,
-    /// Whether contacts that the next candidate list finds were made by the caller, where a ledger is kept.
+    /// True if contacts that the next candidate list finds were made by the caller, where a ledger is kept.
     disturbed: bool,
     /// What tangential springs took up since the ledger was opened, J.
     springs: f64,
@@ -66,7 +66,7 @@ struct Altered {
 }
 
 impl Altered {
-    /// Whether each of the grains has a number of its own below the next one, where grains came or went, and none has elsewhere.
+    /// Returns true if each of the grains has a number of its own below the next one, where grains came or went, and none has elsewhere.
     fn has_sound_numbers(&self, grains: usize) -> bool {
         let (numbers, next) = &self.numbers;
         match self.other_grains {
@@ -397,14 +397,13 @@ impl State {
     /// Adds a grain of a material, by its number, and a density (kg/m3).
     pub fn add(&mut self, id: u32, entry: &GrainEntry, material: u8, density: f64) {
         let radius = entry.radius;
-        let volume = 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius;
         self.grains.push(GrainState {
             id,
             position: entry.position,
             velocity: entry.velocity,
             scaled_spin: entry.spin.map(|component| component * radius),
             radius,
-            inverse_mass: 1.0 / (density * volume),
+            inverse_mass: 1.0 / (density * sphere_volume(radius)),
             material,
         });
     }

@@ -10,8 +10,7 @@
 use super::{InterventionError, Interventions};
 use crate::Simulation;
 use crate::lanes::{cross, dot, plus, times};
-use crate::sweep::INVERSE_INERTIA;
-use crate::world::{Body, World};
+use crate::world::{Body, INVERSE_INERTIA, World};
 
 /// No force of a run comes near it, in SI units.
 const LARGEST: f64 = 1e30;

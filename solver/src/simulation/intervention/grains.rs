@@ -43,7 +43,7 @@ impl Simulation {
         self.world.grains()
     }
 
-    /// Whether grains were inserted or removed, so that there may be others than the scene has.
+    /// Returns true if grains were inserted or removed, so that there may be others than the scene has.
     pub fn has_other_grains(&self) -> bool {
         self.interventions.other_grains
     }

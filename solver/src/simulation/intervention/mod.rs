@@ -14,20 +14,17 @@
 //! after it, but for forces, whose work it knows. A checkpoint holds what later steps depend on, forces of the step to come left out:
 //! these are given for one step, and are given again.
 
-mod contacts;
 mod forces;
 mod grains;
 mod states;
-mod walls;
-
-#[doc(hidden)]
-pub use contacts::{KeptContact, PairsInList};
-use forces::Loads;
-pub use states::States;
 
 use crate::Simulation;
 use crate::lanes::{minus, plus};
+use crate::wall::WallMotion;
+#[doc(hidden)]
+use forces::Loads;
 use serde::{Deserialize, Serialize};
+pub use states::{KeptContact, PairsInList, States};
 
 /// Why an intervention was refused; the simulation stays as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -68,7 +65,7 @@ pub enum InterventionError {
     /// There is no such grain.
     #[error("there is no grain {id} to remove; ids go from 0 to {} without holes", grains.saturating_sub(1))]
     NoGrain {
-        /// What was asked for.
+        /// Requested index.
         id: u32,
         /// Number of grains.
         grains: usize,
@@ -76,15 +73,15 @@ pub enum InterventionError {
     /// There would be more grains than can be numbered.
     #[error("{grains} grains are too many; at most {most} can be numbered")]
     TooMany {
-        /// How many there would be.
+        /// Resulting number.
         grains: usize,
-        /// How many there may be.
+        /// Largest number.
         most: usize,
     },
     /// There is no such wall.
     #[error("there is no wall {wall}; walls are numbered from 0 in the order of the scene, which has {walls}")]
     NoWall {
-        /// What was asked for.
+        /// Requested index.
         wall: u32,
         /// Number of walls.
         walls: usize,
@@ -94,12 +91,12 @@ pub enum InterventionError {
     Wall {
         /// Number of the wall in the scene.
         wall: u32,
-        /// What is wrong, and what would be right.
+        /// Problem and remedy.
         problem: String,
     },
 }
 
-/// What was done so far, and what acts in the step to come.
+/// Interventions so far, and loads of the step to come.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Interventions {
     /// Forces and torques of the step to come: those that are applied, and those on top of them.
@@ -108,19 +105,19 @@ pub(crate) struct Interventions {
     spins_before: Vec<[f64; 3]>,
     /// Work of forces and torques in the last step, J.
     pub work: f64,
-    /// How often something was done that a watchdog cannot account for.
+    /// Number of interventions that a watchdog cannot account for.
     pub count: u64,
-    /// Whether there are, or may be, other grains than the scene has.
+    /// True if there are, or may be, other grains than the scene has.
     pub other_grains: bool,
     /// Number of each grain, by id, that no other grain of the run has or had; empty unless `other_grains`.
     numbers: Vec<u64>,
     /// Number of the next grain that is inserted; 0 unless `other_grains`.
     next_number: u64,
-    /// What the ledger has under `outside`.
+    /// Entry `outside` of the ledger.
     pub booked: Booked,
     /// True if grains came, went or were written since the last step, where a ledger is kept.
     pub disturbed: bool,
-    /// Whether positions and velocities may be written from outside.
+    /// True if positions and velocities may be written from outside.
     handed_out: bool,
     /// Energy, momentum and angular momentum before the caller wrote; only where a ledger is kept and states were handed out.
     known: Option<Booked>,
@@ -156,7 +153,7 @@ impl Interventions {
         (numbers, next + inserted)
     }
 
-    /// The same once grains have come or gone; `new_ids` tells who is who of the old ones.
+    /// Interventions after grains have been inserted or removed; `new_ids` tells who is who of the old ones.
     fn after(&self, new_ids: &[Option<u32>], grains: usize) -> Interventions {
         let renumbered = |list: &[[f64; 3]]| {
             let mut new = vec![[0.0; 3]; if list.is_empty() { 0 } else { grains }];
@@ -208,5 +205,56 @@ impl Booked {
         self.energy += after.energy - before.energy;
         self.impulse = plus(self.impulse, minus(after.impulse, before.impulse));
         self.angular_impulse = plus(self.angular_impulse, minus(after.angular_impulse, before.angular_impulse));
+    }
+}
+
+impl Simulation {
+    /// Moves a wall, by its number in the scene, from the next step on: at this velocity or rate, until it is given another. It goes from
+    /// where it stands, and the scene no longer says how it moves. Grains have no influence on it.
+    ///
+    /// A wall either moves along or turns about one axis: which one is settled at its first motion, and by the scene where that moves it.
+    /// The first velocity is a jump; later changes count as acceleration, as those of a vibrating wall do.
+    ///
+    /// ```
+    /// # use makadam::{Material, Scene, Shape, Simulation, Wall, wall::WallMotion};
+    /// # let floor = Wall::new("floor", "glass", Shape::Plane { point: [0.0; 3], normal: [0.0, 0.0, 1.0] });
+    /// # let scene = Scene::builder().material("glass", Material::default()).domain([-1.0; 3], [1.0; 3]).wall(floor).build()?;
+    /// let mut simulation = Simulation::builder(&scene).time_step(1e-3).build()?;
+    /// while simulation.time() < 0.1 {
+    ///     let velocity = [0.0, 0.0, 0.05 * (2.0 * std::f64::consts::PI * 20.0 * simulation.time()).cos()];
+    ///     simulation.move_wall(0, WallMotion::Translation { velocity })?;
+    ///     simulation.step();
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`InterventionError::NoWall`], [`InterventionError::Wall`].
+    pub fn move_wall(&mut self, wall: u32, motion: WallMotion) -> Result<(), InterventionError> {
+        let walls = self.world.walls.count();
+        if wall as usize >= walls {
+            return Err(InterventionError::NoWall { wall, walls });
+        }
+        let now = self.world.time;
+        let listed = self.candidates.built_from().map_or(now, |(_, built_at)| built_at);
+        let moved = self.world.walls.steer(wall, &motion, [now, listed]);
+        moved.map_err(|problem| InterventionError::Wall { wall, problem })
+    }
+
+    /// Displacement of any wall along (m) and its angle (rad) from where the scene places it, whatever moves it.
+    ///
+    /// # Errors
+    /// [`InterventionError::NoWall`].
+    pub fn wall_displacement(&self, wall: u32) -> Result<([f64; 3], f64), InterventionError> {
+        let walls = self.world.walls.count();
+        match (wall as usize) < walls {
+            true => Ok(self.world.walls.displacement(wall, self.world.time)),
+            false => Err(InterventionError::NoWall { wall, walls }),
+        }
+    }
+
+    /// Displacement (m) and angle (rad) of a wall that the caller moves, from its place in the scene; absent for others.
+    pub fn moved_by(&self, wall: u32) -> Option<([f64; 3], f64)> {
+        self.world.walls.steered().find(|(number, _)| *number == wall).map(|(_, steered)| steered.place())
     }
 }

@@ -31,7 +31,6 @@
 //! impulse P that the second takes changes the sum by `-d n x P`, which has an entry of its own.
 
 mod balance;
-mod stored;
 mod walls;
 
 pub use balance::Balance;
@@ -48,9 +47,9 @@ use crate::lanes::{Eight, cross, dot, minus, plus, times};
 use crate::partition::TaskGroups;
 use crate::simulation::intervention::Booked;
 use crate::world::World;
+use balance::{Expectations, Expected, Stored};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use stored::{Expectations, Expected, Stored};
 
 /// A ledger that is kept from step to step.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -59,11 +58,11 @@ pub(crate) struct Ledger {
     momentum_start: [f64; 3],
     angular_momentum_start: [f64; 3],
     entries: Entries,
-    /// What contacts stored at the end of the last step.
+    /// Stored energy of contacts at the end of the last step.
     stored: Stored,
-    /// Whether there was no candidate list yet, so that nobody knew what contacts stored, when the ledger was opened.
+    /// True if there was no candidate list yet, so that nobody knew what contacts stored, when the ledger was opened.
     unlisted: bool,
-    /// What contacts should store at the end of the step.
+    /// Expected stored energy of contacts at the end of the step.
     #[serde(skip)]
     expectations: Expectations,
     /// Surface speeds at the start of the step, by place.
@@ -115,12 +114,12 @@ impl Ledger {
         Ledger { start, momentum_start, angular_momentum_start, stored, unlisted, ..Ledger::default() }
     }
 
-    /// What tangential springs took up since the ledger was opened, less what they gave back, J.
+    /// Net energy taken up by tangential springs since the ledger was opened, J.
     pub fn springs(&self) -> f64 {
         self.entries.springs
     }
 
-    /// The same ledger with that entry.
+    /// Sets that entry.
     pub fn with_springs(mut self, springs: f64) -> Ledger {
         self.entries.springs = springs;
         self
@@ -235,7 +234,7 @@ impl Ledger {
     /// Compares what contacts store once grains and walls have moved with what was expected.
     pub fn settle(&mut self, world: &World, candidates: &Candidates, scheme: &NormalScheme) {
         let Ledger { entries, expectations, stored, .. } = self;
-        let mut differences = stored::Differences::default();
+        let mut differences = balance::Differences::default();
         *stored = expectations.compare(world, candidates, scheme.law, &mut differences);
         entries.first_touch += differences.first_touch;
         entries.turning += differences.turning;

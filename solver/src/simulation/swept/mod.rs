@@ -15,7 +15,7 @@ use crate::Simulation;
 use crate::lanes::{Number, cross, dot, minus, plus, times};
 use crate::schedule::{Each, Phase, Team};
 use crate::wall::{Pose, SHORT_WAY};
-use crate::world::{Body, Sphere, World, by_chunk, chunk, chunk_of, chunks};
+use crate::world::{Body, INVERSE_INERTIA, Sphere, World, by_chunk, chunk, chunk_of, chunks};
 use nalgebra::Vector3;
 use pairs::Meeting;
 
@@ -23,9 +23,6 @@ type Vector = Vector3<f64>;
 
 /// Level of a long path over the distance at the start, or over the radius.
 const LONG_LEVEL: f64 = 0.9;
-
-/// One over the moment of inertia of a solid sphere, over that of its mass at the radius.
-const INVERSE_INERTIA: f64 = 2.5;
 
 /// Times that grains which were struck are swept anew, after which the run is given up: grains that meet in a chain take one each.
 const ROUNDS: usize = 32;

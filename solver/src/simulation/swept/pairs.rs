@@ -45,7 +45,7 @@ pub(super) struct Meeting {
     places: [u32; 2],
 }
 
-/// Where the paths of two grains come too near to each other.
+/// Point where the paths of two grains come too near to each other.
 struct PairImpact {
     share: f64,
     /// Unit normal from the first to the second.

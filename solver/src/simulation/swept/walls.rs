@@ -53,19 +53,19 @@ impl Pace {
     }
 }
 
-/// What a grain comes to first on its path.
+/// First face on the path of a grain.
 struct PathImpact {
     /// Number of the face.
     surface: u32,
     at: Impact,
     /// Distance from the centre to the face at the start, m.
     distance: f64,
-    /// Whether the path is longer than its share of the radius.
+    /// True if the path is longer than its share of the radius.
     long: bool,
 }
 
 impl PathImpact {
-    /// Where the path of a grain at this velocity (m/s) comes too near to a face, if it does.
+    /// Point where the path of a grain at this velocity (m/s) comes too near to a face.
     fn of(sphere: &Sphere, velocity: &Vector, surface: u32, face: &PlacedFace<'_>, step: f64) -> Option<PathImpact> {
         let (centre, path) = (&sphere.centre, face.path(&sphere.centre, velocity, step));
         let (length, distance) = (path.norm(), face.distance(centre));
@@ -85,7 +85,7 @@ impl PathImpact {
     }
 }
 
-/// What a grain comes to first on the path that its velocity gives it; of faces that it comes to at once the first.
+/// First face on the path that the velocity of a grain gives; of faces that it comes to at once the first.
 fn first_impact(world: &World, walls: &WallsAt<'_>, place: usize, step: f64) -> Option<PathImpact> {
     let (sphere, velocity) = (&world.spheres[place], Vector::from(world.bodies[place].velocity));
     let mut first: Option<PathImpact> = None;
@@ -101,7 +101,7 @@ fn first_impact(world: &World, walls: &WallsAt<'_>, place: usize, step: f64) -> 
     first
 }
 
-/// Whether the path of a grain at this velocity (m/s) crosses a face, and which is the first of them.
+/// First face that the path of a grain at this velocity (m/s) crosses.
 fn crossed(walls: &WallsAt<'_>, centre: &Vector, velocity: &Vector, step: f64) -> Option<u32> {
     let mut first: Option<u32> = None;
     let radius = |pose: &Pose| pose.longest_path(centre, velocity, step);

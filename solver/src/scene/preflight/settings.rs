@@ -1,0 +1,77 @@
+//! Settings without effect.
+
+use crate::scene::document::DocumentPath;
+use crate::scene::error::{Fault, short};
+use crate::scene::{Motion, Scene, SolverMethod, SolverSettings};
+
+/// Largest difference of the duration and a whole number of steps, over the duration, that is not reported.
+const UNEVEN: f64 = 0.01;
+
+/// Reports settings that the method ignores, motions that never happen, and a duration that is not a whole number of steps.
+pub(super) fn faults(scene: &Scene) -> Vec<Fault> {
+    let root = DocumentPath::default();
+    let mut faults = Vec::new();
+    let (settings, usual) = (&scene.solver, SolverSettings::default());
+    let sweeps = match settings.method {
+        SolverMethod::GaussSeidel | SolverMethod::Anderson { .. } | SolverMethod::NonlinearConjugateGradients => true,
+        SolverMethod::AcceleratedProjectedGradients
+        | SolverMethod::Jacobi { .. }
+        | SolverMethod::ProjectedConjugateGradients => false,
+    };
+    let requested = [
+        ("inner_sweeps", settings.inner_sweeps != usual.inner_sweeps),
+        ("over_relaxation", settings.over_relaxation != usual.over_relaxation),
+    ];
+    for (key, requested) in requested {
+        if requested && !sweeps {
+            let problem = format!("has no effect with method {}, which does not sweep", settings.method.name());
+            faults.push(root.key("solver").key(key).fault(problem, "leave it out, or take a method that sweeps"));
+        }
+    }
+    for (index, wall) in scene.wall.iter().enumerate() {
+        let start = match wall.motion {
+            Motion::Fixed => continue,
+            Motion::Translating { start, .. }
+            | Motion::Rotating { start, .. }
+            | Motion::Vibrating { start, .. }
+            | Motion::ForceDriven { start, .. }
+            | Motion::TorqueDriven { start, .. } => start,
+        };
+        if let Motion::Translating { stop: Some(stop), .. }
+        | Motion::Rotating { stop: Some(stop), .. }
+        | Motion::Vibrating { stop: Some(stop), .. } = wall.motion
+            && stop == start
+        {
+            let at = root.key("wall").index(index).key("motion").key("stop");
+            let problem = format!("wall '{}' never moves: it stops at {} s, when it starts", wall.name, short(stop));
+            faults.push(at.fault(problem, "let it stop later, or leave the motion out"));
+        }
+        if start >= scene.duration && scene.duration > 0.0 {
+            let at = root.key("wall").index(index).key("motion").key("start");
+            let problem = format!("wall '{}' never moves: the scene ends at {} s", wall.name, short(scene.duration));
+            faults.push(at.fault(problem, "let it begin earlier, or raise duration"));
+        }
+    }
+    let steps = (scene.duration / settings.step).round();
+    let simulated = steps * settings.step;
+    if steps > 0.0 && (simulated - scene.duration).abs() > UNEVEN * scene.duration {
+        let problem = format!(
+            "{} s are no whole number of steps of {} s: {} s are simulated",
+            short(scene.duration),
+            short(settings.step),
+            short(simulated)
+        );
+        faults.push(root.key("duration").fault(problem, "give a duration that is, or a smaller solver.step"));
+    }
+    // Straight lines lead to each change from the one before.
+    let before = std::iter::once(0.0).chain(scene.gravity_changes.iter().map(|change| change.time));
+    if let Some((index, _)) =
+        before.enumerate().take(scene.gravity_changes.len()).find(|(_, time)| *time >= scene.duration)
+        && scene.duration > 0.0
+    {
+        let at = root.key("gravity_changes").index(index).key("time");
+        let problem = format!("gravity never turns to this: the scene ends at {} s", short(scene.duration));
+        faults.push(at.fault(problem, "let it change earlier, or raise duration"));
+    }
+    faults
+}

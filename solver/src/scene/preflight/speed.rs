@@ -1,0 +1,272 @@
+//! Stated speeds compared with the step and with `restitution_threshold`: velocities of the start and prescribed motions of walls.
+
+use super::Beforehand;
+use crate::effects::compliance::{NormalContact, NormalScheme, damping_ratio, effective_radius};
+use crate::scene::document::DocumentPath;
+use crate::scene::error::{Fault, Step, short};
+use crate::scene::populate::origin;
+use crate::scene::{Grain, Motion, NormalLaw, Scene, Shape, Wall};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// Largest path of a wall in a step, over the smallest radius: a grain that it drives passes no other one.
+const DIAMETER: f64 = 2.0;
+/// Smallest speed of an impact, over g h, whose bounce the step shows.
+const VISIBLE: f64 = 5.0;
+
+/// Reports motion above a diameter per step, and impacts that are all below the restitution threshold.
+pub(super) fn faults(scene: &Scene, grains: &[Grain], beforehand: Option<Beforehand>) -> Vec<Fault> {
+    let mut faults = walls(scene, grains);
+    faults.extend(passing_grains(scene, grains, beforehand));
+    faults.extend(below_threshold(scene, grains));
+    faults
+}
+
+/// Returns the longest step (s) in which no wall moves by more than the smallest diameter.
+pub(in crate::scene) fn longest_step_of_walls(scene: &Scene, grains: &[Grain]) -> f64 {
+    let steps = driving(scene, grains).map(|(_, speed)| DIAMETER * smallest_radius(grains) / speed);
+    steps.fold(f64::INFINITY, f64::min)
+}
+
+fn walls(scene: &Scene, grains: &[Grain]) -> Vec<Fault> {
+    let (smallest, step) = (smallest_radius(grains), scene.solver.step);
+    let too_fast = driving(scene, grains).filter(|(_, speed)| speed * step > DIAMETER * smallest);
+    let fault = |(index, speed): (usize, f64)| {
+        let at = DocumentPath::default().key("wall").index(index).key("motion");
+        let problem = format!(
+            "wall '{}' moves at up to {} m/s, {} of the smallest radius in a step of {} s: the step does not resolve which grains it \
+             drives into others",
+            scene.wall[index].name,
+            short((speed * 100.0).round() / 100.0),
+            short((speed * step / smallest * 10.0).round() / 10.0),
+            short(step),
+        );
+        let longest = floor(DIAMETER * smallest / speed);
+        at.fault(problem, &format!("lower solver.step to {longest:e} s, or slow the wall down"))
+    };
+    too_fast.map(fault).collect()
+}
+
+/// Reports the first pair of grains that move by more than the sum of their radii in a step.
+fn passing_grains(scene: &Scene, grains: &[Grain], beforehand: Option<Beforehand>) -> Option<Fault> {
+    let (step, key) = beforehand.map_or((scene.solver.step, "solver.step"), |prepare| (prepare.step, "prepare.step"));
+    let (first, second) = passing(grains, step)?;
+    let path = (velocity(&grains[first]) - velocity(&grains[second])).norm() * step;
+    let touch = grains[first].radius + grains[second].radius;
+    let problem = format!(
+        "grains {first} and {second} move by {} m against each other in a step of {} s, more than the sum of their radii, {} m: the step \
+         does not resolve which grains meet",
+        short(path),
+        short(step),
+        short(touch)
+    );
+    let remedy = format!("lower {key} to {:e} s, or the velocities", floor(step * touch / path));
+    Some(Fault::new(origin(scene, first), problem, remedy))
+}
+
+/// Finds two grains whose relative velocity takes them past each other in a step (s).
+fn passing(grains: &[Grain], step: f64) -> Option<(usize, usize)> {
+    let velocities: Vec<Vector3<f64>> = grains.iter().map(velocity).collect();
+    let mean = velocities.iter().sum::<Vector3<f64>>() / grains.len().max(1) as f64;
+    // One of two that are so fast is half as fast against the mean.
+    let fast = (0..grains.len()).filter(|&grain| (velocities[grain] - mean).norm() * step > smallest_radius(grains));
+    fast.into_iter().find_map(|first| {
+        let passes = |&second: &usize| {
+            let touch = grains[first].radius + grains[second].radius;
+            (velocities[first] - velocities[second]).norm() * step > touch
+        };
+        (0..grains.len()).find(passes).map(|second| (first.min(second), first.max(second)))
+    })
+}
+
+/// Reports a scene in which no grain can meet what is at rest at `restitution_threshold` or faster, though the step would show its bounce.
+///
+/// The bound is the speed at the end of a fall from the start through the whole domain. It is unknown where walls move or gravity changes.
+fn below_threshold(scene: &Scene, grains: &[Grain]) -> Option<Fault> {
+    let unknown = scene.wall.iter().any(|wall| wall.motion != Motion::Fixed) || !scene.gravity_changes.is_empty();
+    if unknown || scene.material.values().all(|material| material.restitution == 0.0) {
+        return None;
+    }
+    let fastest = grains.iter().map(|grain| fall_speed(scene, grain)).fold(0.0, f64::max);
+    let (threshold, gravity) = (scene.slowest_impact(), Vector3::from(scene.gravity).norm());
+    let is_visible = fastest > VISIBLE * gravity * scene.solver.step;
+    let rounded = |speed: f64, digits: usize| short(format!("{speed:.digits$e}").parse().unwrap_or(speed));
+    (fastest > 0.0 && is_visible && fastest < threshold).then(|| {
+        let problem = format!(
+            "no grain meets what is at rest faster than {} m/s, and impacts slower than {} m/s that the step does not resolve are \
+             contacts at rest: they do not leave at their restitution",
+            rounded(fastest, 2),
+            rounded(threshold, 2),
+        );
+        let remedy = format!("set it below {} m/s", rounded(0.5 * fastest, 0));
+        DocumentPath::default().key("solver").key("restitution_threshold").fault(problem, &remedy)
+    })
+}
+
+/// Bounds the speed (m/s) that a grain reaches by falling through the domain.
+pub(in crate::scene) fn fall_speed(scene: &Scene, grain: &Grain) -> f64 {
+    let period = scene.domain.period();
+    // Energy per mass that gravity gives on the way to the lowest corner of the domain.
+    let energy = (0..3).filter(|&axis| scene.gravity[axis] != 0.0).map(|axis| {
+        let corner = if scene.gravity[axis] < 0.0 { scene.domain.min } else { scene.domain.max };
+        let energy = scene.gravity[axis] * (corner[axis] - grain.position[axis]);
+        if period.is_periodic(axis) { f64::INFINITY } else { energy.max(0.0) }
+    });
+    let start = velocity(grain).norm();
+    let by_time = start + Vector3::from(scene.gravity).norm() * scene.duration;
+    (start * start + 2.0 * energy.sum::<f64>()).sqrt().min(by_time)
+}
+
+fn velocity(grain: &Grain) -> Vector3<f64> {
+    Vector3::from(grain.velocity)
+}
+
+fn smallest_radius(grains: &[Grain]) -> f64 {
+    grains.iter().map(|grain| grain.radius).fold(f64::INFINITY, f64::min)
+}
+
+/// Rounds a number down to one digit.
+fn floor(value: f64) -> f64 {
+    let scale = 10_f64.powf(value.log10().floor());
+    format!("{:.0e}", (value / scale).floor() * scale).parse().unwrap_or(value)
+}
+
+/// Walls that can drive a grain into others, by their index, with their largest speed in the domain (m/s).
+///
+/// The distance of grains from the axis of a plane that turns is unknown.
+fn driving<'s>(scene: &'s Scene, grains: &[Grain]) -> impl Iterator<Item = (usize, f64)> + 's {
+    let endless = |wall: &Wall| matches!((&wall.shape, &wall.motion), (Shape::Plane { .. }, Motion::Rotating { .. }));
+    let walls = scene.wall.iter().enumerate().take(if grains.len() < 2 { 0 } else { usize::MAX });
+    walls.filter(move |(_, wall)| !endless(wall)).map(|(index, wall)| (index, fastest(scene, wall)))
+}
+
+/// Returns the largest speed of a wall's points in the domain within the scene's time, m/s.
+fn fastest(scene: &Scene, wall: &Wall) -> f64 {
+    let began = |start: f64| start < scene.duration;
+    match wall.motion {
+        Motion::Translating { velocity, start, .. } if began(start) => Vector3::from(velocity).norm(),
+        Motion::Vibrating { amplitude, frequency, start, .. } if began(start) => {
+            TAU * frequency * Vector3::from(amplitude).norm()
+        }
+        Motion::Rotating { point, axis, rate, start, .. } if began(start) => {
+            let axis = Vector3::from(axis).normalize();
+            let arm = |of: Vector3<f64>| (of - Vector3::from(point)).cross(&axis).norm();
+            rate.abs() * furthest(scene, &wall.shape, arm)
+        }
+        _ => 0.0,
+    }
+}
+
+/// Bounds the distance (m) of a shape's points in the domain from an axis; `arm` gives that of a point.
+fn furthest(scene: &Scene, shape: &Shape, arm: impl Fn(Vector3<f64>) -> f64) -> f64 {
+    let corners = |min: &[f64; 3], max: &[f64; 3]| {
+        let corner =
+            |number: usize| Vector3::from_fn(|axis, _| if number >> axis & 1 == 0 { min[axis] } else { max[axis] });
+        (0..8).map(corner).map(&arm).fold(0.0, f64::max)
+    };
+    let in_domain = corners(&scene.domain.min, &scene.domain.max);
+    let of_shape = match shape {
+        Shape::Plane { .. } => f64::INFINITY,
+        Shape::Box { min, max, .. } => corners(min, max),
+        Shape::Cylinder { base, axis, radius, length } => {
+            let base = Vector3::from(*base);
+            let end = base + Vector3::from(*axis).normalize() * *length;
+            arm(base).max(arm(end)) + radius
+        }
+        Shape::Disc { centre, radius, .. } => arm(Vector3::from(*centre)) + radius,
+        Shape::Spheres { centres, radius } => {
+            centres.iter().map(|centre| arm(Vector3::from(*centre))).fold(0.0, f64::max) + radius
+        }
+    };
+    of_shape.min(in_domain)
+}
+
+impl Scene {
+    /// The largest grains are the softest against their inertia, and the slowest impacts that matter the longest.
+    pub(super) fn resolved_impact(&self) -> Option<Fault> {
+        if self.solver.normal_law == NormalLaw::Rigid {
+            return None;
+        }
+        let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
+        let populations = self.population.iter().filter(|group| group.count > 0);
+        let groups = populations.map(|group| (group.material.as_str(), group.radius.bounds().1));
+        for (name, radius) in groups.chain(self.grain.iter().map(|grain| (grain.material.as_str(), grain.radius))) {
+            let known = largest.entry(name).or_default();
+            *known = known.max(radius);
+        }
+        let grains = || largest.iter().map(|(name, radius)| (*name, Some(*radius)));
+        let walls = self.wall.iter().map(|wall| (wall.material.as_str(), None));
+        let partners: Vec<(&str, Option<f64>)> = grains().chain(walls).collect();
+        let pairs = largest.iter().flat_map(|first| partners.iter().map(move |second| (first, second)));
+        pairs.into_iter().find_map(|((first, radius), (second, other))| self.resolved(first, *radius, second, *other))
+    }
+
+    /// Speed (m/s) from which on an impact that the step does not resolve has its restitution: see [`SolverSettings::slowest_impact`],
+    /// here with the mean of the radii that the scene gives.
+    ///
+    /// [`SolverSettings::slowest_impact`]: super::SolverSettings::slowest_impact
+    pub fn slowest_impact(&self) -> f64 {
+        let placed = self.population.iter().map(|group| (group.count as f64, group.radius.mean()));
+        let all = placed.chain(self.grain.iter().map(|grain| (1.0, grain.radius)));
+        let (count, sum) = all.fold((0.0, 0.0), |(count, sum), (own, radius)| (count + own, sum + own * radius));
+        self.solver.slowest_impact(sum / f64::max(count, 1.0), self.gravity_field().largest())
+    }
+
+    /// The fault of impacts of a grain of a radius (m) and another one, or a wall.
+    fn resolved(&self, first: &str, radius: f64, second: &str, other: Option<f64>) -> Option<Fault> {
+        let pair = self.contact_coefficients(first, second, other.is_none());
+        if !pair.restitution_speed.is_finite() {
+            return None;
+        }
+        let settings = &self.solver;
+        let scheme = NormalScheme {
+            law: settings.normal_law,
+            step: settings.step,
+            damping_steps: settings.damping_steps,
+            restitution_threshold: self.slowest_impact(),
+            gravity: Vector3::from(self.gravity).norm(),
+        };
+        let (one, two) = (&self.material[first], &self.material[second]);
+        let softness = |poisson: f64, modulus: f64| (1.0 - poisson * poisson) / modulus;
+        let both = softness(one.poisson_ratio, one.youngs_modulus) + softness(two.poisson_ratio, two.youngs_modulus);
+        let inverse_mass =
+            |density: f64, radius: f64| 0.75 / (std::f64::consts::PI * density * radius * radius * radius);
+        // What closes slower is at rest.
+        let speed = pair.restitution_speed.max(scheme.restitution_threshold);
+        let impact = NormalContact {
+            overlap: 0.0,
+            velocity: -speed,
+            effective_modulus: 1.0 / both,
+            effective_radius: other.map_or(radius, |other| effective_radius(radius, other)),
+            inverse_mass: inverse_mass(one.density, radius)
+                + other.map_or(0.0, |other| inverse_mass(two.density, other)),
+            damping_ratio: damping_ratio(pair.restitution),
+        };
+        let resolved = impact.constraint(&scheme, speed).resolves_impact;
+        resolved.then(|| {
+            let problem = format!(
+                "restitution_speed: the step of {:e} s resolves an impact of '{first}' and '{second}' at {speed} m/s, whose \
+                 restitution is that of its damping at any speed",
+                settings.step
+            );
+            let remedy = "use normal_law = { kind = 'rigid' }, a longer step or a higher youngs_modulus";
+            Fault::new(self.says_restitution_speed(first, second), problem, remedy)
+        })
+    }
+
+    /// Where the scene gives the speed of a pair.
+    fn says_restitution_speed(&self, first: &str, second: &str) -> Vec<Step> {
+        let names =
+            |rule: &[String; 2]| (rule[0] == first && rule[1] == second) || (rule[0] == second && rule[1] == first);
+        let rule = self.pair.iter().position(|rule| rule.restitution_speed.is_some() && names(&rule.between));
+        let table = match rule {
+            Some(index) => [Step::Key("pair"), Step::Index(index)],
+            None => {
+                let own = self.material[second].restitution_speed.is_some();
+                [Step::Key("material"), Step::Name(if own { second } else { first }.to_string())]
+            }
+        };
+        table.into_iter().chain([Step::Key("restitution_speed")]).collect()
+    }
+}

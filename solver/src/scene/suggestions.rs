@@ -1,0 +1,161 @@
+//! Suggestions for a name that is not known.
+
+/// The known names that are close to a word, the closest first, at most `most`; none where none is close.
+///
+/// A name is close if at most a third of the word's letters must be added, dropped, changed or swapped with a neighbour, or if one
+/// of both is a run of whole parts of the other, as `below` is of `share_below_mean`. Hyphens and underscores, and capitals and small
+/// letters, count as the same.
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
+    let word = plain(word);
+    let letters = letters_of(&word);
+    let mut ranked: Vec<(usize, &str)> = known
+        .into_iter()
+        .filter_map(|name| {
+            let plain = plain(name);
+            let slips = match is_part(&word, &plain) || is_part(&plain, &word) {
+                true => 0,
+                false => edits(&letters, &letters_of(&plain)),
+            };
+            (3 * slips <= letters.len()).then_some((slips, name))
+        })
+        .collect();
+    ranked.sort();
+    ranked.dedup();
+    ranked.into_iter().take(most).map(|(_, name)| name).collect()
+}
+
+/// `did you mean a, b or c?`, or `otherwise` where no known name is close to the word.
+pub fn suggestion<'a>(word: &str, known: impl IntoIterator<Item = &'a str>, otherwise: &str) -> String {
+    const MOST: usize = 3;
+    match nearest(word, known, MOST)[..] {
+        [] => otherwise.into(),
+        [only] => format!("did you mean {only}?"),
+        [ref others @ .., last] => format!("did you mean {} or {last}?", others.join(", ")),
+    }
+}
+
+fn plain(name: &str) -> String {
+    name.to_lowercase().replace('_', "-")
+}
+
+/// Letters of a name without the hyphens between its parts.
+fn letters_of(name: &str) -> Vec<char> {
+    name.chars().filter(|letter| *letter != '-').collect()
+}
+
+/// Returns true if one name is a run of whole parts, between hyphens, of another one.
+fn is_part(part: &str, name: &str) -> bool {
+    !part.is_empty() && format!("-{name}-").contains(&format!("-{part}-"))
+}
+
+/// Letters to add, drop, change or swap with a neighbour (optimal string alignment).
+fn edits(word: &[char], name: &[char]) -> usize {
+    let mut table = vec![vec![0; name.len() + 1]; word.len() + 1];
+    for (row, line) in table.iter_mut().enumerate() {
+        line[0] = row;
+    }
+    for (column, cell) in table[0].iter_mut().enumerate() {
+        *cell = column;
+    }
+    for row in 1..=word.len() {
+        for column in 1..=name.len() {
+            let changed = table[row - 1][column - 1] + usize::from(word[row - 1] != name[column - 1]);
+            let mut least = changed.min(table[row - 1][column] + 1).min(table[row][column - 1] + 1);
+            let swapped =
+                row > 1 && column > 1 && word[row - 1] == name[column - 2] && word[row - 2] == name[column - 1];
+            if swapped {
+                least = least.min(table[row - 2][column - 2] + 1);
+            }
+            table[row][column] = least;
+        }
+    }
+    table[word.len()][name.len()]
+}
+
+/// Words, small letters with hyphens, with the answer to all of them.
+const WISHES: [(&[&str], &str); 24] = [
+    (
+        &["mesh", "stl", "obj", "triangles", "facets", "polyhedron", "cad", "file"],
+        "walls have no meshes: compose the surface of planes, boxes, cylinders, discs and wall spheres, or use LIGGGHTS or YADE",
+    ),
+    (
+        &["insert", "insertion", "inflow", "inlet", "feed", "factory", "source", "emitter", "pour"],
+        "a scene has all its grains from the start: place them as a [[population]] above the bed, or insert grains from Python \
+         (Simulation.insert)",
+    ),
+    (
+        &["delete", "remove", "outflow", "outlet", "sink"],
+        "a scene keeps its grains: let them fall out of the domain (watch.on_escape = \"ignore\"), or remove grains from Python \
+         (Simulation.remove)",
+    ),
+    (
+        &["clump", "clumps", "multisphere", "superquadric", "ellipsoid", "polyhedra", "rod", "template"],
+        "grains are spheres: rolling_friction of the material stands for their shape, or use YADE, LIGGGHTS or Chrono",
+    ),
+    (
+        &["cube", "cuboid", "rectangle", "hexahedron"],
+        "a container with flat faces is { kind = \"box\", min, max }; grains are spheres",
+    ),
+    (
+        &["cone", "funnel", "hopper"],
+        "there are no cones: an outlet in a flat floor is a disc with a hole (`makadam new silo`), a steep wall can be composed of \
+         wall spheres (kind = \"spheres\")",
+    ),
+    (
+        &["ball", "particle", "particles", "sphere", "grains"],
+        "one grain is a [[grain]], many are a [[population]]; a ball as a wall is { kind = \"spheres\" }",
+    ),
+    (
+        &["bond", "bonds", "bonded", "parallel-bond", "bpm"],
+        "there are no bonds that break: the attraction between grains is `cohesion` of their material",
+    ),
+    (&["rpm"], "turns are given as rate in rad/s: rate = rpm * 0.10472 (2 pi / 60)"),
+    (&["omega", "angular-velocity"], "turns of a wall are given as rate in rad/s; turns of a grain as spin in rad/s"),
+    (&["diameter", "diameters", "d"], "sizes are given as radius in m, half the diameter"),
+    (
+        &["young", "e-modulus", "stiffness", "kn"],
+        "elasticity is youngs_modulus of the material in Pa, or solver.normal_law with a stiffness in N/m",
+    ),
+    (&["nu"], "Poisson's ratio is poisson_ratio of the material"),
+    (
+        &["mu", "cof", "friction-angle"],
+        "friction is the coefficient `friction` of the material: the tangent of the friction angle",
+    ),
+    (&["cor", "e", "en"], "the coefficient of restitution is `restitution` of the material"),
+    (&["dt", "timestep", "time-step"], "the time step is solver.step in s"),
+    (&["end-time", "t-end", "total-time", "runtime"], "the simulated time is duration in s"),
+    (
+        &["servo", "load", "pressure", "stress"],
+        "a wall under a load has motion = { kind = \"force-driven\", axis, force, mass }, with the force in N",
+    ),
+    (
+        &["temperature", "heat", "fluid", "drag", "liquid", "charge"],
+        "dry grains only: there is no heat, fluid, drag or electric charge",
+    ),
+    (
+        &["density", "youngs-modulus", "poisson-ratio", "friction", "restitution", "rolling-friction", "cohesion"],
+        "it is a key of a material: material.NAME, such as material.grain",
+    ),
+    (&["count", "region", "spacing", "agitation"], "it is a key of a [[population]]"),
+    (&["radius"], "it is a key of a [[population]], a [[grain]] or the shape of a wall"),
+    (&["step", "stop", "sweeps", "method", "normal-law"], "it is a key of [solver]"),
+    (&["units", "unit"], "units are SI: metres, seconds, kilograms, pascals, radians per second"),
+];
+
+/// Answer to a word that no key is spelt like; `None` where nothing is known of it.
+pub fn wish(word: &str) -> Option<&'static str> {
+    let word = word.to_lowercase().replace('_', "-");
+    WISHES.iter().find(|(words, _)| words.contains(&word.as_str())).map(|(_, answer)| *answer)
+}
+
+/// Remedy for an unknown name: the close one of those that are known, or the answer to a wish; `None` where there is neither.
+pub(super) fn remedy<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    match nearest(unknown, known, 1).first() {
+        Some(name) => Some(format!("did you mean `{name}`?")),
+        None => wish(unknown).map(String::from),
+    }
+}
+
+#[cfg(test)]
+#[path = "../../tests/unit/scene_suggestions.rs"]
+mod tests;
