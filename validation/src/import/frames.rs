@@ -202,7 +202,7 @@ impl Timeline<'_> {
         // A frame of which no file lists contacts would count as one without contacts.
         for (column, content) in [(Column::Second, Content::Contacts), (Column::Wall, Content::WallContacts)] {
             let has = |table: &&FrameTable| Places::of(table).find(column).is_some();
-            let lists = |frame: &Frame<'_>| frame.contacts.iter().any(|table| has(table));
+            let lists = |frame: &Frame<'_>| frame.contacts.iter().any(&has);
             let Some(first) = tables.iter().find(has) else { continue };
             if let Some(frame) = frames.iter().find(|frame| frame.is_measured && !lists(frame)) {
                 let problem = format!(
