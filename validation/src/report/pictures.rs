@@ -44,7 +44,7 @@ pub(super) fn gallery(comparison: &Comparison) -> Option<Gallery> {
     let camera = camera(&Subject::of(frames.iter(), false), &frames[0], &style);
     let shown = |((state, frame), speed): ((_, &RunFrame), &Quantity)| {
         let state: &&crate::compare::FinalState = state;
-        let picture = draw(frame, speed, &scale, &camera, &style, &format!("{}, seed {}", state.code, state.seed));
+        let picture = draw(frame, speed, &scale, &camera, &style, "");
         Shown {
             code: state.code.clone(),
             class: crate::draw::names::code_style(&state.code).class,
@@ -56,9 +56,10 @@ pub(super) fn gallery(comparison: &Comparison) -> Option<Gallery> {
     Some(Gallery {
         pictures: states.par_iter().zip(&frames).zip(&speeds).map(shown).collect(),
         caption: format!(
-            "Final states at {} s, coloured by speed on one scale. Single grains need not coincide: the smallest differences grow from \
+            "Final states at {} s, seed {}, coloured by speed on one scale. Single grains need not coincide: the smallest differences grow from \
              contact to contact, and only averages are compared.",
-            compact(first.time)
+            compact(first.time),
+            first.seed
         ),
     })
 }

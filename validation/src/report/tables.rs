@@ -215,9 +215,8 @@ impl<'a> Line<'a> {
 
 /// Returns how the codes of a scene were run, and their speed; `None` where no code is known.
 pub(super) fn runs(comparison: &Comparison) -> Option<Table> {
-    let numbers =
-        ["time step", "of the Rayleigh step", "time per simulated second", "over that of the code under test"];
-    let table = Table::new(&["code", "version", "source", "seeds"], &numbers).with_words("origin of the numbers");
+    let numbers = ["time step", "of the Rayleigh step", "time per simulated second", "ratio"];
+    let table = Table::new(&["code", "version", "source", "seeds"], &numbers).with_words("origin");
     let table = table.of_class("wide").of(&comparison.codes, |run| {
         let from = [run.provenance.as_str(), run.processor.as_str()].into_iter().filter(|text| !text.is_empty());
         cells![
