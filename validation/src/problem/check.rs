@@ -1,4 +1,4 @@
-//! The same problem by every solver that there is, and how far their answers are apart.
+//! One problem by every available solver, and the differences of their answers.
 
 use super::siconos::{self, SiconosError};
 use super::{BodyVelocities, ProblemFile};
@@ -22,7 +22,7 @@ pub enum Method {
     Siconos,
 }
 
-/// How problems are solved.
+/// Settings of a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Largest change of a sweep at which the reference stops, over the problem's unit of velocity.
@@ -32,21 +32,21 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// What `makadam problem check` does unless told otherwise.
+    /// Defaults of `makadam problem check`.
     pub const DEFAULT: Settings = Settings { tolerance: 1e-10, most_sweeps: 100_000 };
 }
 
 /// Largest difference of velocities between solvers that agree, over the problem's unit of velocity.
 pub const AGREEMENT: f64 = 1e-5;
 
-/// What a solver came to.
+/// Answer of a solver.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
     /// The solver.
     pub method: Method,
     /// Sweeps, iterations or Newton steps; unknown where the answer is on record.
     pub iterations: Option<u32>,
-    /// Whether it ended at its tolerance.
+    /// True if it ended at its tolerance.
     pub converged: bool,
     /// Wall time, s; unknown where the answer is on record.
     pub seconds: Option<f64>,
@@ -70,7 +70,7 @@ pub struct Answer {
 /// A problem by several solvers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// What the problem is.
+    /// Title of the problem.
     pub title: String,
     /// Contacts that may bear something.
     pub contacts: usize,
@@ -78,7 +78,7 @@ pub struct Check {
     pub bodies: Option<usize>,
     /// Velocity that residuals and differences compare with, m/s.
     pub unit: f64,
-    /// Whether W is positive definite, so that velocities determine impulses.
+    /// True if W is positive definite, so that velocities determine impulses.
     pub unique_impulses: bool,
     /// The answers.
     pub answers: Vec<Answer>,
@@ -93,12 +93,12 @@ impl Check {
         differences.fold(0.0, f64::max) / self.unit
     }
 
-    /// Why a solver that was asked for was left out, behind its name; absent where it answered or was not asked for.
+    /// The reason that a requested solver was left out, behind its name.
     pub fn why_left_out(&self, method: Method) -> Option<&str> {
         self.left_out.iter().map(String::as_str).find(|why| why.starts_with(method.name()))
     }
 
-    /// Whether all answers have converged and their velocities agree within a tolerance over the unit.
+    /// Returns true if all answers have converged and their velocities agree within a tolerance over the unit.
     pub fn agrees(&self, tolerance: f64) -> bool {
         self.answers.iter().all(|answer| answer.converged) && self.difference() <= tolerance
     }
@@ -107,7 +107,7 @@ impl Check {
 /// Smallest over largest pivot of a Cholesky factor at which a matrix counts as positive definite.
 const DEFINITE: f64 = 1e-6;
 
-/// Most contacts of which that is looked at.
+/// Largest number of contacts for which that is checked.
 const MOST_FACTORED: usize = makadam::direct::MOST_CONTACTS;
 
 /// Solves a problem by one solver.
@@ -143,7 +143,7 @@ pub fn solve(file: &ProblemFile, method: Method, settings: &Settings) -> Result<
     Ok(answer)
 }
 
-/// Where the answer of Siconos comes from.
+/// Source of the answer of Siconos.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FromSiconos {
     /// It is left out.
@@ -154,7 +154,7 @@ pub enum FromSiconos {
     Recorded(Vec<Vector3<f64>>),
 }
 
-/// Solves a problem by every solver that there is, Siconos as it is asked for, and compares their answers with the first.
+/// Solves a problem by every available solver, Siconos as requested, and compares their answers with the first.
 ///
 /// # Errors
 /// [`SiconosError`] if it has to be run and is not there.
@@ -250,7 +250,7 @@ fn by_reference(problem: &ContactProblem, settings: &Settings) -> Answer {
     }
 }
 
-/// The answer that goes with impulses of the local problem.
+/// The answer that belongs to impulses of the local problem.
 fn of_impulses(
     file: &ProblemFile,
     local: &LocalProblem,
@@ -285,7 +285,7 @@ fn velocities_of(state: ContactState) -> BodyVelocities {
     BodyVelocities { velocities: state.velocities, spins: state.spins }
 }
 
-/// Whether W is positive definite, as far as its pivots tell.
+/// Returns true if W is positive definite, by its pivots.
 fn is_definite(local: &LocalProblem) -> bool {
     let size = 3 * local.offset.len();
     if size == 0 || local.offset.len() > MOST_FACTORED {
@@ -299,4 +299,32 @@ fn is_definite(local: &LocalProblem) -> bool {
         let pivots = factor.l_dirty().diagonal();
         pivots.min() > DEFINITE * pivots.max()
     })
+}
+
+/// One answer in a line.
+pub fn words(answer: &Answer) -> String {
+    let ended = if answer.converged { "converged" } else { "not converged" };
+    let iterations = answer.iterations.map_or_else(String::new, |count| format!(" after {count} iterations"));
+    let seconds = answer.seconds.map_or_else(String::new, |seconds| format!(", {seconds:.3} s"));
+    let residual =
+        answer.residual.map_or_else(String::new, |residual| format!(", largest residual {residual:.2e} m/s"));
+    format!("{}: {ended}{iterations}{residual}{seconds}", answer.method.name())
+}
+
+/// A check as lines of text.
+pub fn table(check: &Check) -> String {
+    let unique = if check.unique_impulses { "impulses are unique" } else { "impulses are not unique" };
+    let mut lines = vec![format!("{}: {} contacts, {unique}", check.title, check.contacts)];
+    for answer in &check.answers {
+        let mut line = format!("  {}", words(answer));
+        if let Some(difference) = answer.velocity_difference {
+            line += &format!(", velocities {:.1e} of {:.1e} m/s from the first", difference / check.unit, check.unit);
+        }
+        if let Some(difference) = answer.impulse_difference {
+            line += &format!(", impulses {difference:.1e} N s");
+        }
+        lines.push(line);
+    }
+    lines.extend(check.left_out.iter().map(|why| format!("  left out: {why}")));
+    lines.join("\n")
 }

@@ -1,41 +1,37 @@
-//! Contact problems in files, solved again by every solver that there is.
+//! Contact problems in files, solved again by every available solver.
 //!
 //! ```text
 //! Simulation ─> ContactProblem ─> write ─> file.hdf5 ─> read ─> solve, check ─> answers side by side
 //! ```
 //!
-//! The layout of files is told in `solver/docs/problem.md`.
+//! The layout of files is documented in `solver/docs/problem.md`.
 
 mod check;
-mod dataset;
-mod pose;
 mod read;
-mod recorded;
 mod siconos;
-mod words;
 mod write;
 
-pub use check::{AGREEMENT, Answer, Check, FromSiconos, Method, Settings, check, solve};
-pub use pose::{Posed, pose};
+pub use check::{AGREEMENT, Answer, Check, FromSiconos, Method, Settings, check, solve, table, words};
 pub use read::{ProblemFileError, parse, read, solution};
-pub use recorded::{RECORDED, Recorded, SICONOS};
-pub use siconos::{SiconosError, version as siconos_version};
-pub use words::{table, words};
+pub use siconos::{RECORDED, Recorded, SICONOS, SiconosError, version as siconos_version};
 pub use write::{bytes, write};
 
+use makadam::Simulation;
 use makadam::problem::{ContactProblem, LocalProblem};
+use makadam::scene::Stop;
+use makadam::solve::StopReason;
 use nalgebra::Vector3;
 
-/// What a file holds of one contact problem.
+/// Content of a file of one contact problem.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProblemFile {
-    /// What it is, in a line.
+    /// Title.
     pub title: String,
     /// The problem with its bodies; absent in files of others, which have the reduced problem alone.
     pub contact: Option<ContactProblem>,
     /// The problem reduced to its contacts; absent where contacts bear torques, which it has no place for.
     pub local: Option<LocalProblem>,
-    /// What the simulation's own sweeps over lanes come to.
+    /// Answer of the simulation's own sweeps over lanes.
     pub lanes: Option<BodyVelocities>,
 }
 
@@ -63,4 +59,38 @@ impl ProblemFile {
             (None, None) => 0,
         }
     }
+}
+
+/// Sweeps over lanes end at this residual, over g h.
+const LANES: Stop = Stop::Residual { tolerance: 1e-11, max_sweeps: 200_000 };
+
+/// The problem of a step.
+pub struct Posed {
+    /// The problem, with the answer of the sweeps over lanes if they converged.
+    pub file: ProblemFile,
+    /// True if they did.
+    pub lanes_converged: bool,
+}
+
+/// Poses the problem of the next step, with the answer of the sweeps over lanes; the step is not taken.
+pub fn pose(simulation: &Simulation, title: &str) -> Posed {
+    let (state, report) = simulation.solution_in_lanes(LANES);
+    let lanes_converged = report.reason == StopReason::Residual;
+    let lanes = lanes_converged.then_some(BodyVelocities { velocities: state.velocities, spins: state.spins });
+    Posed { file: ProblemFile::new(title, simulation.contact_problem(), lanes), lanes_converged }
+}
+
+/// W of a local problem in compressed columns: starts of the columns, rows, values.
+fn compressed_columns(local: &LocalProblem) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+    let mut columns = vec![Vec::new(); 3 * local.offset.len()];
+    for block in &local.blocks {
+        for column in 0..3 {
+            let entries = (0..3).map(|row| (3 * block.row + row, block.values[(row, column)]));
+            columns[3 * block.column + column].extend(entries);
+        }
+    }
+    let mut starts = vec![0];
+    columns.iter().for_each(|column| starts.push(starts[starts.len() - 1] + column.len()));
+    let (rows, values) = columns.into_iter().flatten().unzip();
+    (starts, rows, values)
 }

@@ -1,6 +1,6 @@
 //! Files into problems. Whatever is wrong with a file is an error that names it.
 
-use super::dataset::{
+use super::write::{
     CHECKSUM, CONTACT_PROBLEM, Datasets, Kind, LANES, LOCAL, Numbers, SOLUTION, SPRINGS, TITLE, VERSION,
     VERSION_WITH_SPRINGS, checksum,
 };
@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Why a file holds no problem that could be solved.
+/// Error of a file without a problem that could be solved.
 #[derive(Debug, thiserror::Error)]
 pub enum ProblemFileError {
     /// It cannot be read.
@@ -19,7 +19,7 @@ pub enum ProblemFileError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// Its content is wrong.
@@ -27,7 +27,7 @@ pub enum ProblemFileError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
 }

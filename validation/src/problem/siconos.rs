@@ -1,7 +1,10 @@
-//! Siconos' projected Gauss-Seidel (NSGS) on the local problem, by a script in Debian's Python.
+//! Siconos' projected Gauss-Seidel (NSGS) on the local problem, by a script in Debian's Python, and its recorded answers.
 
 use super::check::Settings;
+use super::{ProblemFile, compressed_columns, parse, solution};
+use crate::plan::Scene;
 use makadam::problem::LocalProblem;
+use makadam::scene::SceneError;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
@@ -10,21 +13,21 @@ use std::process::{Command, Stdio};
 
 const SCRIPT: &str = include_str!("siconos.py");
 
-/// Why Siconos gave no answer.
+/// Error of Siconos.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SiconosError {
-    /// It is not there.
+    /// Siconos is not installed.
     #[error(
         "python3-siconos is missing: {0}; install that package of Debian, or name a Python that has Siconos in \
          MAKADAM_SICONOS_PYTHON"
     )]
     Missing(String),
-    /// It failed.
+    /// Siconos failed.
     #[error("Siconos failed: {0}")]
     Failed(String),
 }
 
-/// What it came to.
+/// Its answer.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Found {
     pub impulses: Vec<Vector3<f64>>,
@@ -110,19 +113,9 @@ pub(super) fn solve(local: &LocalProblem, settings: &Settings) -> Result<Found, 
 }
 
 fn job(local: &LocalProblem, settings: &Settings) -> Job {
-    let rows = 3 * local.offset.len();
-    let mut columns = vec![Vec::new(); rows];
-    for block in &local.blocks {
-        for column in 0..3 {
-            let entries = (0..3).map(|row| (3 * block.row + row, block.values[(row, column)]));
-            columns[3 * block.column + column].extend(entries);
-        }
-    }
-    let mut p = vec![0];
-    columns.iter().for_each(|column| p.push(p[p.len() - 1] + column.len()));
-    let (i, x) = columns.into_iter().flatten().unzip();
+    let (p, i, x) = compressed_columns(local);
     Job {
-        rows,
+        rows: 3 * local.offset.len(),
         p,
         i,
         x,
@@ -130,5 +123,72 @@ fn job(local: &LocalProblem, settings: &Settings) -> Job {
         mu: local.friction.clone(),
         tolerance: settings.tolerance,
         most_iterations: settings.most_sweeps,
+    }
+}
+
+/// A recorded problem.
+pub struct Recorded {
+    /// Its name.
+    pub name: &'static str,
+    /// Time of the step, s.
+    pub time: f64,
+    scene: &'static str,
+    file: &'static [u8],
+}
+
+/// Version of Siconos of the recorded answers.
+pub const SICONOS: &str = "4.4.0";
+
+/// Recorded problems.
+pub const RECORDED: [Recorded; 4] = [
+    Recorded {
+        name: "packing",
+        time: 0.45,
+        scene: include_str!("recorded/packing.toml"),
+        file: include_bytes!("recorded/packing.hdf5"),
+    },
+    Recorded {
+        name: "drum",
+        time: 1.5,
+        scene: include_str!("recorded/drum.toml"),
+        file: include_bytes!("recorded/drum.hdf5"),
+    },
+    Recorded {
+        name: "oedometer",
+        time: 0.7,
+        scene: include_str!("recorded/oedometer.toml"),
+        file: include_bytes!("recorded/oedometer.hdf5"),
+    },
+    Recorded {
+        name: "packing-100",
+        time: 0.5,
+        scene: include_str!("../../reference-scenes/packing-100/scene.toml"),
+        file: include_bytes!("recorded/packing-100.hdf5"),
+    },
+];
+
+impl Recorded {
+    /// The scene whose step it is.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the scene is refused.
+    pub fn scene(&self) -> Result<Scene, SceneError> {
+        Scene::parse(self.scene)
+    }
+
+    /// The problem.
+    ///
+    /// # Errors
+    /// The fault as text.
+    pub fn problem(&self) -> Result<ProblemFile, String> {
+        parse(self.file.to_vec())
+    }
+
+    /// The impulses that Siconos found, in the frames of the contacts, N s.
+    ///
+    /// # Errors
+    /// The fault as text.
+    pub fn siconos(&self) -> Result<Vec<Vector3<f64>>, String> {
+        solution(self.file.to_vec())
     }
 }

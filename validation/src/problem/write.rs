@@ -1,15 +1,112 @@
-//! Problems into files.
+//! Problems into files: the datasets, their paths and columns, the checksum over them, and the writer.
 
-use super::dataset::{
-    CONTACT_PROBLEM, Datasets, LANES, LOCAL, Numbers, SOLUTION, SPRINGS, TITLE, VERSION, VERSION_WITH_SPRINGS, checksum,
-};
-use super::{BodyVelocities, ProblemFile};
+use super::{BodyVelocities, ProblemFile, compressed_columns};
 use crate::output::{WriteError, write_durably};
 use hdf5_pure::{FileBuilder, LibVer};
+use makadam::checkpoint::checksum as fnv1a;
 use makadam::problem::{Body, Contact, ContactProblem, LocalProblem};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Numbers of a dataset.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Numbers {
+    /// IEEE double precision.
+    Real(Vec<f64>),
+    /// Integers of 32 bits.
+    Whole(Vec<i32>),
+}
+
+/// Datasets by their paths.
+pub(super) type Datasets = BTreeMap<&'static str, Numbers>;
+
+/// Path of the checksum.
+pub(super) const CHECKSUM: &str = "makadam/checksum";
+
+/// Path of the title for FCLIB.
+pub(super) const TITLE: &str = "fclib_local/info/title";
+
+/// Impulses of a solution, which are no part of the problem.
+pub(super) const SOLUTION: &str = "solution/r";
+
+/// Version of the layout below `makadam`.
+pub(super) const VERSION: i32 = 1;
+
+/// Version with tangential springs, which a reader of the first one would ignore.
+pub(super) const VERSION_WITH_SPRINGS: i32 = 2;
+
+/// The group of bodies and contacts, the number of columns after each name.
+pub(super) const CONTACT_PROBLEM: [(&str, usize, Kind); 26] = [
+    ("makadam/version", 1, Kind::Whole),
+    ("makadam/grains", 1, Kind::Whole),
+    ("makadam/time", 1, Kind::Real),
+    ("makadam/step", 1, Kind::Real),
+    ("makadam/unit", 1, Kind::Real),
+    ("makadam/bodies/inverse_mass", 9, Kind::Real),
+    ("makadam/bodies/inverse_inertia", 9, Kind::Real),
+    ("makadam/bodies/velocity", 3, Kind::Real),
+    ("makadam/bodies/spin", 3, Kind::Real),
+    ("makadam/contacts/first", 1, Kind::Whole),
+    ("makadam/contacts/second", 1, Kind::Whole),
+    ("makadam/contacts/normal", 3, Kind::Real),
+    ("makadam/contacts/tangents", 6, Kind::Real),
+    ("makadam/contacts/first_arm", 3, Kind::Real),
+    ("makadam/contacts/second_arm", 3, Kind::Real),
+    ("makadam/contacts/wall_velocity", 3, Kind::Real),
+    ("makadam/contacts/wall_spin", 3, Kind::Real),
+    ("makadam/contacts/bias", 1, Kind::Real),
+    ("makadam/contacts/compliance", 1, Kind::Real),
+    ("makadam/contacts/friction", 1, Kind::Real),
+    ("makadam/contacts/rolling_lever", 1, Kind::Real),
+    ("makadam/contacts/twisting_lever", 1, Kind::Real),
+    ("makadam/contacts/pull", 1, Kind::Real),
+    ("makadam/contacts/normal_impulse", 1, Kind::Real),
+    ("makadam/contacts/tangential_impulse", 3, Kind::Real),
+    ("makadam/contacts/angular_impulse", 3, Kind::Real),
+];
+
+/// Tangential springs, in files of the second version.
+pub(super) const SPRINGS: [(&str, usize, Kind); 2] =
+    [("makadam/contacts/tangential_compliance", 1, Kind::Real), ("makadam/contacts/tangential_bias", 3, Kind::Real)];
+
+/// Answer of the sweeps over lanes.
+pub(super) const LANES: [(&str, usize, Kind); 2] =
+    [("makadam/lanes/velocity", 3, Kind::Real), ("makadam/lanes/spin", 3, Kind::Real)];
+
+/// FCLIB's group.
+pub(super) const LOCAL: [(&str, usize, Kind); 10] = [
+    ("fclib_local/spacedim", 1, Kind::Whole),
+    ("fclib_local/W/nzmax", 1, Kind::Whole),
+    ("fclib_local/W/m", 1, Kind::Whole),
+    ("fclib_local/W/n", 1, Kind::Whole),
+    ("fclib_local/W/nz", 1, Kind::Whole),
+    ("fclib_local/W/p", 1, Kind::Whole),
+    ("fclib_local/W/i", 1, Kind::Whole),
+    ("fclib_local/W/x", 1, Kind::Real),
+    ("fclib_local/vectors/q", 1, Kind::Real),
+    ("fclib_local/vectors/mu", 1, Kind::Real),
+];
+
+/// Type of the numbers of a dataset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Real,
+    Whole,
+}
+
+/// FNV-1a, 64 bits, over the paths and the numbers of all datasets in the order of their paths.
+pub(super) fn checksum(datasets: &Datasets) -> u64 {
+    let mut bytes = Vec::new();
+    for (path, numbers) in datasets {
+        bytes.extend(path.as_bytes());
+        match numbers {
+            Numbers::Real(values) => bytes.extend(values.iter().flat_map(|value| value.to_bits().to_le_bytes())),
+            Numbers::Whole(values) => bytes.extend(values.iter().flat_map(|value| value.to_le_bytes())),
+        }
+    }
+    fnv1a(&bytes)
+}
 
 const DESCRIPTION: &str = "One time step of Makadam. Impulses r (N s) and velocities u (m/s) are in the frames of contacts, normal \
                            first, from the first body to the second; q holds velocities before the contacts act less the biases \
@@ -155,18 +252,8 @@ fn put_problem(datasets: &mut Datasets, problem: &ContactProblem) {
 /// FCLIB's local problem, W in compressed columns.
 fn put_local(datasets: &mut Datasets, local: &LocalProblem) {
     let rows = 3 * local.offset.len();
-    let mut columns = vec![Vec::new(); rows];
-    for block in &local.blocks {
-        for column in 0..3 {
-            let entries = (0..3).map(|row| ((3 * block.row + row) as i32, block.values[(row, column)]));
-            columns[3 * block.column + column].extend(entries);
-        }
-    }
-    let mut starts = vec![0];
-    for column in &columns {
-        starts.push(starts[starts.len() - 1] + column.len() as i32);
-    }
-    let (indices, values): (Vec<i32>, Vec<f64>) = columns.into_iter().flatten().unzip();
+    let (starts, indices, values) = compressed_columns(local);
+    let whole = |numbers: Vec<usize>| Numbers::Whole(numbers.into_iter().map(|number| number as i32).collect());
     let one = |number: usize| Numbers::Whole(vec![number as i32]);
     datasets.extend([
         ("fclib_local/spacedim", one(3)),
@@ -175,8 +262,8 @@ fn put_local(datasets: &mut Datasets, local: &LocalProblem) {
         ("fclib_local/W/n", one(rows)),
         // Compressed columns.
         ("fclib_local/W/nz", Numbers::Whole(vec![-1])),
-        ("fclib_local/W/p", Numbers::Whole(starts)),
-        ("fclib_local/W/i", Numbers::Whole(indices)),
+        ("fclib_local/W/p", whole(starts)),
+        ("fclib_local/W/i", whole(indices)),
         ("fclib_local/W/x", Numbers::Real(values)),
         ("fclib_local/vectors/q", flat(&local.offset)),
         ("fclib_local/vectors/mu", Numbers::Real(local.friction.clone())),
