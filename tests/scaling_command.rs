@@ -33,11 +33,7 @@ fn a_small_scene_is_measured_and_replayed() {
     let replayed = study["replayed"].as_array().unwrap();
     assert!(replayed.iter().all(|row| row["source"] == "replayed"));
     assert!(replayed.iter().any(|row| row["machine"] == "xeon-phi-3120" && row["workers"] == 228));
-    let share: f64 = study["tasks"].as_array().unwrap().iter().map(|row| row["share"].as_f64().unwrap()).sum();
-    assert!((share - measured.len() as f64 / 5.0).abs() < 1e-9, "shares of each instruction set's step sum to one");
-    for name in
-        ["measured.csv", "replayed.csv", "checks.csv", "tasks.csv", "machine.csv", "scaling.json", "scaling.html"]
-    {
+    for name in ["measured.csv", "replayed.csv", "checks.csv", "machine.csv", "scaling.json", "scaling.html"] {
         assert!(folder.path().join("out").join(name).is_file(), "{name}");
     }
 }

@@ -3,6 +3,7 @@
 mod support;
 
 mod baseline;
+mod convergence;
 mod drums_and_heaps;
 mod export;
 mod frames;
@@ -29,4 +30,5 @@ mod sphere_volume;
 mod statistics;
 mod timed_inputs;
 mod tradeoff;
+mod tradeoff_recorded;
 mod viewer;

@@ -270,3 +270,69 @@ fn a_setting_that_failed_with_a_seed_keeps_no_bound() {
     let [note] = failed.notes.as_slice() else { panic!("{:?}", failed.notes) };
     assert!(note.contains(&setting) && note.contains("failed with seed 3") && note.ends_with("it fell over"), "{note}");
 }
+
+/// Time per simulated second and errors of a setting, one per seed, against a bound of 1.
+type Setting<'a> = (&'a str, f64, &'a [f64]);
+
+/// 90% interval of the ratio of YADE's fastest setting to Makadam's, whose reference keeps the bound in 100 s.
+fn ratio_interval(settings: &[Setting<'_>]) -> [Option<f64>; 2] {
+    let scene = smoke();
+    let plan = Plan::new(&scene, Scope::Full, &["Makadam", "YADE"], &[]);
+    let mut outcome = Outcome::none(plan.configurations.len());
+    let mut add = |place: usize, pace: f64, errors: &[f64]| {
+        for (seed, error) in (1..).zip(errors) {
+            let mut kept = run(plan.configurations[place].clone(), seed);
+            kept.run.core_seconds = Some(pace * kept.run.simulated_seconds);
+            kept.run.measurements[0].value = *error;
+            outcome.runs[place].push(kept);
+        }
+    };
+    let seeds = settings[0].2.len();
+    add(plan.refinements[0].grids[2], 100.0, &vec![0.0; seeds]);
+    let mut used = BTreeSet::new();
+    for &(code, pace, errors) in settings {
+        let free =
+            |place: &usize| plan.configurations[*place].code == code && !plan.is_grid(*place) && !used.contains(place);
+        let place = (0..plan.configurations.len()).find(free).unwrap();
+        used.insert(place);
+        add(place, pace, errors);
+    }
+    let bounds = vec![Bound { observable: "packing_fraction".into(), value: 1.0 }];
+    let terms = Terms { quick: false, seeds: seeds as u64, bounds, time_limit: 1.0, provenance: BTreeMap::new() };
+    let study = Study::new(&scene, &plan, &outcome, terms);
+    let [own, other] = ["Makadam", "YADE"].map(|code| study.fastest.iter().find(|row| row.code == code).unwrap());
+    assert_eq!([own.ratio_low, own.ratio_high], [None, None], "Makadam's own ratio is one");
+    [other.ratio_low, other.ratio_high]
+}
+
+#[test]
+fn ratio_interval_of_errors_without_spread() {
+    let sure = [("Makadam", 0.125, &[0.5; 4][..]), ("YADE", 2.5, &[-0.9; 4]), ("YADE", 1.25, &[1.1; 4])];
+    assert_eq!(ratio_interval(&sure), [Some(20.0), Some(20.0)]);
+}
+
+#[test]
+fn ratio_interval_widens_by_luck() {
+    // The fast setting's mean is 0.9: of samples of four seeds a fair fraction has a mean above 1.
+    let lucky = [0.0, 0.6, 1.2, 1.8];
+    let settings = [("Makadam", 0.125, &lucky[..]), ("Makadam", 0.625, &[0.0; 4]), ("YADE", 2.5, &[0.0; 4])];
+    assert_eq!(ratio_interval(&settings), [Some(4.0), Some(20.0)]);
+    let settings = [("Makadam", 0.125, &[0.0; 4][..]), ("YADE", 2.5, &lucky)];
+    assert_eq!(ratio_interval(&settings), [Some(20.0), None], "a code that often keeps no bound has no upper end");
+    let settings = [("Makadam", 0.125, &[0.0; 4][..]), ("YADE", 2.5, &[1.5; 4])];
+    assert_eq!(ratio_interval(&settings), [None, None]);
+}
+
+#[test]
+fn ratio_interval_draws_common_seeds() {
+    // Errors of both codes rise and fall together: the slow settings are needed in the same samples.
+    let (errors, none) = ([0.0, 0.6, 1.2, 1.8], [0.0; 4]);
+    let settings =
+        [("Makadam", 0.125, &errors[..]), ("Makadam", 0.375, &none), ("YADE", 2.5, &errors), ("YADE", 7.5, &none)];
+    assert_eq!(ratio_interval(&settings), [Some(20.0), Some(20.0)]);
+}
+
+#[test]
+fn ratio_interval_needs_two_seeds() {
+    assert_eq!(ratio_interval(&[("Makadam", 0.125, &[0.0][..]), ("YADE", 2.5, &[0.0])]), [None, None]);
+}

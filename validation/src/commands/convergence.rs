@@ -57,7 +57,7 @@ pub(super) fn convergence(arguments: &ConvergenceArguments, console: &Console) -
     let study = Study::new(problem, effort, curves, left_out, provenance);
 
     let folder = arguments.output.folder_of("convergence", &scene);
-    publish(&study, || convergence::table(&study), &folder, arguments.output.json, console)?;
+    publish(&study, &folder, arguments.output.json, console)?;
     if arguments.record {
         let processor = &study.provenance.build.processor;
         let folder = record_folder("convergence", &file, processor, Some(execution.instruction_set), None);

@@ -204,17 +204,11 @@ fn refuse_time_budget(scene: &Scene) -> Result<(), Failure> {
 }
 
 /// Writes a study into a folder, and prints it: all of it, or its table and where its page is.
-fn publish(
-    study: &impl Document,
-    table: impl FnOnce() -> String,
-    folder: &Path,
-    as_json: bool,
-    console: &Console,
-) -> Result<(), Failure> {
+fn publish(study: &impl Document, folder: &Path, as_json: bool, console: &Console) -> Result<(), Failure> {
     let page = study.write(folder)?;
     console.result(&match as_json {
         true => json(study),
-        false => format!("{}\npage: {}", table(), page.display()),
+        false => format!("{}\npage: {}", study.report().text(), page.display()),
     })
 }
 

@@ -5,7 +5,7 @@ use super::{Console, Failure, can_record, flowing, publish, refuse_time_budget};
 use crate::execution::{Execution, cores};
 use crate::output::record_folder;
 use crate::provenance::Provenance;
-use crate::scaling::{self, Plan, Study};
+use crate::scaling::{Plan, Study};
 use crate::study::Document;
 use makadam::lanes::InstructionSet;
 use makadam::schedule::Scheduler;
@@ -42,10 +42,15 @@ pub(super) fn scaling(arguments: &ScalingArguments, console: &Console) -> Result
         Study::measure(&scene.name, simulation, &plan, memory, provenance, &tell, &|share| bar.set(share))?
     };
     let folder = arguments.output.folder_of("scaling", &scene);
-    publish(&study, || scaling::table(&study), &folder, arguments.output.json, console)?;
+    publish(&study, &folder, arguments.output.json, console)?;
     if arguments.record {
-        let folder =
-            record_folder("scaling", &file, &study.provenance.build.processor, study.widest(), Some(study.cores));
+        let folder = record_folder(
+            "scaling",
+            &file,
+            &study.provenance.build.processor,
+            study.widest(),
+            Some(study.machine.cores),
+        );
         study.write_tables(&folder)?;
         console.note(&format!("tables: {}", folder.display()));
     }

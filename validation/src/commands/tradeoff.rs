@@ -8,9 +8,7 @@ use crate::peers::{CodeName, codes_of};
 use crate::plan::Scene;
 use crate::provenance::account;
 use crate::study::RunCache;
-use crate::tradeoff::{
-    self, Bound, Campaign, Plan, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Scope, Study, Terms,
-};
+use crate::tradeoff::{Bound, Campaign, Plan, Progress, QUICK_TIME_LIMIT, STIFFNESS_FACTORS, Scope, Study, Terms};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -64,8 +62,8 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments, console: &Console) -> Resu
     let found: usize = outcome.runs.iter().map(Vec::len).sum();
     console.note(&format!("{} runs made, {} taken from {}", outcome.made, found - outcome.made, folder.display()));
 
-    let study = Study::new(&scene, &plan, &outcome, terms).with_findings();
-    publish(&study, || tradeoff::table(&study), &folder, arguments.output.json, console)?;
+    let study = Study::new(&scene, &plan, &outcome, terms);
+    publish(&study, &folder, arguments.output.json, console)?;
     // A bound that was asked for and that no reference has a value for was kept by nothing.
     let unmeasured = arguments.bound.iter().find(|bound| study.reference(&bound.observable, 1.0).is_none());
     match (study.complete, study.reaches_bounds("Makadam")) {

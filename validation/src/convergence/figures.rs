@@ -35,8 +35,8 @@ fn class(method: SolverMethod) -> &'static str {
     }
 }
 
-/// A method's name in a figure.
-pub(super) fn title(method: SolverMethod) -> String {
+/// Name of a method in a figure.
+fn title(method: SolverMethod) -> String {
     match method {
         SolverMethod::GaussSeidel => "Gauss-Seidel".into(),
         SolverMethod::Anderson { .. } => "Anderson".into(),

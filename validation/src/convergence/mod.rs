@@ -1,4 +1,4 @@
-//! How each method converges on the problem of one step: the thesis's figure 6.1, for every method and against wall time.
+//! Convergence of each method on the problem of one step: the thesis's figure 6.1, for every method and against wall time.
 //!
 //! ```text
 //! flowing state ─> the problem of its next step ─> method by method ─> residual after each iteration ─> study
@@ -6,16 +6,11 @@
 //!                                    terminal, page, figures, CSV <── tolerances reached <───────────────┘
 //! ```
 //!
-//! Every method starts from the same state of the same problem, and one measure is taken of all of them: the natural map of
+//! Every method starts from the same state of the same problem, with one measure for all of them: the natural map of
 //! [`makadam::methods`].
 
-mod answer;
 mod figures;
-mod measure;
-mod page;
+mod report;
 mod study;
-mod terminal;
 
-pub use measure::{methods, solve, suitable};
-pub use study::{Curve, Effort, LeftOut, Problem, Reached, Study, TOLERANCES};
-pub use terminal::table;
+pub use study::{Curve, Effort, LeftOut, Problem, Reached, Study, TOLERANCES, methods, solve, suitable};

@@ -1,5 +1,6 @@
-//! A study of convergence as data.
+//! The study: one problem, solved by every suitable method in turn, as data.
 
+use crate::execution::MeasureError;
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
 use crate::provenance::Provenance;
@@ -13,7 +14,7 @@ use serde::{Serialize, Serializer};
 /// Residuals that a method is timed to, in the study's unit.
 pub const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6];
 
-/// What `makadam convergence --json` prints and `convergence.json` holds; its documentation is `validation/docs/json.md`.
+/// Output of `makadam convergence --json` and content of `convergence.json`; documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Study {
     /// [`JSON_VERSION`].
@@ -25,7 +26,7 @@ pub struct Study {
     pub problem: Problem,
     /// Iterations of each method.
     pub iterations: u32,
-    /// How often each method solved the problem; each iteration counts with its shortest time.
+    /// Solves of the problem by each method; each iteration counts with its shortest time.
     pub repetitions: u32,
     /// Residuals that methods were timed to, in units of `residual_unit`.
     pub tolerances: Vec<f64>,
@@ -33,13 +34,13 @@ pub struct Study {
     pub methods: Vec<Curve>,
     /// Methods that cannot solve the scene, and were not run.
     pub left_out: Vec<LeftOut>,
-    /// What no table says, in sentences: which methods were not run.
+    /// Methods that were not run, in sentences.
     pub findings: Vec<String>,
-    /// Where it came from.
+    /// Provenance.
     pub provenance: Provenance,
 }
 
-/// How much each method is made to do.
+/// Effort of each method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
     /// Iterations of a solve.
@@ -53,7 +54,7 @@ pub struct Effort {
 pub struct LeftOut {
     /// Its name.
     pub method: &'static str,
-    /// Why it cannot solve the scene.
+    /// The reason that it cannot solve the scene.
     pub reason: String,
 }
 
@@ -72,7 +73,7 @@ pub struct Problem {
     pub contacts: usize,
     /// Velocity that residuals are given in, m/s.
     pub residual_unit: f64,
-    /// What that velocity is: "g h", or "m/s" where there is no gravity.
+    /// Its name: "g h", or "m/s" without gravity.
     pub residual_unit_name: String,
 }
 
@@ -93,7 +94,7 @@ impl Problem {
     }
 }
 
-/// How a method converged. Residuals are in the study's unit.
+/// Convergence of a method. Residuals are in the study's unit.
 #[derive(Clone, Debug, Serialize)]
 pub struct Curve {
     /// The method.
@@ -103,13 +104,13 @@ pub struct Curve {
     pub parameters: SolverMethod,
     /// Wall time of an iteration, median, s.
     pub seconds_per_iteration: f64,
-    /// When it reached each tolerance.
+    /// Iterations and time to each tolerance.
     pub reached: Vec<Reached>,
     /// The state that the solve started from, and that after each iteration.
     pub points: Vec<ConvergencePoint>,
 }
 
-/// When a root mean square residual over the three directions and turning was first at or below a tolerance.
+/// First point with a root mean square residual over the three directions and turning at or below a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Reached {
     /// The tolerance, in the study's unit.
@@ -196,4 +197,51 @@ fn over(residuals: &Residuals, unit: f64) -> Residuals {
 
 fn name<S: Serializer>(method: &SolverMethod, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(method.name())
+}
+
+/// The methods of these names, each once; the scene's own method has its parameters, others have the defaults.
+pub fn methods(scene: &Scene, names: Option<&[String]>) -> Vec<SolverMethod> {
+    let own = scene.solver.method;
+    let wanted = |method: &SolverMethod| names.is_none_or(|names| names.iter().any(|name| name == method.name()));
+    let all = SolverMethod::ALL.into_iter().filter(wanted);
+    all.map(|method| if method.name() == own.name() { own } else { method }).collect()
+}
+
+/// The methods that can solve a simulation's next step, and the others.
+pub fn suitable(simulation: &Simulation, wanted: Vec<SolverMethod>) -> (Vec<SolverMethod>, Vec<LeftOut>) {
+    let (mut methods, mut left_out) = (Vec::new(), Vec::new());
+    for method in wanted {
+        match simulation.goes_with(method) {
+            Ok(()) => methods.push(method),
+            Err(error) => left_out.push(LeftOut { method: method.name(), reason: error.to_string() }),
+        }
+    }
+    (methods, left_out)
+}
+
+/// Solves a simulation's next step with methods that suit it, each as often as asked for, in turn, so that what interferes for a
+/// while falls on all of them. `progress` is told the method and the share that is done.
+///
+/// # Errors
+/// [`MeasureError::Interrupted`].
+pub fn solve(
+    simulation: &Simulation,
+    methods: &[SolverMethod],
+    effort: Effort,
+    progress: &dyn Fn(SolverMethod, f64),
+) -> Result<Vec<Curve>, MeasureError> {
+    let Effort { iterations, repetitions } = effort;
+    let mut solves = vec![Vec::new(); methods.len()];
+    for repetition in 0..repetitions {
+        for (place, &method) in methods.iter().enumerate() {
+            let share = place as f64 / methods.len() as f64;
+            progress(method, (f64::from(repetition) + share) / f64::from(repetitions));
+            solves[place].push(simulation.convergence(method, iterations).expect("it suits"));
+            if crate::interrupt::requested() {
+                return Err(MeasureError::Interrupted);
+            }
+        }
+    }
+    let unit = simulation.residual_unit();
+    Ok(methods.iter().zip(solves).map(|(&method, solves)| Curve::new(method, solves, unit)).collect())
 }

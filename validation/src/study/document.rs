@@ -1,5 +1,6 @@
 //! The files of a study: tables as CSV, all of it as JSON, figures as SVG, one page to read.
 
+use super::report::Report;
 use crate::draw::figure::Figure;
 use crate::draw::svg::standalone;
 use crate::output::cells::csv;
@@ -10,12 +11,12 @@ use std::path::{Path, PathBuf};
 /// Name and content of a file.
 pub type File = (String, Vec<u8>);
 
-/// A study that can be written down.
+/// A study that can be written to files.
 pub trait Document: Serialize {
     /// Name of its JSON document and of its page, without their endings.
     const NAME: &'static str;
 
-    /// Its tables as CSV, and what else is recorded of it beside its scene.
+    /// Its tables as CSV, and its provenance.
     ///
     /// # Errors
     /// [`DocumentError`] if a row or the provenance cannot be written out.
@@ -24,11 +25,8 @@ pub trait Document: Serialize {
     /// Its figures.
     fn figures(&self) -> Vec<Figure>;
 
-    /// Its page, with these figures.
-    ///
-    /// # Errors
-    /// [`minijinja::Error`] if the template does not fit.
-    fn page(&self, figures: &[Figure]) -> Result<String, minijinja::Error>;
+    /// Its content for the terminal and the page.
+    fn report(&self) -> Report;
 
     /// Writes all files into a folder, which is made if it is not there; returns the page's path.
     ///
@@ -40,7 +38,7 @@ pub trait Document: Serialize {
         files.push(json(Self::NAME, self)?);
         files.extend(figures.iter().map(drawn));
         let page = format!("{}.html", Self::NAME);
-        files.push((page.clone(), self.page(&figures)?.into_bytes()));
+        files.push((page.clone(), self.report().page(&figures)?.into_bytes()));
         write_together(folder, &files)?;
         Ok(folder.join(page))
     }

@@ -1,17 +1,16 @@
-//! Carries out a plan: one run after the other on one core, the reference and cheap ones first, each kept as it ends.
+//! Execution of a plan: one run after the other on one core, the reference and cheap ones first, each stored when it ends.
 
-use super::configuration::Configuration;
-use super::cost::Costs;
-use super::kept::{KeptRun, run_key};
+use super::configuration::{Configuration, Knobs};
 use super::plan::Plan;
-use crate::compare::{Harvest, Runs, Share};
-use crate::output::WriteError;
+use crate::compare::{Harvest, MeasuredRun, Runs, Share};
+use crate::output::{WriteError, file_stem};
 use crate::peers::{Code, CodeError, CoreClock, Purpose};
 use crate::plan::Scene;
-use crate::provenance::{Build, command_line, machine};
+use crate::provenance::{Build, JUDGE, command_line, machine, scene_hash};
 use crate::scenes::{SceneError, in_file};
 use crate::study::{Found, Key, RunCache};
-use makadam::scene::populate;
+use makadam::scene::{SolverMethod, SolverSettings, Stop, populate};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
@@ -21,10 +20,10 @@ use std::time::{Duration, Instant};
 /// Wall time at which a run is stopped, over the limit at which it is cut short beforehand: expected times err.
 const PATIENCE: f64 = 3.0;
 
-/// The same for a run that should not take long, since its first seed did not or it has been cut short: machines get busy.
+/// Factor for a run of known duration, from its first seed or because it was cut short: machines get busy.
 const MORE_PATIENCE: f64 = 30.0;
 
-/// Told what runs and which share of the expected wall time has passed, 0 to 1.
+/// Receives the label of the current run and the completed fraction of the expected wall time.
 pub type Progress = Arc<dyn Fn(&str, f64) + Send + Sync>;
 
 /// A plan and what it is carried out on.
@@ -33,7 +32,7 @@ pub struct Campaign<'a> {
     pub scene: &'a Scene,
     /// Its file.
     pub scene_file: &'a Path,
-    /// What is run.
+    /// Configurations to run.
     pub plan: &'a Plan,
     /// Number of seeds, counted from 1.
     pub seeds: u64,
@@ -41,13 +40,13 @@ pub struct Campaign<'a> {
     pub codes: &'a [Box<dyn Code>],
     /// Wall time beyond which a run is cut short and its wall time extrapolated, s.
     pub time_limit: f64,
-    /// Where finished runs are kept.
+    /// Finished runs.
     pub cache: &'a RunCache,
-    /// Told of the progress.
+    /// Receives the progress.
     pub progress: Progress,
 }
 
-/// What there is after a campaign.
+/// Result of a campaign.
 pub struct Outcome {
     /// Runs of each configuration of the plan, in the order of seeds.
     pub runs: Vec<Vec<KeptRun>>,
@@ -57,7 +56,7 @@ pub struct Outcome {
     pub failures: BTreeMap<usize, (u64, String)>,
     /// Codes that cannot run the scene and files that were damaged, in sentences.
     pub notes: Vec<String>,
-    /// Whether the user asked to stop before the end.
+    /// True if the user asked to stop before the end.
     pub interrupted: bool,
 }
 
@@ -68,7 +67,7 @@ impl Outcome {
         Outcome { runs, made: 0, failures: BTreeMap::new(), notes: Vec::new(), interrupted: false }
     }
 
-    /// What failed and what was noticed, in sentences.
+    /// Failures and notes, in sentences.
     pub fn sentences(&self, plan: &Plan) -> Vec<String> {
         let failed = self.failures.iter().map(|(place, (seed, why))| {
             let configuration = &plan.configurations[*place];
@@ -80,7 +79,7 @@ impl Outcome {
     }
 }
 
-/// Why a campaign could not go on. What had been run is kept.
+/// Error that ended a campaign; finished runs are stored.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {
     /// The scene cannot be populated.
@@ -104,11 +103,11 @@ struct Task<'a> {
     label: &'a str,
     /// Expected wall times: of what came before, of this run, of everything, s.
     span: [f64; 3],
-    /// Whether it may be cut short.
+    /// True if it may be cut short.
     may_cut: bool,
 }
 
-/// What came of one attempt.
+/// Outcome of one attempt.
 enum Attempt {
     Run(Box<KeptRun>),
     Failed(String),
@@ -195,12 +194,12 @@ impl Campaign<'_> {
         Ok(missing)
     }
 
-    /// Whether a kept run is what would be run now: one that was cut short is not, where the limit has been raised.
+    /// Returns false for a stored run that was cut short and would run longer under the present limit.
     fn serves(&self, kept: &KeptRun) -> bool {
         !kept.extrapolated || kept.pace() * self.scene.duration > self.time_limit
     }
 
-    /// What is run next: every configuration with its first seed, then with the next one. Within a seed the reference at
+    /// Selects the next run: every configuration with its first seed, then with the next one. Within a seed the reference at
     /// the scene's stiffness comes first, without which nothing has an error, then what is cheapest.
     fn next(&self, missing: &BTreeSet<(u64, usize)>, costs: &Costs) -> Option<(u64, usize)> {
         let reference = self.plan.refinement(1.0).map(|refinement| refinement.grids[2]);
@@ -323,5 +322,122 @@ impl Campaign<'_> {
             return Err((CodeError::Missing { code: "a code of the plan" }, 0.0));
         };
         runs.one(code, &scene, task.seed).map_err(|error| (error, f64::from_bits(reached.load(Ordering::Relaxed))))
+    }
+}
+
+/// Stored result of one run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeptRun {
+    /// Its configuration.
+    pub configuration: Configuration,
+    /// True if it was stopped before the scene's end, so that it has a wall time and no measurements.
+    pub extrapolated: bool,
+    /// Share of a core that the run got, 0 to 1; absent where the system does not tell.
+    pub core_share: Option<f64>,
+    /// Its measurements and times.
+    pub run: MeasuredRun,
+    /// The program that started it, and the machine.
+    pub build: Build,
+    /// The command line.
+    pub command: String,
+}
+
+impl KeptRun {
+    /// Processor time of the stepping on one core, s; where the run does not tell it, wall time times the share of a core that it got.
+    pub fn core_seconds(&self) -> f64 {
+        self.run.core_seconds.unwrap_or(self.run.wall_seconds * self.core_share.unwrap_or(1.0))
+    }
+
+    /// Processor time per simulated second, s.
+    pub fn pace(&self) -> f64 {
+        self.core_seconds() / self.run.simulated_seconds
+    }
+}
+
+/// The key of a seed's run: scene, knobs, seed, the code and its version (which holds the [key of the build](makadam::BUILD)
+/// where the code is Makadam), the key of the sources that measure, and the processor, since a wall time of another one is another
+/// number.
+pub fn run_key(scene: &Scene, configuration: &Configuration, version: &str, seed: u64, processor: &str) -> Key {
+    let scene = configuration.scene(scene);
+    let knobs = serde_json::to_string(configuration).expect("a configuration holds only numbers and plain text");
+    let name = format!("{}-{}-s{seed}", file_stem(&scene.name), configuration.code.to_lowercase());
+    // Explicit codes are run from inputs for timing.
+    let purpose = if configuration.rayleigh_fraction().is_some() { "timing" } else { "" };
+    let scene = format!("{:016x}", scene_hash(&scene));
+    Key::new(name, &[&scene, &knobs, version, &seed.to_string(), processor, JUDGE, purpose]).apart()
+}
+
+/// Time of a grain's step before anything has run, s: of the right order on a processor of the 2020s.
+const GUESSES: [(&str, f64); 4] = [("Makadam", 1e-7), ("LIGGGHTS", 3e-7), ("LAMMPS", 5e-7), ("YADE", 9e-7)];
+
+/// Cost of one sweep over the contacts of a grain, over that of everything else in a step of Makadam.
+const SWEEP: f64 = 0.17;
+
+/// Sweeps that a solve is expected to take where its residual or its time says when to stop.
+const OPEN_ENDED: u32 = 20;
+
+/// Expected wall times.
+struct Costs {
+    scene: Scene,
+    grains: f64,
+    /// Rayleigh step at the scene's stiffness, s.
+    rayleigh_step: f64,
+    /// Wall time and expected units of the runs so far, by code.
+    known: BTreeMap<String, [f64; 2]>,
+}
+
+impl Costs {
+    fn new(scene: &Scene, grains: usize, rayleigh_step: f64) -> Costs {
+        Costs { scene: scene.clone(), grains: grains as f64, rayleigh_step, known: BTreeMap::new() }
+    }
+
+    /// Grain steps of a second, those of Makadam weighted by their sweeps.
+    fn units(&self, configuration: &Configuration) -> f64 {
+        let per_second = match &configuration.knobs {
+            Knobs::Solver { settings, .. } => {
+                let sweeps = match settings.stop {
+                    Stop::Sweeps { sweeps } => sweeps,
+                    Stop::Residual { max_sweeps, .. } | Stop::TimeBudget { max_sweeps, .. } => {
+                        max_sweeps.min(OPEN_ENDED)
+                    }
+                };
+                (1.0 + SWEEP * f64::from(sweeps) * sweeps_of_iteration(settings)) / settings.step
+            }
+            // The Rayleigh step goes as the inverse root of the stiffness.
+            Knobs::Explicit { rayleigh_fraction } => {
+                configuration.stiffness_factor.sqrt() / (rayleigh_fraction * self.rayleigh_step)
+            }
+        };
+        self.grains * per_second
+    }
+
+    /// Expected wall time of a run over the scene's whole duration, s.
+    fn seconds(&self, configuration: &Configuration) -> f64 {
+        let each = match self.known.get(&configuration.code) {
+            Some([seconds, units]) => seconds / units,
+            None => GUESSES.iter().find(|(code, _)| *code == configuration.code).map_or(1e-6, |guess| guess.1),
+        };
+        each * self.units(configuration) * self.scene.duration
+    }
+
+    /// Takes note of a run's wall time over a simulated time, both in s.
+    fn learn(&mut self, configuration: &Configuration, wall: f64, simulated: f64) {
+        let units = self.units(configuration) * simulated;
+        let known = self.known.entry(configuration.code.clone()).or_default();
+        known[0] += wall;
+        known[1] += units;
+    }
+}
+
+/// Wall time of an iteration over that of a sweep, from `reference-scenes/drum-50k/convergence`; a rough guide, which the runs
+/// themselves correct.
+fn sweeps_of_iteration(settings: &SolverSettings) -> f64 {
+    let inner = f64::from(settings.inner_sweeps.max(1));
+    match settings.method {
+        SolverMethod::GaussSeidel => inner,
+        SolverMethod::NonlinearConjugateGradients => inner + 1.7,
+        SolverMethod::Anderson { .. } => inner + 3.9,
+        SolverMethod::Jacobi { .. } => 3.9,
+        SolverMethod::AcceleratedProjectedGradients | SolverMethod::ProjectedConjugateGradients => 6.0,
     }
 }

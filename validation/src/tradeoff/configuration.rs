@@ -1,22 +1,22 @@
-//! One way to run one code.
+//! Configurations: a code with its settings, and the variations of Makadam's solver: method, precision, warm start, sweeps.
 
 use crate::draw::numbers::compact;
 use crate::plan::Scene;
-use makadam::scene::{SolverMethod, SolverSettings, Stop};
+use makadam::scene::{Precision, SolverMethod, SolverSettings, Stop};
 use serde::{Deserialize, Serialize};
 
-/// One way to run one code: a point of the trade-off once it has run.
+/// A code with its settings: a point of the trade-off once it has run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Configuration {
     /// Name of the code.
     pub code: String,
     /// Factor on every Young's modulus of the scene.
     pub stiffness_factor: f64,
-    /// What the code lets one choose.
+    /// Its settings.
     pub knobs: Knobs,
 }
 
-/// What a code lets one choose.
+/// Settings of a code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Knobs {
@@ -24,7 +24,7 @@ pub enum Knobs {
     Solver {
         /// All settings.
         settings: SolverSettings,
-        /// The axis that is varied beside step and sweeps, and its value, such as "warm start 0".
+        /// The axis that is varied in addition to step and sweeps, and its value, such as "warm start 0".
         variation: Option<String>,
     },
     /// An explicit code's time step.
@@ -68,7 +68,7 @@ impl Configuration {
         }
     }
 
-    /// The axis that is varied beside step and sweeps, and its value, for Makadam.
+    /// The axis that is varied in addition to step and sweeps, and its value, for Makadam.
     pub fn variation(&self) -> Option<&str> {
         match &self.knobs {
             Knobs::Solver { variation, .. } => variation.as_deref(),
@@ -111,5 +111,77 @@ impl Configuration {
             }
             Knobs::Explicit { rayleigh_fraction } => format!("{}%", compact(100.0 * rayleigh_fraction)),
         }
+    }
+}
+
+/// A change of one setting of the solver, in addition to step and sweeps.
+pub(super) struct Variation {
+    /// The axis and its value, as tables name it.
+    pub(super) name: &'static str,
+    change: fn(&mut SolverSettings),
+    /// Iterations of a solve at which it is run in addition to the scene's own settings. Methods whose iteration costs several sweeps
+    /// have fewer, so that wall times overlap with those of sweeps.
+    pub(super) iterations: &'static [u32],
+}
+
+const fn vary(name: &'static str, iterations: &'static [u32], change: fn(&mut SolverSettings)) -> Variation {
+    Variation { name, change, iterations }
+}
+
+/// Iterations of methods that cost about a sweep, or need many.
+const SWEEPS: &[u32] = &[5, 10, 20];
+/// Iterations of methods that cost several sweeps.
+const FEW: &[u32] = &[3, 5, 10];
+/// Most sweeps of a solve that stops at a residual, up to those of the reference.
+const MOST: &[u32] = &[10, 20, 40];
+
+/// All variations.
+pub(super) const VARIATIONS: [Variation; 15] = [
+    vary("warm start 0", SWEEPS, |settings| settings.warm_start = 0.0),
+    vary("over-relaxation 1", SWEEPS, |settings| settings.over_relaxation = 1.0),
+    vary("2 inner sweeps", FEW, |settings| settings.inner_sweeps = 2),
+    vary("4 inner sweeps", &[2, 3, 5], |settings| settings.inner_sweeps = 4),
+    vary("residual 0.1", MOST, |settings| settings.stop = down_to(0.1, settings)),
+    vary("residual 0.03", MOST, |settings| settings.stop = down_to(0.03, settings)),
+    vary("residual 0.01", MOST, |settings| settings.stop = down_to(0.01, settings)),
+    vary("residual 0.003", MOST, |settings| settings.stop = down_to(0.003, settings)),
+    vary("calm contacts, residual 0.1", MOST, calm_contacts),
+    vary("single precision", SWEEPS, |settings| settings.precision = Precision::Single),
+    vary("Anderson", FEW, |settings| settings.method = SolverMethod::Anderson { memory: 3 }),
+    vary("nonlinear conjugate gradients", FEW, |settings| settings.method = SolverMethod::NonlinearConjugateGradients),
+    vary("accelerated projected gradients", FEW, |settings| {
+        settings.method = SolverMethod::AcceleratedProjectedGradients
+    }),
+    vary("Jacobi", SWEEPS, |settings| settings.method = SolverMethod::Jacobi { damping: 0.3 }),
+    vary("projected conjugate gradients", FEW, |settings| settings.method = SolverMethod::ProjectedConjugateGradients),
+];
+
+/// Stops at a residual, in units of g h, or after the sweeps of the settings.
+fn down_to(tolerance: f64, settings: &SolverSettings) -> Stop {
+    Stop::Residual { tolerance, max_sweeps: settings.stop.max_sweeps() }
+}
+
+/// Settings for long steps, so that packings are no denser than with short ones: overlaps recover over two steps instead of one, and
+/// bounces last at least ten steps, because those of speeds below `5 g h` are suppressed. Both shake grains that come to rest.
+fn calm_contacts(settings: &mut SolverSettings) {
+    /// 5 g on Earth, m/s2.
+    const SLOWEST_IMPACT_OVER_STEP: f64 = 50.0;
+    settings.damping_steps = 2.0;
+    let slowest = SLOWEST_IMPACT_OVER_STEP * settings.step;
+    settings.restitution_threshold = Some(settings.restitution_threshold.map_or(slowest, |own| own.max(slowest)));
+    settings.stop = down_to(0.1, settings);
+}
+
+impl Variation {
+    /// The variation of a name.
+    pub(super) fn named(name: &str) -> Option<&'static Variation> {
+        VARIATIONS.iter().find(|variation| variation.name == name)
+    }
+
+    /// Applies the change to settings; returns none if it changes nothing.
+    pub(super) fn apply(&self, settings: &SolverSettings) -> Option<SolverSettings> {
+        let mut changed = settings.clone();
+        (self.change)(&mut changed);
+        (changed != *settings).then_some(changed)
     }
 }

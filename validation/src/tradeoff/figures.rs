@@ -1,20 +1,18 @@
-//! Error against wall time: one figure an observable and a stiffness for the codes, and one for each kind of variation of
-//! Makadam's solver.
+//! Figures of error against wall time, one for each observable and stiffness, with all codes.
 
-use super::front::pareto_front;
-use super::panel::{Member, Series, bound_of, noise_of, panel};
-use super::rows::{Point, Reference};
+use super::report::{modulus, titled};
+use super::rows::{Deviation, Point, Reference};
 use super::study::Study;
-use super::variations::{Family, Variation};
-use super::words::modulus;
 use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker, code_style, observable};
+use crate::draw::numbers::compact;
+use crate::draw::plot::{Axis, Key, Plot};
 use crate::output::file_stem;
 
 /// Observables that have a figure at the scene's stiffness; at others only bounded ones have.
 const SHOWN: usize = 4;
 
-/// Figures of the scene's stiffness first, with the variations of the solver, then the bounded observables at the others.
+/// Figures of the scene's stiffness first, then the bounded observables at the others.
 pub(super) fn figures(study: &Study) -> Vec<Figure> {
     let mut factors = study.stiffness_factors();
     factors.sort_by(|a, b| (*a != 1.0).cmp(&(*b != 1.0)).then(a.total_cmp(b)));
@@ -23,13 +21,6 @@ pub(super) fn figures(study: &Study) -> Vec<Figure> {
         let room = if factor == 1.0 { SHOWN.max(study.bounds.len()) } else { study.bounds.len() };
         for name in study.observables().into_iter().take(room) {
             all.extend(study.reference(name, factor).and_then(|reference| codes(study, reference)));
-        }
-        if factor == 1.0 {
-            // Without a bound the first observable stands for all.
-            for name in study.observables().into_iter().take(study.bounds.len().max(1)) {
-                let reference = study.reference(name, factor);
-                all.extend(reference.into_iter().flat_map(|reference| variations(study, reference)));
-            }
         }
     }
     all
@@ -57,7 +48,6 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
             cut: cut_of(&plain),
             // A code has one front, whatever its settings.
             front: members_of(&own, name).into_iter().filter(|member| member.deviation.on_front).collect(),
-            labelled: true,
         });
         if !varied.is_empty() {
             series.push(Series {
@@ -66,7 +56,6 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
                 members: members_of(&varied, name),
                 cut: cut_of(&varied),
                 front: Vec::new(),
-                labelled: false,
             });
         }
     }
@@ -82,50 +71,6 @@ fn codes(study: &Study, reference: &Reference) -> Option<Figure> {
     })
 }
 
-/// Makadam's sweeps beside their variations, one figure a kind of variation; none where none of a kind has an error.
-fn variations(study: &Study, reference: &Reference) -> Vec<Figure> {
-    let name = reference.observable.as_str();
-    let own = |point: &&Point| {
-        point.code == "Makadam" && point.stiffness_factor == reference.stiffness_factor && !point.reference
-    };
-    let family = |point: &Point| point.variation.as_deref().and_then(Variation::named).map(|known| known.family);
-    let floor = noise_of(study, reference);
-    let series = |of: Option<Family>| {
-        let points: Vec<&Point> = study.points.iter().filter(own).filter(|point| family(point) == of).collect();
-        let members = members_of(&points, name);
-        let coordinates: Vec<[f64; 2]> = members.iter().map(Member::coordinates).collect();
-        Series {
-            name: of.map_or("sweeps", Family::name),
-            style: of.map_or(code_style("Makadam"), Family::style),
-            front: pareto_front(&coordinates, floor).into_iter().map(|place| members[place]).collect(),
-            cut: cut_of(&points),
-            members,
-            labelled: of.is_none(),
-        }
-    };
-    let stiffness = modulus(reference.youngs_modulus);
-    let figure = |(kind, families): (&str, &[Family])| {
-        let varied: Vec<Series<'_>> =
-            families.iter().map(|family| series(Some(*family))).filter(|series| !series.is_empty()).collect();
-        if varied.is_empty() {
-            return None;
-        }
-        let all = std::iter::once(series(None)).chain(varied).collect();
-        let about =
-            format!("Error of the {} against wall time, {kind} of Makadam, grains of {stiffness}", observable(name));
-        Some(Figure {
-            name: format!("{}-{}", file_stem(name), kind.replace(", ", "-").replace(' ', "-")),
-            svg: panel(study, reference, all, &about)?,
-            caption: format!(
-                "{about}. Sweeps are Gauss-Seidel in double precision with over-relaxation and warm start; lines are the Pareto \
-                 front of each kind. The numbered settings are named below the plot."
-            ),
-        })
-    };
-    let bounded = bound_of(study, name).is_some() || study.bounds.is_empty();
-    Family::PANELS.into_iter().filter(|_| bounded).filter_map(figure).collect()
-}
-
 /// Points with an error.
 fn members_of<'a>(points: &[&'a Point], name: &str) -> Vec<Member<'a>> {
     let member = |point: &&'a Point| Some(Member { point, deviation: point.deviation(name)? });
@@ -135,4 +80,138 @@ fn members_of<'a>(points: &[&'a Point], name: &str) -> Vec<Member<'a>> {
 /// Points that were cut short.
 fn cut_of<'a>(points: &[&'a Point]) -> Vec<&'a Point> {
     points.iter().copied().filter(|point| point.extrapolated).collect()
+}
+
+/// A point and what is drawn of it.
+#[derive(Clone, Copy)]
+struct Member<'a> {
+    point: &'a Point,
+    deviation: &'a Deviation,
+}
+
+impl Member<'_> {
+    /// Wall time and error.
+    fn coordinates(&self) -> [f64; 2] {
+        [self.point.wall_seconds_per_simulated_second, self.deviation.deviation.abs()]
+    }
+}
+
+/// Points that are drawn alike.
+struct Series<'a> {
+    /// Name in the legend.
+    name: &'a str,
+    style: CodeStyle,
+    /// Points with an error.
+    members: Vec<Member<'a>>,
+    /// Points that were cut short.
+    cut: Vec<&'a Point>,
+    /// Members that its line joins, from the cheapest; may be of another series.
+    front: Vec<Member<'a>>,
+}
+
+/// The bound on an observable.
+fn bound_of(study: &Study, name: &str) -> Option<f64> {
+    study.bounds.iter().find(|bound| bound.observable == name).map(|bound| bound.value)
+}
+
+/// Seed noise of an observable at the reference's stiffness: the median standard error of its deviations, 0 where there is none.
+fn noise_of(study: &Study, reference: &Reference) -> f64 {
+    let of = |point: &&Point| point.stiffness_factor == reference.stiffness_factor && !point.reference;
+    let known = study.points.iter().filter(of).filter_map(|point| point.deviation(&reference.observable));
+    let noise = crate::statistics::median(known.filter_map(|deviation| deviation.deviation_standard_error));
+    if noise.is_finite() { noise } else { 0.0 }
+}
+
+/// The drawing; absent where no point has an error.
+fn panel(study: &Study, reference: &Reference, mut series: Vec<Series<'_>>, about: &str) -> Option<String> {
+    let name = reference.observable.as_str();
+    for one in &mut series {
+        one.front.sort_by(|a, b| a.coordinates()[0].total_cmp(&b.coordinates()[0]));
+    }
+    let known = || series.iter().flat_map(|series| &series.members);
+    let errors = || known().map(|member| member.coordinates()[1]);
+    let noise = noise_of(study, reference);
+    let largest = errors().chain(bound_of(study, name)).fold(0.0, f64::max);
+    let smallest = errors().filter(|error| *error > 0.0).fold(f64::INFINITY, f64::min);
+    if !(largest > 0.0 && smallest.is_finite()) {
+        return None;
+    }
+    // What lies far below the noise is luck: it is drawn at the lower edge.
+    let low = smallest.max(0.3 * noise).min(0.5 * largest);
+    let cut = || series.iter().flat_map(|series| series.cut.iter().map(move |point| (series.style, *point)));
+    let wall = |point: &Point| point.wall_seconds_per_simulated_second;
+    let walls = || known().map(|member| wall(member.point)).chain(cut().map(|(_, point)| wall(point)));
+    let (least, most) = (walls().fold(f64::INFINITY, f64::min), walls().fold(0.0, f64::max));
+    let label = format!("error of {}", titled(name, &reference.unit));
+    // The finer marks of small numbers would run into the label.
+    let y = if low < 1e-3 { Axis::logarithmic } else { Axis::fine }(&label, low, 1.5 * largest);
+    let (bottom, top) = (y.low, y.high);
+    let x = Axis::fine("wall time over simulated time (s/s, one core)", least, 1.4 * most);
+    let (left, right) = (x.low, x.high);
+    let open = CodeStyle { class: "neutral hollow", marker: Marker::Circle };
+    let lines = |series: &Series<'_>| !series.front.is_empty();
+    let mut keys: Vec<Key<'_>> = series
+        .iter()
+        .map(|series| if lines(series) { Key::Series } else { Key::Points }(series.style, series.name))
+        .collect();
+    if cut().next().is_some() {
+        keys.push(Key::Points(open, "extrapolated, no error"));
+    }
+    let bound = bound_of(study, name);
+    let (within_bound, noisy) = (bound.map(|bound| format!("bound {}", compact(bound))), noise > bottom);
+    keys.extend(within_bound.as_deref().map(|words| Key::Line("ideal", words)));
+    keys.extend(noisy.then_some(Key::Line("ideal noise", "noise of the seeds (median)")));
+    let mut plot = Plot::with_legend(x, y, &keys);
+    let mut level = |class: &str, value: f64| plot.curve(class, [[left, value], [right, value]].into_iter());
+    if let Some(bound) = bound {
+        level("ideal", bound);
+    }
+    if noisy {
+        level("ideal noise", noise);
+    }
+    let fronts: Vec<&Point> = series.iter().flat_map(|series| series.front.iter().map(|member| member.point)).collect();
+    for one in &series {
+        draw(&mut plot, one, &fronts, [bottom, top]);
+    }
+    for (style, point) in cut() {
+        plot.open_marker(style, wall(point), top, 5.0);
+    }
+    // Numbers come last, so that they find room between the markers.
+    let (mut number, mut groups) = (0, Vec::new());
+    for one in series.iter().filter(|series| lines(series)) {
+        let mut entries = Vec::new();
+        for member in &one.front {
+            number += 1;
+            plot.number(within(member, [bottom, top]), number);
+            entries.push((number, member.point.short_setting.as_str()));
+        }
+        groups.push((one.style, entries));
+    }
+    plot.key_of_numbers(&groups);
+    Some(plot.finish(about))
+}
+
+/// Wall time and error, moved into the frame.
+fn within(member: &Member<'_>, [bottom, top]: [f64; 2]) -> [f64; 2] {
+    let [wall, error] = member.coordinates();
+    [wall, error.clamp(bottom, top)]
+}
+
+/// A series with its bars and its front. Points of any front are larger.
+fn draw(plot: &mut Plot, series: &Series<'_>, fronts: &[&Point], [bottom, top]: [f64; 2]) {
+    let style = series.style;
+    let at = |member: &Member<'_>| within(member, [bottom, top]);
+    plot.curve(&format!("{} curve", style.class), series.front.iter().map(at));
+    let mut members: Vec<&Member<'_>> = series.members.iter().collect();
+    members.sort_by(|a, b| a.coordinates()[0].total_cmp(&b.coordinates()[0]));
+    for member in members {
+        let [x, y] = at(member);
+        if let Some(error) = member.deviation.deviation_standard_error {
+            let size = member.deviation.deviation.abs();
+            let (low, high) = ((size - error).max(bottom), (size + error).max(bottom));
+            plot.error_bar(&format!("{} error", style.class), x, low, high);
+        }
+        let on_front = fronts.iter().any(|point| std::ptr::eq(*point, member.point));
+        plot.marker(style, x, y, if on_front { 5.0 } else { 3.2 });
+    }
 }

@@ -1,31 +1,30 @@
-//! What is run: the knobs of each code and the values that they take.
+//! The plan: the settings of each code and their values.
 
-use super::configuration::{Configuration, Knobs};
-use super::variations::Variation;
+use super::configuration::{Configuration, Knobs, VARIATIONS, Variation};
 use crate::plan::Scene;
 use makadam::scene::{SolverSettings, Stop};
 
 /// Wall time at which a run of few configurations is cut short where no other is given, s.
 pub const QUICK_TIME_LIMIT: f64 = 60.0;
 
-/// How much is planned.
+/// Extent of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {
     /// Few configurations.
     Quick,
-    /// These, and methods, precision, warm start and the settings of the sweeps.
+    /// Few configurations, and methods, precision, warm start and the settings of the sweeps.
     QuickAndVaried,
     /// Everything.
     Full,
 }
 
-/// How much is run. Steps are over the scene's own step.
+/// Values of the settings. Steps are over the scene's own step.
 struct Extent {
     /// Steps of Makadam's grid.
     steps: &'static [f64],
     /// Sweeps of Makadam's grid.
     sweeps: &'static [u32],
-    /// Whether the other axes are varied about the scene's own settings.
+    /// True if the other axes are varied about the scene's own settings.
     about_own: bool,
     /// Steps at which they are varied too.
     varied_steps: &'static [f64],
@@ -39,7 +38,7 @@ struct Extent {
     elsewhere_forgiving: &'static [(f64, u32)],
     /// Time steps of explicit codes over the Rayleigh step at the scene's stiffness.
     rayleigh_fractions: &'static [f64],
-    /// The same at other stiffnesses.
+    /// Time steps of explicit codes at other stiffnesses.
     rayleigh_fractions_elsewhere: &'static [f64],
 }
 
@@ -114,7 +113,7 @@ pub struct Refinement {
     pub grids: [usize; 3],
 }
 
-/// What is run.
+/// Configurations of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Every configuration once.
@@ -172,7 +171,7 @@ impl Plan {
                 self.place(grid(step, sweeps));
             }
         }
-        for variation in Variation::all() {
+        for variation in &VARIATIONS {
             if extent.about_own {
                 self.vary(scene, 1.0, variation, &scene.solver);
             }
@@ -229,7 +228,7 @@ impl Plan {
         self.refinements.iter().find(|refinement| refinement.stiffness_factor == stiffness_factor)
     }
 
-    /// Whether a configuration is one of the three grids of a reference, which are never cut short.
+    /// True if a configuration is one of the three grids of a reference, which are never cut short.
     pub fn is_grid(&self, place: usize) -> bool {
         self.refinements.iter().any(|refinement| refinement.grids.contains(&place))
     }

@@ -1,8 +1,10 @@
-//! Which settings are worth their time.
+//! Ranking of settings: Pareto fronts, the fastest settings within the bounds, and the effect of chance on that choice.
 
-use super::front::pareto_front;
 use super::rows::{Bound, Fastest, Point, Varied};
 use crate::statistics::median;
+use rand_chacha::ChaCha8Rng;
+use rand_core::{RngCore, SeedableRng};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Marks the Pareto front of every code and observable at every stiffness. The reference is no point of it: its error
 /// is zero by definition.
@@ -83,7 +85,7 @@ pub(super) fn fastest(points: &[Point], bounds: &[Bound]) -> Vec<Fastest> {
     rows
 }
 
-/// What each variation of the solver comes to, in the order of the plan, against settings that vary step and sweeps alone.
+/// The best setting of each variation of the solver, in the order of the plan, over the best that varies step and sweeps alone.
 pub(super) fn variations(points: &[Point]) -> Vec<Varied> {
     let own = || points.iter().filter(|point| point.code == "Makadam" && point.stiffness_factor == 1.0);
     let best = |variation: Option<&str>| {
@@ -109,4 +111,83 @@ pub(super) fn variations(points: &[Point]) -> Vec<Varied> {
         });
     }
     rows
+}
+
+/// Places of the points that no other one beats, from the cheapest to the most accurate.
+///
+/// A point is its wall time and its error. Errors below `floor`, the error of the reference itself, cannot be told
+/// apart and count as equal to it: the cheapest of them ends the front, not the luckiest.
+pub fn pareto_front(points: &[[f64; 2]], floor: f64) -> Vec<usize> {
+    let error = |place: &usize| points[*place][1].max(floor);
+    let mut order: Vec<usize> =
+        (0..points.len()).filter(|&place| points[place].iter().all(|x| x.is_finite())).collect();
+    order.sort_by(|a, b| points[*a][0].total_cmp(&points[*b][0]).then(error(a).total_cmp(&error(b))));
+    let mut least = f64::INFINITY;
+    order.retain(|place| {
+        let better = error(place) < least;
+        least = least.min(error(place));
+        better
+    });
+    order
+}
+
+/// Samples of the seeds that are drawn.
+const SAMPLES: usize = 2_000;
+
+/// Share of the samples that lies outside the interval, at either end.
+const TAIL: f64 = 0.05;
+
+/// A configuration that could be the fastest of its code.
+pub(super) struct Candidate {
+    /// The code.
+    pub code: String,
+    /// Factor on every Young's modulus.
+    pub stiffness_factor: f64,
+    /// Wall time over simulated time.
+    pub pace: f64,
+    /// Differences from the reference by seed, of every bounded observable, and the bound.
+    pub differences: Vec<(BTreeMap<u64, f64>, f64)>,
+}
+
+impl Candidate {
+    /// True if the mean deviations over a sample of seeds keep their bounds.
+    fn keeps_bounds(&self, sample: &[u64]) -> bool {
+        self.differences.iter().all(|(by_seed, bound)| {
+            let values: Vec<f64> = sample.iter().filter_map(|seed| by_seed.get(seed).copied()).collect();
+            !values.is_empty() && (values.iter().sum::<f64>() / values.len() as f64).abs() <= *bound
+        })
+    }
+}
+
+/// Fills in the intervals of the ratios: seeds are drawn with replacement, the same for every configuration, since all start from
+/// the same grains; each sample has its own fastest settings, and a code that has none is slower than any number (percentile
+/// bootstrap, Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13).
+pub(super) fn fill_intervals(rows: &mut [Fastest], candidates: &[Candidate]) {
+    let by_seed = candidates.iter().flat_map(|one| one.differences.iter()).map(|(by_seed, _)| by_seed);
+    let seeds: BTreeSet<u64> = by_seed.flat_map(|by_seed| by_seed.keys().copied()).collect();
+    let seeds: Vec<u64> = seeds.into_iter().collect();
+    if seeds.len() < 2 {
+        return;
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut ratios: Vec<Vec<f64>> = vec![Vec::with_capacity(SAMPLES); rows.len()];
+    for _ in 0..SAMPLES {
+        let sample: Vec<u64> = seeds.iter().map(|_| seeds[(random.next_u64() % seeds.len() as u64) as usize]).collect();
+        let kept: Vec<&Candidate> = candidates.iter().filter(|one| one.keeps_bounds(&sample)).collect();
+        let least = |code: &str, factor: f64| {
+            let own = kept.iter().filter(|one| one.code == code && one.stiffness_factor == factor);
+            own.map(|one| one.pace).fold(f64::INFINITY, f64::min)
+        };
+        for (row, ratios) in rows.iter().zip(&mut ratios) {
+            ratios.push(least(&row.code, row.stiffness_factor) / least("Makadam", row.stiffness_factor));
+        }
+    }
+    for (row, mut ratios) in rows.iter_mut().zip(ratios) {
+        if row.code == "Makadam" || ratios.iter().any(|ratio| ratio.is_nan()) {
+            continue;
+        }
+        ratios.sort_by(f64::total_cmp);
+        let at = |share: f64| Some(ratios[(share * (SAMPLES - 1) as f64).round() as usize]).filter(|r| r.is_finite());
+        [row.ratio_low, row.ratio_high] = [at(TAIL), at(1.0 - TAIL)];
+    }
 }

@@ -1,6 +1,19 @@
-//! The rows of a trade-off: references, points, the fastest settings.
+//! Rows of a trade-off: references, points, the fastest settings; and the verification of a reference over three grids: observed
+//! order, Richardson's estimate, grid convergence index.
+//!
+//! With the step halved twice, and f1, f2, f3 on the fine, middle and coarse grid (Roache, *Verification and validation
+//! in computational science and engineering*, 1998; ASME V&V 20):
+//!
+//! ```text
+//! p   = log2((f3 - f2)/(f2 - f1))          observed order
+//! f   = f1 + (f1 - f2)/(2^p - 1)           Richardson's estimate of the limit
+//! GCI = F |f2 - f1|/(2^p - 1)              F = 1.25
+//! ```
+//!
+//! The time stepping is of first order. Where the observed order is off, or the differences drown in the spread over
+//! seeds, there is no estimate, and the index takes p = 1 and F = 3.
 
-use super::convergence::Convergence;
+use crate::statistics::{mean, standard_error};
 use serde::{Deserialize, Serialize};
 
 /// A tolerated deviation of an observable from the converged reference.
@@ -17,7 +30,7 @@ const USUAL: [(&str, f64); 3] =
     [("dynamic_angle_of_repose", 0.5), ("static_angle_of_repose", 0.5), ("packing_fraction", 0.002)];
 
 impl Bound {
-    /// Those that hold where none are given: degrees for angles.
+    /// Default bounds; degrees for angles.
     pub fn usual() -> Vec<Bound> {
         USUAL.iter().map(|&(name, value)| Bound { observable: name.into(), value }).collect()
     }
@@ -48,7 +61,7 @@ pub struct Reference {
     pub steps: [f64; 3],
     /// Means on the three grids; absent where a grid has not run with all seeds.
     pub grid_means: Option<[f64; 3]>,
-    /// What the three grids say of the limit.
+    /// Estimate of the limit from the three grids.
     pub convergence: Option<Convergence>,
     /// Mean minus the mean of the reference at the scene's stiffness; absent there.
     pub shift: Option<f64>,
@@ -79,11 +92,11 @@ pub struct Deviation {
     pub deviation_from_scene: Option<f64>,
     /// Tolerated deviation, if there is one.
     pub bound: Option<f64>,
-    /// Whether the deviation lies within the bound.
+    /// True if the deviation lies within the bound.
     pub within: Option<bool>,
-    /// Whether its 90% interval does.
+    /// True if its 90% interval does.
     pub interval_within: Option<bool>,
-    /// Whether no other setting of the code at this stiffness is both faster and nearer.
+    /// True if no other setting of the code at this stiffness is both faster and nearer.
     pub on_front: bool,
 }
 
@@ -96,7 +109,7 @@ pub struct Point {
     pub version: String,
     /// Its knobs in words.
     pub setting: String,
-    /// The same where there is little room.
+    /// Short form of the settings.
     pub short_setting: String,
     /// Factor on every Young's modulus.
     pub stiffness_factor: f64,
@@ -108,7 +121,7 @@ pub struct Point {
     pub rayleigh_fraction: Option<f64>,
     /// Most iterations of a solve, for Makadam: sweeps, with Gauss-Seidel.
     pub sweeps: Option<u32>,
-    /// What is varied beside step and sweeps, for Makadam, such as "single precision"; absent where nothing is.
+    /// Variation in addition to step and sweeps, for Makadam, such as "single precision".
     pub variation: Option<String>,
     /// Seeds that were run.
     pub seeds: Vec<u64>,
@@ -123,17 +136,17 @@ pub struct Point {
     pub core_share_least: Option<f64>,
     /// Simulated time of a run, s.
     pub simulated_seconds: f64,
-    /// Whether runs were cut short after that time, so that the wall time is extrapolated and there are no deviations.
+    /// True if runs were cut short after that time, so that the wall time is extrapolated and there are no deviations.
     pub extrapolated: bool,
-    /// Whether it failed with a seed, so that it keeps no bound.
+    /// True if it failed with a seed, so that it keeps no bound.
     pub failed: bool,
-    /// Whether this is the reference itself, whose deviation is zero by definition.
+    /// True if this is the reference itself, whose deviation is zero by definition.
     pub reference: bool,
     /// Its observables.
     pub deviations: Vec<Deviation>,
-    /// Whether all bounds are kept; absent where a bounded observable was not measured or there are no bounds.
+    /// True if all bounds are kept; absent where a bounded observable was not measured or there are no bounds.
     pub within_bounds: Option<bool>,
-    /// Whether all 90% intervals lie within the bounds.
+    /// True if all 90% intervals lie within the bounds.
     pub intervals_within_bounds: Option<bool>,
 }
 
@@ -157,7 +170,7 @@ pub struct Fastest {
     pub setting: Option<String>,
     /// Its wall time over simulated time.
     pub wall_seconds_per_simulated_second: Option<f64>,
-    /// Whether its 90% intervals lie within the bounds too.
+    /// True if its 90% intervals lie within the bounds too.
     pub intervals_within_bounds: Option<bool>,
     /// Its wall time over that of Makadam's fastest setting at the same stiffness.
     pub ratio_to_makadam: Option<f64>,
@@ -168,7 +181,7 @@ pub struct Fastest {
     pub ratio_high: Option<f64>,
 }
 
-/// What a variation of the solver beside step and sweeps comes to, at the scene's stiffness.
+/// Best result of a variation of the solver, at the scene's stiffness.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Varied {
     /// The axis and its value, such as "single precision".
@@ -179,8 +192,58 @@ pub struct Varied {
     pub setting: Option<String>,
     /// Its wall time over simulated time.
     pub wall_seconds_per_simulated_second: Option<f64>,
-    /// Whether its 90% intervals lie within the bounds too.
+    /// True if its 90% intervals lie within the bounds too.
     pub intervals_within_bounds: Option<bool>,
     /// Its wall time over that of the fastest setting within the bounds that varies step and sweeps alone.
     pub ratio_to_plain: Option<f64>,
+}
+
+/// Order of the time stepping.
+const FORMAL_ORDER: f64 = 1.0;
+/// Observed orders that are taken at their word.
+const CREDIBLE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+/// Safety factor where the order was observed, and where it was not.
+const SAFETY: [f64; 2] = [1.25, 3.0];
+
+/// Estimate of the limit from three grids.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Convergence {
+    /// Observed order; absent unless the differences have one sign and exceed their standard errors over seeds.
+    pub observed_order: Option<f64>,
+    /// Richardson's estimate of the limit; absent unless the observed order is credible.
+    pub richardson: Option<f64>,
+    /// Safety factor of the index.
+    pub safety_factor: f64,
+    /// Grid convergence index: half the width of a band about the fine grid's value, in the observable's unit.
+    pub grid_convergence_index: f64,
+}
+
+impl Convergence {
+    /// From the values on three grids, coarse to fine, each over the same seeds; absent without seeds.
+    pub fn of(grids: [&[f64]; 3]) -> Option<Convergence> {
+        let [coarse, middle, fine] = grids;
+        if fine.is_empty() || coarse.len() != fine.len() || middle.len() != fine.len() {
+            return None;
+        }
+        let differences = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
+        let (outer, inner) = (differences(coarse, middle), differences(middle, fine));
+        // One seed's noise is not known.
+        let audible = |steps: &[f64]| standard_error(steps).is_none_or(|error| mean(steps).abs() > error);
+        let (step_out, step_in) = (mean(&outer), mean(&inner));
+        let ratio = step_out / step_in;
+        let observed_order =
+            (ratio > 0.0 && ratio.is_finite() && audible(&outer) && audible(&inner)).then(|| ratio.log2());
+        let credible = observed_order.filter(|order| CREDIBLE.contains(order));
+        let (order, safety_factor) = match credible {
+            Some(order) => (order, SAFETY[0]),
+            None => (FORMAL_ORDER, SAFETY[1]),
+        };
+        let reach = step_in / (order.exp2() - 1.0);
+        Some(Convergence {
+            observed_order,
+            richardson: credible.map(|_| mean(fine) - reach),
+            safety_factor,
+            grid_convergence_index: safety_factor * reach.abs(),
+        })
+    }
 }

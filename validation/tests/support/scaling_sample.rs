@@ -3,7 +3,7 @@
 
 use makadam::lanes::InstructionSet;
 use makadam::partition::Portion;
-use makadam::schedule::{Phase, Region, StepTrace};
+use makadam::schedule::{Phase, Region, Scheduler, StepTrace};
 use makadam::sweep::SweepBytes;
 use makadam_validation::execution::Execution;
 use makadam_validation::provenance::Provenance;
@@ -15,12 +15,8 @@ use std::path::Path;
 /// Factor of the invented measurement on its replay.
 pub const SLOWER: f64 = 1.04;
 
-/// Factor of the invented tasks on several threads on those of a serial trace.
-pub const LONGER: f64 = 1.03;
-
 const SETS: [(InstructionSet, f64); 2] = [(InstructionSet::Generic, 3.0), (InstructionSet::Avx512, 1.0)];
-const COSTS: Costs =
-    Costs { pop_alone: 15e-9, pop_contended: 90e-9, task_start: 30e-9, steal: 400e-9, region: 300e-9, met_share: 1.0 };
+const COSTS: Costs = Costs { pop_alone: 15e-9, pop_contended: 90e-9, task_start: 30e-9, steal: 400e-9, region: 300e-9 };
 const SWEEPS: u32 = 12;
 
 /// The same step box by box: each task of a sweep in six pieces.
@@ -59,12 +55,6 @@ fn step(factor: f64) -> StepTrace {
     StepTrace { regions }
 }
 
-/// The same step with longer tasks.
-pub fn longer(mut step: StepTrace, factor: f64) -> StepTrace {
-    step.regions.iter_mut().flat_map(|region| &mut region.tasks).for_each(|task| *task *= factor);
-    step
-}
-
 /// What a study is made of.
 pub fn parts() -> (Plan, Measurement, Setting) {
     let plan = Plan {
@@ -82,9 +72,9 @@ pub fn parts() -> (Plan, Measurement, Setting) {
         let step = if portion == Portion::Boxes { cut(step(factor)) } else { step(factor) };
         let seconds = SLOWER * replay(&step.regions, scheduler, &here, None, threads).seconds;
         let repetition = |noise: f64| Times { steps: vec![noise * seconds; 2], sweeps: vec![0.7 * noise * seconds; 2] };
-        let task_time_ratio = if threads > 1 { LONGER } else { 1.0 };
-        let steps = vec![longer(step, task_time_ratio); 2];
-        traces.push(Traces { configuration, steps, sweeps: vec![SWEEPS; 2], task_time_ratio });
+        if scheduler == Scheduler::Serial {
+            traces.push(Traces { configuration, steps: vec![step; 2], sweeps: vec![SWEEPS; 2] });
+        }
         timings.push(Timing {
             configuration,
             repetitions: [0.97, 1.0, 1.06].map(repetition).to_vec(),
@@ -106,7 +96,6 @@ pub fn parts() -> (Plan, Measurement, Setting) {
     let setting = Setting {
         scene: "invented".into(),
         started: 1.0,
-        cores: 16,
         bandwidth: Bandwidth { one_thread: 20e9, all_threads: 300e9, threads: 16 },
         machines: vec![here, Machine::xeon_phi_3120(&COSTS, 3.3e9)],
         provenance: Provenance::of_run(&scene, Path::new("invented.toml"), 1, &Execution::serial()),
@@ -117,5 +106,5 @@ pub fn parts() -> (Plan, Measurement, Setting) {
 /// The study.
 pub fn study() -> Study {
     let (plan, measurement, setting) = parts();
-    Study::new(&plan, &measurement, setting).with_findings()
+    Study::new(&plan, &measurement, setting)
 }

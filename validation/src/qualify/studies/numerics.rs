@@ -374,7 +374,7 @@ impl Part for Tradeoff<'_> {
                 time_limit: QUICK_TIME_LIMIT,
                 provenance: account(1, &[scene]),
             };
-            let study = tradeoff::Study::new(scene, &Self::plan(scene), &outcome, terms).with_findings();
+            let study = tradeoff::Study::new(scene, &Self::plan(scene), &outcome, terms);
             section.notes.extend(study.findings.iter().map(|finding| format!("{name}: {finding}")));
             section.runs += outcome.runs.iter().flatten().count();
             section.wall_seconds += outcome.runs.iter().flatten().map(|kept| kept.run.wall_seconds).sum::<f64>();

@@ -1,9 +1,7 @@
-//! Trade-offs that are recorded beside scenes, read back from their tables: what figures have to cope with.
+//! Recorded trade-offs, read back from their tables: reproduced cell by cell, and figures without overlapping text.
 
-use super::rows::{Bound, Deviation, Point, Reference};
-use super::study::Study;
-use crate::draw::figure::Figure;
-use crate::study::Document as _;
+use makadam_validation::study::Document as _;
+use makadam_validation::tradeoff::{Bound, Convergence, Deviation, Point, Reference, Study};
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -54,7 +52,7 @@ fn point(record: &Record) -> Point {
         rayleigh_fraction: number(record, "rayleigh_fraction"),
         sweeps: number(record, "sweeps").map(|sweeps| sweeps as u32),
         variation: record.get("variation").filter(|words| !words.is_empty()).cloned(),
-        seeds: Vec::new(),
+        seeds: (1..=number(record, "seeds").unwrap() as u64).collect(),
         wall_seconds_per_simulated_second: wall(""),
         wall_seconds_per_simulated_second_least: wall("_least"),
         wall_seconds_per_simulated_second_most: wall("_most"),
@@ -71,6 +69,7 @@ fn point(record: &Record) -> Point {
 
 fn reference(record: &Record) -> Reference {
     let value = |column: &str| number(record, column).unwrap();
+    let grids = ["coarse_mean", "middle_mean", "fine_mean"].map(|column| number(record, column));
     Reference {
         stiffness_factor: value("stiffness_factor"),
         youngs_modulus: value("youngs_modulus"),
@@ -82,8 +81,13 @@ fn reference(record: &Record) -> Reference {
         standard_deviation: value("standard_deviation"),
         standard_error: number(record, "standard_error"),
         steps: ["coarse_step", "middle_step", "fine_step"].map(value),
-        grid_means: None,
-        convergence: None,
+        grid_means: grids.iter().copied().collect::<Option<Vec<f64>>>().map(|means| [means[0], means[1], means[2]]),
+        convergence: number(record, "safety_factor").map(|safety_factor| Convergence {
+            observed_order: number(record, "observed_order"),
+            richardson: number(record, "richardson"),
+            safety_factor,
+            grid_convergence_index: value("grid_convergence_index"),
+        }),
         shift: number(record, "shift"),
         shift_standard_error: number(record, "shift_standard_error"),
     }
@@ -122,7 +126,11 @@ fn study(folder: &Path) -> Study {
         bounds,
         references: records(&folder.join("references.csv")).iter().map(reference).collect(),
         points,
-        fastest: Vec::new(),
+        fastest: csv::Reader::from_path(folder.join("fastest.csv"))
+            .unwrap()
+            .deserialize()
+            .map(Result::unwrap)
+            .collect(),
         variations: Vec::new(),
         findings: Vec::new(),
         notes: Vec::new(),
@@ -130,7 +138,7 @@ fn study(folder: &Path) -> Study {
     }
 }
 
-/// Folders of tables beside the reference scenes.
+/// Folders of recorded tables.
 fn folders() -> Vec<PathBuf> {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reference-scenes/*/tradeoff/*/points.csv");
     let files = glob::glob(scenes.to_str().unwrap()).unwrap();
@@ -172,9 +180,9 @@ fn mark(node: Node<'_, '_>) -> Area {
     }
 }
 
-/// What is wrong with the words of a figure, and how many numbers it has.
-fn faults(figure: &Figure) -> (Vec<String>, usize) {
-    let drawing = Document::parse(&figure.svg).unwrap();
+/// Overlaps of the text of a figure, and the number of its numbered settings.
+fn faults(svg: &str) -> (Vec<String>, usize) {
+    let drawing = Document::parse(svg).unwrap();
     let of_class = |class: &str| {
         let nodes = drawing.descendants().filter(move |node| {
             node.attribute("class").is_some_and(|classes| classes.split(' ').any(|one| one == class))
@@ -209,14 +217,46 @@ fn faults(figure: &Figure) -> (Vec<String>, usize) {
 }
 
 #[test]
-fn no_words_of_a_recorded_trade_off_lie_on_others_or_on_marks() {
+fn figures_have_no_overlapping_text() {
     let (mut figures, mut numbers) = (0, 0);
     for folder in folders() {
         for figure in study(&folder).figures() {
-            let (faults, found) = faults(&figure);
+            let (faults, found) = faults(&figure.svg);
             assert!(faults.is_empty(), "{} of {}: {faults:?}", figure.name, folder.display());
             (figures, numbers) = (figures + 1, numbers + found);
         }
     }
     assert!(figures > 30 && numbers > 150, "{figures} figures, {numbers} numbers");
+}
+
+#[test]
+fn tables_are_reproduced_from_their_rows() {
+    let (mut cells, mut whole) = (0, 0);
+    for folder in folders() {
+        for (name, bytes) in study(&folder).tables().unwrap() {
+            let file = folder.join(&name);
+            if !name.ends_with(".csv") {
+                continue;
+            }
+            let recorded = std::fs::read(&file).unwrap();
+            let read = |bytes: &[u8]| {
+                csv::Reader::from_reader(bytes).deserialize().map(Result::unwrap).collect::<Vec<Record>>()
+            };
+            let (before, after) = (read(&recorded), read(&bytes));
+            assert_eq!(before.len(), after.len(), "{}", file.display());
+            // Earlier versions had fewer columns.
+            for (line, (before, after)) in before.iter().zip(&after).enumerate() {
+                for (column, cell) in before {
+                    assert_eq!(after.get(column), Some(cell), "{}:{}: {column}", file.display(), line + 2);
+                    cells += 1;
+                }
+            }
+            let head = |bytes: &[u8]| bytes.split(|&byte| byte == b'\n').next().unwrap_or_default().to_vec();
+            if head(&recorded) == head(&bytes) {
+                assert!(recorded == bytes, "{}", file.display());
+                whole += 1;
+            }
+        }
+    }
+    assert!(cells > 20_000 && whole > 10, "{cells} cells, {whole} whole tables");
 }
