@@ -1,4 +1,4 @@
-//! `makadam convergence`: residuals fall, the JSON contract, what is written.
+//! `makadam lab convergence`: residuals fall, the JSON contract, what is written.
 
 use crate::support::changed::changed;
 use crate::support::makadam;
@@ -15,7 +15,7 @@ fn residual(point: &Value) -> f64 {
 fn residuals_fall_and_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["--settle", "0.3", "--iterations", "100", "--json", "--output", "out"];
-    let output = makadam(folder.path()).arg("convergence").arg(smoke()).args(arguments).output().unwrap();
+    let output = makadam(folder.path()).args(["lab", "convergence"]).arg(smoke()).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let study: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((study["version"].as_u64(), study["command"].as_str()), (Some(1), Some("convergence")));
@@ -76,7 +76,7 @@ fn chosen_methods_are_recorded_beside_the_scene() {
         "out",
         "--quiet",
     ];
-    let output = makadam(folder.path()).arg("convergence").arg(&scene).args(arguments).output().unwrap();
+    let output = makadam(folder.path()).args(["lab", "convergence"]).arg(&scene).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.stderr.is_empty() && String::from_utf8_lossy(&output.stdout).contains("gauss-seidel"));
     let machine = std::fs::read_dir(folder.path().join("changed-convergence")).unwrap().next().unwrap().unwrap().path();
@@ -96,7 +96,14 @@ fn methods_that_leave_torques_out_are_not_run_and_the_study_says_so() {
     let scene = changed(folder.path(), "restitution = 0.3", "restitution = 0.3\nrolling_friction = 0.2");
     let study = |methods: &[&str]| {
         let mut command = makadam(folder.path());
-        command.arg("convergence").arg(&scene).args(["--settle", "0.3", "--iterations", "20", "--repetitions", "1"]);
+        command.args(["lab", "convergence"]).arg(&scene).args([
+            "--settle",
+            "0.3",
+            "--iterations",
+            "20",
+            "--repetitions",
+            "1",
+        ]);
         command.args(["--json", "--output", "out"]).args(methods).output().unwrap()
     };
     let output = study(&[]);
@@ -129,12 +136,14 @@ fn methods_that_leave_torques_out_are_not_run_and_the_study_says_so() {
 #[test]
 fn what_cannot_be_done_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let output = makadam(folder.path()).arg("convergence").arg(smoke()).args(["--methods", "sor"]).output().unwrap();
+    let output =
+        makadam(folder.path()).args(["lab", "convergence"]).arg(smoke()).args(["--methods", "sor"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let message = String::from_utf8_lossy(&output.stderr).to_string();
     assert!(message.contains("'sor'") && message.contains("gauss-seidel"), "{message}");
     // After one step the grains still fall freely.
-    let output = makadam(folder.path()).arg("convergence").arg(smoke()).args(["--settle", "5e-4"]).output().unwrap();
+    let output =
+        makadam(folder.path()).args(["lab", "convergence"]).arg(smoke()).args(["--settle", "5e-4"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("--settle"));
 }

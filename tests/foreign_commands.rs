@@ -164,7 +164,7 @@ fn a_code_of_ones_own_is_judged_and_found_to_disagree() {
         "compare=[{observable=\"packing_fraction\", margin=0.01}]",
     ];
     let mut command =
-        vec!["judge", "packing-100", "--code", &described, "--codes", "makadam", "--seeds", "3", "-o", "report"];
+        vec!["compare", "packing-100", "--own-code", &described, "--codes", "makadam", "--seeds", "3", "-o", "report"];
     command.extend(scene);
     let (code, text, errors) = outcome(folder.path(), &command);
     assert_eq!(code, 4, "{text}{errors}");
@@ -191,8 +191,10 @@ fn a_code_of_ones_own_is_judged_and_found_to_disagree() {
     ];
     for (text, wanted, words) in refused {
         let file = write("code.toml", &text);
-        let (code, _, errors) =
-            outcome(folder.path(), &["judge", "packing-100", "--code", &file, "--codes", "makadam", "--seeds", "1"]);
+        let (code, _, errors) = outcome(
+            folder.path(),
+            &["compare", "packing-100", "--own-code", &file, "--codes", "makadam", "--seeds", "1"],
+        );
         assert!(code == wanted && errors.contains(words), "{code} in place of {wanted}: {errors}");
     }
 }
@@ -213,9 +215,9 @@ fn a_seed_that_fails_is_a_value_that_is_missing() {
     let (code, text, errors) = outcome(
         folder.path(),
         &[
-            "judge",
+            "compare",
             "packing-100",
-            "--code",
+            "--own-code",
             &file.display().to_string(),
             "--codes",
             "makadam",

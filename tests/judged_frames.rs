@@ -34,7 +34,7 @@ fn judged(description: &str, more: &[&str]) -> (i32, String, String) {
     fs::write(folder.path().join("code.toml"), description).unwrap();
     write_scene(folder.path());
     let mut command = makadam(folder.path());
-    command.args(["judge", "scene.toml", "--code", "code.toml", "--codes", "makadam"]).args(more);
+    command.args(["compare", "scene.toml", "--own-code", "code.toml", "--codes", "makadam"]).args(more);
     let output = command.output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
@@ -121,7 +121,7 @@ fn an_interruption_is_told_and_leaves_an_earlier_report() {
     let judge = |fault: &str, output: &str| {
         fs::write(folder.join("code.toml"), described(fault, OUT)).unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_makadam"));
-        command.args(["judge", "scene.toml", "--code", "code.toml", "--codes", "makadam", "--seeds", "2"]);
+        command.args(["compare", "scene.toml", "--own-code", "code.toml", "--codes", "makadam", "--seeds", "2"]);
         command
             .args(["--output", output, "--jobs", "1"])
             .env("XDG_CACHE_HOME", folder.join("cache"))
@@ -164,7 +164,18 @@ fn unreadable_frames_end_the_first_seed() {
     fs::write(folder.path().join("code.toml"), described("lost-grain", OUT)).unwrap();
     write_scene(folder.path());
     let mut command = makadam(folder.path());
-    command.args(["judge", "scene.toml", "--code", "code.toml", "--codes", "makadam", "--seeds", "20", "--jobs", "1"]);
+    command.args([
+        "compare",
+        "scene.toml",
+        "--own-code",
+        "code.toml",
+        "--codes",
+        "makadam",
+        "--seeds",
+        "20",
+        "--jobs",
+        "1",
+    ]);
     let output = command.output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(1) && errors.contains("has 99 grains"), "{errors}");
@@ -205,7 +216,7 @@ fn without_records_a_code_is_compared_with_makadam() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("code.toml"), described("none", OUT)).unwrap();
     write_scene(folder.path());
-    let output = makadam(folder.path()).args(["judge", "scene.toml", "--code", "code.toml"]).output().unwrap();
+    let output = makadam(folder.path()).args(["compare", "scene.toml", "--own-code", "code.toml"]).output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(
         output.status.success() && text.contains("Faulty agrees with Makadam within the margins in 1 test"),
@@ -228,9 +239,9 @@ fn frames_that_exist_are_judged() {
         assert_eq!(code, 0, "{errors}");
     }
     // Runs of Makadam, as seeds that are registered and as others.
-    let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "own[12]/"]);
+    let (code, text, errors) = run(&["compare", "scene.toml", "--frames", "own[12]/"]);
     assert!(code == 0 && text.contains("frames agrees with Makadam"), "{code}: {text}{errors}");
-    let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "own1", "own3"]);
+    let (code, text, errors) = run(&["compare", "scene.toml", "--frames", "own1", "own3"]);
     assert!(
         code == 4 && text.contains("registers seeds 1 to 2 (measure.seeds), and others were run"),
         "{text}{errors}"
@@ -247,10 +258,10 @@ fn frames_that_exist_are_judged() {
         }
         fs::write(dropped.join("grains.csv"), table).unwrap();
     }
-    let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "dropped-*/"]);
+    let (code, text, errors) = run(&["compare", "scene.toml", "--frames", "dropped-*/"]);
     assert!(code == 0 && text.contains("frames agrees with Makadam"), "{code}: {text}{errors}");
     fs::write(folder.join("code.toml"), "name = \"Mine\"\ngrains = [\"grains.csv\"]\n").unwrap();
-    let (code, text, errors) = run(&["judge", "scene.toml", "--frames", "dropped-*/", "--code", "code.toml"]);
+    let (code, text, errors) = run(&["compare", "scene.toml", "--frames", "dropped-*/", "--own-code", "code.toml"]);
     assert!(code == 0 && text.contains("Mine agrees with Makadam"), "{code}: {text}{errors}");
     fs::create_dir(folder.join("unnumbered")).unwrap();
     fs::create_dir(folder.join("other1")).unwrap();
@@ -262,10 +273,10 @@ fn frames_that_exist_are_judged() {
         (&["own1", "--seeds", "2"], 2, "cannot be used with"),
     ];
     for (words, wanted, said) in refused {
-        let (code, _, errors) = run(&[&["judge", "scene.toml", "--frames"], words].concat());
+        let (code, _, errors) = run(&[&["compare", "scene.toml", "--frames"], words].concat());
         assert!(code == wanted && errors.contains(said), "{words:?}: {code}: {errors}");
     }
-    let (code, _, errors) = run(&["judge", "scene.toml", "--code", "code.toml"]);
+    let (code, _, errors) = run(&["compare", "scene.toml", "--own-code", "code.toml"]);
     assert!(code == 2 && errors.contains("command is missing"), "{errors}");
 }
 

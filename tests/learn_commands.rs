@@ -58,8 +58,8 @@ fn a_new_scene_goes_to_standard_output_and_a_full_disk_leaves_nothing_in_the_way
 #[test]
 fn help_and_manual_begin_with_what_the_program_does() {
     let folder = tempfile::tempdir().unwrap();
-    for arguments in [["--help"], ["manual"]] {
-        let text = said(folder.path(), &arguments);
+    for arguments in [&["--help"][..], &["print", "manual"]] {
+        let text = said(folder.path(), arguments);
         assert!(text.contains("Simulates grains in contact") && !text.contains("Judges Makadam against"), "{text}");
     }
     assert!(said(folder.path(), &["--help"]).starts_with("Simulates grains"));
@@ -102,28 +102,28 @@ fn check_is_a_document_too_and_says_what_accuracy_decides() {
 #[test]
 fn scenes_and_observables_are_listed() {
     let folder = tempfile::tempdir().unwrap();
-    let list: Value = serde_json::from_str(&said(folder.path(), &["scenes", "--json"])).unwrap();
+    let list: Value = serde_json::from_str(&said(folder.path(), &["print", "scenes", "--json"])).unwrap();
     let drum = list.as_array().unwrap().iter().find(|scene| scene["name"] == "drum").unwrap();
     assert!(drum["description"].as_str().unwrap().contains("turning drum") && drum["grains"] == 1600);
-    let text = said(folder.path(), &["observables", "discharge", "gini"]);
+    let text = said(folder.path(), &["print", "observables", "discharge", "gini"]);
     assert!(text.contains("mass_flow_rate (W) [kg/s]") && text.contains("Gini coefficient"), "{text}");
-    let all: Value = serde_json::from_str(&said(folder.path(), &["observables", "--json"])).unwrap();
+    let all: Value = serde_json::from_str(&said(folder.path(), &["print", "observables", "--json"])).unwrap();
     for entry in all.as_array().unwrap() {
         let words = ["name", "symbol", "formula", "group"].map(|key| entry[key].as_str().unwrap());
         assert!(words.iter().all(|word| !word.is_empty()), "{entry}");
     }
-    let (code, _, errors) = outcome(folder.path(), &["observables", "pakcing_fraction"]);
+    let (code, _, errors) = outcome(folder.path(), &["print", "observables", "pakcing_fraction"]);
     assert!(code == 2 && errors.contains("packing_fraction"), "{errors}");
 }
 
 #[test]
 fn the_schema_takes_every_template_and_has_every_key_of_theirs() {
     let folder = tempfile::tempdir().unwrap();
-    let schema: Value = serde_json::from_str(&said(folder.path(), &["schema"])).unwrap();
+    let schema: Value = serde_json::from_str(&said(folder.path(), &["print", "schema"])).unwrap();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     let step = &schema["$defs"]["SolverSettings"]["properties"]["step"];
     assert!(step["description"].as_str().unwrap().contains("Time step") && step["default"] == 5e-4, "{step}");
-    let page = said(folder.path(), &["schema", "--markdown"]);
+    let page = said(folder.path(), &["print", "schema", "--markdown"]);
     for key in ["`spacing`", "`agitation`", "`over_relaxation`", "`\"packing-fraction\"`", "`rate`"] {
         assert!(page.contains(key), "{key} stands in no table");
     }
@@ -132,13 +132,13 @@ fn the_schema_takes_every_template_and_has_every_key_of_theirs() {
 #[test]
 fn the_schema_of_reports_is_printed_and_has_no_page() {
     let folder = tempfile::tempdir().unwrap();
-    let schema: Value = serde_json::from_str(&said(folder.path(), &["schema", "--report"])).unwrap();
+    let schema: Value = serde_json::from_str(&said(folder.path(), &["print", "schema", "--report"])).unwrap();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     assert_eq!(schema["title"], "Makadam report");
     assert_eq!(schema["required"], serde_json::json!(["version", "verdict", "qualification"]));
     let step = &schema["$defs"]["SolverSettings"]["properties"]["step"];
     assert!(step["description"].as_str().unwrap().contains("Time step"), "{step}");
-    let (code, _, errors) = outcome(folder.path(), &["schema", "--report", "--markdown"]);
+    let (code, _, errors) = outcome(folder.path(), &["print", "schema", "--report", "--markdown"]);
     assert!(code == 2 && errors.contains("cannot be used with"), "{code}: {errors}");
 }
 
@@ -256,8 +256,8 @@ fn unknown_words_are_answered_with_a_way_or_without_a_guess() {
         assert!(found == code && errors.contains(words) && !errors.contains(never), "{change}: {found}: {errors}");
     }
     let (code, _, errors) = outcome(folder.path(), &["run", "avalanche"]);
-    assert!(code == 3 && !errors.contains("did you mean") && errors.contains("makadam scenes"), "{errors}");
-    let (code, _, errors) = outcome(folder.path(), &["observables", "zzz"]);
+    assert!(code == 3 && !errors.contains("did you mean") && errors.contains("makadam print scenes"), "{errors}");
+    let (code, _, errors) = outcome(folder.path(), &["print", "observables", "zzz"]);
     assert!(code == 2 && !errors.contains("did you mean") && errors.contains("lists all names"), "{errors}");
 }
 
@@ -276,8 +276,8 @@ fn help_is_wrapped_to_the_terminal() {
 fn shells_and_man_get_what_they_want() {
     let folder = tempfile::tempdir().unwrap();
     for shell in ["bash", "zsh", "fish"] {
-        assert!(said(folder.path(), &["completions", shell]).contains("makadam"), "{shell}");
+        assert!(said(folder.path(), &["print", "completions", shell]).contains("makadam"), "{shell}");
     }
-    said(folder.path(), &["manual", "--output", "man"]);
+    said(folder.path(), &["print", "manual", "--output", "man"]);
     assert!(folder.path().join("man/makadam-run.1").is_file());
 }

@@ -4,6 +4,7 @@
 use crate::support::child::{signal, wait_for};
 use crate::support::makadam;
 use crate::support::tiny_scene::tiny;
+use makadam_validation::run_frames::RunFrames;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -36,16 +37,9 @@ fn said(output: &Output, code: i32, words: &[&str]) -> String {
     message
 }
 
-/// Stops a child, and waits until it stands still: a signal is on its way for a while.
-fn halt(child: &Child) {
-    signal(child, "-STOP");
-    let state = || {
-        let said = Command::new("ps").args(["-o", "state=", "-p", &child.id().to_string()]).output().unwrap();
-        String::from_utf8_lossy(&said.stdout).trim().to_string()
-    };
-    while !state().starts_with('T') {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
+/// Number of whole frames of the run in `out`.
+fn frame_count(folder: &Path) -> usize {
+    RunFrames::open(&folder.join("out")).map_or(0, |run| run.count())
 }
 
 /// All files below a folder with what they hold.
@@ -73,7 +67,7 @@ fn a_finished_run_is_left_alone_unless_it_is_to_be_removed() {
     let folder = folder.path();
     tiny(folder);
     said(&run(folder, &["--steps", "40"]), 0, &[]);
-    std::fs::write(folder.join("out/frames/notes"), "of somebody else").unwrap();
+    std::fs::write(folder.join("out/notes"), "of somebody else").unwrap();
     let before = files(&folder.join("out"));
     said(&run(folder, &["--steps", "12"]), 2, &["tiny", "--restart", "--output"]);
     said(&run(folder, &["--steps", "40", "--resume", "--seed", "9"]), 2, &["another seed", "--restart"]);
@@ -93,16 +87,8 @@ fn a_finished_run_is_left_alone_unless_it_is_to_be_removed() {
     let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_string();
     let mut names: Vec<String> = after.iter().map(name).collect();
     names.sort();
-    let frames = (0..4).flat_map(|n| ["contacts", "grains"].map(|kind| format!("{kind}-{n:05}.vtp")));
-    // The box rests.
-    let frames = frames.chain(["walls-00000.vtp".to_string()]);
-    let mut expected: Vec<String> = frames.collect();
-    expected.extend(
-        ["contacts.pvd", "grains.pvd", "notes", "observables.csv", "open-in-paraview.py", "run.json", "walls.pvd"]
-            .map(String::from),
-    );
-    expected.sort();
-    assert_eq!(names, expected);
+    assert_eq!(names, ["frames.mkd", "notes", "observables.csv", "run.json"]);
+    assert_eq!(frame_count(folder), 4);
 }
 
 #[test]
@@ -124,7 +110,7 @@ fn two_runs_never_write_into_one_folder() {
     let folder = folder.path();
     tiny(folder);
     let mut first = start(folder, &["--steps", "100000000"]);
-    wait_for(&mut first, "a frame", || folder.join("out/frames/contacts-00000.vtp").exists());
+    wait_for(&mut first, "a frame", || frame_count(folder) > 0);
     for arguments in [&[][..], &["--resume"], &["--restart"]] {
         said(&run(folder, arguments), 2, &[&format!("process {}", first.id()), "--output"]);
     }
@@ -152,15 +138,14 @@ fn a_run_that_is_killed_leaves_no_summary_of_an_earlier_one_and_its_drafts_go() 
     child.wait().unwrap();
     assert_eq!(summary(folder)["complete"], false);
     assert_eq!(summary(folder)["provenance"]["seed"], 5);
-    for draft in ["run.json.part77-1", "frames/grains-00001.vtp.part77-2", "observables.csv.part77"] {
+    for draft in ["run.json.part77-1", "frames.mkd.part77-2", "observables.csv.part77"] {
         std::fs::write(folder.join("out").join(draft), "half").unwrap();
     }
     said(&run(folder, &["--steps", "12", "--resume"]), 2, &["another"]);
     // No checkpoint was written yet, so that it begins anew.
     said(&run(folder, &["--steps", "12", "--resume", "--seed", "5"]), 0, &["beginning anew"]);
     assert!(files(&folder.join("out")).keys().all(|file| !file.display().to_string().contains(".part")));
-    // Four frames of grains and contacts; the box rests, and is written once.
-    assert_eq!(std::fs::read_dir(folder.join("out/frames")).unwrap().count(), 9);
+    assert_eq!(frame_count(folder), 4);
 }
 
 #[test]
@@ -171,7 +156,7 @@ fn a_checkpoint_outlasts_what_cannot_be_done_with_it() {
     said(&run(folder, &["--steps", "60"]), 0, &[]);
     let expected = files(&folder.join("out"));
     let mut child = start(folder, &["--steps", "100000000", "--restart"]);
-    wait_for(&mut child, "a later frame", || folder.join("out/frames/contacts-00030.vtp").exists());
+    wait_for(&mut child, "a later frame", || frame_count(folder) > 30);
     signal(&child, "-TERM");
     let stopped = child.wait_with_output().unwrap();
     said(&stopped, 1, &["--resume goes on from there"]);
@@ -213,74 +198,15 @@ fn a_signal_that_was_ignored_before_stays_ignored() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let frames = |number: u32| folder.join(format!("out/frames/contacts-{number:05}.vtp"));
-    wait_for(&mut child, "a frame", || frames(0).exists());
+    wait_for(&mut child, "a frame", || frame_count(folder) > 0);
     // The second of a kind would end a process that had not ignored the first.
     for name in ["-HUP", "-INT", "-HUP", "-INT"] {
         signal(&child, name);
     }
-    let now = std::fs::read_dir(folder.join("out/frames")).unwrap().count() as u32;
-    wait_for(&mut child, "a later frame", || frames(now / 2 + 3).exists());
+    let now = frame_count(folder);
+    wait_for(&mut child, "a later frame", || frame_count(folder) > now + 3);
     signal(&child, "-TERM");
     said(&child.wait_with_output().unwrap(), 1, &["interrupted"]);
-}
-
-#[test]
-fn the_first_run_of_a_time_budget_stays_until_the_second_is_complete() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    tiny(folder);
-    let text = std::fs::read_to_string(folder.join("tiny.toml")).unwrap();
-    std::fs::write(folder.join("tiny.toml"), text.replace("interval = 0.002", "interval = 0.1")).unwrap();
-    let part = folder.join("out/finer-run.part/frames");
-    let mut child = start(folder, &["--time-budget", "1000", "--steps", "20000"]);
-    wait_for(&mut child, "a second run", || part.exists());
-    halt(&child);
-    let of_the_first = |files: BTreeMap<PathBuf, Vec<u8>>| -> BTreeMap<_, _> {
-        let of_another = |path: &Path| path.starts_with(part.parent().unwrap()) || path.ends_with("run.lock");
-        files.into_iter().filter(|(path, _)| !of_another(path)).collect()
-    };
-    let first = of_the_first(files(&folder.join("out")));
-    assert_eq!(summary(folder)["complete"], true);
-    child.kill().unwrap();
-    child.wait().unwrap();
-    assert!(of_the_first(files(&folder.join("out"))) == first);
-    said(&run(folder, &["--steps", "20000"]), 2, &["has ended"]);
-    assert!(!part.parent().unwrap().exists(), "what the second run had not finished is gone");
-    assert!(files(&folder.join("out")) == first);
-
-    // An interruption keeps it too, and does not promise what is refused.
-    let mut child = start(folder, &["--time-budget", "1000", "--steps", "20000", "--restart"]);
-    wait_for(&mut child, "a second run", || part.exists());
-    signal(&child, "-TERM");
-    let message = said(&child.wait_with_output().unwrap(), 1, &["complete run before it"]);
-    assert!(!message.contains("--resume"), "{message}");
-    assert_eq!(summary(folder)["complete"], true);
-    assert!(!part.parent().unwrap().exists());
-    // A second run that reaches its end takes the place of the first.
-    let finer = run(folder, &["--time-budget", "1000", "--steps", "200", "--restart", "--json"]);
-    said(&finer, 0, &["there is time for one"]);
-    let finer: Value = serde_json::from_slice(&finer.stdout).unwrap();
-    assert_eq!(summary(folder), finer);
-    assert!(!part.parent().unwrap().exists());
-    let frames = finer["frames"].as_u64().unwrap() as usize;
-    assert_eq!(std::fs::read_dir(folder.join("out/frames")).unwrap().count(), 2 * frames + 1);
-    let table = std::fs::read_to_string(folder.join("out/observables.csv")).unwrap();
-    assert_eq!(table.lines().count(), 1 + frames);
-}
-
-#[test]
-fn an_interrupted_time_budget_goes_on_as_it_says() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    tiny(folder);
-    let mut child = start(folder, &["--time-budget", "1000", "--steps", "100000000"]);
-    wait_for(&mut child, "a frame", || folder.join("out/frames/contacts-00000.vtp").exists());
-    signal(&child, "-TERM");
-    said(&child.wait_with_output().unwrap(), 1, &["--resume with --accuracy 2% in place of --time-budget"]);
-    let steps = (summary(folder)["steps"].as_u64().unwrap() + 10).to_string();
-    said(&run(folder, &["--resume", "--accuracy", "2%", "--steps", &steps]), 0, &[]);
-    assert_eq!(summary(folder)["complete"], true);
 }
 
 #[test]
@@ -364,7 +290,6 @@ fn a_wall_time_that_no_clock_can_hold_is_refused() {
         &["tradeoff", "tiny.toml", "--time-limit", "1e300"],
         &["stability", "--time-limit", "inf"],
         &["effects", "tiny.toml", "--time-limit", "1e20"],
-        &["run", "tiny.toml", "--time-budget", "1e20"],
         &["run", "tiny.toml", "--checkpoint-interval", "1e20"],
     ] {
         said(&makadam(folder.path()).args(command).output().unwrap(), 2, &["1e9"]);

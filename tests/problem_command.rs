@@ -1,4 +1,4 @@
-//! `makadam problem`: export, solve, check, and what is said of bad files.
+//! `makadam lab problem`: export, solve, check, and what is said of bad files.
 
 use crate::support::makadam;
 use crate::support::small_scene::smoke;
@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::path::Path;
 
 fn run(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
-    let output = makadam(folder).arg("problem").args(arguments).output().unwrap();
+    let output = makadam(folder).args(["lab", "problem"]).args(arguments).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
@@ -71,7 +71,7 @@ fn bad_files_and_missing_programs_have_their_exit_codes() {
     assert_eq!(code, 2, "{errors}");
     assert!(errors.contains("no contacts at 0 s"), "{errors}");
     let output = makadam(folder.path())
-        .args(["problem", "check", "--siconos"])
+        .args(["lab", "problem", "check", "--siconos"])
         .arg(&recorded)
         .env("MAKADAM_SICONOS_PYTHON", "/nowhere/python3")
         .output()
@@ -87,7 +87,7 @@ fn bad_files_and_missing_programs_have_their_exit_codes() {
     .unwrap();
     std::fs::set_permissions(&failing, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
     let output = makadam(folder.path())
-        .args(["problem", "check", "--siconos"])
+        .args(["lab", "problem", "check", "--siconos"])
         .arg(&recorded)
         .env("MAKADAM_SICONOS_PYTHON", &failing)
         .output()

@@ -96,8 +96,15 @@ fn frames_are_valid_and_complete() {
             assert_eq!(frame.contacts.unwrap().len() as u64, summary["contacts"].as_u64().unwrap());
         }
     }
-    assert!(!folder.path().join("out/frames/walls-00001.vtp").exists());
-    let script = std::fs::read_to_string(folder.path().join("out/open-in-paraview.py")).unwrap();
+    // The scene requests files for ParaView.
+    let folder = folder.path();
+    let scene = changed(folder, "[measure]", "[output]\nformats = [\"vtp\"]\n[measure]");
+    let output = makadam(folder).arg("run").arg(scene).args(["--steps", "100", "--output", "vtp"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(folder.join("vtp/frames/walls-00000.vtp").exists() && !folder.join("vtp/frames/walls-00001.vtp").exists());
+    let list = std::fs::read_to_string(folder.join("vtp/grains.pvd")).unwrap();
+    assert!(list.contains("frames/grains-00001.vtp") && folder.join("vtp/frames/grains-00001.vtp").exists(), "{list}");
+    let script = std::fs::read_to_string(folder.join("vtp/open-in-paraview.py")).unwrap();
     assert!(script.contains("diameter") && script.contains("PVDReader"));
 }
 
@@ -118,8 +125,13 @@ fn a_scene_chooses_what_frames_hold_and_how_often() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let frames = RunFrames::open(&folder.path().join("out")).unwrap();
     let frame = frames.read(1).unwrap();
-    assert_eq!(frame.quantities(), ["coordination_number", "diameter", "id", "material", "speed"]);
-    assert!(frame.contacts.is_none() && !folder.path().join("out/contacts.pvd").exists());
+    assert!(frame.contacts.is_none());
+    // The chosen fields are those of exports.
+    let exported = makadam(folder.path()).args(["export", "out", "--format", "vtkhdf"]).output().unwrap();
+    assert!(exported.status.success() && !folder.path().join("out/contacts.vtkhdf").exists());
+    let file = hdf5_pure::File::open(folder.path().join("out/grains.vtkhdf")).unwrap();
+    let has = |name: &str| file.dataset(&format!("VTKHDF/PointData/{name}")).is_ok();
+    assert!(has("speed") && has("coordination_number") && has("diameter") && !has("velocity") && !has("stress"));
     // 100 steps of 0.5 ms: a frame each 20 ms and one at the end, while the table has a row each 50 ms.
     let times: Vec<String> = (0..frames.count()).map(|number| format!("{:.3}", frames.time(number))).collect();
     assert_eq!(times, ["0.000", "0.020", "0.040", "0.050"]);

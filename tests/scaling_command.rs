@@ -1,4 +1,4 @@
-//! `makadam scaling`: the same bits everywhere, the JSON contract, what is written.
+//! `makadam lab scaling`: the same bits everywhere, the JSON contract, what is written.
 
 use crate::support::changed::changed;
 use crate::support::makadam;
@@ -11,8 +11,12 @@ const SHORT: [&str; 8] = ["--steps", "3", "--repetitions", "2", "--settle", "0.1
 #[test]
 fn a_small_scene_is_measured_and_replayed() {
     let folder = tempfile::tempdir().unwrap();
-    let output =
-        makadam(folder.path()).arg("scaling").arg(smoke()).args(SHORT).args(["--json", "--output", "out"]).output();
+    let output = makadam(folder.path())
+        .args(["lab", "scaling"])
+        .arg(smoke())
+        .args(SHORT)
+        .args(["--json", "--output", "out"])
+        .output();
     let output = output.unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let study: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -42,7 +46,8 @@ fn a_small_scene_is_measured_and_replayed() {
 fn tables_are_recorded_beside_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let scene = changed(folder.path(), "name = \"smoke\"", "name = \"changed\"");
-    let output = makadam(folder.path()).arg("scaling").arg(&scene).args(SHORT).arg("--record").output().unwrap();
+    let output =
+        makadam(folder.path()).args(["lab", "scaling"]).arg(&scene).args(SHORT).arg("--record").output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(folder.path().join("results/scaling/changed/scaling.html").is_file());
     let recorded = scene.with_file_name("changed-scaling");
@@ -56,7 +61,7 @@ fn solves_that_watch_the_clock_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let budget = "[solver]\nstop = { kind = \"time-budget\", seconds = 0.001, max_sweeps = 10 }\n\n[measure]";
     let scene = changed(folder.path(), "[measure]", budget);
-    let output = makadam(folder.path()).arg("scaling").arg(&scene).args(SHORT).output().unwrap();
+    let output = makadam(folder.path()).args(["lab", "scaling"]).arg(&scene).args(SHORT).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("wall time"));
 }

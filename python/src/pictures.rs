@@ -3,10 +3,10 @@
 use crate::errors::{exception, warn};
 use crate::stepping::beside;
 use makadam::snapshot::Snapshot;
-use makadam_validation::output::{FrameWriter, RunFiles, WriteError, file_stem, run_folder};
+use makadam_validation::output::{RunFiles, WriteError, create_folder};
 use makadam_validation::pictures::{Content, Style, write_png};
 use makadam_validation::plan::{Output, Scene};
-use makadam_validation::run_frames::RunFrames;
+use makadam_validation::run_frames::{RunFrames, StoreWriter};
 use makadam_validation::viewer::{self, Wishes, fields_of};
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray3};
@@ -44,16 +44,6 @@ pub struct PageRequest {
     pub all_grains: bool,
 }
 
-/// A folder that goes away with its owner.
-struct Temporary(PathBuf);
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        // A folder that stays in the cache does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 impl Frames {
     /// Refuses frames that are not in the order of time, or none.
     fn check(&self) -> Result<(), String> {
@@ -69,20 +59,17 @@ impl Frames {
         }
     }
 
-    /// Writes them into a folder as `makadam run` does.
+    /// Writes them into the frame store of a folder, as `makadam run` does.
     fn write(&self, folder: &Path) -> Result<(), WriteError> {
-        let mut writer = FrameWriter::create(folder, &self.scene)?;
-        self.frames.iter().try_for_each(|frame| writer.write(frame))
+        create_folder(folder)?;
+        let mut store = StoreWriter::create(&folder.join(RunFiles::FRAMES), &self.scene)?;
+        self.frames.iter().try_for_each(|frame| store.append(frame))
     }
 
-    /// Writes them with everything that a picture can show into a folder of the cache.
-    fn open(self, walls: bool) -> Result<(Temporary, RunFrames), String> {
+    /// Returns them with everything that a picture can show.
+    fn run(self, walls: bool) -> RunFrames {
         let scene = Scene { output: Some(Output { walls, ..Output::default() }), ..self.scene };
-        let name = format!("{}-frames", file_stem(&scene.name));
-        let folder = Temporary(run_folder(&name).map_err(|error| error.to_string())?);
-        Frames { scene, frames: self.frames }.write(&folder.0).map_err(|error| error.to_string())?;
-        let run = RunFrames::open(&folder.0).map_err(|error| error.to_string())?;
-        Ok((folder, run))
+        RunFrames::in_memory(&scene, self.frames)
     }
 
     /// Writes them into a folder, which must not hold frames yet.
@@ -92,7 +79,7 @@ impl Frames {
         }
         let saved = beside(py, || {
             self.check()?;
-            if RunFiles::inside(&folder).any().map_err(|error| error.to_string())? {
+            if RunFiles::inside(&folder).any() {
                 return Err(format!("{} holds frames already; give another folder", folder.display()));
             }
             self.write(&folder).map_err(|error| error.to_string())
@@ -123,7 +110,7 @@ impl Frames {
         let content = Content { field, range, all_grains };
         let drawn = beside(py, || -> Result<_, String> {
             self.check()?;
-            let (_folder, run) = self.open(walls)?;
+            let run = self.run(walls);
             let frame = run.read(run.count() - 1).map_err(|error| error.to_string())?;
             let style = Style { size, view, cut, walls };
             let drawn = content.picture(&run, &frame, &style).map_err(|error| error.to_string())?;
@@ -151,7 +138,7 @@ impl Frames {
         let page = beside(py, || {
             self.check()?;
             self.same_grains()?;
-            let (_folder, run) = self.open(walls)?;
+            let run = self.run(walls);
             let last = run.read(run.count() - 1).map_err(|error| error.to_string())?;
             let fields = fields_of(&last, fields.as_deref());
             let wishes = Wishes { fields, every, most_bytes: 1e6 * megabytes, contacts, all_grains };

@@ -33,7 +33,7 @@ def test_the_package_installs_the_command():
     ("arguments", "code", "words"),
     [
         (["--version"], 0, f"makadam {makadam.__version__}"),
-        (["scenes", "--quiet"], 0, "drum"),
+        (["print", "scenes", "--quiet"], 0, "drum"),
         (["run", "--no-such-option"], 2, "unexpected argument"),
         (["qualify", "--threads", "2"], 2, "called --jobs now"),
         (["check", "no-such-scene"], 3, "no-such-scene"),

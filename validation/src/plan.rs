@@ -7,7 +7,7 @@ mod output;
 mod physics;
 mod roster;
 
-pub use output::{GrainField, Output};
+pub use output::{FrameFormat, GrainField, Output};
 pub use physics::{physics_hash, setup_hash};
 pub use roster::{Kind, Roster, lasting_number};
 

@@ -2,9 +2,9 @@
 
 use makadam::Simulation;
 use makadam::scene::GravityChange;
-use makadam_validation::output::FrameWriter;
+use makadam_validation::output::RunFiles;
 use makadam_validation::plan::Scene;
-use makadam_validation::run_frames::{RunFolderError, RunFrame, RunFrames};
+use makadam_validation::run_frames::{RunFolderError, RunFrame, RunFrames, StoreWriter};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -49,12 +49,12 @@ fn bed(walls: &str, grains: &str, duration: f64) -> Scene {
 /// Simulates a scene to its end, with a frame at the start and one there.
 fn simulate(scene: &Scene, folder: &Path) {
     let mut simulation = Simulation::builder(scene).time_step(scene.solver.step).build().unwrap();
-    let mut frames = FrameWriter::create(folder, scene).unwrap();
-    frames.write(&simulation.snapshot()).unwrap();
+    let mut frames = StoreWriter::create(&folder.join(RunFiles::FRAMES), scene).unwrap();
+    frames.append(&simulation.snapshot()).unwrap();
     for _ in 0..(scene.duration / scene.solver.step) as usize {
         simulation.step();
     }
-    frames.write(&simulation.snapshot()).unwrap();
+    frames.append(&simulation.snapshot()).unwrap();
 }
 
 fn last_frame(scene: &Scene) -> RunFrame {
@@ -164,10 +164,10 @@ fn folders_without_frames_are_refused_with_what_to_do() {
     let refused = |run: &Path| RunFrames::open(run).unwrap_err().to_string();
     let message = refused(&folder.path().join("nowhere"));
     assert!(message.contains("no run") && message.contains("nowhere") && message.contains("makadam run"), "{message}");
-    assert!(refused(folder.path()).contains("no grains.pvd"));
+    assert!(refused(folder.path()).contains("no frames.mkd"));
     let scene = bed(BOX, "[[grain]]\nmaterial = \"light\"\nradius = 0.005\nposition = [0.0, 0.0, 0.005]", 0.01);
-    drop(FrameWriter::create(folder.path(), &scene).unwrap());
-    assert!(refused(folder.path()).contains("lists none yet"));
+    drop(StoreWriter::create(&folder.path().join(RunFiles::FRAMES), &scene).unwrap());
+    assert!(refused(folder.path()).contains("no whole frame yet"));
     simulate(&scene, folder.path());
     let run = RunFrames::open(folder.path()).unwrap();
     assert_eq!((run.at(0.0).unwrap(), run.at(0.007).unwrap(), run.at(0.01).unwrap()), (0, 1, 1));
@@ -176,11 +176,18 @@ fn folders_without_frames_are_refused_with_what_to_do() {
     let frame = run.read(1).unwrap();
     assert!(matches!(run.field(&frame, "sped"), Err(RunFolderError::NoField { .. })));
     assert_eq!(run.field(&frame, "angular-velocity").unwrap().unit, "rad/s");
-    std::fs::write(folder.path().join("frames/grains-00001.vtp"), "no frame").unwrap();
-    let message = run.read(1).unwrap_err().to_string();
-    assert!(message.contains("grains-00001.vtp") && message.contains("no XML"), "{message}");
-    std::fs::write(folder.path().join("grains.pvd"), "<x><DataSet timestep=\"1\" file=\"../other.vtp\"/></x>").unwrap();
-    assert!(refused(folder.path()).contains("below the folder"));
+    // The end of a file that a kill has cut is no frame; damage inside is an error.
+    let file = folder.path().join(RunFiles::FRAMES);
+    let whole = std::fs::read(&file).unwrap();
+    std::fs::write(&file, &whole[..whole.len() - 1]).unwrap();
+    assert_eq!(RunFrames::open(folder.path()).unwrap().count(), 1);
+    let mut damaged = whole.clone();
+    *damaged.last_mut().unwrap() ^= 1;
+    std::fs::write(&file, &damaged).unwrap();
+    let message = RunFrames::open(folder.path()).unwrap().read(1).unwrap_err().to_string();
+    assert!(message.contains("frames.mkd") && message.contains("damaged"), "{message}");
+    std::fs::write(&file, "no frames").unwrap();
+    assert!(refused(folder.path()).contains("frames.mkd"));
 }
 
 #[test]
@@ -201,7 +208,7 @@ fn a_frame_states_gravity_and_grains_of_its_time() {
     simulation.insert(&scene, &[above]).unwrap();
     simulation.step();
     let folder = tempfile::tempdir().unwrap();
-    FrameWriter::create(folder.path(), &scene).unwrap().write(&simulation.snapshot()).unwrap();
+    StoreWriter::create(&folder.path().join(RunFiles::FRAMES), &scene).unwrap().append(&simulation.snapshot()).unwrap();
     let frame = RunFrames::open(folder.path()).unwrap().read(0).unwrap();
     assert!((frame.gravity[2] + 2.0).abs() < 1e-12, "{:?}", frame.gravity);
     let values = |name: &str| frame.quantity(name).unwrap().values;

@@ -1,12 +1,12 @@
 //! Pictures: what is where on them, in which colour, and files that others read.
 
 use makadam::snapshot::{Particle, Snapshot};
-use makadam_validation::output::FrameWriter;
+use makadam_validation::output::RunFiles;
 use makadam_validation::pictures::{
     Animation, Camera, Cut, Picture, Scale, Style, Subject, VIRIDIS, View, camera, draw, has_scale, memory, write_png,
 };
 use makadam_validation::plan::Scene;
-use makadam_validation::run_frames::{RunFrame, RunFrames};
+use makadam_validation::run_frames::{RunFrame, RunFrames, StoreWriter};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -46,7 +46,7 @@ fn frame(folder: &Path, times: &[f64]) -> RunFrames {
         velocity: [0.0, 0.0, speed],
         spin: [0.0; 3],
     };
-    let mut writer = FrameWriter::create(folder, &scene()).unwrap();
+    let mut writer = StoreWriter::create(&folder.join(RunFiles::FRAMES), &scene()).unwrap();
     for &time in times {
         let particles = vec![
             grain(0, [-0.03, 0.0, 0.0], 0.0),
@@ -54,7 +54,7 @@ fn frame(folder: &Path, times: &[f64]) -> RunFrames {
             grain(2, [0.03, 0.0, 0.0], 2.0),
             grain(3, [-0.03, 0.03, 0.0], 2.0),
         ];
-        writer.write(&Snapshot { time, particles, ..Snapshot::default() }).unwrap();
+        writer.append(&Snapshot { time, particles, ..Snapshot::default() }).unwrap();
     }
     RunFrames::open(folder).unwrap()
 }

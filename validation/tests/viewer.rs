@@ -3,9 +3,9 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use makadam::Simulation;
-use makadam_validation::output::FrameWriter;
+use makadam_validation::output::RunFiles;
 use makadam_validation::plan::Scene;
-use makadam_validation::run_frames::RunFrames;
+use makadam_validation::run_frames::{RunFrames, StoreWriter};
 use makadam_validation::viewer::{Wishes, unpack, write};
 use serde_json::Value;
 use std::io::Read;
@@ -16,9 +16,9 @@ fn run(folder: &Path) -> RunFrames {
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/smoke.toml")).unwrap();
     let scene = Scene::parse(&scene).unwrap();
     let mut simulation = Simulation::builder(&scene).time_step(1e-3).build().unwrap();
-    let mut frames = FrameWriter::create(folder, &scene).unwrap();
+    let mut frames = StoreWriter::create(&folder.join(RunFiles::FRAMES), &scene).unwrap();
     for _ in 0..4 {
-        frames.write(&simulation.snapshot()).unwrap();
+        frames.append(&simulation.snapshot()).unwrap();
         (0..60).for_each(|_| {
             simulation.step();
         });

@@ -5,7 +5,7 @@ use crate::observables::impossible;
 use crate::plan::Scene;
 use crate::scenes;
 use makadam::scene::Finding;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Tells what a scene is not expected to bear, on standard error; the findings go to `run.json` as well.
 pub(super) fn tell_findings(scene: &Scene, file: &Path, console: &Console) -> Vec<Finding> {
@@ -61,12 +61,9 @@ fn beyond(scene: &Scene, file: &Path, available: u64) -> String {
     )
 }
 
-/// Memory that the process can still have, bytes: what the system has, and what its control groups leave it; `None` where the system
-/// does not say.
+/// Returns the memory that the system has left, bytes; `None` where it does not report it.
 fn available_bytes() -> Option<u64> {
-    let system = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| of_meminfo(&text));
-    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    group_folders(&groups).iter().filter_map(|folder| left_in_group(folder)).chain(system).min()
+    std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| of_meminfo(&text))
 }
 
 /// Available memory and free swap, bytes.
@@ -78,63 +75,15 @@ fn of_meminfo(text: &str) -> Option<u64> {
     Some(1024 * (field("MemAvailable")? + field("SwapFree").unwrap_or(0)))
 }
 
-/// Folders of the control groups that limit the process's memory, and of those above them.
-fn group_folders(groups: &str) -> Vec<PathBuf> {
-    let mounted = groups.lines().filter_map(|line| {
-        let mut fields = line.splitn(3, ':');
-        let (number, controllers, group) = (fields.next()?, fields.next()?, fields.next()?);
-        let root = match (number, controllers) {
-            ("0", "") => "/sys/fs/cgroup",
-            (_, "memory") => "/sys/fs/cgroup/memory",
-            _ => return None,
-        };
-        Some((Path::new(root), group.trim_start_matches('/').to_string()))
-    });
-    let all = mounted.flat_map(|(root, group)| {
-        let above: Vec<PathBuf> = Path::new(&group).ancestors().map(|part| root.join(part)).collect();
-        above
-    });
-    all.collect()
-}
-
-/// What a group may still take, bytes: its limit less what it uses, but for pages of files that can be dropped.
-fn left_in_group(folder: &Path) -> Option<u64> {
-    let read = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
-    let number = |name: &str| read(name).and_then(|text| text.trim().parse::<u64>().ok());
-    let limit = number("memory.max").or_else(|| number("memory.limit_in_bytes"))?;
-    let used = number("memory.current").or_else(|| number("memory.usage_in_bytes"))?;
-    let statistics = read("memory.stat").unwrap_or_default();
-    let pages = ["inactive_file ", "active_file "].map(|name| {
-        statistics
-            .lines()
-            .find_map(|line| line.strip_prefix(name))
-            .and_then(|text| text.parse::<u64>().ok())
-            .unwrap_or(0)
-    });
-    Some(limit.saturating_sub(used.saturating_sub(pages.iter().sum())))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn memory_is_what_system_and_groups_leave() {
+    fn available_memory_includes_free_swap() {
         let text = "MemTotal:  100 kB\nMemFree:  10 kB\nMemAvailable:   40 kB\nSwapFree:  2 kB\n";
         assert_eq!(of_meminfo(text), Some(42 * 1024));
         assert_eq!(of_meminfo("MemTotal: 100 kB\n"), None);
-        let folders = group_folders("9:name=systemd:/\n4:memory:/a/b\n0::/c\n");
-        let named = ["memory/a/b", "memory/a", "memory/", "c", ""].map(|name| Path::new("/sys/fs/cgroup").join(name));
-        assert_eq!(folders, named);
-        let folder = tempfile::tempdir().unwrap();
-        let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-        assert_eq!(left_in_group(folder.path()), None);
-        put("memory.max", "max\n");
-        put("memory.current", "700\n");
-        assert_eq!(left_in_group(folder.path()), None, "no limit");
-        put("memory.max", "1000\n");
-        put("memory.stat", "anon 500\ninactive_file 150\nactive_file 50\n");
-        assert_eq!(left_in_group(folder.path()), Some(500));
     }
 
     #[test]

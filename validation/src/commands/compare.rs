@@ -1,14 +1,14 @@
-//! `makadam compare`: one scene in several codes, a table, a verdict.
+//! `makadam compare`: one scene in several codes, or in a code of the user's own; a table and a verdict.
 
-use super::arguments::{CodeRunArguments, CompareArguments};
+use super::arguments::CompareArguments;
 use super::console::Colour;
 use super::record::record;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, announce, codes_or_usual, json};
 use crate::compare::{CodeSummary, Comparison, Row};
 use crate::output::{JSON_VERSION, create_folder};
-use crate::peers::CodeError;
+use crate::peers::{Code, CodeError, External, codes_of};
 use crate::plan::Scene;
-use crate::qualify::{Judged, OneScene};
+use crate::qualify::{Judged, OneScene, codes_against};
 use crate::report::{self, Standing, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -35,52 +35,59 @@ pub(super) fn compare(arguments: &CompareArguments, console: &Console) -> Result
     let (file, scene) = arguments.source.load()?;
     match arguments.record {
         true => record(arguments, &scene, &file, console),
-        false => judge(arguments, &scene, &file, console),
+        false => validate(arguments, &scene, &file, console),
     }
 }
 
-fn judge(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
-    let CodeRunArguments { json, output, live, .. } = &arguments.runs;
+/// Codes that take part, the validated one first.
+struct Codes {
+    all: Vec<Box<dyn Code>>,
+    validated: &'static str,
+    /// True if a comparison without a test is no success.
+    needs_verdict: bool,
+}
+
+impl Codes {
+    fn of(arguments: &CompareArguments, file: &Path) -> Result<Codes, Failure> {
+        let live = arguments.runs.live;
+        let own = match (&arguments.own_code, &arguments.frames[..]) {
+            (None, []) => {
+                let all = codes_or_usual(arguments.codes.as_deref(), file, live);
+                return Ok(Codes { all, validated: "Makadam", needs_verdict: false });
+            }
+            (Some(description), []) => External::load(description),
+            (description, folders) => External::of_frames(description.as_deref(), folders),
+        };
+        let own = own.map_err(|error| Failure::Usage(error.to_string()))?;
+        let validated = own.name();
+        let mut all: Vec<Box<dyn Code>> = vec![Box::new(own)];
+        all.extend(codes_of(&arguments.codes.clone().unwrap_or_else(|| codes_against(file, live))));
+        Ok(Codes { all, validated, needs_verdict: true })
+    }
+}
+
+fn validate(arguments: &CompareArguments, scene: &Scene, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
     arguments.runs.check()?;
+    let Codes { all, validated, needs_verdict } = Codes::of(arguments, file)?;
     let one_scene = OneScene {
         scene,
         scene_file: file,
         changes: &arguments.source.changes,
-        codes: codes_or_usual(arguments.codes.as_deref(), file, *live),
-        judged: "Makadam",
-        live: *live,
+        codes: all,
+        judged: validated,
+        live: arguments.runs.live,
         seeds: arguments.runs.seeds,
         rayleigh_fraction: arguments.runs.rayleigh_fraction(),
         time_limit: Duration::from_secs_f64(arguments.runs.time_limit),
         announce: &announce(console),
     };
-    tell(
-        one_scene,
-        &Wanted { command: "compare", json: *json, output: output.as_deref(), needs_verdict: false },
-        console,
-    )
-}
-
-/// How a judgement is told.
-pub(super) struct Wanted<'a> {
-    /// The command.
-    pub command: &'static str,
-    /// Whether as JSON.
-    pub json: bool,
-    /// Folder of the report, if one is written.
-    pub output: Option<&'a Path>,
-    /// Whether a comparison in which nothing is tested is no success.
-    pub needs_verdict: bool,
-}
-
-/// Judges and tells.
-pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Console) -> Result<ExitCode, Failure> {
-    wanted.output.map_or(Ok(()), claim)?;
+    let output = arguments.runs.output.as_deref();
+    output.map_or(Ok(()), claim)?;
     let Judged { qualification, failure } = one_scene.judge()?;
     let verdict = qualification.verdict();
     let comparison = &qualification.comparisons[0];
-    let text = match wanted.json {
-        true => json(&document(wanted.command, comparison, &verdict, &qualification.provenance)),
+    let text = match arguments.runs.json {
+        true => json(&document(comparison, &verdict, &qualification.provenance)),
         false => {
             let sentence = console.paint(&verdict.sentence, colour_of(verdict.standing));
             format!("{}\n{sentence}", report::comparison_table(comparison, console.colour()))
@@ -88,14 +95,14 @@ pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Conso
     };
     let interrupted = failure.as_ref().is_some_and(CodeError::is_interruption);
     // What was cut short does not replace a report of what was not.
-    let stays = wanted.output.filter(|folder| interrupted && folder.join("report.json").is_file());
+    let stays = output.filter(|folder| interrupted && folder.join("report.json").is_file());
     // Neither is lost if the other cannot be written.
     let told = console.result(&text);
-    let output = wanted.output.filter(|_| stays.is_none());
+    let output = output.filter(|_| stays.is_none());
     let written = output.map(|folder| report::write(&qualification, folder)).transpose();
     told?;
     let written = written?;
-    if let Some(paths) = written.as_ref().filter(|_| !wanted.json) {
+    if let Some(paths) = written.as_ref().filter(|_| !arguments.runs.json) {
         console.result(&format!("report: {}", paths.html.display()))?;
     }
     match (failure, verdict.standing) {
@@ -106,7 +113,7 @@ pub(super) fn tell(one_scene: OneScene<'_>, wanted: &Wanted<'_>, console: &Conso
         })),
         (Some(failure), _) => Err(failure.into()),
         (None, Standing::Agree) => Ok(ExitCode::SUCCESS),
-        (None, Standing::NothingCompared) if !wanted.needs_verdict => Ok(ExitCode::SUCCESS),
+        (None, Standing::NothingCompared) if !needs_verdict => Ok(ExitCode::SUCCESS),
         (None, _) => Ok(ExitCode::from(OUTSIDE_TOLERANCE)),
     }
 }
@@ -134,14 +141,13 @@ fn claim(folder: &Path) -> Result<(), Failure> {
 }
 
 fn document<'a>(
-    command: &'static str,
     comparison: &'a Comparison,
     verdict: &'a Verdict,
     provenance: &'a BTreeMap<String, String>,
 ) -> CompareDocument<'a> {
     CompareDocument {
         version: JSON_VERSION,
-        command,
+        command: "compare",
         scene: &comparison.scene.name,
         verdict,
         rows: &comparison.rows,

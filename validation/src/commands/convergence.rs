@@ -1,4 +1,4 @@
-//! `makadam convergence`: how each method converges on the problem of one step.
+//! `makadam lab convergence`: how each method converges on the problem of one step.
 
 use super::arguments::ConvergenceArguments;
 use super::{Console, Failure, begin, can_record, publish, settle};

@@ -1,9 +1,9 @@
 //! `makadam export`: the frames of a run for other programs, and scenes for other codes.
 
-use super::arguments::{ExportArguments, ExportFormat, load};
+use super::arguments::{ExportArguments, load};
 use super::{Console, Failure};
-use crate::export::{ExportError, Kind, absent_from_gsd, write_gsd, write_vtkhdf};
-use crate::output::{create_folder, file_stem};
+use crate::export::{ExportError, Format, Written};
+use crate::output::file_stem;
 use crate::peers::{CodeName, Job, Purpose};
 use crate::run_frames::RunFrames;
 use std::path::{Path, PathBuf};
@@ -52,37 +52,24 @@ fn export_scene(arguments: &ExportArguments, code: CodeName, console: &Console) 
     Ok(ExitCode::SUCCESS)
 }
 
-fn export_run(arguments: &ExportArguments, format: ExportFormat, console: &Console) -> Result<ExitCode, Failure> {
+fn export_run(arguments: &ExportArguments, format: Format, console: &Console) -> Result<ExitCode, Failure> {
     let run = RunFrames::open(Path::new(&arguments.what))?;
     let folder = arguments.output.clone().unwrap_or_else(|| run.folder().to_path_buf());
-    create_folder(&folder)?;
-    let bar = console.bar("exporting");
-    let mut said = Vec::new();
-    match format {
-        ExportFormat::Vtkhdf => {
-            for kind in Kind::ALL {
-                let path = folder.join(format!("{}.vtkhdf", kind.name()));
-                match write_vtkhdf(&path, &run, kind, &|share| bar.set(share))? {
-                    0 => console.note(&format!("the run has no frames of {}", kind.name())),
-                    frames => said.push(format!("{}: {frames} frames", path.display())),
-                }
-            }
-        }
-        ExportFormat::Gsd => {
-            let path = folder.join("grains.gsd");
-            for (name, taken) in absent_from_gsd(&run.read(run.count() - 1)?) {
-                console.warn(&format!(
-                    "the frames hold no {name}, nor will {}: its readers take {taken}; name {name} in [output] fields of the scene to have it",
-                    path.display()
-                ));
-            }
-            let frames = write_gsd(&path, &run, &|share| bar.set(share))?;
-            said.push(format!("{}: {frames} frames", path.display()));
-        }
-    }
-    drop(bar);
-    console.result(&said.join("\n"))?;
+    console.result(&export_frames(&run, format, &folder, console)?)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the frames of a run into a folder in a format; returns a line per file.
+pub(super) fn export_frames(
+    run: &RunFrames,
+    format: Format,
+    folder: &Path,
+    console: &Console,
+) -> Result<String, Failure> {
+    let bar = console.bar("exporting");
+    let written = format.write(run, folder, &|share| bar.set(share))?;
+    let lines = written.iter().map(|Written { path, frames }| format!("{}: {frames} frames", path.display()));
+    Ok(lines.collect::<Vec<_>>().join("\n"))
 }
 
 impl From<ExportError> for Failure {

@@ -8,9 +8,10 @@ use crate::observables::{Measurement, Unmeasured, measured_frames, measured_in, 
 use crate::output::JSON_VERSION;
 use crate::plan::Scene;
 use crate::recording::Recording;
+use crate::run_frames::RunFrames;
 use makadam::snapshot::Snapshot;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// What `makadam measure --json` prints; its documentation is `validation/docs/json.md`.
@@ -27,12 +28,26 @@ struct MeasureDocument<'a> {
     notes: &'a [String],
 }
 
+/// Returns the folder of a run of Makadam that is measured by itself.
+fn run_folder(manifest: &Manifest) -> Option<PathBuf> {
+    let [pattern] = &manifest.grains[..] else { return None };
+    manifest.files(pattern).ok()?.into_iter().find(|path| path.is_dir())
+}
+
 /// Reads the files and prints the numbers.
 pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result<ExitCode, Failure> {
     let (_, scene) = load(&arguments.scene, &arguments.changes)?;
     let manifest = manifest(arguments)?;
     manifest.check(&scene).map_err(Failure::Usage)?;
-    let Imported { recording, mut notes } = assemble(&scene, &manifest, &Tables::read(&manifest)?)?;
+    let Imported { recording, mut notes } = match run_folder(&manifest) {
+        Some(folder) => {
+            let seed = manifest.seed.unwrap_or(scene.seed);
+            let mut recording =
+                RunFrames::open(&folder)?.recording(manifest.name.as_deref().unwrap_or("frames"), seed, &scene)?;
+            Imported { notes: std::mem::take(&mut recording.notes), recording }
+        }
+        None => assemble(&scene, &manifest, &Tables::read(&manifest)?)?,
+    };
     let measured = measured_frames(&scene, &recording);
     notes.extend(unlike(&scene, measured.iter().copied()));
     notes.extend(other_window(&scene, &measured));

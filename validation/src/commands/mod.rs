@@ -9,20 +9,16 @@ mod convergence;
 mod effects;
 mod export;
 mod failure;
-mod judge;
 mod laws;
-mod manual;
 mod measure;
 mod new;
-mod observables;
 mod picture;
+mod print;
 mod problem;
 mod qualify;
 mod record;
 mod run;
 mod scaling;
-mod scene_list;
-mod schema;
 mod stability;
 mod sweep;
 mod tradeoff;
@@ -41,8 +37,7 @@ use crate::qualify::usual_codes;
 use crate::scenes;
 use crate::stepping::{Stepping, steps_in};
 use crate::study::Document;
-use arguments::{Arguments, Command, with_new_name};
-use clap::Parser;
+use arguments::{Arguments, Command, Lab, Print, with_new_name};
 use makadam::Simulation;
 use makadam::scene::Stop;
 use std::ffi::OsString;
@@ -57,37 +52,39 @@ pub fn main() -> ExitCode {
 /// Runs the program on arguments, the first of which is its name.
 pub fn run_program(arguments: Vec<OsString>) -> ExitCode {
     crate::provenance::set_command_line(&arguments);
-    let arguments = match Arguments::try_parse_from(&arguments) {
+    let arguments = match Arguments::read(&arguments) {
         Ok(arguments) => arguments,
-        Err(words) => return tell(&with_new_name(words, arguments)),
+        Err(words) => return tell(&with_new_name(words, &arguments)),
     };
     let console = Console::new(arguments.quiet, arguments.verbose);
     crate::interrupt::listen();
     let done = match &arguments.command {
         Command::New(new) => new::new(new, &console),
-        Command::Scenes(list) => scene_list::list(list, &console),
         Command::Check(check) => check::check(check, &console),
-        Command::Observables(observables) => observables::observables(observables, &console),
-        Command::Schema(schema) => schema::schema(schema, &console),
-        Command::Completions(completions) => manual::completions(completions, &console),
-        Command::Manual(manual) => manual::manual(manual, &console),
-        Command::Sweep(sweep) => sweep::sweep(sweep, &console),
         Command::Run(run) => run::run(run, &console),
-        Command::Compare(compare) => compare::compare(compare, &console),
-        Command::Convergence(convergence) => convergence::convergence(convergence, &console),
-        Command::Effects(effects) => effects::effects(effects, &console),
-        Command::Laws(laws) => laws::laws(laws, &console),
-        Command::Picture(picture) => picture::picture(picture, &console),
-        Command::Animate(animate) => picture::animate(animate, &console),
+        Command::Sweep(sweep) => sweep::sweep(sweep, &console),
         Command::View(view) => view::view(view, &console),
-        Command::Judge(arguments) => judge::judge(arguments, &console),
+        Command::Picture(picture) => picture::picture(picture, &console),
         Command::Measure(measure) => measure::measure(measure, &console),
         Command::Export(export) => export::export(export, &console),
-        Command::Problem(problem) => problem::problem(problem, &console),
+        Command::Compare(compare) => compare::compare(compare, &console),
         Command::Qualify(qualify) => qualify::qualify(qualify, &console),
-        Command::Scaling(scaling) => scaling::scaling(scaling, &console),
+        Command::Laws(laws) => laws::laws(laws, &console),
         Command::Stability(stability) => stability::stability(stability, &console),
+        Command::Effects(effects) => effects::effects(effects, &console),
         Command::Tradeoff(tradeoff) => tradeoff::tradeoff(tradeoff, &console),
+        Command::Lab(lab) => match &lab.study {
+            Lab::Convergence(convergence) => convergence::convergence(convergence, &console),
+            Lab::Scaling(scaling) => scaling::scaling(scaling, &console),
+            Lab::Problem(problem) => problem::problem(problem, &console),
+        },
+        Command::Print(print) => match &print.text {
+            Print::Scenes(list) => print::scenes(list, &console),
+            Print::Observables(observables) => print::observables(observables, &console),
+            Print::Schema(schema) => print::schema(schema, &console),
+            Print::Completions(completions) => print::completions(completions, &console),
+            Print::Manual(manual) => print::manual(manual, &console),
+        },
     };
     match done {
         Ok(code) => code,

@@ -1,12 +1,18 @@
-//! `makadam picture` and `makadam animate`: what a run has left, as an image and as a film.
+//! `makadam picture`: one frame of a run as an image, or all frames as an animation.
 
-use super::arguments::{AnimateArguments, PictureArguments};
+use super::arguments::PictureArguments;
 use super::beforehand::refuse_picture_beyond_memory;
 use super::{Console, Failure};
 use crate::output::create_folder_of;
 use crate::pictures::{Animation, Picture, PictureError, Subject, camera, caption, draw, has_scale, memory, write_png};
 use crate::run_frames::{Quantity, RunFolderError, RunFrame, RunFrames, rounded};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// Width and height of an image where none are given, pixels.
+const IMAGE_SIZE: [usize; 2] = [1200, 900];
+/// Width and height of an animation where none are given, pixels.
+const ANIMATION_SIZE: [usize; 2] = [800, 600];
 
 /// Frames that are looked at to choose the scale and the place of the camera of an animation.
 const LOOKS: usize = 9;
@@ -17,9 +23,24 @@ const BESIDE: u64 = 24;
 /// How far the frames per second of an animation may be off what was asked for without a word: delays are whole numbers in files.
 const RATE_OFF: f64 = 0.2;
 
-/// Draws one frame.
+/// Draws a frame, or all frames if the output file is one of animations.
 pub(super) fn picture(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Failure> {
-    refuse_picture_beyond_memory(arguments.size, memory(arguments.size))?;
+    let animated = |path: &PathBuf| {
+        path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gif") || ending.eq_ignore_ascii_case("apng"))
+    };
+    match arguments.output.as_ref().filter(|path| animated(path)) {
+        Some(output) => animation(arguments, output, console),
+        None => image(arguments, console),
+    }
+}
+
+/// Draws one frame.
+fn image(arguments: &PictureArguments, console: &Console) -> Result<ExitCode, Failure> {
+    if arguments.every != 1 {
+        return Err(Failure::Usage("--every is for animations: give --output FILE.gif or FILE.apng".into()));
+    }
+    let size = arguments.size.unwrap_or(IMAGE_SIZE);
+    refuse_picture_beyond_memory(size, memory(size))?;
     let run = RunFrames::open(&arguments.frames.run)?;
     let number = match arguments.time {
         Some(time) => run.at(time)?,
@@ -29,13 +50,13 @@ pub(super) fn picture(arguments: &PictureArguments, console: &Console) -> Result
         RunFolderError::Damaged { .. } => Failure::Running(format!("{error}, or give another --time")),
         other => other.into(),
     })?;
-    let style = arguments.style.style(arguments.size);
+    let style = arguments.style.style(size);
     let content = arguments.style.content();
     let drawn = content.picture(&run, &frame, &style)?;
     if crate::interrupt::requested() {
         return Err(Failure::Interrupted("nothing: the picture was not finished".into()));
     }
-    tell_scale_left_out(arguments.size, console);
+    tell_scale_left_out(size, console);
     let output = arguments.output.clone().unwrap_or_else(|| run.folder().join("picture.png"));
     create_folder_of(&output)?;
     write_png(&output, &drawn)?;
@@ -50,14 +71,17 @@ pub(super) fn picture(arguments: &PictureArguments, console: &Console) -> Result
 }
 
 /// Draws all frames.
-pub(super) fn animate(arguments: &AnimateArguments, console: &Console) -> Result<ExitCode, Failure> {
+fn animation(arguments: &PictureArguments, output: &Path, console: &Console) -> Result<ExitCode, Failure> {
+    if arguments.time.is_some() || arguments.last {
+        return Err(Failure::Usage("--time and --last are for one frame: give --output FILE.png".into()));
+    }
+    let size = arguments.size.unwrap_or(ANIMATION_SIZE);
     // The pictures that colours are chosen from are there at the same time, and what has its colours.
-    let pixels = (arguments.size[0] * arguments.size[1]) as u64;
-    refuse_picture_beyond_memory(arguments.size, memory(arguments.size) + BESIDE * pixels)?;
+    let pixels = (size[0] * size[1]) as u64;
+    refuse_picture_beyond_memory(size, memory(size) + BESIDE * pixels)?;
     let run = RunFrames::open(&arguments.frames.run)?;
     let numbers: Vec<usize> = (0..run.count()).step_by(arguments.every as usize).collect();
-    let output = arguments.output.clone().unwrap_or_else(|| run.folder().join("animation.gif"));
-    let style = arguments.style.style(arguments.size);
+    let style = arguments.style.style(size);
     // One scale and one camera for all: what is seen must move, not they.
     let step = numbers.len().div_ceil(LOOKS).max(1);
     let looks: Vec<RunFrame> =
@@ -79,10 +103,10 @@ pub(super) fn animate(arguments: &AnimateArguments, console: &Console) -> Result
             false => Ok(drawn),
         }
     };
-    tell_scale_left_out(arguments.size, console);
-    create_folder_of(&output)?;
+    tell_scale_left_out(size, console);
+    create_folder_of(output)?;
     let samples = Animation::samples(numbers.len()).into_iter().map(one).collect::<Result<Vec<Picture>, _>>()?;
-    let mut animation = Animation::begin(&output, &samples, numbers.len(), arguments.rate)?;
+    let mut animation = Animation::begin(output, &samples, numbers.len(), arguments.rate)?;
     let bar = console.bar("drawing");
     for number in 0..numbers.len() {
         animation.push(&one(number)?)?;

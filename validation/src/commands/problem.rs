@@ -1,4 +1,4 @@
-//! `makadam problem`: contact problems in files.
+//! `makadam lab problem`: contact problems in files.
 
 use super::arguments::{
     ProblemArguments, ProblemCheckArguments, ProblemCommand, ProblemExportArguments, ProblemSolveArguments,

@@ -70,7 +70,6 @@ mod tests {
     use crate::compare::Reference;
     use crate::peers::{CodeError, Job};
     use crate::recording::Recording;
-    use clap::Parser;
     use std::cell::Cell;
     use std::path::PathBuf;
     use std::sync::{Arc, Mutex};
@@ -144,7 +143,10 @@ mod tests {
         fn record(&self, options: &str, version: &'static str, failing: &[u64]) -> (Vec<u64>, bool) {
             let kept = self.folder.path().join("kept");
             let fixed = ["makadam", "compare", "scene", "--record", "--recordings", kept.to_str().unwrap()];
-            let arguments = Arguments::parse_from(fixed.into_iter().chain(options.split_whitespace()));
+            let arguments = Arguments::read(
+                &fixed.into_iter().chain(options.split_whitespace()).map(Into::into).collect::<Vec<_>>(),
+            )
+            .unwrap();
             let Command::Compare(arguments) = arguments.command else { unreachable!("the words say compare") };
             let ran = Arc::default();
             let fake = Fake { version, deck: self.deck.get(), failing: failing.to_vec(), ran: Arc::clone(&ran) };

@@ -1,4 +1,4 @@
-//! `makadam scaling`: how a scene's step scales, measured on the cores at hand and replayed beyond them.
+//! `makadam lab scaling`: how a scene's step scales, measured on the cores at hand and replayed beyond them.
 
 use super::arguments::ScalingArguments;
 use super::{Console, Failure, can_record, flowing, publish, refuse_time_budget};

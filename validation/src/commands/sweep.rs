@@ -22,7 +22,7 @@ pub(super) fn sweep(arguments: &SweepArguments, console: &Console) -> Result<Exi
     let measured = |name: &&String| group_of(name).is_some_and(|(group, _)| scene.measure.observables.contains(&group));
     if let Some(name) = arguments.observables.iter().find(|name| !measured(name)) {
         return Err(Failure::Usage(format!(
-            "{} does not measure '{name}'; name its group under measure.observables (`makadam observables` lists them)",
+            "{} does not measure '{name}'; name its group under measure.observables (`makadam print observables` lists them)",
             scene.name
         )));
     }

@@ -14,7 +14,7 @@ use serde::{Serialize, Serializer};
 /// Residuals that a method is timed to, in the study's unit.
 pub const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6];
 
-/// Output of `makadam convergence --json` and content of `convergence.json`; documented in `validation/docs/json.md`.
+/// Output of `makadam lab convergence --json` and content of `convergence.json`; documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Study {
     /// [`JSON_VERSION`].

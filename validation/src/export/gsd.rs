@@ -8,14 +8,14 @@
 //! <https://gsd.readthedocs.io/en/stable/schema-hoomd.html>. The crate that knows it (`hoomd-gsd`) brings forty others with it, a column
 //! store among them; what is written here is little.
 
-use super::ExportError;
-use crate::output::{DRIVEN_WALLS, WriteError};
+use super::{ExportError, Written};
+use crate::output::{DRIVEN_WALLS, WriteError, create_folder};
 use crate::provenance::VERSION;
 use crate::run_frames::{RunFrame, RunFrames};
 use makadam::snapshot::DrivenWall;
 use std::fs::File;
 use std::io::{BufWriter, Error, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const MAGIC: u64 = 0x65df_65df_65df_65df;
 
@@ -37,14 +37,8 @@ const DOUBLE: u8 = 10;
 /// Fields that travel as they are; HOOMD-blue has no place for them of its own.
 const LOGGED: [&str; 4] = ["pressure", "coordination_number", "force", "angular_velocity"];
 
-/// Fields that HOOMD-blue has a place for: their names in frames and there, and what its readers take where there are none.
-const OWN: [(&str, &str, &str); 2] = [("velocity", "particles/velocity", "0"), ("mass", "particles/mass", "1")];
-
-/// What a file of a run will not tell, and what its readers take in place of it: (velocity, 0).
-pub fn absent_from_gsd(frame: &RunFrame) -> Vec<(&'static str, &'static str)> {
-    let has = |name: &str| frame.grains.fields.iter().any(|array| array.name == name);
-    OWN.iter().filter(|(name, ..)| !has(name)).map(|(name, _, taken)| (*name, *taken)).collect()
-}
+/// Fields that HOOMD-blue has a place for: their names in frames and there.
+const OWN: [(&str, &str); 2] = [("velocity", "particles/velocity"), ("mass", "particles/mass")];
 
 /// A file that is being written.
 struct Gsd {
@@ -122,35 +116,35 @@ impl Gsd {
     }
 }
 
-/// Writes the grains of all frames into one file and returns how many frames there are. The origin of a GSD file is the middle of its box,
-/// which is as long as the period along axes along which the scene repeats itself, and holds all grains of all frames along the others;
-/// `log/middle` says where that lies (m), and `log/driven_wall...` where driven walls stand, a row per wall. `progress` is told the share that is done.
+/// Writes the grains of all frames into `grains.gsd`. The origin of a GSD file is the middle of its box, which is as long as the period
+/// along periodic axes, and holds all grains of all frames along the others; `log/middle` states its place (m), and `log/driven_wall...`
+/// the poses of driven walls, a row per wall.
 ///
 /// # Errors
 /// [`ExportError`] if a frame cannot be read, or the system refuses.
-pub fn write_gsd(path: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<usize, ExportError> {
-    let mut name = path.as_os_str().to_owned();
-    name.push(format!(".part{}", std::process::id()));
-    let draft = PathBuf::from(name);
-    let written = write(&draft, run, progress)
-        .and_then(|()| Ok(std::fs::rename(&draft, path).map_err(|error| WriteError::new(path, error))?));
+pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
+    create_folder(folder)?;
+    let path = folder.join("grains.gsd");
+    let draft = folder.join(format!("grains.gsd.part{}", std::process::id()));
+    let written = write_draft(&draft, run, progress)
+        .and_then(|()| Ok(std::fs::rename(&draft, &path).map_err(|error| WriteError::new(&path, error))?));
     if let Err(error) = written {
-        // What cannot be removed is told from the file by its name.
+        // A draft that cannot be removed is recognised by its name.
         let _ = std::fs::remove_file(&draft);
         return Err(error);
     }
-    Ok(run.count())
+    Ok(vec![Written { path, frames: run.count() }])
 }
 
-fn write(draft: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<(), ExportError> {
+fn write_draft(draft: &Path, run: &RunFrames, progress: &dyn Fn(f64)) -> Result<(), ExportError> {
     let refused = |error| ExportError::Write(WriteError::new(draft, error));
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for (_, file) in run.files("grains") {
-        let data = run.read_some(file, &|_, name| name == "Points")?;
-        let points = data.sections.iter().flat_map(|(_, arrays)| arrays).flat_map(|array| array.values());
-        for (number, place) in points.enumerate() {
-            low[number % 3] = low[number % 3].min(place);
-            high[number % 3] = high[number % 3].max(place);
+    for number in 0..run.count() {
+        for particle in &run.snapshot(number)?.particles {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(particle.position[axis]);
+                high[axis] = high[axis].max(particle.position[axis]);
+            }
         }
     }
     let mut gsd = Gsd::create(draft).map_err(refused)?;
@@ -192,7 +186,7 @@ fn put(gsd: &mut Gsd, frame: &RunFrame, step: u64, middle: [f64; 3], sides: [f64
     gsd.singles("particles/position", 3, places)?;
     gsd.singles("particles/diameter", 1, grains.radii.iter().map(|radius| 2.0 * radius))?;
     let field = |name: &str| grains.fields.iter().find(|array| array.name == name);
-    for (name, called, _) in OWN {
+    for (name, called) in OWN {
         if let Some(array) = field(name) {
             gsd.singles(called, array.components as u32, array.values().into_iter())?;
         }

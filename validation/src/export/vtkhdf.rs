@@ -1,16 +1,17 @@
 //! One VTKHDF file for all frames of one kind: temporal polygonal data, read by ParaView and `vtkHDFReader`.
 //!
-//! Arrays of all frames stand one behind the other, and `Steps` says where each frame begins in them:
+//! Arrays of all frames stand one behind the other, and `Steps` states where each frame begins in them:
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.html>. The library that writes HDF5 appends to
-//! arrays of one dimension only, so that one array after the other is put together over all frames and added to the file: memory holds no
-//! more than the largest one.
+//! arrays of one dimension only, so an array is gathered over all frames before it is added: each pass over the frames gathers as many
+//! arrays as fit into [`PASS`] bytes, and one at least.
 
-use super::ExportError;
-use crate::output::vtk::{Array, Kind as Number};
-use crate::output::{DRIVEN_WALLS, FIELD_DATA, Outline, WriteError};
-use crate::run_frames::RunFrames;
+use super::{ExportError, Written};
+use crate::output::vtk::{Array, Cells, Kind as Number, PolyData};
+use crate::output::{DRIVEN_WALLS, FIELD_DATA, WriteError, create_folder};
+use crate::run_frames::{Kind, RunFrames};
 use hdf5_pure::{AttrValue, DatasetBuilder, File, FileBuilder};
-use std::path::{Path, PathBuf};
+use std::ops::Range;
+use std::path::Path;
 
 /// Rows of a chunk.
 const CHUNK: u64 = 16_384;
@@ -21,34 +22,11 @@ pub(crate) const FIRST_ID: &str = "MakadamFirstId";
 /// Level of zlib behind a shuffle of bytes.
 const LEVEL: u32 = 3;
 
-/// Groups of cells, in the order of the format.
-const TOPOLOGIES: [(&str, &str); 4] =
-    [("Vertices", "Verts"), ("Lines", "Lines"), ("Polygons", "Polys"), ("Strips", "")];
+/// Groups of cells, in the order of the format, which is that of [`Kind::ALL`].
+const TOPOLOGIES: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 
-/// What frames are of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Points.
-    Grains,
-    /// Lines.
-    Contacts,
-    /// Triangles.
-    Walls,
-}
-
-impl Kind {
-    /// All of them.
-    pub const ALL: [Kind; 3] = [Kind::Grains, Kind::Contacts, Kind::Walls];
-
-    /// Its name, of which files are named.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Grains => "grains",
-            Kind::Contacts => "contacts",
-            Kind::Walls => "walls",
-        }
-    }
-}
+/// Most bytes that one pass over the frames gathers, unless a single array takes more.
+const PASS: usize = 1 << 28;
 
 /// What is known of the frames before their arrays are read.
 #[derive(Default)]
@@ -62,122 +40,141 @@ struct Survey {
     corners: i64,
 }
 
-/// Writes all frames of a kind into one file and returns how many; none where the run has written none of that kind. `progress` is told the
-/// share that is done.
+/// Writes `grains.vtkhdf`, and `contacts.vtkhdf` and `walls.vtkhdf` where the run has them.
 ///
 /// # Errors
 /// [`ExportError`] if a frame cannot be read, or the system refuses.
-pub fn write_vtkhdf(path: &Path, run: &RunFrames, kind: Kind, progress: &dyn Fn(f64)) -> Result<usize, ExportError> {
-    let files = run.files(kind.name());
-    if files.is_empty() {
-        return Ok(0);
+pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
+    create_folder(folder)?;
+    let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !run.numbers(*kind).is_empty()).collect();
+    let mut written = Vec::new();
+    for (number, kind) in kinds.iter().enumerate() {
+        let path = folder.join(format!("{}.vtkhdf", kind.name()));
+        write_kind(&path, run, *kind, &|share| progress((number as f64 + share) / kinds.len() as f64))?;
+        written.push(Written { path, frames: run.numbers(*kind).len() });
     }
-    let (survey, arrays) = survey(run, files)?;
-    let poses = if kind == Kind::Grains { poses(run, files)? } else { Vec::new() };
+    Ok(written)
+}
+
+fn write_kind(path: &Path, run: &RunFrames, kind: Kind, progress: &dyn Fn(f64)) -> Result<(), ExportError> {
+    let (survey, arrays) = survey(run, kind)?;
+    let poses = if kind == Kind::Grains { poses(run)? } else { Vec::new() };
     let failed =
         |error: hdf5_pure::Error| ExportError::Format { file: path.display().to_string(), problem: error.to_string() };
-    let mut name = path.as_os_str().to_owned();
-    name.push(format!(".part{}", std::process::id()));
-    let draft = PathBuf::from(name);
+    let draft = path.with_extension(format!("vtkhdf.part{}", std::process::id()));
     let written = skeleton(&survey, &arrays, &poses).write(&draft).and_then(|()| File::open_rw(&draft)).map_err(failed);
     let filled = written.and_then(|file| {
-        // Arrays, and the connectivity.
-        let count = arrays.len() + 1;
-        for (number, (group, array)) in arrays.iter().enumerate() {
-            let (mut all, mut rows) = (Vec::new(), 0);
-            for (_, frame) in files {
-                let data = run.read_some(frame, &|_, name| name == array.name)?;
-                let found = arrays_of(&data).find(|(of, found)| of == group && found.name == array.name);
-                let found = found.map(|(_, found)| found).filter(|found| found.components == array.components);
-                let found = found.ok_or_else(|| ExportError::Format {
-                    file: frame.display().to_string(),
-                    problem: format!(
-                        "it has no {} as the first frame has; export what lies before it or after it",
-                        array.name
-                    ),
-                })?;
-                all.extend(as_kind(found, array.kind));
-                rows += found.tuples() as u64;
+        let passes = survey.passes(&arrays);
+        for (pass, range) in passes.iter().enumerate() {
+            let own = &arrays[range.clone()];
+            let mut gathered = vec![(Vec::new(), 0); own.len()];
+            for number in run.numbers(kind) {
+                let data = run.poly_data(number, kind)?;
+                for ((group, array), (bytes, rows)) in own.iter().zip(&mut gathered) {
+                    let found = arrays_of(&data).find(|(of, found)| of == group && found.name == array.name);
+                    let (_, found) = found.expect("all frames of a run have the same arrays");
+                    bytes.extend(as_kind(found, array.kind));
+                    *rows += found.tuples() as u64;
+                }
                 if crate::interrupt::requested() {
                     return Err(ExportError::Interrupted);
                 }
             }
-            add(&file, &format!("VTKHDF/{group}{}", array.name), &all, array, rows).map_err(failed)?;
-            progress((number + 1) as f64 / count as f64);
+            for ((group, array), (bytes, rows)) in own.iter().zip(gathered) {
+                add(&file, &format!("VTKHDF/{group}{}", array.name), &bytes, array, rows).map_err(failed)?;
+            }
+            progress((pass + 1) as f64 / (passes.len() + 1) as f64);
         }
-        connectivity(run, files, &survey, &file, &failed)?;
+        connectivity(run, kind, &survey, &file, &failed)?;
         file.close().map_err(failed)?;
         progress(1.0);
         Ok(())
     });
     if let Err(error) = filled {
-        // What cannot be removed is told from the file by its name.
+        // A draft that cannot be removed is recognised by its name.
         let _ = std::fs::remove_file(&draft);
         return Err(error);
     }
     std::fs::rename(&draft, path).map_err(|source| WriteError::new(path, source))?;
-    Ok(files.len())
+    Ok(())
 }
 
 /// Arrays with their groups below `VTKHDF`.
 type Grouped = Vec<(&'static str, Array)>;
 
-/// Numbers of frames, and the arrays that the first one has, by their groups.
-fn survey(run: &RunFrames, files: &[(f64, PathBuf)]) -> Result<(Survey, Grouped), ExportError> {
-    let mut survey = Survey::default();
-    for (time, file) in files {
-        let data = run.read_some(file, &|_, _| false)?;
-        survey.times.push(*time);
-        survey.points.push(data.points as i64);
-        survey.cells.push(data.cells as i64);
-        if data.cells > 0 {
-            survey.topology = TOPOLOGIES.iter().position(|(_, of)| *of == data.topology).unwrap_or(0);
-            survey.corners = data.corners as i64;
+impl Survey {
+    /// Returns the arrays of each pass over the frames.
+    fn passes(&self, arrays: &[(&'static str, Array)]) -> Vec<Range<usize>> {
+        let (points, cells) = (self.points.iter().sum::<i64>() as usize, self.cells.iter().sum::<i64>() as usize);
+        let mut passes: Vec<Range<usize>> = Vec::new();
+        let mut room = 0;
+        for (number, (group, array)) in arrays.iter().enumerate() {
+            let tuples = if *group == "CellData/" { cells } else { points };
+            let bytes = tuples * array.components * array.kind.size();
+            match passes.last_mut().filter(|_| bytes <= room) {
+                Some(pass) => {
+                    pass.end = number + 1;
+                    room -= bytes;
+                }
+                None => {
+                    passes.push(number..number + 1);
+                    room = PASS.saturating_sub(bytes);
+                }
+            }
+        }
+        passes
+    }
+}
+
+/// Returns the times and sizes of the frames, and their arrays without content.
+fn survey(run: &RunFrames, kind: Kind) -> Result<(Survey, Grouped), ExportError> {
+    let mut survey = Survey {
+        topology: Kind::ALL.iter().position(|known| *known == kind).expect("a kind is one of all"),
+        corners: match kind {
+            Kind::Grains => 1,
+            Kind::Contacts => 2,
+            Kind::Walls => 3,
+        },
+        ..Survey::default()
+    };
+    let mut arrays = Vec::new();
+    for number in run.numbers(kind) {
+        let data = run.poly_data(number, kind)?;
+        survey.times.push(data.time);
+        survey.points.push(data.count() as i64);
+        survey.cells.push(data.cells.count(data.count()) as i64);
+        if arrays.is_empty() {
+            arrays =
+                arrays_of(&data).map(|(group, array)| (group, Array { bytes: Vec::new(), ..array.clone() })).collect();
         }
     }
-    let first = run.read_some(&files[0].1, &|_, _| true)?;
-    let arrays =
-        arrays_of(&first).map(|(group, array)| (group, Array { bytes: Vec::new(), ..array.clone() })).collect();
     Ok((survey, arrays))
 }
 
-/// Poses of driven walls, in arrays over all frames, each with the number of its tuples in each frame; none where no wall is driven.
-fn poses(run: &RunFrames, files: &[(f64, PathBuf)]) -> Result<Vec<(Array, Vec<i64>)>, ExportError> {
+/// Returns the poses of driven walls, in arrays over all frames, each with the number of its tuples in each frame.
+fn poses(run: &RunFrames) -> Result<Vec<(Array, Vec<i64>)>, ExportError> {
     let mut all: Vec<(Array, Vec<i64>)> = Vec::new();
-    for (_, file) in files {
-        let data = run.read_some(file, &|section, name| section == FIELD_DATA && DRIVEN_WALLS.contains(&name))?;
-        let own =
-            data.sections.into_iter().filter(|(section, _)| *section == FIELD_DATA).flat_map(|(_, arrays)| arrays);
-        for array in own {
+    for number in run.numbers(Kind::Grains) {
+        let data = run.poly_data(number, Kind::Grains)?;
+        for array in data.field_data.into_iter().filter(|array| DRIVEN_WALLS.contains(&array.name.as_str())) {
             let tuples = array.tuples() as i64;
             match all.iter_mut().find(|(known, _)| known.name == array.name) {
                 Some((known, counts)) => {
-                    known.bytes.extend(as_kind(&array, known.kind));
+                    known.bytes.extend(array.bytes);
                     counts.push(tuples);
                 }
                 None => all.push((array, vec![tuples])),
             }
         }
     }
-    match all.iter().all(|(_, counts)| counts.len() == files.len()) {
-        true => Ok(all),
-        false => Err(ExportError::Format {
-            file: files[0].1.display().to_string(),
-            problem: format!("not all frames have {}", DRIVEN_WALLS.join(", ")),
-        }),
-    }
+    Ok(all)
 }
 
 /// Arrays that go into the file, each with its group below `VTKHDF`.
-fn arrays_of(data: &Outline) -> impl Iterator<Item = (&'static str, &Array)> {
-    let group = |section: &str| match section {
-        "Points" => Some(""),
-        "PointData" => Some("PointData/"),
-        "CellData" => Some("CellData/"),
-        _ => None,
-    };
-    let sections = data.sections.iter().filter_map(move |(section, arrays)| Some((group(section)?, arrays)));
-    sections.flat_map(|(group, arrays)| arrays.iter().map(move |array| (group, array)))
+fn arrays_of(data: &PolyData) -> impl Iterator<Item = (&'static str, &Array)> {
+    let points = std::iter::once(("", &data.points));
+    let of_points = data.point_data.iter().map(|array| ("PointData/", array));
+    points.chain(of_points).chain(data.cell_data.iter().map(|array| ("CellData/", array)))
 }
 
 /// The bytes of an array as another kind of numbers: coordinates are single or double as a frame needs.
@@ -211,7 +208,7 @@ fn skeleton(survey: &Survey, arrays: &[(&'static str, Array)], poses: &[(Array, 
     groups.into_iter().for_each(|(_, group)| {
         root.add_group(group.finish());
     });
-    for (place, (name, _)) in TOPOLOGIES.iter().enumerate() {
+    for (place, name) in TOPOLOGIES.iter().enumerate() {
         let of = |count: &i64| if place == survey.topology { *count } else { 0 };
         let counts: Vec<i64> = survey.cells.iter().map(of).collect();
         let corners: Vec<i64> = counts.iter().map(|count| count * survey.corners).collect();
@@ -311,25 +308,24 @@ fn numbers(dataset: &mut DatasetBuilder, bytes: &[u8], kind: Number) {
 /// Adds the corners of the cells and where each cell begins among them, frame after frame.
 fn connectivity(
     run: &RunFrames,
-    files: &[(f64, PathBuf)],
+    kind: Kind,
     survey: &Survey,
     file: &File,
     failed: &dyn Fn(hdf5_pure::Error) -> ExportError,
 ) -> Result<(), ExportError> {
     let (mut corners, mut offsets): (Vec<i64>, Vec<i64>) = (Vec::new(), Vec::new());
-    for ((_, frame), (points, cells)) in files.iter().zip(survey.points.iter().zip(&survey.cells)) {
-        match TOPOLOGIES[survey.topology].1 {
-            "Polys" => {
-                let data = run.read_some(frame, &|_, name| name == "connectivity")?;
-                let arrays = data.sections.iter().filter(|(section, _)| *section == "Polys");
-                corners
-                    .extend(arrays.flat_map(|(_, arrays)| arrays).flat_map(Array::values).map(|corner| corner as i64));
+    for (number, (points, cells)) in run.numbers(kind).zip(survey.points.iter().zip(&survey.cells)) {
+        match kind {
+            Kind::Grains | Kind::Contacts => corners.extend(0..*points),
+            Kind::Walls => {
+                if let Cells::Triangles(triangles) = run.poly_data(number, kind)?.cells {
+                    corners.extend(triangles.iter().flatten().map(|corner| i64::from(*corner)));
+                }
             }
-            _ => corners.extend(0..*points),
         }
         offsets.extend((0..=*cells).map(|cell| cell * survey.corners));
     }
-    let group = format!("VTKHDF/{}", TOPOLOGIES[survey.topology].0);
+    let group = format!("VTKHDF/{}", TOPOLOGIES[survey.topology]);
     for (name, numbers) in [("Connectivity", corners), ("Offsets", offsets)] {
         let rows = numbers.len() as u64;
         let added = file.root().create_dataset(&format!("{group}/{name}"), |dataset| {

@@ -27,7 +27,7 @@ pub struct Manifest {
     pub name: Option<String>,
     /// Version of the code.
     pub version: Option<String>,
-    /// Program and arguments that make the frames, for `makadam judge`.
+    /// Program and arguments that make the frames, for `makadam compare`.
     pub command: Vec<String>,
     /// Files of grains.
     pub grains: Vec<FilePattern>,

@@ -27,9 +27,8 @@ pub use format::parse;
 pub use manifest::{FilePattern, Manifest};
 pub use table::{FrameTable, ImportError, Periods};
 
-use crate::plan::{Scene, setup_hash};
+use crate::plan::Scene;
 use crate::recording::{Content, Recording, outside_domain};
-use crate::run_frames::RunFrames;
 use columns::Places;
 use contacts::{Columns, ContactList, vector};
 use frames::{Frame, frames};
@@ -48,10 +47,6 @@ pub struct Tables {
     pub grains: Vec<FrameTable>,
     /// Frames of contacts.
     pub contacts: Vec<FrameTable>,
-    /// Alarms of the runs of Makadam that they are from.
-    pub notes: Vec<String>,
-    /// Runs of Makadam that they are from.
-    pub runs: Vec<RunFrames>,
     /// Files of grains and of contacts, by their canonical names.
     pub files: [BTreeSet<PathBuf>; 2],
 }
@@ -72,29 +67,13 @@ impl Tables {
         Ok(tables)
     }
 
-    /// Adds the frames of a file of grains, or those of the folder of a run of Makadam, with their contacts.
+    /// Adds the frames of a file of grains.
     ///
     /// # Errors
     /// [`ImportError`] with file and line.
     pub fn add_grains(&mut self, file: &Path, pattern: &FilePattern, manifest: &Manifest) -> Result<(), ImportError> {
         once(&mut self.files[0], file)?;
-        if !file.is_dir() {
-            self.grains.extend(read(file, pattern, &manifest.columns)?);
-            return Ok(());
-        }
-        let run = RunFrames::open(file).map_err(|error| ImportError::new(file, 1, error.to_string()))?;
-        let timed = |files: &[(f64, PathBuf)]| -> Result<Vec<FrameTable>, ImportError> {
-            let mut frames = Vec::new();
-            for (time, file) in files {
-                let own = read(file, pattern, &StatedColumns::default())?.into_iter();
-                frames.extend(own.map(|frame| FrameTable { time: Some(*time), first_id: Some(0), ..frame }));
-            }
-            Ok(frames)
-        };
-        self.grains.extend(timed(run.files("grains"))?);
-        self.contacts.extend(timed(run.files("contacts"))?);
-        self.notes.extend(run.alarms().map(String::from));
-        self.runs.push(run);
+        self.grains.extend(read(file, pattern, &manifest.columns)?);
         Ok(())
     }
 
@@ -149,8 +128,7 @@ pub fn assemble(scene: &Scene, manifest: &Manifest, tables: &Tables) -> Result<I
     if tables.grains.is_empty() {
         return Err(ImportError::new(Path::new("-"), 1, "no file has a frame; give files of grains"));
     }
-    let mut notes = tables.notes.clone();
-    notes.extend(tables.runs.iter().filter_map(|run| of_other_scene(run, scene)));
+    let mut notes = Vec::new();
     tables.grains.iter().try_for_each(|table| position(table).map(|_| ()))?;
     tables.grains.iter().chain(&tables.contacts).try_for_each(|table| same_box(table, &scene.domain))?;
 
@@ -306,20 +284,6 @@ fn image(domain: &Domain, point: Vector3<f64>) -> Vector3<f64> {
     let wrapped = domain.period().wrapped(&point, &domain.min.into());
     let is_inside = |axis: usize| (domain.min[axis]..domain.max[axis]).contains(&point[axis]);
     Vector3::from_fn(|axis, _| if is_inside(axis) { point[axis] } else { wrapped[axis] })
-}
-
-/// Note that a run is of another scene than the one it is measured by, if it is.
-fn of_other_scene(run: &RunFrames, scene: &Scene) -> Option<String> {
-    let name = run.scene();
-    let is_same = run.setup_hash().map_or_else(|| name == scene.name, |hash| hash == setup_hash(scene));
-    (!is_same).then(|| {
-        format!(
-            "{} is a run of {name} with other walls, materials, grains or effects than {}; give the scene that was run, with the same \
-             changes (--set)",
-            run.folder().display(),
-            scene.name
-        )
-    })
 }
 
 /// Notes on measured frames: grains outside the domain, and forces none of which pushes.

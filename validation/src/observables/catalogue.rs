@@ -45,8 +45,8 @@ pub fn missing(scene: &Scene, quantity: &str, lacks: &[Content]) -> Option<Conte
 /// The page of all quantities, in Markdown.
 pub fn page() -> String {
     let mut page = String::from(
-        "# Observables\n\nWhat each measured number is. `makadam observables` prints the same; this page is made by \
-         `makadam observables --markdown`. Name a group under `measure.observables`, a number under `[[compare]]`. Means ⟨⟩ are over \
+        "# Observables\n\nWhat each measured number is. `makadam print observables` prints the same; this page is made by \
+         `makadam print observables --markdown`. Name a group under `measure.observables`, a number under `[[compare]]`. Means ⟨⟩ are over \
          contacts or grains; the *bulk* is what lies at least two mean diameters from walls and free surface (one, where fewer than 50 \
          grains would be left). Every number follows from positions, velocities and contacts alone, by one code for every simulator.\n\n\
          The value of a run is the mean over the measured frames, for `largest_overlap` and `coulomb_excess` the maximum. It equals that of \
@@ -96,7 +96,7 @@ pub fn check(scene: &Scene, text: &str, file: &Path) -> Result<(), SceneFileErro
         };
         match group_of(name) {
             None => {
-                let remedy = suggestion(name, known(), "`makadam observables` lists all names");
+                let remedy = suggestion(name, known(), "`makadam print observables` lists all names");
                 return invalid(format!("nothing measures '{name}'"), remedy);
             }
             Some((group, words)) if !scene.measure.observables.contains(&group) => {
@@ -153,7 +153,7 @@ mod tests {
     fn the_page_is_what_the_definitions_say() {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/observables.md");
         let written = std::fs::read_to_string(&file).unwrap_or_default();
-        assert_eq!(written, page(), "make it anew: makadam observables --markdown > docs/observables.md");
+        assert_eq!(written, page(), "make it anew: makadam print observables --markdown > docs/observables.md");
     }
 
     #[test]

@@ -31,7 +31,7 @@
 //! | `mass_flow_rate`, `discharged_mass` | [`discharge`] |
 //! | `intruder_height`, `intruder_speed` | [`intruder`] |
 //!
-//! [`catalogue::definitions`] says of each what it is; `makadam observables` prints it.
+//! [`catalogue::definitions`] says of each what it is; `makadam print observables` prints it.
 //!
 //! ```
 //! use makadam_validation::{observables, plan::Scene, scenes};

@@ -1,7 +1,7 @@
 //! What frames hold of grains, taken from a snapshot and the scene.
 
 use super::vtk::{Array, Cells, Kind, PolyData};
-use crate::plan::{GrainField, Output, Roster, Scene};
+use crate::plan::{GrainField, Roster, Scene};
 use makadam::effects::gravity::Field;
 use makadam::effects::period::Period;
 use makadam::snapshot::{DrivenWall, Particle, Partner, Snapshot};
@@ -28,9 +28,11 @@ pub(crate) fn driven_walls(values: impl Fn(&str) -> Option<Vec<f64>>) -> Result<
     Ok(poses.map(|(&wall, (&displacement, &rate))| DrivenWall { wall: wall as u32, displacement, rate }).collect())
 }
 
-/// What a scene says of its grains, by their numbers.
-pub(super) struct GrainTable {
-    output: Output,
+/// Tables of the grains and contacts of frames, by what the scene states of the grains.
+#[derive(Clone, Debug)]
+pub(crate) struct GrainTable {
+    /// Fields of grains; all, if absent.
+    fields: Option<Vec<GrainField>>,
     /// Names of the materials, in the order of their numbers.
     materials: Vec<String>,
     /// Density of each material, kg/m3.
@@ -55,9 +57,10 @@ struct Loads {
 }
 
 impl GrainTable {
-    pub fn new(scene: &Scene) -> GrainTable {
+    /// Tables of the frames of a scene, with these fields of grains, or all.
+    pub fn new(scene: &Scene, fields: Option<&[GrainField]>) -> GrainTable {
         GrainTable {
-            output: scene.output.clone().unwrap_or_default(),
+            fields: fields.map(<[GrainField]>::to_vec),
             densities: scene.material.values().map(|material| material.density).collect(),
             materials: scene.material.keys().cloned().collect(),
             roster: Roster::new(scene),
@@ -68,10 +71,14 @@ impl GrainTable {
         }
     }
 
+    fn has(&self, field: GrainField) -> bool {
+        self.fields.as_ref().is_none_or(|fields| fields.contains(&field))
+    }
+
     /// The grains of a frame: points with the fields that the scene asks for.
     pub fn grains(&self, frame: &Snapshot) -> PolyData {
         let particles = &frame.particles;
-        let has = |field| self.output.has(field);
+        let has = |field| self.has(field);
         let kind = |particle: &Particle| self.roster.kind(frame, particle.id);
         let population = |particle: &Particle| kind(particle).population.map_or(-1, |place| place as i32);
         let mass = |particle: &Particle| self.densities[usize::from(kind(particle).material)] * volume(particle);
@@ -136,25 +143,15 @@ impl GrainTable {
         data
     }
 
-    /// The contacts of a frame: lines from the centre of the first grain to that of the second, or of its nearest image, or to the contact
-    /// point on a wall, with forces.
+    /// The contacts of a frame: lines with forces.
     pub fn contacts(&self, frame: &Snapshot) -> PolyData {
         let contacts = &frame.contacts;
         let grain = |partner| if let Partner::Grain(id) = partner { id as i32 } else { -1 };
         let wall = |partner| if let Partner::Wall(place) = partner { place as i32 } else { -1 };
-        let centre = |id: u32| frame.particles[id as usize].position;
-        let ends = contacts.iter().flat_map(|contact| {
-            let start = Vector::from(centre(contact.first));
-            let end = match contact.second {
-                Partner::Grain(id) => centre(id),
-                Partner::Wall(_) => contact.point,
-            };
-            let end = start + self.period.arm(&start, &end.into());
-            [start.x, start.y, start.z, end.x, end.y, end.z]
-        });
+        let ends = self.ends(frame);
         PolyData {
             time: frame.time,
-            points: Array::coordinates("Points", ends, smallest_radius(frame)),
+            points: Array::coordinates("Points", ends.iter().flatten().flatten().copied(), smallest_radius(frame)),
             cells: Cells::Lines,
             point_data: Vec::new(),
             cell_data: vec![
@@ -171,24 +168,40 @@ impl GrainTable {
         }
     }
 
+    /// Returns both ends of the line of each contact, m: the centre of the first grain, and that of the second, or of its nearest image, or
+    /// the contact point on a wall.
+    pub fn ends(&self, frame: &Snapshot) -> Vec<[[f64; 3]; 2]> {
+        let centre = |id: u32| Vector::from(frame.particles[id as usize].position);
+        let contacts = frame.contacts.iter();
+        let line = contacts.map(|contact| {
+            let start = centre(contact.first);
+            let end = match contact.second {
+                Partner::Grain(id) => centre(id),
+                Partner::Wall(_) => contact.point.into(),
+            };
+            [start, start + self.period.arm(&start, &end)].map(Into::into)
+        });
+        line.collect()
+    }
+
     fn add_loads(&self, frame: &Snapshot, data: &mut Vec<Array>) {
         let loads = loads(frame, self.period);
         let each = || loads.iter().zip(&frame.particles);
-        if self.output.has(GrainField::Force) {
+        if self.has(GrainField::Force) {
             data.push(Array::floats(
                 "force",
                 3,
                 loads.iter().flat_map(|load| [load.force.x, load.force.y, load.force.z]),
             ));
         }
-        if self.output.has(GrainField::CoordinationNumber) {
+        if self.has(GrainField::CoordinationNumber) {
             data.push(Array::integers("coordination_number", loads.iter().map(|load| load.contacts)));
         }
-        if self.output.has(GrainField::Stress) {
+        if self.has(GrainField::Stress) {
             let stresses = each().flat_map(|(load, particle)| load.moments.map(|moment| moment / volume(particle)));
             data.push(Array::floats("stress", 6, stresses));
         }
-        if self.output.has(GrainField::Pressure) {
+        if self.has(GrainField::Pressure) {
             let pressures =
                 each().map(|(load, particle)| load.moments[..3].iter().sum::<f64>() / 3.0 / volume(particle));
             data.push(Array::floats("pressure", 1, pressures));

@@ -1,9 +1,7 @@
-//! What `makadam run` leaves on disk: frames for ParaView, observables as CSV, a summary as JSON.
+//! Files of a run: tables as CSV, the summary as JSON, and what frames are made of for exports and pictures.
 
 mod cache;
 pub(crate) mod cells;
-mod collection;
-mod frames;
 mod grain_fields;
 mod lock;
 mod names;
@@ -17,8 +15,7 @@ mod vtk_read;
 mod wall_mesh;
 
 pub use cache::{cache_folder, run_folder};
-pub use frames::{FrameWriter, FramesWritten};
-pub(crate) use grain_fields::{DRIVEN_WALLS, driven_walls};
+pub(crate) use grain_fields::{DRIVEN_WALLS, GrainTable, driven_walls};
 pub use lock::{FolderLock, LockError};
 pub use names::file_stem;
 pub use record::record_folder;
@@ -26,12 +23,12 @@ pub use run_files::RunFiles;
 pub(crate) use shown::shown;
 pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
 pub use table::{TableWritten, TimeTable};
-pub(crate) use vtk_read::{FIELD_DATA, Outline, decode as decode_vtk, outline as outline_vtk};
+pub(crate) use vtk_read::{FIELD_DATA, outline as outline_vtk};
+pub(crate) use wall_mesh::WallMesh;
 
 /// How every HDF5 file begins.
 pub(crate) const HDF5: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
-use crate::plan::Scene;
 use makadam::checkpoint::{replace_with, write_atomically};
 use std::io::Write;
 use std::path::Path;
@@ -59,11 +56,6 @@ impl WriteError {
     pub fn new(path: &Path, source: std::io::Error) -> WriteError {
         WriteError { path: path.display().to_string(), source }
     }
-}
-
-/// Returns the walls of a scene as triangles at a time (s), those that a force drives where the scene places them.
-pub(crate) fn wall_triangles(scene: &Scene, time: f64) -> vtk::PolyData {
-    wall_mesh::WallMesh::new(scene).at(time, &[])
 }
 
 /// Makes a folder and those above it.

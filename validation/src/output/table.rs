@@ -1,12 +1,12 @@
 //! Observables over time as CSV, one row a frame.
 
-use super::collection::{check_length, does_not_fit, open_to_grow};
 use super::{WriteError, write_whole};
 use makadam::checkpoint::{replace_with, sync_file};
+use rustix::fs::OFlags;
 use serde::{Deserialize, Serialize};
-use std::fs::File;
-use std::io::{BufReader, BufWriter, Error, Write};
-use std::os::unix::fs::FileExt;
+use std::fs::{File, OpenOptions};
+use std::io::{BufReader, BufWriter, Error, ErrorKind, Write};
+use std::os::unix::fs::{FileExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 const MEMORY: &str = "memory takes any number of bytes";
@@ -144,6 +144,28 @@ fn line<Cell: AsRef<[u8]>>(cells: &[Cell]) -> Vec<u8> {
     let mut text = csv::Writer::from_writer(Vec::new());
     text.write_record(cells).expect(MEMORY);
     text.into_inner().expect(MEMORY)
+}
+
+/// Opens a file of ours to write in it, and no link to one of somebody else's.
+fn open_to_grow(path: &Path) -> Result<File, WriteError> {
+    let flags = OFlags::NOFOLLOW.bits() as i32;
+    let opened = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path);
+    opened.map_err(|source| WriteError::new(path, source))
+}
+
+/// A file that is shorter than a checkpoint says is not the one that it speaks of.
+fn check_length(path: &Path, file: &File, least: u64) -> Result<(), WriteError> {
+    let length = file.metadata().map_err(|source| WriteError::new(path, source))?.len();
+    if length < least {
+        return Err(does_not_fit(path, &format!("it has {length} of {least} bytes")));
+    }
+    Ok(())
+}
+
+/// A file that a run cannot go on with.
+fn does_not_fit(path: &Path, what: &str) -> WriteError {
+    let text = format!("is not what the checkpoint beside it speaks of: {what}; --restart begins anew");
+    WriteError::new(path, Error::new(ErrorKind::InvalidData, text))
 }
 
 #[cfg(test)]

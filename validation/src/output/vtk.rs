@@ -4,25 +4,13 @@
 //! integers of 64 bits, the number of blocks, the size of a whole block, the size of the last one if it is not whole (otherwise zero), and
 //! the compressed size of each: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
-use flate2::{Compress, Compression, FlushCompress, Status};
-use std::collections::HashMap;
-use std::fmt::Write;
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use std::fmt::Write as _;
+use std::io::Write as _;
 
 /// Bytes of a whole block before compression.
 const BLOCK: usize = 1 << 16;
-
-/// Level of zlib. The fastest: higher ones take several times as long for one percent of the size (`validation/docs/pictures.md`).
-const LEVEL: u32 = 1;
-
-/// Bytes in the middle of an array by which it is judged.
-const SAMPLE: usize = 1 << 13;
-
-/// Share of its size to which the sample must shrink, so that the array is compressed: digits that look like noise are stored as they are,
-/// in a twentieth of the time.
-const PAYS: f64 = 0.85;
-
-/// Largest number of bytes in a part of a stream that is stored.
-const STORED: usize = 65_535;
 
 /// Kind of the numbers of an array. Runs write bytes, `Int32`, `Float32` and `Float64`; other codes write all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -241,9 +229,9 @@ impl PolyData {
         self.points.tuples()
     }
 
-    /// The bytes of the file; what `packer` has compressed before is not compressed again.
-    pub fn encode(&self, packer: &mut Packer) -> Vec<u8> {
-        let mut file = Encoder { text: String::new(), appended: Vec::new(), packer };
+    /// Returns the bytes of the file.
+    pub fn encode(&self) -> Vec<u8> {
+        let mut file = Encoder { text: String::new(), appended: Vec::new() };
         let (points, cells) = (self.count(), self.cells.count(self.count()));
         file.text += "<?xml version=\"1.0\"?>\n\
             <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" \
@@ -276,57 +264,14 @@ impl PolyData {
     }
 }
 
-/// Compresses blocks, and keeps those that it has compressed last: much of a frame is as in the frame before. The bytes that come out do not
-/// depend on what came before.
-pub(crate) struct Packer {
-    deflate: Compress,
-    kept: HashMap<(String, usize), Kept>,
-}
-
-/// A block, before and after.
-struct Kept {
-    plain: Vec<u8>,
-    packed: Vec<u8>,
-}
-
-impl Packer {
-    pub fn new() -> Packer {
-        Packer { deflate: Compress::new(Compression::new(LEVEL), true), kept: HashMap::new() }
-    }
-
-    /// Whether an array is worth the time.
-    fn pays(&mut self, bytes: &[u8]) -> bool {
-        let start = (bytes.len().saturating_sub(SAMPLE) / 2).next_multiple_of(8).min(bytes.len());
-        let sample = &bytes[start..bytes.len().min(start + SAMPLE)];
-        let mut packed = Vec::new();
-        compress(&mut self.deflate, sample, &mut packed);
-        (packed.len() as f64) < PAYS * sample.len() as f64
-    }
-
-    /// Adds a block of an array as a stream of zlib.
-    fn add(&mut self, name: &str, number: usize, block: &[u8], to: &mut Vec<u8>) {
-        let Packer { deflate, kept } = self;
-        let known = kept.entry((name.to_string(), number));
-        let known = known.or_insert_with(|| Kept { plain: Vec::new(), packed: Vec::new() });
-        if known.plain != block || known.packed.is_empty() {
-            known.plain.clear();
-            known.plain.extend(block);
-            known.packed.clear();
-            compress(deflate, block, &mut known.packed);
-        }
-        to.extend(&known.packed);
-    }
-}
-
-/// A file that is being put together.
-struct Encoder<'p> {
+/// Encoder of a file.
+struct Encoder {
     text: String,
-    /// What stands behind the document.
+    /// Bytes behind the document.
     appended: Vec<u8>,
-    packer: &'p mut Packer,
 }
 
-impl Encoder<'_> {
+impl Encoder {
     fn array(&mut self, array: &Array, of_file: bool) {
         let Array { name, components, kind, bytes } = array;
         let tuples = if of_file { format!(" NumberOfTuples=\"{}\"", array.tuples()) } else { String::new() };
@@ -336,7 +281,7 @@ impl Encoder<'_> {
             kind.name(),
             self.appended.len()
         );
-        self.blocks(name, bytes);
+        self.blocks(bytes);
     }
 
     /// Texts, as the numbers of their bytes, each with a zero behind it.
@@ -350,18 +295,16 @@ impl Encoder<'_> {
         self.text += "</Array>\n";
     }
 
-    fn blocks(&mut self, name: &str, bytes: &[u8]) {
+    fn blocks(&mut self, bytes: &[u8]) {
         let (count, last) = (bytes.len().div_ceil(BLOCK), bytes.len() % BLOCK);
         let header = self.appended.len();
         self.appended.extend([count, BLOCK, last].iter().flat_map(|&number| (number as u64).to_le_bytes()));
         self.appended.resize(self.appended.len() + 8 * count, 0);
-        let pays = self.packer.pays(bytes);
         for (number, block) in bytes.chunks(BLOCK).enumerate() {
             let start = self.appended.len();
-            match pays {
-                true => self.packer.add(name, number, block, &mut self.appended),
-                false => store(block, &mut self.appended),
-            }
+            let mut encoder = ZlibEncoder::new(&mut self.appended, Compression::fast());
+            encoder.write_all(block).and_then(|()| encoder.try_finish()).expect("memory takes all bytes");
+            drop(encoder);
             let (size, place) = ((self.appended.len() - start) as u64, header + 24 + 8 * number);
             self.appended[place..place + 8].copy_from_slice(&size.to_le_bytes());
         }
@@ -376,40 +319,10 @@ impl Encoder<'_> {
     }
 }
 
-/// Adds a whole stream of zlib to what there is.
-fn compress(deflate: &mut Compress, block: &[u8], to: &mut Vec<u8>) {
-    deflate.reset();
-    to.reserve(block.len() / 2 + 128);
-    let mut read = 0;
-    loop {
-        let before = deflate.total_in();
-        let status = deflate.compress_vec(&block[read..], to, FlushCompress::Finish);
-        read += (deflate.total_in() - before) as usize;
-        match status {
-            Ok(Status::StreamEnd) => return,
-            _ => to.reserve(block.len() / 4 + 128),
-        }
-    }
-}
-
-/// Adds a stream of zlib that holds a block as it is: RFC 1950, and 3.2.4 of RFC 1951.
-fn store(block: &[u8], to: &mut Vec<u8>) {
-    to.extend([0x78, 0x01]);
-    let parts = block.len().div_ceil(STORED);
-    for (number, part) in block.chunks(STORED).enumerate() {
-        let length = part.len() as u16;
-        to.push(u8::from(number + 1 == parts));
-        to.extend(length.to_le_bytes());
-        to.extend((!length).to_le_bytes());
-        to.extend(part);
-    }
-    to.extend(simd_adler32::adler32(&block).to_be_bytes());
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::vtk_read::decode;
+    use crate::output::outline_vtk as outline;
 
     /// A file of every kind of array.
     fn sample(points: usize) -> PolyData {
@@ -430,42 +343,16 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read_back_whatever_its_size() {
+    fn written_arrays_are_read_back() {
         for points in [0, 1, 7, BLOCK / 12, BLOCK / 4, 50_000] {
             let file = sample(points);
-            assert_eq!(decode(&file.encode(&mut Packer::new())).unwrap(), file, "{points} points");
+            let read = outline(&file.encode(), &|_, _| true).unwrap();
+            assert_eq!((read.time, read.points, read.cells), (Some(file.time), points, points));
+            let section =
+                |name: &str| read.sections.iter().find(|(of, _)| *of == name).map(|(_, arrays)| arrays.clone());
+            assert_eq!(section("PointData"), Some(file.point_data), "{points} points");
+            assert_eq!(section("Points"), Some(vec![file.points]), "{points} points");
         }
-        let mut file = sample(5);
-        file.cells = Cells::Triangles(vec![[0, 1, 2], [2, 3, 4]]);
-        file.cell_data = vec![Array::integers("wall", [4, 5].into_iter())];
-        assert_eq!(decode(&file.encode(&mut Packer::new())).unwrap(), file);
-    }
-
-    #[test]
-    fn what_repeats_itself_shrinks_and_noise_does_not_grow() {
-        let mut packer = Packer::new();
-        let mut size = |name: &str, bytes: &[u8]| {
-            let mut encoder = Encoder { text: String::new(), appended: Vec::new(), packer: &mut packer };
-            encoder.blocks(name, bytes);
-            encoder.appended.len() as f64 / bytes.len() as f64
-        };
-        let numbers = Array::integers("id", 0..100_000);
-        assert!(size("id", &numbers.bytes) < 0.5);
-        assert!(size("zero", &[0; 300_000]) < 0.01);
-        let random = (0..100_000_u32).map(|n| f64::from(n.wrapping_mul(n).wrapping_mul(0x9e37_79b9)));
-        assert!(size("noise", &Array::floats("noise", 1, random).bytes) < 1.001);
-    }
-
-    #[test]
-    fn a_file_does_not_depend_on_the_files_before_it() {
-        let (first, mut second) = (sample(40_000), sample(40_000));
-        second.point_data[1] =
-            Array::doubles("mass", 1, (0..40_000).map(|n| if n < 20_000 { 0.5 * f64::from(n) } else { 7.0 }));
-        let mut packer = Packer::new();
-        let _ = first.encode(&mut packer);
-        let bytes = second.encode(&mut packer);
-        assert_eq!(bytes, second.encode(&mut Packer::new()));
-        assert_eq!(decode(&bytes).unwrap(), second);
     }
 
     #[test]

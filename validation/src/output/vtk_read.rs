@@ -2,7 +2,7 @@
 //! unstructured grid: appended as it is or in base64, in place as base64 or as words, compressed by zlib, by LZ4 or not, in either order
 //! of bytes.
 
-use super::vtk::{Array, Cells, Kind, PolyData};
+use super::vtk::{Array, Kind};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Decompress, FlushDecompress, Status};
@@ -36,43 +36,6 @@ enum Compressor {
     Lz4,
 }
 
-/// The polygonal data in the bytes of a file.
-///
-/// # Errors
-/// What is wrong with them.
-pub(crate) fn decode(bytes: &[u8]) -> Result<PolyData, String> {
-    let Outline { time, points, cells, topology, corners, mut sections, texts, .. } = outline(bytes, &|_, _| true)?;
-    let time = time.ok_or("it has no time")?;
-    let mut take = |name: &str| match sections.iter().position(|(of, _)| *of == name) {
-        None => Vec::new(),
-        Some(place) => std::mem::take(&mut sections[place].1),
-    };
-    let coordinates = take("Points").pop().ok_or("it has no points")?;
-    if coordinates.components != 3 {
-        return Err("its points have no three coordinates".into());
-    }
-    let cells = match topology {
-        "Verts" if cells == points => Cells::Vertices,
-        "Lines" if corners * cells == points => Cells::Lines,
-        "Polys" => {
-            let corners = take("Polys").into_iter().find(|array| array.name == "connectivity");
-            Cells::Triangles(triangles(&corners.ok_or("its polygons have no corners")?, points)?)
-        }
-        _ => return Err("its cells are not those of a run".into()),
-    };
-    let mut field_data = take(FIELD_DATA);
-    field_data.retain(|array| array.name != "TimeValue");
-    Ok(PolyData {
-        time,
-        point_data: take("PointData"),
-        cell_data: take("CellData"),
-        points: coordinates,
-        cells,
-        field_data,
-        texts,
-    })
-}
-
 /// Section of the arrays of a whole file.
 pub(crate) const FIELD_DATA: &str = "FieldData";
 
@@ -87,16 +50,12 @@ pub(crate) struct Outline {
     pub cells: usize,
     /// What VTK calls the cells.
     pub topology: &'static str,
-    /// Points of a cell.
-    pub corners: usize,
     /// Arrays by their sections.
     pub sections: Vec<(&'static str, Vec<Array>)>,
     /// Sections, names and components of arrays that were not wanted.
     pub unread: Vec<(&'static str, String, usize)>,
     /// True if the file names the scene of a run of Makadam, which numbers grains as its scene does.
     pub of_run: bool,
-    /// Named texts of the whole file, as far as they were wanted.
-    pub texts: Texts,
 }
 
 /// Counts, and the arrays whose sections and names are wanted.
@@ -156,20 +115,16 @@ pub(crate) fn outline(bytes: &[u8], wanted: &dyn Fn(&str, &str) -> bool) -> Resu
         let section = root.descendants().find(|node| node.has_tag_name(FIELD_DATA));
         section.into_iter().flat_map(|section| section.children())
     };
-    let own = |tag: &'static str| {
-        fields().filter(move |node| {
-            node.has_tag_name(tag) && wanted(FIELD_DATA, node.attribute("Name").unwrap_or_default())
-        })
-    };
-    let of_whole = own("DataArray").map(|node| array(&source, node, tuples_of_field(node)?));
+    let own = fields().filter(|node| {
+        node.has_tag_name("DataArray") && wanted(FIELD_DATA, node.attribute("Name").unwrap_or_default())
+    });
+    let of_whole = own.map(|node| array(&source, node, tuples_of_field(node)?));
     sections.push((FIELD_DATA, of_whole.collect::<Result<_, _>>()?));
     let of_run = fields().any(|node| node.has_tag_name("Array") && node.attribute("Name") == Some("scene_name"));
-    let texts = own("Array").map(|node| Ok((node.attribute("Name").unwrap_or_default().to_string(), strings(node)?)));
-    let texts = texts.collect::<Result<_, String>>()?;
     let time = fields().find(|node| node.attribute("Name") == Some("TimeValue"));
     let time = time.map(|node| array(&source, node, 1)).transpose()?.and_then(|array| array.values().first().copied());
     let time = time.filter(|time| time.is_finite());
-    Ok(Outline { time, points, cells, topology, corners, sections, unread, of_run, texts })
+    Ok(Outline { time, points, cells, topology, sections, unread, of_run })
 }
 
 /// A document, with what is appended to it cut off.
@@ -221,30 +176,10 @@ fn root<'a, 'input>(
     Ok((root, Source { appended, in_base64, compressor, header, is_big }))
 }
 
-/// Named texts.
-type Texts = Vec<(String, Vec<String>)>;
-
 /// Number of tuples of an array of the whole file.
 fn tuples_of_field(node: Node<'_, '_>) -> Result<usize, String> {
     let tuples = node.attribute("NumberOfTuples").unwrap_or("1").parse::<usize>();
     tuples.ok().filter(|tuples| *tuples <= i32::MAX as usize).ok_or("a field has no number of tuples".to_string())
-}
-
-fn triangles(corners: &Array, points: usize) -> Result<Vec<[u32; 3]>, String> {
-    let corners = corners.values();
-    if corners.iter().any(|corner| !(0.0..points as f64).contains(corner)) {
-        return Err("a triangle has a corner that is no point".into());
-    }
-    Ok(corners.as_chunks::<3>().0.iter().map(|corners| corners.map(|corner| corner as u32)).collect())
-}
-
-fn strings(node: Node<'_, '_>) -> Result<Vec<String>, String> {
-    let numbers = node.text().unwrap_or_default().split_ascii_whitespace();
-    let bytes: Result<Vec<u8>, _> = numbers.map(str::parse).collect();
-    let bytes = bytes.map_err(|_| "a text is no row of bytes".to_string())?;
-    let texts = bytes.split_inclusive(|byte| *byte == 0);
-    let text = |bytes: &[u8]| String::from_utf8(bytes[..bytes.len() - 1].to_vec());
-    texts.map(text).collect::<Result<_, _>>().map_err(|_| "a text is not in UTF-8".to_string())
 }
 
 /// An array with that many tuples.
@@ -430,6 +365,11 @@ fn lz4_block(packed: &[u8], unpacked: &mut Vec<u8>, end: usize) -> Option<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::vtk::{Cells, PolyData};
+
+    fn decode(bytes: &[u8]) -> Result<Outline, String> {
+        outline(bytes, &|_, _| true)
+    }
 
     /// A frame as versions before compression wrote it.
     fn uncompressed() -> String {
@@ -449,10 +389,11 @@ mod tests {
 
     #[test]
     fn frames_of_earlier_versions_are_read() {
-        let file = decode(uncompressed().as_bytes()).unwrap();
-        assert_eq!((file.time, file.count()), (2.5, 2));
-        assert_eq!(file.point_data[0].values(), [0.5, 0.25]);
-        assert_eq!(file.points.values(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        let file = outline(uncompressed().as_bytes(), &|_, _| true).unwrap();
+        assert_eq!((file.time, file.points), (Some(2.5), 2));
+        let array = |section: &str| file.sections.iter().find(|(of, _)| *of == section).unwrap().1[0].values();
+        assert_eq!(array("PointData"), [0.5, 0.25]);
+        assert_eq!(array("Points"), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     }
 
     #[test]
@@ -465,9 +406,18 @@ mod tests {
         refused(b"", "no XML");
         refused(b"<VTKFile type=\"ImageData\"/>", "no polygonal data");
         refused(old.replace("NumberOfPoints=\"2\"", "NumberOfPoints=\"3\"").as_bytes(), "24 bytes in place of 36");
-        refused(old.replace("TimeValue", "Time").as_bytes(), "no time");
         refused(old.replace("Float32", "Float16").as_bytes(), "Float16");
-        let new = decode(old.as_bytes()).unwrap().encode(&mut crate::output::vtk::Packer::new());
+        let radii = Array::floats("radius", 1, [0.5, 0.25].into_iter());
+        let new = PolyData {
+            time: 2.5,
+            points: Array::floats("Points", 3, (0..6).map(f64::from)),
+            cells: Cells::Vertices,
+            point_data: vec![radii],
+            cell_data: Vec::new(),
+            field_data: Vec::new(),
+            texts: Vec::new(),
+        };
+        let new = new.encode();
         assert!(decode(&new).is_ok());
         // Whatever byte is lost or changed, there is an answer and no panic.
         for end in 0..new.len() {
@@ -478,10 +428,10 @@ mod tests {
             changed[place] ^= 0x55;
             let _ = decode(&changed);
         }
-        // The first stream is that of the time, a block of eight bytes that is stored behind two bytes, a mark and two lengths.
+        // The first stream is that of the time.
         let place = new.windows(2).position(|bytes| bytes == [0x78, 0x01]).unwrap();
         let mut changed = new.clone();
-        changed[place + 8] ^= 0xff;
+        changed[place + 4] ^= 0xff;
         refused(&changed, "damaged");
     }
 }

@@ -20,7 +20,8 @@ const MOST_TRIANGLES: usize = 200_000;
 const SAME: f64 = 1e-9;
 
 /// The walls of a scene as triangles.
-pub(super) struct WallMesh {
+#[derive(Clone, Debug)]
+pub(crate) struct WallMesh {
     walls: Vec<Wall>,
     domain: Domain,
     /// Number of each wall's material.

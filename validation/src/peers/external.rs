@@ -13,9 +13,10 @@ use super::stl::stl;
 use super::{Code, CodeError, CodeName, Job, starting_grains};
 use crate::import::{FilePattern, ImportError, Imported, Manifest, Tables, assemble, unlike};
 use crate::observables::measured_frames;
-use crate::output::{cells::csv_below, shown};
+use crate::output::{RunFiles, cells::csv_below, shown};
 use crate::plan::{Measure, Scene};
 use crate::recording::{Recording, SAME_SIZE, frame_belongs_to, outside_domain};
+use crate::run_frames::RunFrames;
 use makadam::scene::{Grain, Reaction};
 use makadam::snapshot::{Particle, Snapshot};
 use std::collections::BTreeMap;
@@ -257,6 +258,11 @@ impl Code for External {
 
     fn simulate(&self, job: &Job<'_>) -> Result<Recording, CodeError> {
         if self.folders.is_some() {
+            let folder = self.place(job);
+            if folder.join(RunFiles::FRAMES).is_file() {
+                let recording = RunFrames::open(folder).and_then(|run| run.recording(self.name, job.seed, job.scene));
+                return recording.map_err(|error| self.output(folder, 1, error.to_string()));
+            }
             let tables = self.tables_in(self.place(job))?;
             return self.recording(job, &tables, None, 0.0);
         }

@@ -43,7 +43,10 @@ fn refused(path: &Path, error: impl std::fmt::Display) -> WriteError {
 /// [`PictureError`] if the name does not end in `.png`, or the system refuses.
 pub fn write_png(path: &Path, picture: &Picture) -> Result<(), PictureError> {
     if ending(path) != "png" {
-        return Err(PictureError::Format { file: path.display().to_string(), known: ".png" });
+        return Err(PictureError::Format {
+            file: path.display().to_string(),
+            known: ".png, or .gif or .apng for an animation",
+        });
     }
     Ok(write_whole(path, &png(picture))?)
 }

@@ -3,32 +3,40 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Content and interval of the frames on disk.
+/// Content, interval and export of frames: the table `output` of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// Time between frames on disk, s; default: that of `measure`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<f64>,
-    /// Fields of grains in addition to number, diameter and material; default: all.
+    /// Fields of grains in exported frames, besides ids, diameters and materials, which are always there; all, if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fields: Option<Vec<GrainField>>,
     /// Writes contacts.
     pub contacts: bool,
     /// Writes walls.
     pub walls: bool,
+    /// Formats in which the frames of a complete run are exported into its folder, as `makadam export` does.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub formats: Vec<FrameFormat>,
+}
+
+/// A format of frames for other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrameFormat {
+    /// ParaView: one file per frame, and a script that opens them.
+    Vtp,
+    /// ParaView: one file for all frames of grains, contacts or walls.
+    Vtkhdf,
+    /// OVITO and HOOMD-blue: grains over time.
+    Gsd,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { interval: None, fields: None, contacts: true, walls: true }
-    }
-}
-
-impl Output {
-    /// Whether frames hold a field.
-    pub fn has(&self, field: GrainField) -> bool {
-        self.fields.as_ref().is_none_or(|fields| fields.contains(&field))
+        Self { interval: None, fields: None, contacts: true, walls: true, formats: Vec::new() }
     }
 }
 

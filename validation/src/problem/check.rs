@@ -32,7 +32,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Defaults of `makadam problem check`.
+    /// Defaults of `makadam lab problem check`.
     pub const DEFAULT: Settings = Settings { tolerance: 1e-10, most_sweeps: 100_000 };
 }
 

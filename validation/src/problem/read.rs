@@ -23,7 +23,7 @@ pub enum ProblemFileError {
         source: std::io::Error,
     },
     /// Its content is wrong.
-    #[error("{}: {problem}; write it anew with makadam problem export, or copy it again", path.display())]
+    #[error("{}: {problem}; write it anew with makadam lab problem export, or copy it again", path.display())]
     Content {
         /// The file.
         path: PathBuf,

@@ -38,9 +38,9 @@ pub enum Study {
     Laws(&'static [(&'static str, u64)]),
     /// Scenes of `makadam effects --ablate`.
     Ablation(&'static [Ablated]),
-    /// Scenes of `makadam convergence`.
+    /// Scenes of `makadam lab convergence`.
     Convergence(&'static [&'static str]),
-    /// Problems of `makadam problem check` that the program holds.
+    /// Problems of `makadam lab problem check` that the program holds.
     ContactProblems,
     /// Scenes of `makadam tradeoff --quick --codes makadam`, each with the seeds by which its own setting is judged.
     Tradeoff(&'static [(&'static str, u64)]),

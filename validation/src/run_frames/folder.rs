@@ -1,10 +1,15 @@
-//! Which frames the folder of a run holds.
+//! The frames of a run, in its folder or in memory.
 
-use super::frame::{self, RunFrame};
+use super::frame::{FrameTables, Kind, RunFrame};
+use super::store::Store;
+use crate::output::RunFiles;
 use crate::output::vtk::PolyData;
-use crate::output::{Outline, RunFiles, decode_vtk, outline_vtk};
-use roxmltree::Document;
+use crate::plan::{Scene, setup_hash};
+use crate::provenance::VERSION;
+use crate::recording::{Content, Recording};
+use makadam::snapshot::Snapshot;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Why frames cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -40,7 +45,7 @@ pub enum RunFolderError {
         last: f64,
     },
     /// A file that is not what it should be.
-    #[error("{file}: {problem}; run the scene again")]
+    #[error("{file} {problem}; run the scene again")]
     Damaged {
         /// The file.
         file: String,
@@ -78,85 +83,83 @@ pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
 
-/// The frames that a run has left, listed but not yet read.
+/// Frames of a run, listed but not yet read.
 #[derive(Clone, Debug)]
 pub struct RunFrames {
     folder: PathBuf,
-    scene: String,
-    /// s, as far as it is known.
-    time_step: Option<f64>,
-    grains: Vec<(f64, PathBuf)>,
-    contacts: Vec<(f64, PathBuf)>,
-    walls: Vec<(f64, PathBuf)>,
+    source: Source,
+    tables: FrameTables,
     alarms: Option<String>,
-    setup_hash: Option<String>,
+}
+
+/// Place of the frames.
+#[derive(Clone, Debug)]
+enum Source {
+    Store(Store),
+    Memory(Vec<Arc<Snapshot>>),
 }
 
 impl RunFrames {
-    /// The frames of a run, by its folder or by the name of one below `results`. A run that is under way, or was killed, has those that it
-    /// has written.
+    /// Opens the frames of a run, by its folder or by the name of one below `results`. A run that is under way or was killed has the
+    /// frames that it has written.
     ///
     /// # Errors
-    /// [`RunFolderError`] if there is no such folder, or there are no frames in it.
+    /// [`RunFolderError`] if there is no such folder, or it holds no frames.
     pub fn open(run: &Path) -> Result<RunFrames, RunFolderError> {
         let below = Path::new("results").join(run);
         let folder = [run, &below].into_iter().find(|folder| folder.is_dir());
         let folder = folder.ok_or_else(|| RunFolderError::NoFolder { run: run.display().to_string() })?.to_path_buf();
-        let list = |kind: &str| {
-            let file = folder.join(format!("{kind}.pvd"));
-            match std::fs::read_to_string(&file) {
-                Ok(text) => entries(&text, &folder).map_err(|problem| damaged(&file, problem)),
-                Err(_) => Ok(Vec::new()),
-            }
-        };
-        let (grains, contacts, walls) = (list("grains")?, list("contacts")?, list("walls")?);
-        if grains.is_empty() {
-            let problem = match folder.join("grains.pvd").exists() {
-                true => "grains.pvd lists none yet",
-                false => "there is no grains.pvd in it",
-            };
-            return Err(RunFolderError::NoFrames { folder: folder.display().to_string(), problem: problem.into() });
+        let file = folder.join(RunFiles::FRAMES);
+        let none = |problem: String| RunFolderError::NoFrames { folder: folder.display().to_string(), problem };
+        if !file.exists() {
+            return Err(none(format!("there is no {} in it", RunFiles::FRAMES)));
         }
-        let Told { scene, time_step, alarms, setup_hash } = told(&folder, &grains[0].1);
-        Ok(RunFrames { scene, time_step, folder, grains, contacts, walls, alarms, setup_hash })
+        let store = Store::open(&file).map_err(|problem| damaged(&file, problem))?;
+        if store.count() == 0 {
+            return Err(none(format!("{} has no whole frame yet", RunFiles::FRAMES)));
+        }
+        let (tables, alarms) = (FrameTables::new(store.scene()), alarms(&folder));
+        Ok(RunFrames { folder, source: Source::Store(store), tables, alarms })
     }
 
-    /// The folder.
+    /// Takes frames of a scene in memory, at least one, in the order of time.
+    pub fn in_memory(scene: &Scene, frames: Vec<Arc<Snapshot>>) -> RunFrames {
+        let tables = FrameTables::new(scene);
+        RunFrames { folder: PathBuf::new(), source: Source::Memory(frames), tables, alarms: None }
+    }
+
+    /// Returns the folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Name of the scene, as far as it is known.
+    /// Returns the name of the scene.
     pub fn scene(&self) -> &str {
-        &self.scene
+        &self.tables.scene().name
     }
 
-    /// Hash of the physics of the scene ([`setup_hash`](crate::plan::setup_hash)), if the run tells it.
-    pub fn setup_hash(&self) -> Option<&str> {
-        self.setup_hash.as_deref()
-    }
-
-    /// What watchdogs noticed on the way that makes the numbers of the run doubtful or worthless, as far as it is known.
-    pub fn alarms(&self) -> Option<&str> {
-        self.alarms.as_deref()
-    }
-
-    /// Number of frames.
+    /// Returns the number of frames.
     pub fn count(&self) -> usize {
-        self.grains.len()
+        match &self.source {
+            Source::Store(store) => store.count(),
+            Source::Memory(frames) => frames.len(),
+        }
     }
 
-    /// Time of a frame, s.
+    /// Returns the time of a frame, s.
     pub fn time(&self, number: usize) -> f64 {
-        self.grains[number].0
+        match &self.source {
+            Source::Store(store) => store.entries()[number].time,
+            Source::Memory(frames) => frames[number].time,
+        }
     }
 
-    /// Steps before a frame, by its time; its number where the time step is not known.
+    /// Returns the number of steps before a frame, by its time.
     pub fn step(&self, number: usize) -> u64 {
-        self.time_step.map_or(number as u64, |step| (self.time(number) / step).round() as u64)
+        (self.time(number) / self.tables.scene().solver.step).round() as u64
     }
 
-    /// The frame nearest to a time (s).
+    /// Returns the number of the frame nearest to a time (s).
     ///
     /// # Errors
     /// [`RunFolderError::OutOfRange`] if the time lies outside the run.
@@ -178,39 +181,94 @@ impl RunFrames {
         Ok((0..self.count()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0))
     }
 
-    /// Reads a frame.
+    /// Reads a frame with all its fields.
     ///
     /// # Errors
-    /// [`RunFolderError::Damaged`] if one of its files is missing or is not what it should be.
+    /// [`RunFolderError::Damaged`] if it cannot be read.
     pub fn read(&self, number: usize) -> Result<RunFrame, RunFolderError> {
-        let (time, file) = &self.grains[number];
-        let contacts = self.contacts.iter().find(|(of, _)| of == time).map(|(_, file)| read(file)).transpose()?;
-        // Walls that rest are written once, with the first frame.
-        let walls = self.walls.iter().rev().find(|(of, _)| of <= time).map(|(_, file)| read(file)).transpose()?;
-        let grains = read(file)?;
-        frame::assemble(grains, contacts, walls).map_err(|problem| damaged(file, problem))
+        Ok(self.tables.frame(&*self.snapshot(number)?))
     }
 
-    /// Times and files of one kind of frames: grains, contacts or walls.
-    pub(crate) fn files(&self, kind: &str) -> &[(f64, PathBuf)] {
+    /// Reads a part of a frame as polygonal data, with the fields that the scene requests.
+    ///
+    /// # Errors
+    /// [`RunFolderError::Damaged`] if it cannot be read.
+    pub(crate) fn poly_data(&self, number: usize, kind: Kind) -> Result<PolyData, RunFolderError> {
+        Ok(self.tables.poly_data(&*self.snapshot(number)?, kind))
+    }
+
+    /// Returns the numbers of the frames that have a part: walls at rest are in the first frame alone.
+    pub(crate) fn numbers(&self, kind: Kind) -> std::ops::Range<usize> {
+        let (scene, count) = (self.tables.scene(), self.count());
+        let output = scene.output.clone().unwrap_or_default();
         match kind {
-            "contacts" => &self.contacts,
-            "walls" => &self.walls,
-            _ => &self.grains,
+            Kind::Grains => 0..count,
+            Kind::Contacts => 0..if output.contacts { count } else { 0 },
+            Kind::Walls if !output.walls || scene.wall.is_empty() => 0..0,
+            Kind::Walls => 0..if self.tables.walls_move() { count } else { 1 },
         }
     }
 
-    /// Counts of a file, and the arrays whose sections and names are wanted.
-    pub(crate) fn read_some(
-        &self,
-        file: &Path,
-        wanted: &dyn Fn(&str, &str) -> bool,
-    ) -> Result<Outline, RunFolderError> {
-        let bytes = std::fs::read(file).map_err(|error| damaged(file, error.to_string()))?;
-        outline_vtk(&bytes, wanted).map_err(|problem| damaged(file, problem))
+    /// Reads a frame as the simulation left it.
+    ///
+    /// # Errors
+    /// [`RunFolderError::Damaged`] if it cannot be read.
+    pub fn snapshot(&self, number: usize) -> Result<Arc<Snapshot>, RunFolderError> {
+        match &self.source {
+            Source::Store(store) => {
+                let read = store.read(number);
+                read.map(Arc::new).map_err(|problem| damaged(&self.folder.join(RunFiles::FRAMES), problem))
+            }
+            Source::Memory(frames) => Ok(Arc::clone(&frames[number])),
+        }
     }
 
-    /// A field that was asked for, by its name with hyphens or underscores.
+    /// Reads all frames as a recording of a code, to be measured by a scene, with notes on the run.
+    ///
+    /// # Errors
+    /// [`RunFolderError`] if a frame cannot be read, or the run wrote no contacts.
+    pub fn recording(&self, code: &str, seed: u64, scene: &Scene) -> Result<Recording, RunFolderError> {
+        let frames = (0..self.count()).map(|number| self.snapshot(number).map(Arc::unwrap_or_clone));
+        let frames = frames.collect::<Result<Vec<Snapshot>, _>>()?;
+        let own = self.tables.scene();
+        let lacks = match own.output.clone().unwrap_or_default().contacts {
+            true => Vec::new(),
+            false => vec![Content::Contacts, Content::WallContacts],
+        };
+        Ok(Recording {
+            scene: scene.name.clone(),
+            code: code.into(),
+            version: VERSION.into(),
+            seed,
+            time_step: own.solver.step,
+            rayleigh_fraction: None,
+            stiffness_factor: 1.0,
+            threads: 1,
+            wall_seconds: 0.0,
+            core_seconds: None,
+            simulated_seconds: self.time(self.count() - 1),
+            frames,
+            lacks,
+            alarms: Vec::new(),
+            notes: self.alarms.iter().cloned().chain(self.of_other_scene(scene)).collect(),
+        })
+    }
+
+    /// Returns a note if the run is of another scene than the given one.
+    fn of_other_scene(&self, scene: &Scene) -> Option<String> {
+        let own = self.tables.scene();
+        let folder = self.folder.display();
+        (setup_hash(own) != setup_hash(scene)).then(|| match own.name == scene.name {
+            true => format!(
+                "{folder} is a run of {} with other walls, materials, grains or effects than those given here; give the scene of the run, \
+                 with the same changes (--set)",
+                own.name
+            ),
+            false => format!("{folder} is a run of {}, and is measured by {}", own.name, scene.name),
+        })
+    }
+
+    /// Returns a requested field, by its name with hyphens or underscores.
     ///
     /// # Errors
     /// [`RunFolderError::NoField`] if the frame has none of that name.
@@ -226,66 +284,20 @@ impl RunFrames {
     }
 }
 
-fn read(file: &Path) -> Result<PolyData, RunFolderError> {
-    let bytes = std::fs::read(file).map_err(|error| damaged(file, error.to_string()))?;
-    decode_vtk(&bytes).map_err(|problem| damaged(file, problem))
-}
-
 fn damaged(file: &Path, problem: String) -> RunFolderError {
     RunFolderError::Damaged { file: file.display().to_string(), problem }
 }
 
-/// Times and files of a collection, in its order.
-fn entries(text: &str, folder: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
-    let document = Document::parse(text).map_err(|error| format!("it is no list of frames: {error}"))?;
-    let sets = document.descendants().filter(|node| node.has_tag_name("DataSet"));
-    let entry = |set: roxmltree::Node<'_, '_>| {
-        let time = set.attribute("timestep").and_then(|time| time.parse::<f64>().ok()).filter(|time| time.is_finite());
-        let name = set.attribute("file").filter(|name| is_below(name));
-        match (time, name) {
-            (Some(time), Some(name)) => Ok((time, folder.join(name))),
-            _ => Err("an entry has no time, or no file below the folder".to_string()),
-        }
-    };
-    sets.map(entry).collect()
-}
-
-/// Whether a name leads to nowhere but below the folder that it is read from.
-fn is_below(name: &str) -> bool {
-    Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)))
-}
-
-/// Statements of `run.json`, or of the first frame, about a run: the name of its scene, its time step (s), why it is not sound, and the hash of its physics.
-struct Told {
-    scene: String,
-    time_step: Option<f64>,
-    alarms: Option<String>,
-    setup_hash: Option<String>,
-}
-
-/// Returns the name of the scene that the file of a frame holds.
-fn scene_of(file: &Path) -> Option<String> {
-    let texts = read(file).ok()?.texts;
-    texts.into_iter().find(|(name, _)| name == "scene_name").and_then(|(_, names)| names.into_iter().next())
-}
-
-fn told(folder: &Path, first: &Path) -> Told {
+/// Returns the diagnostics in `run.json` that make the numbers of the run doubtful or invalid.
+fn alarms(folder: &Path) -> Option<String> {
     let file = folder.join(RunFiles::SUMMARY);
     let summary = std::fs::read_to_string(&file).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap_or_default();
-    let name = summary["scene"].as_str().map(String::from).or_else(|| scene_of(first));
-    let of_folder = || folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     let alarms = summary["alarms"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let is_grave = alarms.iter().any(|alarm| alarm["grave"] == true);
+    let worth = match alarms.iter().any(|alarm| alarm["grave"] == true) {
+        true => "that its numbers are worthless",
+        false => "that the run was not sound",
+    };
     let words: Vec<&str> = alarms.iter().filter_map(|alarm| alarm["first"].as_str()).collect();
-    let alarms = (summary["sound"] == false).then(|| {
-        let worth = if is_grave { "that its numbers are worthless" } else { "that the run was not sound" };
-        format!("{} says {worth}: {}", file.display(), words.join("; "))
-    });
-    Told {
-        scene: name.unwrap_or_else(of_folder),
-        time_step: summary["time_step"].as_f64().filter(|step| *step > 0.0),
-        alarms,
-        setup_hash: summary["setup_hash"].as_str().map(String::from),
-    }
+    (summary["sound"] == false).then(|| format!("{} says {worth}: {}", file.display(), words.join("; ")))
 }

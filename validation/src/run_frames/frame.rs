@@ -1,9 +1,35 @@
 //! One frame of a run in memory.
 
 use crate::output::vtk::{Array, Cells, PolyData};
-use crate::output::{driven_walls, wall_triangles};
+use crate::output::{GrainTable, WallMesh};
 use crate::plan::Scene;
-use makadam::snapshot::{DrivenWall, Particle};
+use makadam::effects::gravity::Field;
+use makadam::snapshot::{DrivenWall, Particle, Snapshot};
+
+/// Part of a frame that is a file of its own in exports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Points.
+    Grains,
+    /// Lines.
+    Contacts,
+    /// Triangles.
+    Walls,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Kind; 3] = [Kind::Grains, Kind::Contacts, Kind::Walls];
+
+    /// Returns the name, which begins the names of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Grains => "grains",
+            Kind::Contacts => "contacts",
+            Kind::Walls => "walls",
+        }
+    }
+}
 
 /// One frame of a run.
 #[derive(Clone, Debug)]
@@ -16,20 +42,20 @@ pub struct RunFrame {
     pub contacts: Option<Vec<ContactLine>>,
     /// Walls where they stand; none where the run has written none.
     pub walls: Option<Walls>,
-    /// Acceleration of gravity, m/s2; zero where it is not known.
+    /// Acceleration of gravity, m/s2.
     pub gravity: [f64; 3],
     /// Poses of the walls that forces drive.
     pub driven_walls: Vec<DrivenWall>,
-    /// The axes along which the scene repeats itself; none where there are no such, or an earlier version wrote the frame.
+    /// Periodic axes of the domain; none without such axes.
     pub repeats: Option<Repeats>,
 }
 
-/// Axes along which a scene repeats itself.
+/// Periodic axes of a domain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repeats {
-    /// Length of the period along each axis, m; zero along those that do not repeat themselves.
+    /// Length of the period along each axis, m; zero along the other axes.
     pub lengths: [f64; 3],
-    /// Where it begins, m.
+    /// Start of the period, m.
     pub starts: [f64; 3],
 }
 
@@ -78,11 +104,12 @@ impl RunFrame {
         let is_finite =
             |grain: &&Particle| grain.position.iter().chain(&grain.velocity).all(|number| number.is_finite());
         let grains: Vec<&Particle> = particles.iter().filter(is_finite).collect();
-        let walls = surfaces(wall_triangles(scene, time)).ok().map(|walls| {
+        let walls = surfaces(WallMesh::new(scene).at(time, &[]));
+        let walls = {
             let is_known = |(_, wall): &([u32; 3], u32)| !scene.wall[*wall as usize].motion.is_driven();
             let (triangles, wall) = walls.triangles.into_iter().zip(walls.wall).filter(is_known).unzip();
             Walls { triangles, wall, ..walls }
-        });
+        };
         let velocities = grains.iter().flat_map(|grain| grain.velocity).collect::<Vec<f64>>();
         RunFrame {
             time,
@@ -94,85 +121,109 @@ impl RunFrame {
                 materials: Vec::new(),
             },
             contacts: None,
-            walls,
+            walls: Some(walls),
             driven_walls: Vec::new(),
             repeats: None,
         }
     }
 }
 
-/// A frame from its files.
-pub(super) fn assemble(
-    grains: PolyData,
-    contacts: Option<PolyData>,
-    walls: Option<PolyData>,
-) -> Result<RunFrame, String> {
-    let gravity = grains.field_data.iter().find(|array| array.name == "gravity").map(triples);
-    let vector = |name: &str| {
-        let array = grains.field_data.iter().find(|array| array.name == name && array.components == 3)?;
-        triples(array).first().copied().filter(|numbers| numbers.iter().all(|number| number.is_finite()))
-    };
-    let repeats = match (vector("period"), vector("period_start")) {
-        (Some(lengths), Some(starts)) if lengths.iter().all(|length| *length >= 0.0) => {
-            Some(Repeats { lengths, starts })
+/// Converts snapshots of a scene to frames.
+#[derive(Clone, Debug)]
+pub(crate) struct FrameTables {
+    scene: Scene,
+    /// Grains with the fields that the scene requests.
+    requested: GrainTable,
+    /// Grains with all fields.
+    all: GrainTable,
+    walls: WallMesh,
+    gravity: Field,
+    repeats: Option<Repeats>,
+}
+
+impl FrameTables {
+    /// Tables of the frames of a scene.
+    pub(crate) fn new(scene: &Scene) -> FrameTables {
+        FrameTables {
+            requested: GrainTable::new(scene, scene.output.as_ref().and_then(|output| output.fields.as_deref())),
+            all: GrainTable::new(scene, None),
+            walls: WallMesh::new(scene),
+            gravity: scene.gravity_field(),
+            repeats: Repeats::of(scene),
+            scene: scene.clone(),
         }
-        _ => None,
-    };
-    let pose = |name: &str| grains.field_data.iter().find(|array| array.name == name).map(Array::values);
-    let driven_walls = driven_walls(pose)?;
-    let materials = texts(&grains, "material_names");
-    let positions = triples(&grains.points);
-    let sizes = |name: &str| grains.point_data.iter().find(|array| array.name == name && array.components == 1);
-    let radii = match (sizes("diameter"), sizes("radius")) {
-        (Some(diameters), _) => diameters.values().iter().map(|diameter| 0.5 * diameter).collect(),
-        (_, Some(radii)) => radii.values(),
-        _ => return Err("its grains have neither a diameter nor a radius".into()),
-    };
-    let sound = |values: &[f64]| values.iter().all(|value| value.is_finite());
-    if !positions.iter().all(|position| sound(position))
-        || !radii.iter().all(|radius| *radius > 0.0 && radius.is_finite())
-    {
-        return Err("a grain has no finite place or no size".into());
     }
-    Ok(RunFrame {
-        time: grains.time,
-        gravity: gravity.and_then(|all| all.first().copied()).unwrap_or_default(),
-        grains: Grains { positions, radii, fields: grains.point_data, materials },
-        contacts: contacts.map(|contacts| lines(&contacts)).transpose()?,
-        walls: walls.map(surfaces).transpose()?,
-        driven_walls,
-        repeats,
-    })
-}
 
-fn lines(contacts: &PolyData) -> Result<Vec<ContactLine>, String> {
-    let forces = contacts.cell_data.iter().find(|array| array.name == "normal_force" && array.components == 1);
-    let forces = forces.ok_or("its contacts have no normal force")?.values();
-    let points = triples(&contacts.points);
-    let ends = points.as_chunks::<2>().0;
-    Ok(ends.iter().zip(forces).map(|(ends, normal_force)| ContactLine { ends: *ends, normal_force }).collect())
-}
+    /// Returns the scene.
+    pub(crate) fn scene(&self) -> &Scene {
+        &self.scene
+    }
 
-fn surfaces(walls: PolyData) -> Result<Walls, String> {
-    let (names, shapes) = (texts(&walls, "wall_names"), texts(&walls, "wall_shapes"));
-    let axes = walls.field_data.iter().find(|array| array.name == "wall_axes" && array.components == 3).map(triples);
-    let points = triples(&walls.points);
-    let wall = walls.cell_data.iter().find(|array| array.name == "wall" && array.components == 1);
-    let wall = wall.map(|array| array.values().iter().map(|number| *number as u32).collect());
-    match walls.cells {
-        Cells::Triangles(triangles) => Ok(Walls {
-            wall: wall.unwrap_or_else(|| vec![0; triangles.len()]),
-            axes: axes.unwrap_or_default(),
-            points,
-            triangles,
-            names,
-            shapes,
-        }),
-        // A scene whose walls the domain does not show.
-        _ if points.is_empty() => {
-            Ok(Walls { points, triangles: Vec::new(), wall: Vec::new(), names, shapes, axes: axes.unwrap_or_default() })
+    /// Returns true if a wall moves, within its own surface included.
+    pub(crate) fn walls_move(&self) -> bool {
+        self.walls.moves()
+    }
+
+    /// Returns the grains, contacts or walls of a frame as polygonal data.
+    pub(crate) fn poly_data(&self, frame: &Snapshot, kind: Kind) -> PolyData {
+        match kind {
+            Kind::Grains => self.requested.grains(frame),
+            Kind::Contacts => self.all.contacts(frame),
+            Kind::Walls => self.walls.at(frame.time, &frame.driven_walls),
         }
-        _ => Err("its walls are no triangles".into()),
+    }
+
+    /// Returns a frame with all its fields.
+    pub(crate) fn frame(&self, frame: &Snapshot) -> RunFrame {
+        let grains = self.all.grains(frame);
+        let output = self.scene.output.clone().unwrap_or_default();
+        let lines = || {
+            let forces = frame.contacts.iter().map(|contact| contact.normal_force);
+            let ends = self.all.ends(frame).into_iter();
+            ends.zip(forces).map(|(ends, normal_force)| ContactLine { ends, normal_force }).collect()
+        };
+        let walls = || surfaces(self.walls.at(frame.time, &frame.driven_walls));
+        RunFrame {
+            time: frame.time,
+            gravity: self.gravity.at(frame.time).into(),
+            grains: Grains {
+                positions: frame.particles.iter().map(|particle| particle.position).collect(),
+                radii: frame.particles.iter().map(|particle| particle.radius).collect(),
+                materials: self.scene.material.keys().cloned().collect(),
+                fields: grains.point_data,
+            },
+            contacts: output.contacts.then(lines),
+            walls: (output.walls && !self.scene.wall.is_empty()).then(walls),
+            driven_walls: frame.driven_walls.clone(),
+            repeats: self.repeats,
+        }
+    }
+}
+
+impl Repeats {
+    fn of(scene: &Scene) -> Option<Repeats> {
+        let mut repeats = Repeats { lengths: [0.0; 3], starts: [0.0; 3] };
+        for axis in scene.domain.periodic.iter().map(|axis| axis.number()) {
+            repeats.lengths[axis] = scene.domain.max[axis] - scene.domain.min[axis];
+            repeats.starts[axis] = scene.domain.min[axis];
+        }
+        (!scene.domain.periodic.is_empty()).then_some(repeats)
+    }
+}
+
+fn surfaces(walls: PolyData) -> Walls {
+    let array = |arrays: &[Array], name: &str| arrays.iter().find(|array| array.name == name).cloned();
+    let wall = array(&walls.cell_data, "wall").map_or(Vec::new(), |array| array.values());
+    Walls {
+        points: triples(&walls.points),
+        wall: wall.into_iter().map(|number| number as u32).collect(),
+        axes: array(&walls.field_data, "wall_axes").map_or(Vec::new(), |axes| triples(&axes)),
+        names: texts(&walls, "wall_names"),
+        shapes: texts(&walls, "wall_shapes"),
+        triangles: match walls.cells {
+            Cells::Triangles(triangles) => triangles,
+            Cells::Vertices | Cells::Lines => Vec::new(),
+        },
     }
 }
 

@@ -1,10 +1,13 @@
-//! The frames of a run, read back from its folder: grains, contacts and walls over time, whatever version of the program wrote them.
+//! The frames of a run: written to one store as the run goes, read back by pictures, pages, measurements and exports.
 
 mod folder;
 mod frame;
 mod quantity;
+mod store;
 
 pub(crate) use folder::rounded;
 pub use folder::{RunFolderError, RunFrames};
-pub use frame::{ContactLine, Grains, Repeats, RunFrame, Walls};
+pub use frame::{ContactLine, Grains, Kind, Repeats, RunFrame, Walls};
 pub use quantity::{Quantity, unit_of};
+pub(crate) use store::Store;
+pub use store::{StoreMark, StoreWriter};

@@ -18,7 +18,7 @@ use makadam::schedule::Scheduler;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Output of `makadam scaling --json` and content of `scaling.json`; documented in `validation/docs/json.md`.
+/// Output of `makadam lab scaling --json` and content of `scaling.json`; documented in `validation/docs/json.md`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Study {
     /// [`JSON_VERSION`].

@@ -30,7 +30,7 @@ pub enum SceneError {
         suggestion(
             name,
             known.iter().map(String::as_str),
-            "give a path to a TOML file, - for standard input, or a name that `makadam scenes` lists"
+            "give a path to a TOML file, - for standard input, or a name that `makadam print scenes` lists"
         )
     )]
     Unknown {

@@ -23,7 +23,7 @@ pub fn page() -> String {
     let schema = schema();
     let mut page = String::from(
         "# Scene reference\n\nA scene is a TOML file. Units are SI: metres, seconds, kilograms, pascals, radians. This page is made from \
-         the types that read scenes: `makadam schema --markdown` prints it, `makadam schema` prints the JSON Schema that editors \
+         the types that read scenes: `makadam print schema --markdown` prints it, `makadam print schema` prints the JSON Schema that editors \
          complete with.\n\n",
     );
     let root = schema.as_object().expect("a schema is an object");
@@ -200,6 +200,6 @@ mod tests {
     fn the_page_is_what_the_types_say() {
         let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/scene-reference.md");
         let written = std::fs::read_to_string(&file).unwrap_or_default();
-        assert_eq!(written, page(), "make it anew: makadam schema --markdown > docs/scene-reference.md");
+        assert_eq!(written, page(), "make it anew: makadam print schema --markdown > docs/scene-reference.md");
     }
 }

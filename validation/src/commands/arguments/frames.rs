@@ -1,12 +1,9 @@
-//! Arguments of the commands that take frames of any code.
+//! Arguments of `makadam measure`.
 
-use super::shared::{CodeRunArguments, SourceArguments};
 use super::values::{kind, positive};
 use crate::import::{FilePattern, StatedColumns};
-use crate::peers::CodeName;
 use crate::scenes::Change;
 use clap::Args;
-use std::path::PathBuf;
 
 /// Arguments of `makadam measure`.
 #[derive(Debug, Args)]
@@ -16,7 +13,7 @@ pub struct MeasureArguments {
     /// they do not.
     #[arg(required = true, value_name = "FILES")]
     pub grains: Vec<FilePattern>,
-    /// Scene that was simulated: a file, a name (see `makadam scenes`), or - for standard input.
+    /// Scene that was simulated: a file, a name (see `makadam print scenes`), or - for standard input.
     #[arg(long)]
     pub scene: String,
     /// Replace a value of the scene, such as measure.from=0.5; can be given several times.
@@ -58,26 +55,4 @@ pub struct MeasureArguments {
     /// Print the measurements as JSON.
     #[arg(long)]
     pub json: bool,
-}
-
-/// Arguments of `makadam judge`.
-#[derive(Debug, Args)]
-pub struct JudgeArguments {
-    /// The scene; what it names under [[compare]] is judged.
-    #[command(flatten)]
-    pub source: SourceArguments,
-    /// TOML file that describes the code: name, version, command, and where it leaves its frames (docs/own-code.md lists the keys).
-    #[arg(long, value_name = "FILE", required_unless_present = "frames")]
-    pub code: Option<PathBuf>,
-    /// Folders of frames that exist, one for each seed, whose number ends the folder's name: 'seed*/'. Nothing is run of the code;
-    /// without --code a folder is that of a run of Makadam, or all its files hold grains.
-    #[arg(long, num_args = 1.., value_name = "FOLDERS", conflicts_with = "seeds")]
-    pub frames: Vec<String>,
-    /// Codes that take part beside it, separated by commas; if absent, makadam and those that are recorded on the scene, or with
-    /// --live makadam,yade,liggghts.
-    #[arg(long, value_enum, value_delimiter = ',')]
-    pub codes: Option<Vec<CodeName>>,
-    /// How the codes are run, and what is told.
-    #[command(flatten)]
-    pub runs: CodeRunArguments,
 }

@@ -20,7 +20,7 @@ pub struct NewArguments {
     pub file: Option<PathBuf>,
 }
 
-/// Arguments of `makadam scenes`.
+/// Arguments of `makadam print scenes`.
 #[derive(Debug, Args)]
 pub struct SceneListArguments {
     /// Print the list as JSON.
@@ -42,7 +42,7 @@ pub struct CheckArguments {
     pub json: bool,
 }
 
-/// Arguments of `makadam observables`.
+/// Arguments of `makadam print observables`.
 #[derive(Debug, Args)]
 pub struct ObservablesArguments {
     /// Names of observables or groups; all, if absent.
@@ -55,7 +55,7 @@ pub struct ObservablesArguments {
     pub markdown: bool,
 }
 
-/// Arguments of `makadam schema`.
+/// Arguments of `makadam print schema`.
 #[derive(Debug, Args)]
 pub struct SchemaArguments {
     /// Print a page in Markdown instead of the JSON Schema.
@@ -66,7 +66,7 @@ pub struct SchemaArguments {
     pub report: bool,
 }
 
-/// Arguments of `makadam completions`.
+/// Arguments of `makadam print completions`.
 #[derive(Debug, Args)]
 pub struct CompletionsArguments {
     /// The shell.
@@ -74,7 +74,7 @@ pub struct CompletionsArguments {
     pub shell: Shell,
 }
 
-/// Arguments of `makadam manual`.
+/// Arguments of `makadam print manual`.
 #[derive(Debug, Args)]
 pub struct ManualArguments {
     /// Folder for one page per command; if absent, the page of the program goes to standard output.

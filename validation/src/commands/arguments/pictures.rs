@@ -1,6 +1,7 @@
 //! Arguments of the commands that show what a run has left.
 
 use super::values::{positive, rayleigh_fraction};
+use crate::export::{FORMATS, Format};
 use crate::peers::CodeName;
 use crate::pictures::{Content, Cut, Style, View};
 use crate::scenes::Change;
@@ -64,36 +65,19 @@ pub struct PictureArguments {
     /// The last frame.
     #[arg(long, conflicts_with = "time")]
     pub last: bool,
-    /// Width and height, pixels.
-    #[arg(long, default_value = "1200x900", value_parser = size)]
-    pub size: [usize; 2],
-    /// How it is drawn.
-    #[command(flatten)]
-    pub style: StyleArguments,
-    /// PNG file to write; picture.png in the folder of the run, if absent.
-    #[arg(short, long)]
-    pub output: Option<PathBuf>,
-}
-
-/// Arguments of `makadam animate`.
-#[derive(Debug, Args)]
-pub struct AnimateArguments {
-    /// The run.
-    #[command(flatten)]
-    pub frames: FramesArguments,
-    /// Show each so many frames only.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Every n-th frame of an animation.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["time", "last"])]
     pub every: u32,
-    /// Frames per second.
-    #[arg(long, default_value_t = 20.0, value_parser = positive)]
+    /// Frames per second of an animation.
+    #[arg(long, default_value_t = 20.0, value_parser = positive, conflicts_with_all = ["time", "last"])]
     pub rate: f64,
-    /// Width and height, pixels.
-    #[arg(long, default_value = "800x600", value_parser = size)]
-    pub size: [usize; 2],
+    /// Width and height, pixels; if absent, 1200x900, or 800x600 of an animation.
+    #[arg(long, value_parser = size)]
+    pub size: Option<[usize; 2]>,
     /// How it is drawn.
     #[command(flatten)]
     pub style: StyleArguments,
-    /// GIF or APNG file to write, by its ending .gif, .apng or .png; animation.gif in the folder of the run, if absent.
+    /// File to write: one frame as .png, all frames as .gif or .apng; if absent, picture.png in the folder of the run.
     #[arg(short, long)]
     pub output: Option<PathBuf>,
 }
@@ -125,13 +109,10 @@ pub struct ViewArguments {
     pub output: Option<PathBuf>,
 }
 
-/// A format that frames are written in for other programs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ExportFormat {
-    /// VTKHDF of ParaView: one file each for all grains, contacts and walls over time.
-    Vtkhdf,
-    /// GSD of HOOMD-blue, which OVITO opens: grains over time.
-    Gsd,
+/// Formats by their names.
+fn frame_format() -> impl TypedValueParser<Value = Format> {
+    let of = |name: String| FORMATS.into_iter().find(|format| format.name == name).ok_or("unknown format");
+    PossibleValuesParser::new(FORMATS.map(|format| format.name)).try_map(of)
 }
 
 /// The codes that read another input than a scene.
@@ -146,9 +127,9 @@ pub struct ExportArguments {
     /// Folder of a run, or the name of one below results; with --for, a scene.
     #[arg(value_name = "RUN or SCENE")]
     pub what: String,
-    /// Format of the frames of a run.
-    #[arg(long, value_enum, required_unless_present = "code")]
-    pub format: Option<ExportFormat>,
+    /// Format of the frames of a run: VTP or VTKHDF for ParaView, GSD for OVITO.
+    #[arg(long, value_parser = frame_format(), required_unless_present = "code")]
+    pub format: Option<Format>,
     /// Code for which a scene is written: deck or driver, grains, meshes of walls.
     #[arg(long = "for", id = "code", value_parser = another_code(), value_name = "CODE", conflicts_with = "format")]
     pub code: Option<CodeName>,
@@ -156,7 +137,7 @@ pub struct ExportArguments {
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "code")]
     pub changes: Vec<Change>,
     /// With --for, seed of the initial positions; if absent, the scene's.
-    #[arg(long, requires = "code")]
+    #[arg(long, requires = "code", conflicts_with = "format")]
     pub seed: Option<u64>,
     /// With --for, time step of the code, as a fraction of the Rayleigh step.
     #[arg(long, default_value_t = 0.1, value_parser = rayleigh_fraction, requires = "code")]

@@ -1,4 +1,4 @@
-//! Arguments of `makadam problem`.
+//! Arguments of `makadam lab problem`.
 
 use super::shared::SceneArguments;
 use super::values::positive;
@@ -6,7 +6,7 @@ use crate::problem::{AGREEMENT, Method, Settings};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
-/// Arguments of `makadam problem`.
+/// Arguments of `makadam lab problem`.
 #[derive(Debug, Args)]
 pub struct ProblemArguments {
     /// The command to run.
@@ -25,7 +25,7 @@ pub enum ProblemCommand {
     Check(ProblemCheckArguments),
 }
 
-/// Arguments of `makadam problem export`.
+/// Arguments of `makadam lab problem export`.
 #[derive(Debug, Args)]
 pub struct ProblemExportArguments {
     /// The scene.
@@ -42,10 +42,10 @@ pub struct ProblemExportArguments {
     pub output: PathBuf,
 }
 
-/// Arguments of `makadam problem solve`.
+/// Arguments of `makadam lab problem solve`.
 #[derive(Debug, Args)]
 pub struct ProblemSolveArguments {
-    /// File from `makadam problem export`, or FCLIB file with a local problem.
+    /// File from `makadam lab problem export`, or FCLIB file with a local problem.
     pub file: PathBuf,
     /// Solver.
     #[arg(long, value_enum, default_value_t = MethodName::Reference)]
@@ -64,10 +64,10 @@ pub struct ProblemSolveArguments {
     pub json: bool,
 }
 
-/// Arguments of `makadam problem check`.
+/// Arguments of `makadam lab problem check`.
 #[derive(Debug, Args)]
 pub struct ProblemCheckArguments {
-    /// Files from `makadam problem export`, or FCLIB files with local problems.
+    /// Files from `makadam lab problem export`, or FCLIB files with local problems.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// Stop when the largest change in a sweep is below this, in units of g h (1 m/s without gravity).

@@ -31,9 +31,6 @@ pub struct RunArguments {
     /// angle=0.5,packing_fraction=0.002,overlap=1e-3 (units: degrees, none, mean radii).
     #[arg(long, value_parser = accuracy)]
     pub accuracy: Option<Accuracy>,
-    /// Wall time within which to reach the best accuracy, s: runs the coarsest setting first, then a finer one if time is left.
-    #[arg(long, value_name = "SECONDS", value_parser = time_limit, conflicts_with_all = ["accuracy", "resume"])]
-    pub time_budget: Option<f64>,
     /// Precision of the sweeps; if absent, the scene's. The result depends on it.
     #[arg(long, value_enum)]
     pub precision: Option<PrecisionName>,
@@ -68,6 +65,13 @@ pub struct CompareArguments {
     /// makadam,yade,liggghts.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub codes: Option<Vec<CodeName>>,
+    /// Validate your own code instead of Makadam: TOML file with its name, version, command and output files (docs/own-code.md).
+    #[arg(long, value_name = "FILE", conflicts_with = "record")]
+    pub own_code: Option<PathBuf>,
+    /// Folders of existing frames of your own code, one per seed, whose number ends the folder's name: 'seed*/'. The code is not run;
+    /// without --own-code each folder is a run of Makadam, or all its files hold grains.
+    #[arg(long, num_args = 1.., value_name = "FOLDERS", conflicts_with_all = ["seeds", "record"])]
+    pub frames: Vec<String>,
     /// Record results of the other codes as the scene's references. Only seeds not yet recorded for the same scene, version and
     /// time step are measured from raw recordings or run.
     #[arg(long, conflicts_with_all = ["json", "output", "live"])]

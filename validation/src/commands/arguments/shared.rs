@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// The scene of a command.
 #[derive(Debug, Args)]
 pub struct SourceArguments {
-    /// Path to a TOML file, name of a scene (see `makadam scenes`), or - for standard input.
+    /// Path to a TOML file, name of a scene (see `makadam print scenes`), or - for standard input.
     #[arg(value_name = "SCENE")]
     pub scene: String,
     /// Replace a value of the scene, such as material.grain.friction=0.3 or wall.shell.motion.rate=2; can be given several times.

@@ -5,7 +5,7 @@ use super::values::{BoundArgument, InstructionSetName, bound, method, positive, 
 use crate::peers::CodeName;
 use clap::Args;
 
-/// Arguments of `makadam scaling`.
+/// Arguments of `makadam lab scaling`.
 #[derive(Debug, Args)]
 pub struct ScalingArguments {
     /// The scene.
@@ -41,7 +41,7 @@ pub struct ScalingArguments {
     pub output: OutputArguments,
 }
 
-/// Arguments of `makadam convergence`.
+/// Arguments of `makadam lab convergence`.
 #[derive(Debug, Args)]
 pub struct ConvergenceArguments {
     /// The scene.

@@ -161,7 +161,7 @@ pub(super) fn observable(text: &str) -> Result<String, String> {
     match catalogue::group_of(&name) {
         Some(_) => Ok(name),
         None => {
-            let remedy = suggestion(&name, catalogue::known(), "`makadam observables` lists all names");
+            let remedy = suggestion(&name, catalogue::known(), "`makadam print observables` lists all names");
             Err(format!("nothing measures '{name}'; {remedy}"))
         }
     }

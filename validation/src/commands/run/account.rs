@@ -22,7 +22,7 @@ pub(super) struct Account<'a> {
 impl<'a> Account<'a> {
     /// The account of a run as it is now, with the times and frames of its beginning.
     pub fn new(plan: &'a Plan<'a>, simulation: &'a Simulation, progress: &'a Progress) -> Account<'a> {
-        Account { plan, simulation, progress, phases: progress.phases, frames: progress.frames.count }
+        Account { plan, simulation, progress, phases: progress.phases, frames: progress.frames.frames }
     }
 
     /// The summary, without what was measured; `failure` is why the run is not complete.
@@ -82,7 +82,7 @@ impl<'a> Account<'a> {
             observables: BTreeMap::new(),
             not_measured: Some("the run is not at its end".into()),
             without_value: BTreeMap::new(),
-            output: self.plan.shown.clone(),
+            output: self.plan.output.display().to_string(),
             frames: self.frames,
             provenance: self.plan.provenance.clone(),
         }

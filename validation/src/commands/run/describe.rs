@@ -24,7 +24,7 @@ pub(super) fn describe(summary: &RunSummary) -> String {
         text += &format!("{}\n", ledger(balance));
     }
     text += &computation(summary);
-    text + &format!("\nframes, observables.csv and run.json: {}", summary.output)
+    text + &format!("\nframes.mkd, observables.csv and run.json: {}", summary.output)
 }
 
 /// The observables, rounded by their standard errors.

@@ -2,15 +2,11 @@
 
 use super::kept::Place;
 use crate::commands::Failure;
-use crate::output::{RunFiles, WriteError, write_durably};
+use crate::output::RunFiles;
 use crate::plan::Scene;
 use crate::provenance::scene_hash;
-use makadam::checkpoint::sync_folder;
 use serde_json::Value;
 use std::path::Path;
-
-/// Folder inside the output folder in which the second run of a time budget lies until it is complete.
-pub(super) const FINER: &str = "finer-run.part";
 
 /// What the summary of an earlier run says.
 pub(super) struct Record {
@@ -91,7 +87,7 @@ pub(super) fn task(output: &Path, scene: &Scene, seed: u64, wish: Wish) -> Resul
     let refuse = |what: String| Err(Failure::Usage(what));
     let (record, place) = (Record::read(output), Place::inside(output));
     let ended = record.as_ref().is_some_and(|record| record.complete);
-    if wish.restart || !(place.is_taken() || RunFiles::inside(output).any()?) {
+    if wish.restart || !(place.is_taken() || RunFiles::inside(output).any()) {
         return Ok(Task::Begin);
     }
     let other = format!("{shown} holds a run of another scene, or with another seed or other settings");
@@ -114,7 +110,7 @@ pub(super) fn task(output: &Path, scene: &Scene, seed: u64, wish: Wish) -> Resul
             }
             // A kill between the last word of the summary and the end of the program leaves them.
             place.clear();
-            let _ = std::fs::remove_file(output.join("measured-frames"));
+            let _ = std::fs::remove_file(output.join(RunFiles::MEASURED));
             Ok(Task::Ended(record))
         }
         Some(Record { steps, scene: name, .. }) if ended => {
@@ -137,43 +133,4 @@ pub(super) fn task(output: &Path, scene: &Scene, seed: u64, wish: Wish) -> Resul
             RunFiles::SUMMARY
         )),
     }
-}
-
-/// Finishes or throws away what the second run of a time budget has left: one that is complete takes the place of the first, and
-/// one that is not goes. Whenever a process ends meanwhile, the next one finishes it.
-pub(super) fn settle_finer(output: &Path) -> Result<(), WriteError> {
-    let finer = output.join(FINER);
-    let (files, summary) = (RunFiles::inside(&finer), finer.join(RunFiles::SUMMARY));
-    if !finer.is_dir() {
-        return Ok(());
-    }
-    if let Some(Record { text, mut document, .. }) = Record::read(&finer).filter(|record| record.complete) {
-        let place = output.join(RunFiles::SUMMARY);
-        // The first run's summary goes before the first of its frames does.
-        document["complete"] = false.into();
-        document["failure"] =
-            format!("complete, but still on its way from {}: the next makadam run here moves it", finer.display())
-                .into();
-        let withdrawn = serde_json::to_vec_pretty(&document).expect("a document that was read can be written");
-        write_durably(&place, &withdrawn)?;
-        files.move_to(output)?;
-        let frames = document["frames"].as_u64().and_then(|frames| usize::try_from(frames).ok());
-        RunFiles::inside(output).remove_frames_from(frames.unwrap_or(usize::MAX))?;
-        write_durably(&place, text.as_bytes())?;
-    }
-    if files.any()? {
-        let refused = |source| WriteError::new(&summary, source);
-        std::fs::remove_file(&summary).or_else(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => Ok(()),
-            _ => Err(refused(error)),
-        })?;
-        sync_folder(&finer).map_err(refused)?;
-        files.remove()?;
-    } else {
-        files.remove_drafts()?;
-        // Empty folders alone.
-        let _ = std::fs::remove_dir(finer.join("frames"));
-    }
-    let _ = std::fs::remove_dir(&finer);
-    Ok(())
 }

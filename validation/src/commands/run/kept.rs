@@ -13,7 +13,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// First bytes of a run's checkpoint; the last one is the version of the format.
-const RUN: [u8; 8] = *b"mkd-run\x03";
+const RUN: [u8; 8] = *b"mkd-run\x04";
 
 /// The way out where a checkpoint cannot be used.
 const ANEW: &str = "give --restart to start anew";

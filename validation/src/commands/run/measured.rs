@@ -1,183 +1,151 @@
 //! The frames of a run that are measured at its end: on disk, so that memory does not grow with them.
 //!
-//! Measures look at all frames more than once (see [`Frames`]). A run appends each to one file, as it is to the last bit, and
-//! removes the file once it is measured. A checkpoint says how far the file went; what stands behind is cut off by the run that
-//! goes on from there, and comes again.
+//! They are the frames of the run's store where the scene writes and measures at the same times, with contacts; else a second store holds
+//! them, which is removed after the measurement.
 
 use crate::commands::Failure;
 use crate::observables::frames::Frames;
 use crate::observables::{Measured, measure_frames};
-use crate::output::WriteError;
+use crate::output::{RunFiles, WriteError};
 use crate::plan::Scene;
-use makadam::checkpoint::{open, seal};
+use crate::run_frames::{Store, StoreMark, StoreWriter};
 use makadam::snapshot::Snapshot;
 use serde::{Deserialize, Serialize};
-use std::fs::{File, OpenOptions};
-use std::io::{BufReader, Error, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-
-/// First bytes of a frame; the last one is the version of the format.
-const FRAME: [u8; 8] = *b"mkd-frm\x03";
 
 /// Measured frames of a run under way.
 pub(super) struct MeasuredFrames {
     path: PathBuf,
-    /// Open for writing, from the first frame on.
-    file: Option<File>,
-    places: Vec<Place>,
-    /// The last frame of all, whether it is measured or not.
+    /// Frames that the run's store does not hold; absent where it holds all.
+    own: Option<StoreWriter>,
+    /// The last frame, where it alone is measured.
     last: Option<Snapshot>,
 }
 
-/// Where a frame stands in the file.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Place {
-    start: u64,
-    length: u64,
-    grains: u32,
-}
-
-/// How far the frames had come when a checkpoint was written.
+/// Extent of the measured frames at a checkpoint.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(super) struct Mark {
-    places: Vec<Place>,
-    /// The last frame, where none is in the file.
+    own: Option<StoreMark>,
     last: Option<Snapshot>,
+}
+
+/// Returns true if the measured frames need a store of their own.
+fn needs_own_store(scene: &Scene) -> bool {
+    let contacts = scene.output.as_ref().is_none_or(|output| output.contacts);
+    scene.measure.from.is_some() && !(contacts && scene.output_interval() == scene.measure.interval)
 }
 
 impl MeasuredFrames {
-    /// No frames yet; what an earlier run has left in the output folder is removed.
-    pub fn begin(output: &Path) -> MeasuredFrames {
-        let path = output.join("measured-frames");
-        // What cannot be removed cannot be written either, which the first frame tells.
-        let _ = std::fs::remove_file(&path);
-        MeasuredFrames { path, file: None, places: Vec::new(), last: None }
-    }
-
-    /// The frames that a checkpoint speaks of.
+    /// Starts without frames.
     ///
     /// # Errors
-    /// [`Failure`] if they are not there as they were written.
-    pub fn go_on(output: &Path, mark: Mark) -> Result<MeasuredFrames, Failure> {
-        let path = output.join("measured-frames");
-        let mut frames = MeasuredFrames { path, file: None, places: mark.places, last: mark.last };
-        if frames.places.is_empty() {
-            return Ok(frames);
-        }
-        let mut last = None;
-        let count = frames.count();
-        frames.visit(0..count, &mut |frame| last = Some(frame.clone())).map_err(|problem| {
-            Failure::Running(format!("{} {problem}; give --restart to start anew", frames.path.display()))
-        })?;
-        frames.last = last;
-        let file = OpenOptions::new().write(true).open(&frames.path).and_then(|mut file| {
-            file.set_len(frames.bytes())?;
-            file.seek(SeekFrom::End(0))?;
-            Ok(file)
-        });
-        frames.file = Some(file.map_err(|error| WriteError::new(&frames.path, error))?);
-        Ok(frames)
+    /// [`WriteError`] if the system refuses.
+    pub fn begin(output: &Path, scene: &Scene) -> Result<MeasuredFrames, WriteError> {
+        let path = output.join(RunFiles::MEASURED);
+        let own = needs_own_store(scene).then(|| StoreWriter::create(&path, scene)).transpose()?;
+        Ok(MeasuredFrames { path, own, last: None })
     }
 
-    /// Takes a frame of the run, and keeps it if it is measured.
+    /// Resumes after the frames that a checkpoint knows.
     ///
     /// # Errors
-    /// [`WriteError`] if the system refuses; the frames before stay readable.
+    /// [`WriteError`] if they are not there as they were written.
+    pub fn resume(output: &Path, mark: Mark) -> Result<MeasuredFrames, WriteError> {
+        let path = output.join(RunFiles::MEASURED);
+        let own = mark.own.map(|mark| StoreWriter::resume(&path, mark)).transpose()?;
+        Ok(MeasuredFrames { path, own, last: mark.last })
+    }
+
+    /// Takes a frame that is due to be measured.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses; the frames before it stay readable.
     pub fn push(&mut self, scene: &Scene, frame: Snapshot) -> Result<(), WriteError> {
-        if scene.measure.covers(frame.time) && !frame.particles.is_empty() {
-            let body = postcard::to_stdvec(&frame).expect("a frame holds only numbers and lists");
-            let bytes = seal(FRAME, &body);
-            let start = self.bytes();
-            self.append(&bytes, start).map_err(|error| WriteError::new(&self.path, error))?;
-            self.places.push(Place { start, length: bytes.len() as u64, grains: frame.particles.len() as u32 });
+        if scene.measure.from.is_none() {
+            self.last = Some(frame);
+            return Ok(());
         }
-        self.last = Some(frame);
-        Ok(())
+        match &mut self.own {
+            Some(own) if is_measured(scene, frame.time, frame.particles.len()) => own.append(&frame),
+            _ => Ok(()),
+        }
     }
 
-    fn append(&mut self, bytes: &[u8], start: u64) -> Result<(), Error> {
-        if self.file.is_none() {
-            self.file = Some(File::create(&self.path)?);
-        }
-        let file = self.file.as_mut().expect("it was opened if it was not");
-        // What a write that failed has left behind is written over.
-        file.seek(SeekFrom::Start(start))?;
-        file.write_all(bytes)
-    }
-
-    /// Sees to it that all frames are on the disk, before a checkpoint that speaks of them.
+    /// Flushes all frames to the disk, before a checkpoint that knows them.
     ///
     /// # Errors
     /// [`WriteError`] if the system refuses.
     pub fn sync(&self) -> Result<(), WriteError> {
-        let synced = self.file.as_ref().map_or(Ok(()), File::sync_all);
-        synced.map_err(|error| WriteError::new(&self.path, error))
+        self.own.as_ref().map_or(Ok(()), StoreWriter::sync)
     }
 
-    /// How far the frames have come.
+    /// Returns the extent of the frames.
     pub fn mark(&self) -> Mark {
-        Mark { places: self.places.clone(), last: self.last.clone().filter(|_| self.places.is_empty()) }
+        Mark { own: self.own.as_ref().map(StoreWriter::mark), last: self.last.clone() }
     }
 
-    /// Measures the frames from `scene.measure.from` on, or the last one where the scene gives no such time. `None` if the run
-    /// has not come that far.
+    /// Measures the frames from `scene.measure.from` on, or the last one where the scene gives no such time; `None` if the run has not
+    /// reached it. `written` are the frames of the run's store.
     ///
     /// # Errors
     /// [`Failure`] if a frame cannot be read back.
-    pub fn measure(&self, scene: &Scene) -> Result<Option<Measured>, Failure> {
-        if scene.measure.from.is_some() {
-            let lost = |problem| Failure::Running(format!("{} {problem}: nothing is measured", self.path.display()));
-            return measure_frames(scene, self).map_err(lost);
+    pub fn measure(&self, scene: &Scene, written: &StoreWriter) -> Result<Option<Measured>, Failure> {
+        if scene.measure.from.is_none() {
+            let last: Vec<&Snapshot> = self.last.iter().filter(|last| !last.particles.is_empty()).collect();
+            let Ok(measured) = measure_frames(scene, &last[..]);
+            return Ok(measured);
         }
-        let last: Vec<&Snapshot> = self.last.iter().filter(|last| !last.particles.is_empty()).collect();
-        let Ok(measured) = measure_frames(scene, &last[..]);
-        Ok(measured)
+        let store = self.own.as_ref().unwrap_or(written).store();
+        let measured = measure_frames(scene, &StoredFrames::of(scene, store));
+        measured
+            .map_err(|problem| Failure::Running(format!("{} {problem}: nothing is measured", store.path().display())))
     }
 
-    /// Removes the file, once nobody goes on from it.
+    /// Removes the second store, once no run resumes from it.
     pub fn clear(&mut self) {
-        self.file = None;
-        // What stays is overwritten by the next run, and never read without a checkpoint that speaks of it.
-        let _ = std::fs::remove_file(&self.path);
-    }
-
-    fn bytes(&self) -> u64 {
-        self.places.last().map_or(0, |place| place.start + place.length)
+        if self.own.take().is_some() {
+            // The next run overwrites it, and only a checkpoint makes a run read it.
+            let _ = std::fs::remove_file(&self.path);
+        }
     }
 }
 
-impl Frames for MeasuredFrames {
-    /// What is wrong, in words that follow the file's name.
+/// Returns true if a frame of this time (s) with so many grains is measured.
+fn is_measured(scene: &Scene, time: f64, grains: usize) -> bool {
+    scene.measure.covers(time) && grains > 0
+}
+
+/// The measured frames of a store.
+struct StoredFrames<'a> {
+    store: &'a Store,
+    numbers: Vec<usize>,
+}
+
+impl<'a> StoredFrames<'a> {
+    fn of(scene: &Scene, store: &'a Store) -> StoredFrames<'a> {
+        let is_measured = |number: &usize| {
+            let entry = &store.entries()[*number];
+            is_measured(scene, entry.time, entry.grains as usize)
+        };
+        StoredFrames { store, numbers: (0..store.count()).filter(is_measured).collect() }
+    }
+}
+
+impl Frames for StoredFrames<'_> {
+    /// The problem, in words that follow the name of the file.
     type Error = String;
 
     fn count(&self) -> usize {
-        self.places.len()
+        self.numbers.len()
     }
 
     fn grains(&self, range: Range<usize>) -> usize {
-        self.places[range].iter().map(|place| place.grains as usize).sum()
+        self.numbers[range].iter().map(|number| self.store.entries()[*number].grains as usize).sum()
     }
 
     fn visit(&self, range: Range<usize>, look: &mut dyn FnMut(&Snapshot)) -> Result<(), String> {
-        let places = &self.places[range];
-        let Some(first) = places.first() else { return Ok(()) };
-        let unread = |error: Error| match error.kind() {
-            ErrorKind::UnexpectedEof => "is cut off".to_string(),
-            _ => format!("cannot be read: {error}"),
-        };
-        let mut file = BufReader::new(File::open(&self.path).map_err(unread)?);
-        file.seek(SeekFrom::Start(first.start)).map_err(unread)?;
-        let mut bytes = Vec::new();
-        for place in places {
-            bytes.clear();
-            file.by_ref().take(place.length).read_to_end(&mut bytes).map_err(unread)?;
-            let body = open(FRAME, &bytes)?;
-            let frame: Snapshot =
-                postcard::from_bytes(body).map_err(|error| format!("does not hold what it should ({error})"))?;
-            look(&frame);
-        }
-        Ok(())
+        self.store.visit(self.numbers[range].iter().copied(), look)
     }
 }
 
@@ -188,7 +156,7 @@ mod tests {
 
     const SCENE: &str = "../tests/scenes/smoke.toml";
 
-    /// The small scene measured from 0.1 s on, and frames of it.
+    /// Returns the small scene measured from 0.1 s on, and frames of it.
     fn frames() -> (Scene, Vec<Snapshot>) {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(SCENE);
         let mut scene = Scene::load(&file).unwrap();
@@ -211,75 +179,56 @@ mod tests {
     }
 
     #[test]
-    fn frames_on_disk_are_measured_as_those_in_memory_and_go_on_from_a_mark() {
-        let folder = tempfile::tempdir().unwrap();
-        let (scene, frames) = frames();
-        let expected = in_memory(&scene, &frames);
-        let numbers = &expected.measurements;
-        assert!(numbers.iter().any(|one| one.observable == "coordination_number" && one.frames > 8), "{expected:?}");
-
-        let mut kept = MeasuredFrames::begin(folder.path());
-        for frame in &frames[..3] {
-            kept.push(&scene, frame.clone()).unwrap();
+    fn stored_frames_measure_as_frames_in_memory() {
+        for interval in [None, Some(1.0)] {
+            let folder = tempfile::tempdir().unwrap();
+            let (mut scene, frames) = frames();
+            scene.output.get_or_insert_default().interval = interval;
+            let expected = in_memory(&scene, &frames);
+            let numbers = &expected.measurements;
+            assert!(
+                numbers.iter().any(|one| one.observable == "coordination_number" && one.frames > 8),
+                "{expected:?}"
+            );
+            let file = folder.path().join(RunFiles::FRAMES);
+            let mut written = StoreWriter::create(&file, &scene).unwrap();
+            let mut measured = MeasuredFrames::begin(folder.path(), &scene).unwrap();
+            assert_eq!(measured.own.is_some(), interval.is_some());
+            let push = |written: &mut StoreWriter, measured: &mut MeasuredFrames, frames: &[Snapshot]| {
+                for frame in frames {
+                    if interval.is_none() {
+                        written.append(frame).unwrap();
+                    }
+                    measured.push(&scene, frame.clone()).unwrap();
+                }
+            };
+            push(&mut written, &mut measured, &frames[..3]);
+            assert!(measured.measure(&scene, &written).unwrap().is_none(), "before the first measured frame");
+            push(&mut written, &mut measured, &frames[3..9]);
+            let marks = (written.mark(), measured.mark());
+            push(&mut written, &mut measured, &frames[9..]);
+            assert_eq!(measured.measure(&scene, &written).unwrap().unwrap(), expected);
+            drop((written, measured));
+            let mut written = StoreWriter::resume(&file, marks.0).unwrap();
+            let mut measured = MeasuredFrames::resume(folder.path(), marks.1).unwrap();
+            assert_eq!(measured.measure(&scene, &written).unwrap().unwrap(), in_memory(&scene, &frames[..9]));
+            push(&mut written, &mut measured, &frames[9..]);
+            assert_eq!(measured.measure(&scene, &written).unwrap().unwrap(), expected);
+            measured.clear();
+            assert!(!folder.path().join(RunFiles::MEASURED).exists());
         }
-        assert!(kept.measure(&scene).unwrap().is_none(), "the run has not come to the first measured frame");
-        for frame in &frames[3..9] {
-            kept.push(&scene, frame.clone()).unwrap();
-        }
-        let mark = kept.mark();
-        for frame in &frames[9..] {
-            kept.push(&scene, frame.clone()).unwrap();
-        }
-        assert_eq!(kept.measure(&scene).unwrap().unwrap(), expected);
-        drop(kept);
-
-        let mut gone_on = MeasuredFrames::go_on(folder.path(), mark).unwrap();
-        assert_eq!(gone_on.last.as_ref(), Some(&frames[8]));
-        assert_eq!(gone_on.measure(&scene).unwrap().unwrap(), in_memory(&scene, &frames[..9]));
-        for frame in &frames[9..] {
-            gone_on.push(&scene, frame.clone()).unwrap();
-        }
-        assert_eq!(gone_on.measure(&scene).unwrap().unwrap(), expected);
-        gone_on.clear();
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     #[test]
-    fn without_a_first_time_the_last_frame_is_measured_and_nothing_goes_to_disk() {
+    fn without_a_first_time_the_last_frame_is_measured() {
         let folder = tempfile::tempdir().unwrap();
         let (mut scene, frames) = frames();
         scene.measure.from = None;
-        let mut kept = MeasuredFrames::begin(folder.path());
-        for frame in &frames {
-            kept.push(&scene, frame.clone()).unwrap();
-        }
-        let gone_on = MeasuredFrames::go_on(folder.path(), kept.mark()).unwrap();
+        let written = StoreWriter::create(&folder.path().join(RunFiles::FRAMES), &scene).unwrap();
+        let mut measured = MeasuredFrames::begin(folder.path(), &scene).unwrap();
+        frames.iter().for_each(|frame| measured.push(&scene, frame.clone()).unwrap());
+        let resumed = MeasuredFrames::resume(folder.path(), measured.mark()).unwrap();
         let Ok(expected) = measure_frames(&scene, &[&frames[frames.len() - 1]][..]);
-        assert_eq!(gone_on.measure(&scene).unwrap(), expected);
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-    }
-
-    #[test]
-    fn frames_that_are_damaged_or_cut_off_are_refused_in_words() {
-        let folder = tempfile::tempdir().unwrap();
-        let (scene, frames) = frames();
-        let mut kept = MeasuredFrames::begin(folder.path());
-        for frame in &frames {
-            kept.push(&scene, frame.clone()).unwrap();
-        }
-        let file = folder.path().join("measured-frames");
-        let sound = std::fs::read(&file).unwrap();
-        let refused = |bytes: &[u8], words: &str| {
-            std::fs::write(&file, bytes).unwrap();
-            for failure in [MeasuredFrames::go_on(folder.path(), kept.mark()).err(), kept.measure(&scene).err()] {
-                let message = failure.unwrap_or_else(|| panic!("accepted where {words} was expected")).to_string();
-                assert!(message.contains(words) && message.contains("measured-frames"), "{message}");
-            }
-        };
-        let mut damaged = sound.clone();
-        damaged[sound.len() / 2] ^= 4;
-        refused(&damaged, "damaged");
-        refused(&sound[..sound.len() - 1], "cut off");
-        refused(&[], "too short");
+        assert_eq!(resumed.measure(&scene, &written).unwrap(), expected);
     }
 }

@@ -5,6 +5,7 @@ use crate::commands::Failure;
 use crate::observables::{self, unmeasured};
 use crate::output::Measured;
 use crate::plan::Scene;
+use crate::run_frames::StoreWriter;
 use makadam::snapshot::Snapshot;
 use std::collections::BTreeMap;
 
@@ -25,11 +26,12 @@ pub(super) struct Measurements {
 pub(super) fn measure(
     scene: &Scene,
     frames: &MeasuredFrames,
+    written: &StoreWriter,
     complete: bool,
     ended: f64,
 ) -> Result<Measurements, Failure> {
     let measured = match scene.measure.from.is_some() || complete {
-        true => frames.measure(scene)?,
+        true => frames.measure(scene, written)?,
         false => None,
     };
     let Some(measured) = measured else {

@@ -1,7 +1,6 @@
 //! `makadam run`: one simulation, and everything it leaves on disk.
 
 mod account;
-mod budget;
 mod describe;
 mod folder;
 mod kept;
@@ -14,16 +13,19 @@ mod writer;
 
 use super::arguments::RunArguments;
 use super::beforehand::tell_findings;
+use super::export::export_frames;
 use super::{Console, Failure, begin, json};
 use crate::execution::{Execution, threads_for};
+use crate::export::Format;
 use crate::forecast::chosen;
 use crate::output::file_stem;
-use crate::output::{FolderLock, LockError, RunFiles, RunSummary, create_folder};
+use crate::output::{FolderLock, LockError, RunFiles};
 use crate::plan::Scene;
 use crate::provenance::Provenance;
+use crate::run_frames::RunFrames;
 use crate::stepping::steps_in;
 use describe::describe;
-use folder::{FINER, Task, Wish, settle_finer, task};
+use folder::{Task, Wish, task};
 use kept::Place;
 use makadam::Simulation;
 use makadam::checkpoint::CheckpointError;
@@ -42,9 +44,6 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     if let Some(accuracy) = arguments.accuracy {
         scene.ask(accuracy);
         console.note(&format!("--accuracy chose {}", chosen(&scene)));
-    }
-    if arguments.time_budget.is_some() {
-        scene.ask(budget::COARSEST);
     }
     let findings = tell_findings(&scene, &file, console);
     let start = scene.clone();
@@ -77,35 +76,28 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
         }
         Task::GoOn => asked.go_on(&scene, steps)?,
         Task::Begin => {
-            if arguments.resume && RunFiles::inside(&output).any()? {
+            if arguments.resume && RunFiles::inside(&output).any() {
                 console.note(&format!("{} holds no checkpoint: beginning anew", output.display()));
             }
             // A flowing start is the same for all precisions.
             let (mut simulation, _) = begin(&start, seed, &file, &execution, console)?;
             simulation.use_precision(scene.solver.precision).map_err(|error| Failure::Usage(error.to_string()))?;
-            let go_on_with = match arguments.time_budget {
-                Some(_) => "--resume with --accuracy 2% in place of --time-budget",
-                None => "--resume",
-            };
-            asked.begin(asked.plan(&scene, &output, Some(go_on_with)), simulation)?
+            if arguments.ledger {
+                simulation.open_ledger();
+            }
+            Session::begin(asked.plan(&scene), simulation)?
         }
     };
     let played = session.play(steps, console);
-    let (mut summary, mut ended) = session.finish(played);
-    let finer = arguments.time_budget.filter(|_| ended.is_ok()).and_then(|budget| {
-        let left = budget - summary.wall_seconds;
-        budget::finer(&scene, summary.wall_seconds, left)
+    let (summary, ended) = session.finish(played);
+    let formats = scene.output.iter().flat_map(|output| &output.formats);
+    let ended = ended.and_then(|()| {
+        formats.copied().try_for_each(|format| {
+            let run = RunFrames::open(&output)?;
+            console.note(&export_frames(&run, Format::of(format), &output, console)?);
+            Ok(())
+        })
     });
-    if let Some(finer) = finer {
-        console.note(&format!(
-            "a step of {:e} s took {:.1} s; there is time for one of {:e} s",
-            scene.solver.step, summary.wall_seconds, finer.solver.step
-        ));
-        match asked.run_finer(&finer) {
-            Ok(finer) => summary = finer,
-            Err(failure) => ended = Err(failure),
-        }
-    }
     console.result(&if arguments.output.json { json(&summary) } else { describe(&summary) })?;
     ended?;
     Ok(ExitCode::SUCCESS)
@@ -136,7 +128,6 @@ impl<'a> Asked<'a> {
             ));
         }
         RunFiles::inside(self.output).remove_drafts()?;
-        settle_finer(self.output)?;
         Ok(lock)
     }
 
@@ -144,24 +135,15 @@ impl<'a> Asked<'a> {
         self.arguments.steps.unwrap_or_else(|| steps_in(scene.duration, scene.solver.step))
     }
 
-    fn plan<'s>(&self, scene: &'s Scene, output: &Path, go_on_with: Option<&'static str>) -> Plan<'s> {
+    fn plan<'s>(&self, scene: &'s Scene) -> Plan<'s> {
         Plan {
             scene,
             seed: self.seed,
-            output: output.into(),
-            shown: self.output.display().to_string(),
+            output: self.output.into(),
             interval: Duration::from_secs_f64(self.arguments.checkpoint_interval),
-            go_on_with,
             findings: self.findings.clone(),
             provenance: Provenance::of_run(scene, self.file, self.seed, self.execution),
         }
-    }
-
-    fn begin<'s>(&self, plan: Plan<'s>, mut simulation: Simulation) -> Result<Session<'s>, Failure> {
-        if self.arguments.ledger {
-            simulation.open_ledger();
-        }
-        Session::begin(plan, simulation)
     }
 
     /// Goes on from the checkpoint in the output folder; what is asked for must be possible from there.
@@ -191,22 +173,6 @@ impl<'a> Asked<'a> {
         }
         self.execution.apply(&mut simulation)?;
         self.console.note(&format!("going on from step {} of {shown}", simulation.steps_taken()));
-        Session::go_on(self.plan(scene, self.output, Some("--resume")), simulation, kept.progress)
-    }
-
-    /// The second run of a time budget: what the first one left stays until this one is complete.
-    fn run_finer(&self, scene: &Scene) -> Result<RunSummary, Failure> {
-        let folder = self.output.join(FINER);
-        create_folder(&folder)?;
-        let played = begin(scene, self.seed, self.file, self.execution, self.console).and_then(|(simulation, _)| {
-            let mut session = self.begin(self.plan(scene, &folder, None), simulation)?;
-            let played = session.play(self.steps(scene), self.console);
-            let (summary, ended) = session.finish(played);
-            ended.map(|()| summary)
-        });
-        let settled = settle_finer(self.output);
-        let summary = played?;
-        settled?;
-        Ok(summary)
+        Session::go_on(self.plan(scene), simulation, kept.progress)
     }
 }

@@ -14,12 +14,8 @@ pub(super) struct Plan<'a> {
     pub seed: u64,
     /// Folder that everything is written into.
     pub output: PathBuf,
-    /// Folder of the results, for messages and the summary.
-    pub shown: String,
     /// Wall time from one checkpoint to the next.
     pub interval: Duration,
-    /// What to give to go on from a checkpoint; absent where a run leaves none.
-    pub go_on_with: Option<&'static str>,
     /// What the settings are not expected to bear, told before the run.
     pub findings: Vec<Finding>,
     /// Where the run came from.

@@ -1,7 +1,8 @@
 //! A run's account of itself: what its summary needs and a simulation does not know. It travels in the checkpoint.
 
 use super::measured::Mark;
-use crate::output::{FramesWritten, TableWritten};
+use crate::output::TableWritten;
+use crate::run_frames::StoreMark;
 use makadam::StepReport;
 use makadam::solve::StopReason;
 use makadam::watch::Alarm;
@@ -31,7 +32,7 @@ pub(super) struct Progress {
     /// What the solves took.
     pub solves: Solves,
     /// Frames on disk, as far as a checkpoint speaks of them.
-    pub frames: FramesWritten,
+    pub frames: StoreMark,
     /// Rows on disk, as far as a checkpoint speaks of them.
     pub table: TableWritten,
     /// Steps that were taken before the last frame; absent before the first one.

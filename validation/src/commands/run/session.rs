@@ -12,7 +12,8 @@ use super::plan::Plan;
 use super::progress::Progress;
 use super::writer::{FrameToWrite, Marks, MarksToCome, Outputs, Writer};
 use crate::commands::{Console, Failure, json};
-use crate::output::{FrameWriter, RunFiles, RunSummary, TimeTable, WriteError, write_durably};
+use crate::output::{RunFiles, RunSummary, TimeTable, WriteError, create_folder, write_durably};
+use crate::run_frames::StoreWriter;
 use crate::stepping::frame_is_due;
 use makadam::Simulation;
 use makadam::scene::Reaction;
@@ -84,9 +85,10 @@ impl<'a> Session<'a> {
         place.withdraw()?;
         announce(&plan, &simulation, &progress)?;
         RunFiles::inside(&plan.output).remove()?;
-        let frames = FrameWriter::create(&plan.output, plan.scene)?;
+        create_folder(&plan.output)?;
+        let frames = StoreWriter::create(&plan.output.join(RunFiles::FRAMES), plan.scene)?;
         let table = TimeTable::create(&plan.output.join(RunFiles::TABLE), &COLUMNS)?;
-        let measured = MeasuredFrames::begin(&plan.output);
+        let measured = MeasuredFrames::begin(&plan.output, plan.scene)?;
         let outputs = Outputs { folder: plan.output.clone(), frames, table, measured };
         Ok(Session::new(plan, simulation, progress, place, outputs))
     }
@@ -94,10 +96,9 @@ impl<'a> Session<'a> {
     /// A run that goes on.
     pub fn go_on(plan: Plan<'a>, simulation: Simulation, mut progress: Progress) -> Result<Session<'a>, Failure> {
         let place = Place::inside(&plan.output);
-        let measured = MeasuredFrames::go_on(&plan.output, std::mem::take(&mut progress.measured))?;
-        let frames = FrameWriter::go_on(&plan.output, plan.scene, progress.frames)?;
+        let measured = MeasuredFrames::resume(&plan.output, std::mem::take(&mut progress.measured))?;
+        let frames = StoreWriter::resume(&plan.output.join(RunFiles::FRAMES), progress.frames)?;
         let table = TimeTable::go_on(&plan.output.join(RunFiles::TABLE), progress.table.clone())?;
-        RunFiles::inside(&plan.output).remove_frames_from(frames.count())?;
         progress.continued_at.push(progress.steps);
         announce(&plan, &simulation, &progress)?;
         let outputs = Outputs { folder: plan.output.clone(), frames, table, measured };
@@ -169,10 +170,7 @@ impl<'a> Session<'a> {
     }
 
     fn interrupted(&self) -> Failure {
-        Failure::Interrupted(match self.plan.go_on_with {
-            Some(arguments) => format!("in {}; {arguments} goes on from there", self.plan.shown),
-            None => format!("thrown away; the complete run before it is in {}", self.plan.shown),
-        })
+        Failure::Interrupted(format!("in {}; --resume goes on from there", self.plan.output.display()))
     }
 
     /// Heeds what was noticed; holds a state from before it ready.
@@ -184,7 +182,7 @@ impl<'a> Session<'a> {
         }
         if let Some(alarm) = alarms.iter().find(|alarm| alarm.reaction == Reaction::Stop) {
             let mut left = String::new();
-            if let Some(held) = self.held.take().filter(|_| self.plan.go_on_with.is_some()) {
+            if let Some(held) = self.held.take() {
                 self.writer.sync()?;
                 let marks = held.marks.wait().expect("all before the marks is written");
                 self.place.write(&self.seal(held.simulation, held.progress, marks))?;
@@ -217,9 +215,6 @@ impl<'a> Session<'a> {
     }
 
     fn write_checkpoint(&mut self) -> Result<(), Failure> {
-        if self.plan.go_on_with.is_none() {
-            return Ok(());
-        }
         let clock = Instant::now();
         let marks = self.writer.sync()?;
         self.place.write(&self.seal(self.simulation.checkpoint(), self.progress_now(), marks))?;
@@ -281,7 +276,7 @@ impl<'a> Session<'a> {
         let (mut outputs, written) = writer.end();
         let ended = played.and(written).and_then(|()| Ok(outputs.sync()?));
         let took = simulation.time() - progress.started;
-        let measured = measure(plan.scene, &outputs.measured, ended.is_ok(), took);
+        let measured = measure(plan.scene, &outputs.measured, &outputs.frames, ended.is_ok(), took);
         let (measured, ended) = match measured {
             Ok(measured) => (Some(measured), ended),
             // What failed before is told first.
@@ -289,7 +284,7 @@ impl<'a> Session<'a> {
         };
         progress.output_time += clock.elapsed();
         let mut account = Account::new(&plan, &simulation, &progress);
-        (account.phases, account.frames) = (phases, outputs.frames.count());
+        (account.phases, account.frames) = (phases, outputs.frames.mark().frames);
         let mut summary = account.summary(ended.as_ref().err().map(ToString::to_string));
         if let Some(measured) = measured {
             (summary.observables, summary.not_measured) = (measured.observables, measured.not_measured);

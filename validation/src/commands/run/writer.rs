@@ -7,18 +7,19 @@ use super::measured::{Mark, MeasuredFrames};
 use super::measuring::instant;
 use super::progress::Progress;
 use crate::commands::Failure;
-use crate::output::{FrameWriter, FramesWritten, TableWritten, TimeTable, WriteError};
+use crate::output::{TableWritten, TimeTable, WriteError};
 use crate::plan::Scene;
+use crate::run_frames::{StoreMark, StoreWriter};
 use makadam::checkpoint::sync_folder;
 use makadam::snapshot::Snapshot;
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, Sender, SyncSender, TryRecvError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 
 /// What a run writes to, in its output folder.
 pub(super) struct Outputs {
     pub folder: PathBuf,
-    pub frames: FrameWriter,
+    pub frames: StoreWriter,
     pub table: TimeTable,
     pub measured: MeasuredFrames,
 }
@@ -26,7 +27,7 @@ pub(super) struct Outputs {
 /// How far all that is written has come.
 #[derive(Clone)]
 pub(super) struct Marks {
-    frames: FramesWritten,
+    frames: StoreMark,
     table: TableWritten,
     measured: Mark,
 }
@@ -42,7 +43,10 @@ impl Outputs {
     /// Writes a frame, or a row of the table (the given cells, then what is measured of the frame), or both.
     fn take(&mut self, scene: &Scene, FrameToWrite { frame, written, row }: FrameToWrite) -> Result<(), Failure> {
         if written {
-            self.frames.write(&frame)?;
+            match scene.output.as_ref().is_none_or(|output| output.contacts) {
+                true => self.frames.append(&frame)?,
+                false => self.frames.append(&Snapshot { contacts: Vec::new(), ..frame.clone() })?,
+            }
         }
         let Some(mut cells) = row else { return Ok(()) };
         let known = cells.len();
@@ -62,7 +66,7 @@ impl Outputs {
 
     fn marks(&self) -> Marks {
         let Outputs { frames, table, measured, .. } = self;
-        Marks { frames: frames.written(), table: table.written().clone(), measured: measured.mark() }
+        Marks { frames: frames.mark(), table: table.written().clone(), measured: measured.mark() }
     }
 
     /// Writes frames, collections and table to the disk.
@@ -205,19 +209,7 @@ fn work(
     under_way: &Receiver<()>,
 ) -> (Outputs, Result<(), Failure>) {
     loop {
-        // While nothing else is to be done, frames go to the disk, where a checkpoint and the end would have to wait for them.
-        let order = match orders.try_recv() {
-            Ok(order) => order,
-            Err(TryRecvError::Disconnected) => return (outputs, Ok(())),
-            Err(TryRecvError::Empty) => match outputs.frames.sync_next() {
-                Ok(true) => continue,
-                Ok(false) => match orders.recv() {
-                    Ok(order) => order,
-                    Err(_) => return (outputs, Ok(())),
-                },
-                Err(error) => return (outputs, Err(error.into())),
-            },
-        };
+        let Ok(order) = orders.recv() else { return (outputs, Ok(())) };
         let done = match order {
             Order::Frame(frame) => outputs.take(scene, *frame).inspect(|()| {
                 let _ = under_way.try_recv();

@@ -1,7 +1,7 @@
 //! Frames that exist: a folder for each seed, read as what a code has left.
 
 use super::{DescriptionError, External, read_description};
-use crate::import::{ImportError, Manifest, Tables};
+use crate::import::{Manifest, Tables};
 use crate::peers::CodeError;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -44,12 +44,7 @@ impl External {
 
     /// Tables of the frames in a folder.
     pub(super) fn tables_in(&self, folder: &Path) -> Result<Tables, CodeError> {
-        let refused = |ImportError { file, line, problem }: ImportError| self.output(&file, line, problem);
         let mut tables = Tables::default();
-        if folder.join("run.json").is_file() {
-            tables.add_grains(folder, &"*".into(), &self.description).map_err(refused)?;
-            return Ok(tables);
-        }
         let files = |pattern: &str| {
             let whole = Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(pattern);
             let found = glob::glob(&whole.display().to_string()).into_iter().flatten().flatten();

@@ -178,7 +178,7 @@ fn problem_test(recorded: &Recorded, check: &Check, method: Method) -> StudyTest
     }
 }
 
-/// Effort of each method: that of `makadam convergence`.
+/// Effort of each method: that of `makadam lab convergence`.
 const EFFORT: Effort = Effort { iterations: 200, repetitions: 3 };
 
 /// Root mean square residual that every method has to reach, in the unit of the study: a hundredth of what gravity does in a step.
