@@ -1,5 +1,4 @@
-//! The architecture page and the code say the same: paths exist, every room is listed, imports run one way, unsafe code stands where the
-//! page says.
+//! Architecture page compared with the code: paths, modules, order of imports, places of unsafe code.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -13,13 +12,13 @@ fn page() -> String {
     fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap()
 }
 
-/// What stands between backticks in a text.
+/// Returns the words between backticks in a text.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
-/// The floors of a section's table, from the ground up; rooms of one floor may import each other.
-fn floors(page: &str, section: &str) -> Vec<Vec<String>> {
+/// Returns the rows of a section's table; modules of one row may import each other.
+fn layers(page: &str, section: &str) -> Vec<Vec<String>> {
     let text = page.split(&format!("## {section}\n")).nth(1).unwrap_or_else(|| panic!("no section {section}"));
     let rows = text.split("\n## ").next().unwrap().lines().filter(|line| line.starts_with("| `"));
     rows.map(|row| quoted(row.split('|').nth(1).unwrap()).map(String::from).collect()).collect()
@@ -46,21 +45,24 @@ fn code(file: &Path) -> String {
     text.lines().filter(|line| !line.trim_start().starts_with("//")).map(|line| format!("{line}\n")).collect()
 }
 
-/// Whether a file holds tests alone.
+/// Returns true for a file of tests.
 fn is_test(file: &Path) -> bool {
+    if file.components().any(|part| part.as_os_str() == "tests") {
+        return true;
+    }
     file.file_name().is_some_and(|name| name == "tests.rs")
 }
 
-/// The room of a file of a crate; none for the crate's own front and its main program.
-fn room(source: &Path, file: &Path) -> Option<String> {
+/// Returns the module of a file of a crate; none for `lib.rs` and `main.rs`.
+fn module(source: &Path, file: &Path) -> Option<String> {
     let within = file.strip_prefix(source).unwrap();
     let name = within.components().next().unwrap().as_os_str().to_str().unwrap();
     let name = name.strip_suffix(".rs").unwrap_or(name);
     (!["lib", "main"].contains(&name)).then(|| name.to_string())
 }
 
-/// What a crate's front passes on, by the room that it comes from.
-fn passed_on(front: &str) -> BTreeMap<String, String> {
+/// Returns the re-exports of a crate with the module of each.
+fn reexports(front: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for statement in front.split("pub use ").skip(1) {
         let statement = statement.split(';').next().unwrap();
@@ -87,37 +89,37 @@ fn imported(code: &str) -> BTreeSet<String> {
 
 fn imports_run_one_way(source: &str, section: &str) {
     let (source, page) = (root().join(source), page());
-    let floors = floors(&page, section);
-    let floor_of = |room: &str| floors.iter().position(|floor| floor.iter().any(|one| one == room));
-    let front = passed_on(&code(&source.join("lib.rs")));
-    let mut rooms = BTreeSet::new();
+    let layers = layers(&page, section);
+    let layer_of = |module: &str| layers.iter().position(|layer| layer.iter().any(|one| one == module));
+    let front = reexports(&code(&source.join("lib.rs")));
+    let mut modules = BTreeSet::new();
     for file in sources(&source).iter().filter(|file| !is_test(file)) {
-        let Some(own) = room(&source, file) else { continue };
-        let own_floor = floor_of(&own).unwrap_or_else(|| panic!("room {own} is not in the table of {section}"));
+        let Some(own) = module(&source, file) else { continue };
+        let own_layer = layer_of(&own).unwrap_or_else(|| panic!("module {own} is not in the table of {section}"));
         for name in imported(&code(file)) {
-            let other = if floor_of(&name).is_some() { &name } else { front.get(&name).unwrap_or(&name) };
-            let Some(floor) = floor_of(other) else { continue };
-            assert!(floor <= own_floor, "{} imports {other}, which stands below it in the page", file.display());
+            let other = if layer_of(&name).is_some() { &name } else { front.get(&name).unwrap_or(&name) };
+            let Some(layer) = layer_of(other) else { continue };
+            assert!(layer <= own_layer, "{} imports {other}, which is below it in the page", file.display());
         }
-        rooms.insert(own);
+        modules.insert(own);
     }
-    let listed: BTreeSet<String> = floors.into_iter().flatten().collect();
-    assert_eq!(listed, rooms, "rooms of the page and of {}", source.display());
+    let listed: BTreeSet<String> = layers.into_iter().flatten().collect();
+    assert_eq!(listed, modules, "modules of the page and of {}", source.display());
 }
 
 #[test]
 fn imports_of_the_solver_run_one_way() {
-    imports_run_one_way("solver/src", "Rooms of the solver");
+    imports_run_one_way("solver/src", "Modules of the solver");
 }
 
 #[test]
-fn imports_of_the_judge_run_one_way() {
-    imports_run_one_way("validation/src", "Rooms of the judge");
+fn imports_of_the_validation_run_one_way() {
+    imports_run_one_way("validation/src", "Modules of the validation");
 }
 
 #[test]
 fn imports_of_the_python_package_run_one_way() {
-    imports_run_one_way("python/src", "Rooms of the Python package");
+    imports_run_one_way("python/src", "Modules of the Python package");
 }
 
 #[test]
@@ -133,9 +135,9 @@ fn paths_of_the_pages_exist() {
 }
 
 #[test]
-fn unsafe_code_stands_where_the_page_says() {
+fn unsafe_code_is_where_the_page_says() {
     let page = page();
-    let row = page.lines().find(|line| line.starts_with("| unsafe code stands")).unwrap();
+    let row = page.lines().find(|line| line.starts_with("| unsafe code is in")).unwrap();
     let places: Vec<PathBuf> = quoted(row.split('|').nth(1).unwrap()).map(|path| root().join(path)).collect();
     let files = ["solver/src", "validation/src", "python/src"].map(|folder| sources(&root().join(folder)));
     for file in files.iter().flatten() {

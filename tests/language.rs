@@ -8,7 +8,7 @@ use std::process::Command;
 const OPENINGS: [&str; 7] = ["What", "Whether", "How", "Where", "Why", "Those", "The same"];
 
 /// Largest number of doc comments with such an opening, by folder. A number may only fall, to zero in the end.
-const CEILINGS: [(&str, usize); 4] = [("solver", 88), ("validation", 900), ("python", 0), ("tests", 3)];
+const CEILINGS: [(&str, usize); 4] = [("solver", 88), ("validation", 549), ("python", 0), ("tests", 0)];
 
 /// Words and phrases that have a standard term in the field, with that term.
 const DIALECT: [(&str, &[&str]); 26] = [
@@ -132,7 +132,7 @@ fn has(text: &str, phrase: &str) -> bool {
 
 /// Pages under the language rules: all except the record of changes.
 fn pages() -> Vec<String> {
-    files("*.md").into_iter().filter(|page| !["CHANGELOG.md", "ARCHITECTURE.md"].contains(&page.as_str())).collect()
+    files("*.md").into_iter().filter(|page| page != "CHANGELOG.md").collect()
 }
 
 #[test]
