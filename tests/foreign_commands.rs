@@ -110,7 +110,7 @@ fn files_of_other_codes_are_measured_and_what_they_lack_is_said() {
         (&["measure", &plain, "--scene", "packing-100", "--time", "0.6"], 3, "and the scene has no such grain"),
         (&["measure", &plain, "--scene", "packing.toml"], 3, "\n  time = SECONDS   # time of the only frame"),
         (&["measure", "nothing.csv", "--scene", "packing.toml"], 3, "nothing.csv: line 1:"),
-        (&["measure", &plain, "--scene", "packing-101"], 3, "packing.toml"),
+        (&["measure", &plain, "--scene", "packing-101"], 3, "no scene 'packing-101'"),
         (&["measure", &plain, "--scene", "packing.toml", "--columns", "x,y"], 3, "4 numbers, and 2 columns"),
         (
             &["measure", &plain, "--scene", "packing.toml", "--kinds", "1=glass"],

@@ -2,7 +2,7 @@
 
 use super::arguments::LawsArguments;
 use super::{Console, Failure, OUTSIDE_TOLERANCE, json};
-use crate::laws::{Law, LawError, LawResult, Plan, Study, all, carry_out, table, write, write_scenes};
+use crate::laws::{Law, LawError, LawResult, Plan, Study, all, run_cases, table, write, write_scenes};
 use crate::output::JSON_VERSION;
 use crate::provenance::account;
 use std::path::Path;
@@ -64,7 +64,7 @@ fn measured(
     write_scenes(&cases, folder)?;
     let bar = console.bar(law.name());
     let plan = Plan { seeds, again: arguments.restart, folder };
-    let rows = carry_out(law, &cases, &plan, &|share| bar.set(share)).map_err(|error| match error {
+    let rows = run_cases(law, &cases, &plan, &|share| bar.set(share)).map_err(|error| match error {
         LawError::Scene(error) => Failure::Scene(error),
         LawError::Interrupted => {
             Failure::Interrupted(format!("in {}; the same command continues from there", folder.join("runs").display()))

@@ -1,6 +1,7 @@
-//! A look at a stretch of the run: where its energy goes, how deep its grains overlap, and what that says of the effects.
+//! The active effects of a scene, and a look at a stretch of its run: where its energy goes, how deep its grains overlap, and what that says of the effects.
 
 use crate::plan::Scene;
+use makadam::effects::CATALOGUE;
 use makadam::effects::catalogue::{Effect, FRICTION, RESTITUTION, ROLLING, TWISTING};
 use makadam::scene::NormalLaw;
 use makadam::{Balance, Simulation};
@@ -87,4 +88,26 @@ pub fn warnings(scene: &Scene, look: Option<&Look>) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// One effect: whether the scene calls for it, and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Called {
+    /// Its name.
+    pub effect: &'static str,
+    /// Whether it is simulated.
+    pub on: bool,
+    /// What the scene says, or what it does not.
+    pub why: String,
+    /// Line of the scene file, from 1; absent where the file leaves it to the default.
+    pub line: Option<usize>,
+}
+
+/// All effects, in the order in which a step meets them. `text` is the scene file's.
+pub fn called(scene: &Scene, text: &str) -> Vec<Called> {
+    let called = CATALOGUE.iter().map(|effect| match effect.called_by(scene) {
+        Ok(call) => Called { effect: effect.name, on: true, why: call.why, line: call.place.line(text) },
+        Err(without) => Called { effect: effect.name, on: false, why: without.into(), line: None },
+    });
+    called.collect()
 }

@@ -7,19 +7,11 @@
 //! ```
 
 mod ablation;
-mod called;
 mod cost;
 mod look;
-mod markdown;
 mod study;
-mod terminal;
-mod variations;
 
-pub use ablation::{Ablated, Ablation, Need, Plan};
-pub use called::{Called, called};
+pub use ablation::{Ablated, Ablation, Need, Plan, Variation, variations};
 pub use cost::{Cost, Costs};
-pub use look::{Look, warnings};
-pub use markdown::markdown;
-pub use study::Study;
-pub use terminal::table;
-pub use variations::{Variation, variations};
+pub use look::{Called, Look, called, warnings};
+pub use study::{Study, table};

@@ -3,7 +3,7 @@
 //! The mass flow does not depend on the filling, and goes as `W = C rho_b sqrt(g) (D - k d)^(5/2)` with the hole's diameter `D`:
 //! grains fall freely from an arch of the hole's width, and their centres keep a distance from its rim.
 
-use super::case::values;
+use super::campaign::values;
 use super::fit::line;
 use super::{Case, Law, LawError, Mean, Run, Values, reported};
 use crate::draw::figure::Figure;

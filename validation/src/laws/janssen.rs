@@ -5,7 +5,7 @@
 //! saturates at `M_s = rho_b pi R^3 / (2 K mu_w)`, with the bulk density, the tube's radius, the ratio `K` of horizontal to
 //! vertical stress and the friction at the wall.
 
-use super::case::values;
+use super::campaign::values;
 use super::fit::least;
 use super::{Case, Law, LawError, Mean, Run, Values, reported};
 use crate::draw::figure::Figure;

@@ -10,25 +10,17 @@
 //! law leaves open is fitted.
 
 mod beverloo;
-mod case;
+mod campaign;
 mod chute;
 mod collapse;
 mod fit;
 mod janssen;
-mod keep;
+mod results;
 #[cfg(test)]
-mod recorded;
-mod run;
-mod study;
-mod terminal;
-mod write;
+mod tests;
 
-pub(crate) use case::{Case, Values};
-pub(crate) use keep::{KeptRows, Plan, carry_out, work};
-pub(crate) use run::{LawError, Run};
-pub(crate) use study::{LawResult, Mean, Row, Study};
-pub(crate) use terminal::{in_words, table};
-pub(crate) use write::{runs, write, write_scenes};
+pub(crate) use campaign::{Case, LawError, Plan, Run, StoredRows, Values, run_cases, work};
+pub(crate) use results::{LawResult, Mean, Row, Study, in_words, runs, table, write, write_scenes};
 
 use crate::draw::figure::Figure;
 use crate::study::Finding;

@@ -258,13 +258,12 @@ impl RunFrames {
     fn of_other_scene(&self, scene: &Scene) -> Option<String> {
         let own = self.tables.scene();
         let folder = self.folder.display();
-        (setup_hash(own) != setup_hash(scene)).then(|| match own.name == scene.name {
-            true => format!(
-                "{folder} is a run of {} with other walls, materials, grains or effects than those given here; give the scene of the run, \
-                 with the same changes (--set)",
-                own.name
-            ),
-            false => format!("{folder} is a run of {}, and is measured by {}", own.name, scene.name),
+        (setup_hash(own) != setup_hash(scene)).then(|| {
+            format!(
+                "{folder} is a run of {} with other walls, materials, grains or effects than {}; give the scene that was run, with the same \
+                 changes (--set)",
+                own.name, scene.name
+            )
         })
     }
 

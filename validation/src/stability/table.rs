@@ -1,8 +1,8 @@
-//! A study as plain text for a terminal: one row a case, one column a code, and what is not as stated below.
+//! A study of stress tests as text: for a terminal one row per case with the failures below, and in Markdown one table per group.
 
 use super::{CaseResult, Outcome, Study, Verdict};
 use crate::draw::columns;
-use crate::study::Finding;
+use crate::study::{Cell, Finding, Table};
 
 /// The cases by group as aligned text.
 pub fn table(study: &Study) -> String {
@@ -45,7 +45,7 @@ fn cell(outcome: &Outcome) -> String {
     }
 }
 
-pub(super) fn figure(value: f64, unit: &str) -> String {
+fn figure(value: f64, unit: &str) -> String {
     let size = value.abs();
     let number = match size == 0.0 || (1e-3..1e5).contains(&size) {
         true => format!("{value:.4}"),
@@ -96,4 +96,44 @@ fn summary(study: &Study) -> String {
         }
     }
     text
+}
+
+/// The cases by group.
+pub fn markdown(study: &Study) -> String {
+    let mut text = String::from("# Hard cases\n\n");
+    let codes: Vec<String> = study.codes.iter().map(|(name, version)| format!("{name} {version}")).collect();
+    text += &format!(
+        "{} with a limit of {} s a run, on {}.\n",
+        codes.join(", "),
+        study.time_limit,
+        study.provenance.get("processor").map_or("an unknown processor", String::as_str)
+    );
+    if !study.unfinished.is_empty() {
+        text += &format!("\nNot finished: {}.\n", study.unfinished.join(", "));
+    }
+    for cases in study.cases.chunk_by(|one, next| one.group == next.group) {
+        let codes: Vec<&str> = cases[0].outcomes.iter().map(|outcome| outcome.code.as_str()).collect();
+        let table = Table::new(&["case", "what is right"], &[]).with_numbers(codes).of(cases, |case| {
+            let name = [format!("`{}`", case.name), case.right.clone()];
+            name.into_iter().chain(case.outcomes.iter().map(markdown_cell)).map(Cell::from).collect()
+        });
+        text += &format!("\n## {}\n\n{}", title(cases[0].group), table.markdown());
+    }
+    text
+}
+
+/// The name of a group with a capital.
+fn title(group: &str) -> String {
+    let mut letters = group.chars();
+    letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default() + letters.as_str()
+}
+
+/// The verdict, loud where the case did not end as stated, and the figure that tells most.
+fn markdown_cell(outcome: &Outcome) -> String {
+    let words = outcome.verdict.words();
+    let verdict = if outcome.verdict == Verdict::NotAsStated { format!("**{words}**") } else { words.into() };
+    match outcome.telling() {
+        Some(finding) => format!("{verdict}: {} {}", finding.what, figure(finding.value, &finding.unit)),
+        None => verdict,
+    }
 }

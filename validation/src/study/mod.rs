@@ -6,6 +6,7 @@
 //! ```
 
 mod cache;
+mod campaign;
 mod document;
 mod finding;
 mod page;
@@ -13,6 +14,7 @@ mod report;
 mod table;
 
 pub use cache::{Found, Key, RunCache, damaged_below, sealed, unseal};
+pub use campaign::run_jobs;
 pub use document::{Document, DocumentError, File};
 pub(crate) use document::{drawn, json, table, write_together};
 pub use finding::Finding;

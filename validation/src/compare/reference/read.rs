@@ -69,6 +69,9 @@ impl Reference {
             return Ok(None);
         };
         let file = folder.join("runs.csv");
+        if runs.is_empty() {
+            return Err(ReferenceError::Line { file, line: 1, problem: "no run is recorded".into() });
+        }
         all_alike(&runs).map_err(|(line, problem)| ReferenceError::Line { file, line, problem })?;
         let runs = runs.into_iter().map(|(_, run)| run).collect();
         let mut reference = Reference { runs, ..Reference::default() };

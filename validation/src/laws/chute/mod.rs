@@ -13,7 +13,7 @@ mod bed;
 mod profile;
 
 use self::profile::Profile;
-use super::case::values;
+use super::campaign::values;
 use super::{Case, Law, LawError, Mean, Run, Values, reported};
 use crate::draw::figure::Figure;
 use crate::draw::names::{CodeStyle, Marker};

@@ -23,7 +23,7 @@
 mod column;
 mod deposit;
 
-use super::case::values;
+use super::campaign::values;
 use super::fit::{at_zero, line, parabola_at_zero};
 use super::{Case, Law, LawError, Mean, Run, Values, reported};
 use crate::draw::figure::Figure;

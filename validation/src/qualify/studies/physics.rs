@@ -3,7 +3,7 @@
 use super::{Job, Named, Part, Place, QualifyError, Results, weight};
 use crate::compare::KeptRuns;
 use crate::effects::{Ablated as Row, Ablation, Need, Plan};
-use crate::laws::{self, Case, KeptRows, Law, LawError, LawResult};
+use crate::laws::{self, Case, Law, LawError, LawResult, StoredRows};
 use crate::peers::Makadam;
 use crate::qualify::tier::Ablated;
 use crate::report::{StudyOutcome, StudySection, StudyTest};
@@ -25,7 +25,7 @@ struct Measured {
     law: &'static dyn Law,
     cases: Vec<Case>,
     seeds: u64,
-    kept: KeptRows,
+    kept: StoredRows,
     /// Rows by case and seed.
     rows: Results<laws::Row>,
 }
@@ -36,7 +36,7 @@ impl<'a> Laws<'a> {
             let law = laws::all().into_iter().find(|law| law.name() == name).expect("the table of tiers names laws");
             let folder = place.folder("laws").join(name);
             let plan = laws::Plan { seeds: &[], again: place.settings.again, folder: &folder };
-            let kept = KeptRows::open(law, &plan).map_err(of_law)?;
+            let kept = StoredRows::open(law, &plan).map_err(of_law)?;
             Ok(Measured { law, cases: law.cases(false), seeds, kept, rows: Results::new() })
         };
         let laws = laws.iter().map(open).collect::<Result<_, QualifyError>>()?;

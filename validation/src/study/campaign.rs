@@ -1,0 +1,59 @@
+//! One campaign: jobs of (scene, code, seed, settings) on the thread pool, their results in the order of the jobs.
+//!
+//! A job takes its result from a [`RunCache`](super::RunCache) where an earlier start has stored it, so that a campaign resumes.
+
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Runs jobs on the thread pool, those with the most work first; `progress` receives the fraction of the work that is done.
+///
+/// # Errors
+/// That of a job; the other jobs that have begun end first.
+pub fn run_jobs<J: Sync, R: Send, E: Send>(
+    jobs: &[J],
+    work: impl Fn(&J) -> f64,
+    progress: &(dyn Fn(f64) + Sync),
+    run: impl Fn(&J, &(dyn Fn(f64) + Sync)) -> Result<R, E> + Sync,
+) -> Result<Vec<R>, E> {
+    let works: Vec<f64> = jobs.iter().map(work).collect();
+    let total: f64 = works.iter().sum();
+    let fractions: Vec<AtomicU64> = jobs.iter().map(|_| AtomicU64::new(0)).collect();
+    let one = |number: usize| {
+        let done = |fraction: f64| {
+            fractions[number].store(fraction.to_bits(), Ordering::Relaxed);
+            let done = fractions.iter().map(|fraction| f64::from_bits(fraction.load(Ordering::Relaxed)));
+            progress(done.zip(&works).map(|(fraction, work)| fraction * work).sum::<f64>() / total);
+        };
+        let result = run(&jobs[number], &done)?;
+        done(1.0);
+        Ok((number, result))
+    };
+    // A long job that begins last would run alone.
+    let mut order: Vec<usize> = (0..jobs.len()).collect();
+    order.sort_by(|&a, &b| works[b].total_cmp(&works[a]));
+    let mut results = order.into_par_iter().with_max_len(1).map(one).collect::<Result<Vec<_>, E>>()?;
+    results.sort_by_key(|(number, _)| *number);
+    Ok(results.into_iter().map(|(_, result)| result).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    #[test]
+    fn results_keep_the_order_of_jobs() {
+        let last = Mutex::new(0.0_f64);
+        let progress = |fraction: f64| {
+            let mut last = last.lock().unwrap();
+            *last = last.max(fraction);
+        };
+        let square = |job: &f64, done: &(dyn Fn(f64) + Sync)| {
+            done(0.5);
+            if *job < 0.0 { Err("negative") } else { Ok(job * job) }
+        };
+        assert_eq!(run_jobs(&[3.0, 1.0, 2.0], |job| *job, &progress, square), Ok(vec![9.0, 1.0, 4.0]));
+        assert!((*last.lock().unwrap() - 1.0).abs() < 1e-12);
+        assert_eq!(run_jobs(&[3.0, -1.0], |job| *job, &|_| (), square), Err("negative"));
+    }
+}
