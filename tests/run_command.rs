@@ -102,6 +102,13 @@ fn frames_are_valid_and_complete() {
     let output = makadam(folder).arg("run").arg(scene).args(["--steps", "100", "--output", "vtp"]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(folder.join("vtp/frames/walls-00000.vtp").exists() && !folder.join("vtp/frames/walls-00001.vtp").exists());
+    // Exports that are missing are made up for, and frames of an earlier export go.
+    std::fs::remove_file(folder.join("vtp/grains.pvd")).unwrap();
+    std::fs::write(folder.join("vtp/frames/grains-00099.vtp"), "").unwrap();
+    let scene = folder.join("changed.toml");
+    let again = ["--steps", "100", "--output", "vtp", "--resume"];
+    assert!(makadam(folder).arg("run").arg(scene).args(again).output().unwrap().status.success());
+    assert!(!folder.join("vtp/frames/grains-00099.vtp").exists());
     let list = std::fs::read_to_string(folder.join("vtp/grains.pvd")).unwrap();
     assert!(list.contains("frames/grains-00001.vtp") && folder.join("vtp/frames/grains-00001.vtp").exists(), "{list}");
     let script = std::fs::read_to_string(folder.join("vtp/open-in-paraview.py")).unwrap();

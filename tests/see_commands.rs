@@ -111,6 +111,9 @@ fn what_cannot_be_shown_is_refused_with_what_to_do() {
     std::fs::write(&frames, &bytes).unwrap();
     refused(&["picture", "small"], 1, &["frames.mkd", "damaged", "run the scene again", "another --time"]);
     refused(&["view", "small"], 1, &["frames.mkd"]);
+    // A run that ended has all its frames.
+    std::fs::write(&frames, &bytes[..bytes.len() / 2]).unwrap();
+    refused(&["view", "small"], 1, &["frames.mkd", "whole frames, and run.json states 4"]);
     let output = call(folder, &["view", "small"]);
     assert!(!String::from_utf8_lossy(&output.stderr).contains("another"), "a page has no --time");
     assert!(!folder.join("results/small/view.html").exists());

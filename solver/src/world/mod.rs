@@ -52,7 +52,7 @@ pub(crate) const INVERSE_INERTIA: f64 = 2.5;
 /// Dynamic state of a grain: one cache line of two quads.
 ///
 /// The spin is kept as the scaled spin `radius * angular velocity` (m/s), which takes the lever arm out of the
-/// contact: for solid spheres an impulse P changes it by [`INVERSE_INERTIA`] over m times the cross product of P and the normal.
+/// contact: for solid spheres an impulse P changes it by `INVERSE_INERTIA` (5/2) over m times the cross product of P and the normal.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Body {

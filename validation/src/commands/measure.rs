@@ -28,10 +28,19 @@ struct MeasureDocument<'a> {
     notes: &'a [String],
 }
 
-/// Returns the folder of a run of Makadam that is measured by itself.
-fn run_folder(manifest: &Manifest) -> Option<PathBuf> {
-    let [pattern] = &manifest.grains[..] else { return None };
-    manifest.files(pattern).ok()?.into_iter().find(|path| path.is_dir())
+/// Returns the folder of a run of Makadam, which is measured alone.
+fn run_folder(manifest: &Manifest) -> Result<Option<PathBuf>, Failure> {
+    let mut paths = Vec::new();
+    for pattern in &manifest.grains {
+        paths.extend(manifest.files(pattern)?);
+    }
+    match paths.iter().find(|path| path.is_dir()) {
+        Some(folder) if paths.len() > 1 || !manifest.contacts.is_empty() => Err(Failure::Usage(format!(
+            "{} is the folder of a run, which is measured alone; give one folder and no other files",
+            folder.display()
+        ))),
+        folder => Ok(folder.cloned()),
+    }
 }
 
 /// Reads the files and prints the numbers.
@@ -39,7 +48,7 @@ pub(super) fn measure(arguments: &MeasureArguments, console: &Console) -> Result
     let (_, scene) = load(&arguments.scene, &arguments.changes)?;
     let manifest = manifest(arguments)?;
     manifest.check(&scene).map_err(Failure::Usage)?;
-    let Imported { recording, mut notes } = match run_folder(&manifest) {
+    let Imported { recording, mut notes } = match run_folder(&manifest)? {
         Some(folder) => {
             let seed = manifest.seed.unwrap_or(scene.seed);
             let mut recording =

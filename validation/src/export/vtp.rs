@@ -17,6 +17,7 @@ const SCRIPT: &str = include_str!("open-in-paraview.py");
 /// [`ExportError`] if a frame cannot be read, or the system refuses.
 pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> Result<Vec<Written>, ExportError> {
     create_folder(&folder.join(FOLDER))?;
+    remove_earlier(&folder.join(FOLDER))?;
     let mut written = Vec::new();
     for (part, kind) in Kind::ALL.into_iter().enumerate() {
         let name = kind.name();
@@ -42,4 +43,19 @@ pub(super) fn write(run: &RunFrames, folder: &Path, progress: &dyn Fn(f64)) -> R
     let script = folder.join("open-in-paraview.py");
     std::fs::write(&script, SCRIPT).map_err(|error| WriteError::new(&script, error))?;
     Ok(written)
+}
+
+/// Removes the frames of an earlier export, which may be more.
+fn remove_earlier(folder: &Path) -> Result<(), ExportError> {
+    let refused = |error| ExportError::Write(WriteError::new(folder, error));
+    for entry in std::fs::read_dir(folder).map_err(refused)? {
+        let path = entry.map_err(refused)?.path();
+        let name = path.file_name().and_then(|name| name.to_str()).and_then(|name| name.strip_suffix(".vtp"));
+        let number =
+            name.and_then(|name| Kind::ALL.iter().find_map(|kind| name.strip_prefix(kind.name())?.strip_prefix('-')));
+        if number.is_some_and(|number| number.len() >= 5 && number.bytes().all(|byte| byte.is_ascii_digit())) {
+            std::fs::remove_file(&path).map_err(|error| WriteError::new(&path, error))?;
+        }
+    }
+    Ok(())
 }

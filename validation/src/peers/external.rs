@@ -260,8 +260,16 @@ impl Code for External {
         if self.folders.is_some() {
             let folder = self.place(job);
             if folder.join(RunFiles::FRAMES).is_file() {
-                let recording = RunFrames::open(folder).and_then(|run| run.recording(self.name, job.seed, job.scene));
-                return recording.map_err(|error| self.output(folder, 1, error.to_string()));
+                let refused = |problem: String| self.output(folder, 1, problem);
+                let run = RunFrames::open(folder).map_err(|error| refused(error.to_string()))?;
+                if let Some(seed) = run.seed().filter(|seed| *seed != job.seed) {
+                    return Err(refused(format!(
+                        "run.json states seed {seed}, and the folder's name seed {}; rename the folder",
+                        job.seed
+                    )));
+                }
+                let recording = run.recording(self.name, job.seed, job.scene);
+                return recording.map_err(|error| refused(error.to_string()));
             }
             let tables = self.tables_in(self.place(job))?;
             return self.recording(job, &tables, None, 0.0);

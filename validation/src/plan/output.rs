@@ -10,7 +10,7 @@ pub struct Output {
     /// Time between frames on disk, s; default: that of `measure`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<f64>,
-    /// Fields of grains in exported frames, besides ids, diameters and materials, which are always there; all, if absent.
+    /// Fields of grains in exported frames, in addition to number, diameter and material; default: all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fields: Option<Vec<GrainField>>,
     /// Writes contacts.

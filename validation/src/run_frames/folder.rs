@@ -90,12 +90,13 @@ pub struct RunFrames {
     source: Source,
     tables: FrameTables,
     alarms: Option<String>,
+    seed: Option<u64>,
 }
 
 /// Place of the frames.
 #[derive(Clone, Debug)]
 enum Source {
-    Store(Store),
+    Store(Box<Store>),
     Memory(Vec<Arc<Snapshot>>),
 }
 
@@ -118,19 +119,32 @@ impl RunFrames {
         if store.count() == 0 {
             return Err(none(format!("{} has no whole frame yet", RunFiles::FRAMES)));
         }
-        let (tables, alarms) = (FrameTables::new(store.scene()), alarms(&folder));
-        Ok(RunFrames { folder, source: Source::Store(store), tables, alarms })
+        let summary = summary(&folder);
+        // A run that ended states its number of frames: fewer are no trace of a kill, but damage.
+        if summary["complete"] == true && summary["frames"] != store.count() {
+            let problem =
+                format!("is damaged: it has {} whole frames, and run.json states {}", store.count(), summary["frames"]);
+            return Err(damaged(&file, problem));
+        }
+        let (tables, alarms) = (FrameTables::new(store.scene()), alarms(&folder, &summary));
+        let seed = summary["provenance"]["seed"].as_u64();
+        Ok(RunFrames { folder, source: Source::Store(Box::new(store)), tables, alarms, seed })
     }
 
     /// Takes frames of a scene in memory, at least one, in the order of time.
     pub fn in_memory(scene: &Scene, frames: Vec<Arc<Snapshot>>) -> RunFrames {
         let tables = FrameTables::new(scene);
-        RunFrames { folder: PathBuf::new(), source: Source::Memory(frames), tables, alarms: None }
+        RunFrames { folder: PathBuf::new(), source: Source::Memory(frames), tables, alarms: None, seed: None }
     }
 
     /// Returns the folder.
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// Returns the seed of the run, if its summary states it.
+    pub fn seed(&self) -> Option<u64> {
+        self.seed
     }
 
     /// Returns the name of the scene.
@@ -287,11 +301,15 @@ fn damaged(file: &Path, problem: String) -> RunFolderError {
     RunFolderError::Damaged { file: file.display().to_string(), problem }
 }
 
-/// Returns the diagnostics in `run.json` that make the numbers of the run doubtful or invalid.
-fn alarms(folder: &Path) -> Option<String> {
+/// Reads `run.json`; null where it is missing or damaged.
+fn summary(folder: &Path) -> serde_json::Value {
+    let text = std::fs::read_to_string(folder.join(RunFiles::SUMMARY)).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+/// Returns the diagnostics in a summary that make the numbers of the run doubtful or invalid.
+fn alarms(folder: &Path, summary: &serde_json::Value) -> Option<String> {
     let file = folder.join(RunFiles::SUMMARY);
-    let summary = std::fs::read_to_string(&file).unwrap_or_default();
-    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap_or_default();
     let alarms = summary["alarms"].as_array().map(Vec::as_slice).unwrap_or_default();
     let worth = match alarms.iter().any(|alarm| alarm["grave"] == true) {
         true => "that its numbers are worthless",

@@ -205,7 +205,7 @@ impl Scene {
     /// Speed (m/s) from which on an impact that the step does not resolve has its restitution: see [`SolverSettings::slowest_impact`],
     /// here with the mean of the radii that the scene gives.
     ///
-    /// [`SolverSettings::slowest_impact`]: super::SolverSettings::slowest_impact
+    /// [`SolverSettings::slowest_impact`]: crate::scene::SolverSettings::slowest_impact
     pub fn slowest_impact(&self) -> f64 {
         let placed = self.population.iter().map(|group| (group.count as f64, group.radius.mean()));
         let all = placed.chain(self.grain.iter().map(|grain| (1.0, grain.radius)));

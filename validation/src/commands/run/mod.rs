@@ -71,6 +71,8 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
             // What a process that was killed at its very end has not removed.
             Place::inside(&output).clear();
             console.note(&format!("nothing to do: {} holds this run, which has ended", output.display()));
+            // An earlier process may have ended during the exports.
+            export_formats(&scene, &output, console)?;
             console.result(&if arguments.output.json { record.text } else { record.describe() })?;
             return Ok(ExitCode::SUCCESS);
         }
@@ -90,17 +92,19 @@ pub(super) fn run(arguments: &RunArguments, console: &Console) -> Result<ExitCod
     };
     let played = session.play(steps, console);
     let (summary, ended) = session.finish(played);
-    let formats = scene.output.iter().flat_map(|output| &output.formats);
-    let ended = ended.and_then(|()| {
-        formats.copied().try_for_each(|format| {
-            let run = RunFrames::open(&output)?;
-            console.note(&export_frames(&run, Format::of(format), &output, console)?);
-            Ok(())
-        })
-    });
+    let ended = ended.and_then(|()| export_formats(&scene, &output, console));
     console.result(&if arguments.output.json { json(&summary) } else { describe(&summary) })?;
     ended?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Exports the frames of a complete run in the formats that its scene requests.
+fn export_formats(scene: &Scene, output: &Path, console: &Console) -> Result<(), Failure> {
+    scene.output.iter().flat_map(|output| &output.formats).try_for_each(|format| {
+        let run = RunFrames::open(output)?;
+        console.note(&export_frames(&run, Format::of(*format), output, console)?);
+        Ok(())
+    })
 }
 
 /// What was asked for.
