@@ -146,7 +146,7 @@ impl Machine {
         self.memory_bytes_per_second * (workers as f64 / self.threads_a_memory as f64).max(1.0)
     }
 
-    /// Most workers: every thread of every core, but no more than [`MOST_WORKERS`].
+    /// Most workers: every thread of every core, but no more than `MOST_WORKERS`.
     pub fn most_workers(&self) -> usize {
         (self.cores * self.core_throughput.len()).min(MOST_WORKERS)
     }
