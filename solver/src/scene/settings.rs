@@ -279,7 +279,7 @@ impl Default for Watch {
     }
 }
 
-/// Why a setting was refused; the simulation stays as it was.
+/// Refusal of a setting; the simulation stays unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingError {
     /// The processor lacks an instruction set.
@@ -295,7 +295,7 @@ pub enum SettingError {
     Method {
         /// What was asked for.
         method: SolverMethod,
-        /// What it does not go with.
+        /// Setting that excludes it.
         obstacle: Obstacle,
     },
     /// The system gives no more threads.

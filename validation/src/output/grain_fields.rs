@@ -209,7 +209,8 @@ impl GrainTable {
     }
 }
 
-fn repeats(scene: &Scene) -> [[f64; 3]; 2] {
+/// Returns the lengths of the periodic axes, zero along the others, and the starts of the periods, m.
+pub(crate) fn repeats(scene: &Scene) -> [[f64; 3]; 2] {
     let mut repeats = [[0.0; 3]; 2];
     for axis in scene.domain.periodic.iter().map(|axis| axis.number()) {
         repeats[0][axis] = scene.domain.max[axis] - scene.domain.min[axis];

@@ -15,13 +15,14 @@ mod vtk_read;
 mod wall_mesh;
 
 pub use cache::{cache_folder, run_folder};
-pub(crate) use grain_fields::{DRIVEN_WALLS, GrainTable, driven_walls};
+pub(crate) use grain_fields::{DRIVEN_WALLS, GrainTable, driven_walls, repeats};
 pub use lock::{FolderLock, LockError};
 pub use names::file_stem;
 pub use record::record_folder;
 pub use run_files::RunFiles;
 pub(crate) use shown::shown;
 pub use summary::{AlarmSummary, JSON_VERSION, Measured, PhaseTimes, RunSummary, SolveSummary};
+pub(crate) use table::open_to_grow;
 pub use table::{TableWritten, TimeTable};
 pub(crate) use vtk_read::{FIELD_DATA, outline as outline_vtk};
 pub(crate) use wall_mesh::WallMesh;

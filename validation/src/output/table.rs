@@ -146,8 +146,8 @@ fn line<Cell: AsRef<[u8]>>(cells: &[Cell]) -> Vec<u8> {
     text.into_inner().expect(MEMORY)
 }
 
-/// Opens a file of ours to write in it, and no link to one of somebody else's.
-fn open_to_grow(path: &Path) -> Result<File, WriteError> {
+/// Opens a file for reading and writing, but not through a link, which may lead to a file of another owner.
+pub(crate) fn open_to_grow(path: &Path) -> Result<File, WriteError> {
     let flags = OFlags::NOFOLLOW.bits() as i32;
     let opened = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path);
     opened.map_err(|source| WriteError::new(path, source))

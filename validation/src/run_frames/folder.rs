@@ -19,7 +19,7 @@ pub enum RunFolderError {
         "no run '{run}': there is no folder of that name, here or below results; give the folder that makadam run wrote into"
     )]
     NoFolder {
-        /// What was asked for.
+        /// Requested run.
         run: String,
     },
     /// There are no frames in it.
@@ -27,7 +27,7 @@ pub enum RunFolderError {
     NoFrames {
         /// The folder.
         folder: String,
-        /// What is missing.
+        /// Missing file or frame.
         problem: String,
     },
     /// A time outside the run.
@@ -35,7 +35,7 @@ pub enum RunFolderError {
     OutOfRange {
         /// The folder.
         folder: String,
-        /// What was asked for, s.
+        /// Requested time, s.
         time: f64,
         /// Number of frames.
         count: usize,
@@ -49,7 +49,7 @@ pub enum RunFolderError {
     Damaged {
         /// The file.
         file: String,
-        /// What is wrong with it.
+        /// Fault of the file.
         problem: String,
     },
     /// A field that colours cannot show.
@@ -57,23 +57,23 @@ pub enum RunFolderError {
         "'{field}' is in the frames of {folder}, but {numbers} numbers of a grain are no colour; give one of: {known}"
     )]
     ManyNumbers {
-        /// What was asked for.
+        /// Requested field.
         field: String,
         /// The folder.
         folder: String,
         /// Numbers per grain.
         numbers: usize,
-        /// What can be drawn.
+        /// Fields that can be drawn.
         known: String,
     },
     /// A field that is not there.
     #[error("no field '{field}' in the frames of {folder}; there are: {known}")]
     NoField {
-        /// What was asked for.
+        /// Requested field.
         field: String,
         /// The folder.
         folder: String,
-        /// What there is.
+        /// Fields of the frames.
         known: String,
     },
 }
@@ -112,7 +112,8 @@ impl RunFrames {
         let folder = folder.ok_or_else(|| RunFolderError::NoFolder { run: run.display().to_string() })?.to_path_buf();
         let file = folder.join(RunFiles::FRAMES);
         let none = |problem: String| RunFolderError::NoFrames { folder: folder.display().to_string(), problem };
-        if !file.exists() {
+        // A pipe would never answer.
+        if !file.is_file() {
             return Err(none(format!("there is no {} in it", RunFiles::FRAMES)));
         }
         let store = Store::open(&file).map_err(|problem| damaged(&file, problem))?;
@@ -240,7 +241,7 @@ impl RunFrames {
     /// Reads all frames as a recording of a code, to be measured by a scene, with notes on the run.
     ///
     /// # Errors
-    /// [`RunFolderError`] if a frame cannot be read, or the run wrote no contacts.
+    /// [`RunFolderError`] if a frame cannot be read.
     pub fn recording(&self, code: &str, seed: u64, scene: &Scene) -> Result<Recording, RunFolderError> {
         let frames = (0..self.count()).map(|number| self.snapshot(number).map(Arc::unwrap_or_clone));
         let frames = frames.collect::<Result<Vec<Snapshot>, _>>()?;

@@ -1,7 +1,7 @@
 //! One frame of a run in memory.
 
 use crate::output::vtk::{Array, Cells, PolyData};
-use crate::output::{GrainTable, WallMesh};
+use crate::output::{GrainTable, WallMesh, repeats};
 use crate::plan::Scene;
 use makadam::effects::gravity::Field;
 use makadam::snapshot::{DrivenWall, Particle, Snapshot};
@@ -202,12 +202,8 @@ impl FrameTables {
 
 impl Repeats {
     fn of(scene: &Scene) -> Option<Repeats> {
-        let mut repeats = Repeats { lengths: [0.0; 3], starts: [0.0; 3] };
-        for axis in scene.domain.periodic.iter().map(|axis| axis.number()) {
-            repeats.lengths[axis] = scene.domain.max[axis] - scene.domain.min[axis];
-            repeats.starts[axis] = scene.domain.min[axis];
-        }
-        (!scene.domain.periodic.is_empty()).then_some(repeats)
+        let [lengths, starts] = repeats(scene);
+        (!scene.domain.periodic.is_empty()).then_some(Repeats { lengths, starts })
     }
 }
 

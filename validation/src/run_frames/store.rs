@@ -6,7 +6,7 @@
 //!
 //! A process that is killed leaves at most its last record incomplete: readers end before it, and a resumed run overwrites it.
 
-use crate::output::WriteError;
+use crate::output::{WriteError, open_to_grow};
 use crate::plan::Scene;
 use makadam::checkpoint::{open, seal};
 use makadam::snapshot::Snapshot;
@@ -24,7 +24,7 @@ const FRAME: [u8; 8] = *b"mkd-frm\x04";
 const HEAD: u64 = 24;
 
 /// Position of a frame in a store.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     /// First byte of the record.
     start: u64,
@@ -87,10 +87,16 @@ impl StoreWriter {
         let mut store = Store::open(path).map_err(unfit)?;
         store.entries.truncate(mark.frames);
         if (store.count(), store.bytes()) != (mark.frames, mark.bytes) {
-            return Err(unfit(format!("holds {} of {} frames", store.count(), mark.frames)));
+            return Err(unfit(format!(
+                "holds {} frames in {} bytes, not {} in {}",
+                store.count(),
+                store.bytes(),
+                mark.frames,
+                mark.bytes
+            )));
         }
         store.visit(0..store.count(), &mut |_| ()).map_err(unfit)?;
-        let mut file = OpenOptions::new().write(true).open(path).map_err(refused)?;
+        let mut file = open_to_grow(path)?;
         file.set_len(mark.bytes).and_then(|()| file.seek(SeekFrom::End(0))).map_err(refused)?;
         Ok(StoreWriter { store, file })
     }
@@ -185,9 +191,7 @@ impl Store {
     /// # Errors
     /// The problem, in words that follow the name of the file.
     pub(crate) fn read(&self, number: usize) -> Result<Snapshot, String> {
-        let mut frame = None;
-        self.visit(std::iter::once(number), &mut |read| frame = Some(read.clone()))?;
-        frame.ok_or_else(|| format!("has no frame {number}"))
+        self.read_from(&mut self.reader()?, number)
     }
 
     /// Reads frames, by their numbers in ascending order.
@@ -199,21 +203,23 @@ impl Store {
         numbers: impl Iterator<Item = usize>,
         look: &mut dyn FnMut(&Snapshot),
     ) -> Result<(), String> {
+        let mut file = self.reader()?;
+        numbers.into_iter().try_for_each(|number| self.read_from(&mut file, number).map(|frame| look(&frame)))
+    }
+
+    fn reader(&self) -> Result<BufReader<File>, String> {
+        File::open(&self.path).map(BufReader::new).map_err(|error| format!("cannot be read: {error}"))
+    }
+
+    fn read_from(&self, file: &mut BufReader<File>, number: usize) -> Result<Snapshot, String> {
         let unread = |error: Error| format!("cannot be read: {error}");
-        let mut file = BufReader::new(File::open(&self.path).map_err(unread)?);
-        let mut bytes = Vec::new();
-        for number in numbers {
-            let entry = &self.entries[number];
-            bytes.clear();
-            let ahead = entry.start as i64 - file.stream_position().map_err(unread)? as i64;
-            file.seek_relative(ahead).map_err(unread)?;
-            file.by_ref().take(entry.length).read_to_end(&mut bytes).map_err(unread)?;
-            let body = open(FRAME, &bytes)?;
-            let frame: Snapshot =
-                postcard::from_bytes(body).map_err(|error| format!("does not hold what it should ({error})"))?;
-            look(&frame);
-        }
-        Ok(())
+        let entry = &self.entries[number];
+        let ahead = entry.start as i64 - file.stream_position().map_err(unread)? as i64;
+        file.seek_relative(ahead).map_err(unread)?;
+        let mut bytes = Vec::with_capacity(entry.length as usize);
+        file.take(entry.length).read_to_end(&mut bytes).map_err(unread)?;
+        let body = open(FRAME, &bytes)?;
+        postcard::from_bytes(body).map_err(|error| format!("does not hold what it should ({error})"))
     }
 
     fn bytes(&self) -> u64 {

@@ -255,7 +255,7 @@ impl Scene {
         })
     }
 
-    /// Where the scene gives the speed of a pair.
+    /// Place in the scene of the speed of a pair.
     fn says_restitution_speed(&self, first: &str, second: &str) -> Vec<Step> {
         let names =
             |rule: &[String; 2]| (rule[0] == first && rule[1] == second) || (rule[0] == second && rule[1] == first);

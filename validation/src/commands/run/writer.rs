@@ -41,11 +41,13 @@ impl Marks {
 
 impl Outputs {
     /// Writes a frame, or a row of the table (the given cells, then what is measured of the frame), or both.
-    fn take(&mut self, scene: &Scene, FrameToWrite { frame, written, row }: FrameToWrite) -> Result<(), Failure> {
+    fn take(&mut self, scene: &Scene, FrameToWrite { mut frame, written, row }: FrameToWrite) -> Result<(), Failure> {
         if written {
-            match scene.output.as_ref().is_none_or(|output| output.contacts) {
-                true => self.frames.append(&frame)?,
-                false => self.frames.append(&Snapshot { contacts: Vec::new(), ..frame.clone() })?,
+            let has_contacts = scene.output.as_ref().is_none_or(|output| output.contacts);
+            let hidden = if has_contacts { Vec::new() } else { std::mem::take(&mut frame.contacts) };
+            self.frames.append(&frame)?;
+            if !has_contacts {
+                frame.contacts = hidden;
             }
         }
         let Some(mut cells) = row else { return Ok(()) };
