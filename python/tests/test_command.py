@@ -67,7 +67,7 @@ def test_ctrl_c_ends_a_run_that_can_be_resumed(tmp_path):
     arguments = line("run", scene, "--quiet", "--output", "run")
     process = subprocess.Popen(arguments, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
     until = time.time() + 60
-    while not (tmp_path / "run" / "frames" / "grains-00000.vtp").exists() and time.time() < until:
+    while not (tmp_path / "run" / "frames.mkd").exists() and time.time() < until:
         time.sleep(0.02)
     time.sleep(0.3)
     os.kill(process.pid, signal.SIGINT)

@@ -86,7 +86,9 @@ def makadam_step(simulation):
 def test_saved_frames_are_those_of_a_run(filled, tmp_path):
     frames = filled.record(0.1)
     filled.save_frames(tmp_path / "run", frames)
-    assert len(list((tmp_path / "run" / "frames").glob("grains-*.vtp"))) == 3
+    assert (tmp_path / "run" / "frames.mkd").exists()
+    assert command("export", "run", "--format", "vtp", folder=tmp_path).returncode == 0
+    assert len(list((tmp_path / "run" / "frames").glob("grains-*.vtp"))) == 3 and (tmp_path / "run" / "walls.pvd").exists()
     with pytest.raises(makadam.JudgeError, match="holds frames already"):
         filled.save_frames(tmp_path / "run", frames)
     assert "bin at" in command("picture", "run", "--size", "100x80", folder=tmp_path).stdout
@@ -109,7 +111,8 @@ def test_walls_that_the_caller_moved_are_not_drawn_elsewhere(filled, tmp_path):
     assert filled.picture(size=(100, 80), walls=False).shape == (80, 100, 3)
     filled.view(tmp_path / "moved.html", walls=False)
     filled.save_frames(tmp_path / "moved", walls=False)
-    assert not (tmp_path / "moved" / "walls.pvd").exists()
+    assert command("export", "moved", "--format", "vtp", folder=tmp_path).returncode == 0
+    assert (tmp_path / "moved" / "grains.pvd").exists() and not (tmp_path / "moved" / "walls.pvd").exists()
 
 
 def test_a_simulation_without_grains_is_drawn():

@@ -45,13 +45,5 @@ pub(crate) fn wrapped(rows: &[Vec<String>]) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_stand_below_each_other() {
-        let rows = [("angle", 31.6741, Some(0.38), "degree"), ("gini_of_forces", 0.5, None, "")];
-        assert_eq!(values(rows), "angle           31.67 ± 0.38 degree\ngini_of_forces  0.5\n");
-        assert_eq!(values([]), "");
-    }
-}
+#[path = "../../tests/unit/draw_columns.rs"]
+mod tests;

@@ -197,35 +197,5 @@ fn settings(scene: &Scene, text: &str) -> Vec<Setting> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn forecast(name: &str) -> Forecast {
-        let text = crate::scenes::text(&crate::scenes::find(name, &[]).unwrap()).unwrap();
-        Forecast::of(&Scene::parse(&text).unwrap(), &text).unwrap()
-    }
-
-    #[test]
-    fn a_drum_is_told_with_its_scales() {
-        let forecast = forecast("drum");
-        let scale = |name: &str| forecast.scales.iter().find(|scale| scale.name == name).unwrap().value;
-        assert_eq!((forecast.grains, forecast.steps, forecast.walls), (1600, 16_000, 3));
-        approx::assert_relative_eq!(scale("Froude number"), 0.1 / 9.81, max_relative = 1e-12);
-        // pi r sqrt(rho/G)/(0.1631 nu + 0.8766), of grains of 4.75 mm and G of 3.85 MPa.
-        assert!((scale("Rayleigh step") - 4.1e-4).abs() < 0.2e-4, "{}", scale("Rayleigh step"));
-        assert!((1e-3..5e-2).contains(&scale("expected overlap")), "{}", scale("expected overlap"));
-        assert!((0.5..60.0).contains(&forecast.wall_seconds));
-        assert_eq!(forecast.settings[0].why, "default");
-        assert!(forecast.moving_walls[0].contains("shell") && forecast.effects.contains(&"Coulomb friction"));
-    }
-
-    #[test]
-    fn every_setting_has_its_reason() {
-        let text = crate::templates::template("box").unwrap().text;
-        let forecast = Forecast::of(&Scene::parse(text).unwrap(), text).unwrap();
-        assert_eq!(forecast.settings[0].why, "follows from accuracy");
-        assert!(forecast.settings[4].why.starts_with("line "), "{:?}", forecast.settings[4]);
-        assert!(forecast.scales.iter().all(|scale| scale.name != "Froude number"), "nothing turns");
-        assert!(forecast.text().contains("follows from accuracy"));
-    }
-}
+#[path = "../../tests/unit/forecast.rs"]
+mod tests;

@@ -22,13 +22,5 @@ pub fn too_large(radius: f64, cell: f64) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_bound_grows_with_the_grains_and_never_overflows() {
-        assert_eq!(most(0), 1_000_000);
-        assert_eq!(most(2_000), 3_000_000);
-        assert_eq!(most(usize::MAX), usize::MAX);
-    }
-}
+#[path = "../../tests/unit/observables_effort.rs"]
+mod tests;

@@ -54,23 +54,5 @@ pub fn codes_of(names: &[CodeName]) -> Vec<Box<dyn Code>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_code_is_found_by_its_own_name_and_listed_once() {
-        let all = CodeName::value_variants();
-        for name in all {
-            assert_eq!(CodeName::of(name.code().name()), Ok(*name));
-        }
-        let unknown = CodeName::of("edem").unwrap_err().to_string();
-        assert!(unknown.contains("no code 'edem'"), "{unknown}");
-        for name in all {
-            assert!(unknown.contains(&name.code().name().to_lowercase()), "{unknown}");
-        }
-        let listed = codes_of(&[CodeName::Lammps, CodeName::Makadam, CodeName::Lammps]);
-        assert_eq!(listed.iter().map(|code| code.name()).collect::<Vec<_>>(), ["Makadam", "LAMMPS"]);
-        let referees = CodeName::REFEREES.iter().chain(&CodeName::FURTHER_REFEREES);
-        assert_eq!(referees.count() + 1, all.len());
-    }
-}
+#[path = "../../tests/unit/peers_code_name.rs"]
+mod tests;

@@ -144,14 +144,5 @@ fn write_and_sync(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_full_disk_is_named() {
-        let error =
-            DocumentError::Io { path: "out/report.html".into(), source: std::io::Error::from(ErrorKind::StorageFull) };
-        assert!(error.to_string().contains("out/report.html"), "{error}");
-        assert!(error.to_string().contains("the disk is full"), "{error}");
-    }
-}
+#[path = "../../tests/unit/study_document.rs"]
+mod tests;

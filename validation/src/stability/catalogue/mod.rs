@@ -20,19 +20,5 @@ pub fn catalogue() -> Vec<Case> {
 }
 
 #[cfg(test)]
-mod tests {
-    use makadam::scene::Severity;
-
-    /// Frictions that no two solids have are deliberate in some cases.
-    #[test]
-    fn no_case_is_refused_and_few_are_told_to_go_wrong() {
-        let cases = super::catalogue();
-        let findings: Vec<(String, String)> = (cases.iter())
-            .flat_map(|case| case.scene.findings(None).into_iter().map(|finding| (case.name.clone(), finding)))
-            .inspect(|(name, finding)| assert_eq!(finding.severity, Severity::Warning, "{name}: {finding}"))
-            .map(|(name, finding)| (name, finding.to_string()))
-            .filter(|(_, finding)| !finding.contains("more than any two dry solids have"))
-            .collect();
-        assert!(findings.len() < 10, "{findings:#?}");
-    }
-}
+#[path = "../../../tests/unit/stability_catalogue.rs"]
+mod tests;

@@ -1,0 +1,72 @@
+//! Unit tests of `src/output/vtk_read.rs`.
+
+use super::*;
+use crate::output::vtk::{Cells, PolyData};
+
+fn decode(bytes: &[u8]) -> Result<Outline, String> {
+    outline(bytes, &|_, _| true)
+}
+
+/// A frame as versions before compression wrote it.
+fn uncompressed() -> String {
+    let encode = |bytes: Vec<u8>| STANDARD.encode([&(bytes.len() as u64).to_le_bytes()[..], &bytes].concat());
+    let radius = encode([0.5_f32, 0.25].iter().flat_map(|value| value.to_le_bytes()).collect());
+    let points = encode((0..6).flat_map(|n| (n as f32).to_le_bytes()).collect());
+    let time = encode(2.5_f64.to_le_bytes().to_vec());
+    format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+             <PolyData>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"binary\">{time}\
+             </DataArray>\n</FieldData>\n<Piece NumberOfPoints=\"2\" NumberOfVerts=\"2\" NumberOfLines=\"0\" NumberOfStrips=\"0\" \
+             NumberOfPolys=\"0\">\n<PointData>\n<DataArray type=\"Float32\" Name=\"radius\" NumberOfComponents=\"1\" \
+             format=\"binary\">{radius}</DataArray>\n</PointData>\n<Points>\n<DataArray type=\"Float32\" Name=\"Points\" \
+             NumberOfComponents=\"3\" format=\"binary\">{points}</DataArray>\n</Points>\n</Piece>\n</PolyData>\n</VTKFile>\n"
+    )
+}
+
+#[test]
+fn frames_of_earlier_versions_are_read() {
+    let file = outline(uncompressed().as_bytes(), &|_, _| true).unwrap();
+    assert_eq!((file.time, file.points), (Some(2.5), 2));
+    let array = |section: &str| file.sections.iter().find(|(of, _)| *of == section).unwrap().1[0].values();
+    assert_eq!(array("PointData"), [0.5, 0.25]);
+    assert_eq!(array("Points"), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+}
+
+#[test]
+fn damaged_files_are_refused_with_a_reason() {
+    let refused = |bytes: &[u8], reason: &str| {
+        let error = decode(bytes).unwrap_err();
+        assert!(error.contains(reason), "{error}");
+    };
+    let old = uncompressed();
+    refused(b"", "no XML");
+    refused(b"<VTKFile type=\"ImageData\"/>", "no polygonal data");
+    refused(old.replace("NumberOfPoints=\"2\"", "NumberOfPoints=\"3\"").as_bytes(), "24 bytes in place of 36");
+    refused(old.replace("Float32", "Float16").as_bytes(), "Float16");
+    let radii = Array::floats("radius", 1, [0.5, 0.25].into_iter());
+    let new = PolyData {
+        time: 2.5,
+        points: Array::floats("Points", 3, (0..6).map(f64::from)),
+        cells: Cells::Vertices,
+        point_data: vec![radii],
+        cell_data: Vec::new(),
+        field_data: Vec::new(),
+        texts: Vec::new(),
+    };
+    let new = new.encode();
+    assert!(decode(&new).is_ok());
+    // Whatever byte is lost or changed, there is an answer and no panic.
+    for end in 0..new.len() {
+        let _ = decode(&new[..end]);
+    }
+    for place in 0..new.len() {
+        let mut changed = new.clone();
+        changed[place] ^= 0x55;
+        let _ = decode(&changed);
+    }
+    // The first stream is that of the time.
+    let place = new.windows(2).position(|bytes| bytes == [0x78, 0x01]).unwrap();
+    let mut changed = new.clone();
+    changed[place + 4] ^= 0xff;
+    refused(&changed, "damaged");
+}

@@ -1,0 +1,120 @@
+//! Unit tests of `src/output/wall_mesh.rs`.
+
+use super::*;
+
+const WALLS: &str = r#"
+        name = "walls"
+        description = "every shape"
+        duration = 1.0
+        gravity = [0.0, 0.0, -9.81]
+        [domain]
+        min = [-1.0, -1.0, -1.0]
+        max = [1.0, 1.0, 1.0]
+        [material.steel]
+        density = 2500.0
+        youngs_modulus = 1e7
+        poisson_ratio = 0.3
+        friction = 0.5
+        restitution = 0.3
+        [material.glass]
+        density = 2500.0
+        youngs_modulus = 1e7
+        poisson_ratio = 0.3
+        friction = 0.5
+        restitution = 0.3
+        [[wall]]
+        name = "slope"
+        material = "steel"
+        shape = { kind = "plane", point = [0.0, 0.0, -0.5], normal = [0.3, 0.2, 1.0] }
+        [[wall]]
+        name = "drum"
+        material = "glass"
+        shape = { kind = "cylinder", base = [0.1, -0.2, 0.3], axis = [1.0, 2.0, 0.5], radius = 0.4, length = 0.5 }
+        motion = { kind = "rotating", point = [0.1, -0.2, 0.3], axis = [1.0, 2.0, 0.5], rate = 2.0 }
+        [[wall]]
+        name = "blade"
+        material = "steel"
+        shape = { kind = "disc", centre = [0.5, 0.0, 0.0], normal = [1.0, 0.0, 1.0], radius = 0.3, hole = 0.1 }
+        motion = { kind = "rotating", point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], rate = 1.5 }
+        [[wall]]
+        name = "lid"
+        material = "steel"
+        shape = { kind = "disc", centre = [0.0, 0.0, 0.8], normal = [0.0, 0.0, -1.0], radius = 0.3 }
+        motion = { kind = "force-driven", axis = [0.0, 0.0, -1.0], force = 1.0, mass = 1.0 }
+        [[wall]]
+        name = "tray"
+        material = "steel"
+        shape = { kind = "box", min = [-0.2, -0.2, -0.2], max = [0.2, 0.3, 0.4], open = ["+z", "-x"] }
+        motion = { kind = "translating", velocity = [0.0, 0.5, 0.0] }
+        [[wall]]
+        name = "bumps"
+        material = "steel"
+        shape = { kind = "spheres", centres = [[0.5, 0.5, 0.5], [-0.5, 0.5, 0.5]], radius = 0.1 }
+        [[grain]]
+        material = "glass"
+        radius = 0.01
+        position = [0.9, 0.9, 0.9]
+    "#;
+
+#[test]
+fn corners_lie_on_the_walls_and_move_with_them() {
+    let scene = Scene::parse(WALLS).unwrap();
+    let mesh = WallMesh::new(&scene);
+    assert!(mesh.moves());
+    let driven = |displacement| vec![DrivenWall { wall: 3, displacement, rate: 0.25 }];
+    let (early, late) = (mesh.at(0.4, &driven(0.1)), mesh.at(0.5, &driven(0.2)));
+    let Cells::Triangles(triangles) = &late.cells else { panic!("no triangles") };
+    let (points, before, velocities) = (late.points.values(), early.points.values(), late.point_data[0].values());
+    let vector = |values: &[f64], place: usize| Vector::from_column_slice(&values[3 * place..3 * place + 3]);
+    let walls = late.cell_data[0].values();
+    assert_eq!(late.cell_data[1].values().len(), triangles.len());
+    let placed = PlacedWalls::at(&scene.wall, &scene.domain, 0.5, &driven(0.2));
+    let mut seen = [0; 6];
+    for (triangle, wall) in triangles.iter().zip(&walls) {
+        for corner in triangle.map(|corner| corner as usize) {
+            let point = vector(&points, corner);
+            let mut faces = placed.faces().filter(|(of, _)| *of == *wall as usize);
+            assert!(faces.any(|(_, face)| face.distance(&point).abs() < 1e-6), "wall {wall}: {point}");
+            // Straight ways are taken by the mean velocity; those of turning walls bend.
+            let way = (point - vector(&before, corner)) / 0.1;
+            let off = (way - vector(&velocities, corner)).norm();
+            match wall {
+                4.0 => assert!(off < 1e-5, "{off}"),
+                3.0 => assert!((way.z + 1.0).abs() < 1e-5 && vector(&velocities, corner).z == -0.25),
+                2.0 => assert!(off < 0.1 && way.norm() > 0.1, "{off}"),
+                _ => assert!(way.norm() < 1e-5, "{way}"),
+            }
+        }
+        seen[*wall as usize] += 1;
+    }
+    assert_eq!(seen, [2, 192, 192, 96, 8, 640]);
+    // The shell of the drum moves within itself.
+    let on_drum = triangles[seen[0]][0] as usize;
+    assert!((vector(&velocities, on_drum).norm() - 0.8).abs() < 1e-6);
+}
+
+#[test]
+fn areas_are_those_of_the_shapes() {
+    let area = |mesh: &Triangles| -> f64 {
+        let corners = |triangle: &[u32; 3]| triangle.map(|corner| mesh.points[corner as usize]);
+        mesh.triangles.iter().map(corners).map(|[a, b, c]| 0.5 * (b - a).cross(&(c - a)).norm()).sum()
+    };
+    let domain = Domain { min: [0.0; 3], max: [1.0, 2.0, 3.0], periodic: vec![makadam::scene::Axis::Y] };
+    let level = plane(&Vector::new(0.3, 0.2, 0.0), &Vector::z(), &domain);
+    assert!((area(&level) - 2.0).abs() < 1e-12);
+    // A plane through the middle that cuts all three axes alike shows a regular hexagon in a cube.
+    let cube = Domain { min: [0.0; 3], max: [1.0; 3], periodic: Vec::new() };
+    let hexagon = plane(&Vector::repeat(0.5), &Vector::repeat(1.0).normalize(), &cube);
+    assert_eq!((hexagon.points.len(), hexagon.triangles.len()), (6, 4));
+    assert!((area(&hexagon) - 0.75 * 3.0_f64.sqrt()).abs() < 1e-12);
+    assert!(plane(&Vector::new(0.0, 0.0, 9.0), &Vector::z(), &domain).points.is_empty());
+    // Along a periodic axis a tube reaches through the domain.
+    let tube = Shape::Cylinder { base: [0.5, 0.7, 0.5], axis: [0.0, 1.0, 0.0], radius: 0.25, length: 0.1 };
+    assert!((area(&placed(&tube, &domain)) / (TAU * 0.25 * 2.0) - 1.0).abs() < 2e-3);
+    let ring = Shape::Disc { centre: [0.0; 3], normal: [0.0, 1.0, 0.0], radius: 0.5, hole: 0.25 };
+    assert!((area(&placed(&ring, &domain)) / (TAU / 2.0 * (0.25 - 0.0625)) - 1.0).abs() < 2e-3);
+    let ball = Shape::Spheres { centres: vec![[0.0; 3]], radius: 2.0 };
+    assert!((area(&placed(&ball, &domain)) / (2.0 * TAU * 4.0) - 1.0).abs() < 0.05);
+    let many = Shape::Spheres { centres: vec![[0.0; 3]; 2000], radius: 2.0 };
+    assert_eq!(placed(&many, &domain).triangles.len(), 160_000);
+}
