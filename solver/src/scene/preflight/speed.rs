@@ -25,7 +25,8 @@ pub(super) fn faults(scene: &Scene, grains: &[Grain], beforehand: Option<Beforeh
 
 /// Returns the longest step (s) in which no wall moves by more than the smallest diameter.
 pub(in crate::scene) fn longest_step_of_walls(scene: &Scene, grains: &[Grain]) -> f64 {
-    let steps = driving(scene, grains).map(|(_, speed)| DIAMETER * smallest_radius(grains) / speed);
+    let smallest = smallest_radius(grains);
+    let steps = driving(scene, grains).map(|(_, speed)| DIAMETER * smallest / speed);
     steps.fold(f64::INFINITY, f64::min)
 }
 
@@ -69,8 +70,9 @@ fn passing_grains(scene: &Scene, grains: &[Grain], beforehand: Option<Beforehand
 fn passing(grains: &[Grain], step: f64) -> Option<(usize, usize)> {
     let velocities: Vec<Vector3<f64>> = grains.iter().map(velocity).collect();
     let mean = velocities.iter().sum::<Vector3<f64>>() / grains.len().max(1) as f64;
+    let smallest = smallest_radius(grains);
     // One of two that are so fast is half as fast against the mean.
-    let fast = (0..grains.len()).filter(|&grain| (velocities[grain] - mean).norm() * step > smallest_radius(grains));
+    let fast = (0..grains.len()).filter(|&grain| (velocities[grain] - mean).norm() * step > smallest);
     fast.into_iter().find_map(|first| {
         let passes = |&second: &usize| {
             let touch = grains[first].radius + grains[second].radius;
